@@ -40,7 +40,7 @@ def places(ids, wanted, what):
     order = np.argsort(ids)
     found = order[np.clip(np.searchsorted(ids, wanted, sorter=order), 0, len(ids) - 1)]
     if not np.array_equal(ids[found], wanted):
-        raise Wrong(f"the database has {what} that the fields do not know, or lacks some")
+        raise Wrong(f"the {what} of the database are not those of the fields")
     return found
 
 
@@ -49,7 +49,7 @@ def check_elements(kind, state, time, arrays, grid, of_kind):
     ids = arrays[f"element_{kind}_ids"]
     alive = arrays[f"element_{kind}_is_alive"][state] != 0.0
     here = np.asarray(grid.cell_data["element_id"])[of_kind]
-    same(f"{kind}s that are left", time, np.sort(here), np.sort(ids[alive]))
+    same(f"remaining {kind}s", time, np.sort(here), np.sort(ids[alive]))
     at = places(ids, here, f"{kind}s")
 
     def column(name):
@@ -127,7 +127,7 @@ def check(folder):
     }
     for part, title in zip(arrays[ArrayType.part_titles_ids], arrays[ArrayType.part_titles]):
         if named.get(int(part), "") not in ("", title.decode().strip()):
-            raise Wrong(f"part {part} is called {title.decode().strip()}, not {named[int(part)]}")
+            raise Wrong(f"part {part} has title {title.decode().strip()}, not {named[int(part)]}")
     print(
         f"{len(steps)} states, {header.n_nodes} nodes, {header.n_shells} shells,"
         f" {header.n_solids} solids, {gone} gone: all agrees"

@@ -50,7 +50,7 @@ def read(path):
         except RuntimeError as error:  # newer pyvista raises VTK's errors
             raise Wrong(f"{path}: VTK cannot read it: {error}") from error
     if catcher.events:
-        raise Wrong(f"{path}: VTK says: {catcher.events[0].alert}")
+        raise Wrong(f"{path}: VTK reports: {catcher.events[0].alert}")
     return grid
 
 
@@ -59,12 +59,12 @@ def steps_of(collection):
     try:
         root = ElementTree.parse(collection).getroot()
     except ElementTree.ParseError as error:
-        raise Wrong(f"{collection}: not whole XML: {error}") from error
+        raise Wrong(f"{collection}: not valid XML: {error}") from error
     steps = [
         (float(e.get("timestep")), collection.parent / e.get("file")) for e in root.iter("DataSet")
     ]
     if not steps:
-        raise Wrong(f"{collection}: no step in it")
+        raise Wrong(f"{collection}: no steps")
     for (earlier, _), (later, path) in zip(steps, steps[1:]):
         if later <= earlier:
             raise Wrong(f"{collection}: {path} is at time {later}, after {earlier}")
@@ -78,7 +78,7 @@ def pieces_of(step):
     try:
         root = ElementTree.parse(step).getroot()
     except ElementTree.ParseError as error:
-        raise Wrong(f"{step}: not whole XML: {error}") from error
+        raise Wrong(f"{step}: not valid XML: {error}") from error
     return [step.parent / e.get("Source") for e in root.iter("Piece")]
 
 
@@ -139,7 +139,7 @@ def check_pieces(step, time, exterior):
         grid = read(path)
         stamp = grid.field_data.get("TimeValue")
         if stamp is None or stamp[0] != time:
-            raise Wrong(f"{path}: its time is {stamp}, the collection says {time}")
+            raise Wrong(f"{path}: its time is {stamp}, in the collection it is {time}")
         check_arrays(path, grid)
         check_once(path, "node", grid.point_data["node_id"])
         if (grid.cell_data["worker"] != worker).any():
@@ -182,7 +182,7 @@ def check_series(collection, exterior, owners, quiet):
         if grid.n_cells == 0:
             if exterior:
                 continue
-            raise Wrong(f"{path}: no cells in it")
+            raise Wrong(f"{path}: no cells")
         check_arrays(path, grid)
         ids = grid.cell_data["element_id"]
         nodes = dict(zip(grid.point_data["node_id"].tolist(), grid.points.tolist()))
@@ -203,7 +203,8 @@ def check_series(collection, exterior, owners, quiet):
             check_once(path, "element", ids)
             if before is not None and len(np.setdiff1d(ids, before)):
                 raise Wrong(
-                    f"{path}: element {np.setdiff1d(ids, before)[0]} was not there a step before"
+                    f"{path}: element {np.setdiff1d(ids, before)[0]} was not present in the"
+                    " previous step"
                 )
             owners[time] = (ids, nodes)
             before = ids
@@ -237,7 +238,7 @@ def main():
     fields = run / "fields" if (run / "fields").is_dir() else run
     try:
         if not (fields / "fields.pvd").is_file():
-            raise Wrong(f"{fields}: no fields.pvd there")
+            raise Wrong(f"{fields}: fields.pvd is missing")
         owners = {}
         check_series(fields / "fields.pvd", False, owners, arguments.quiet)
         if (fields / "exterior.pvd").is_file():
@@ -246,7 +247,7 @@ def main():
     except Wrong as wrong:
         sys.stdout.flush()
         sys.exit(f"read_fields: {wrong}")
-    print("all adds up")
+    print("all checks passed")
 
 
 if __name__ == "__main__":

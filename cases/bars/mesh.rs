@@ -1,5 +1,5 @@
-//! Two equal bars end to end along x: strips of square shells in the plane, or cubes, so many
-//! across. Lengths in mm.
+//! Two equal bars end to end along x: strips of square shells in the plane, or cubes with a given
+//! number across. Lengths in mm.
 //!
 //! Node sets `one` and `two`; parts 1 and 2.
 
@@ -17,10 +17,10 @@ const OPTIONS: &[OptionRow] = &[
     (
         "distance",
         0.200001,
-        "between the ends that meet; their surfaces touch at the thickness of the shells [mm]",
+        "distance of the facing ends; surfaces touch at the thickness of the shells [mm]",
     ),
     ("across", 0.0, "solids across a bar, up to 20; 0 for shells"),
-    ("shift", 0.0, "of the second bar across the first, in sides of an element, 0 to 1"),
+    ("shift", 0.0, "shift of the second bar across the first, in element sides, 0 to 1"),
 ];
 
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {

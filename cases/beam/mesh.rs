@@ -2,8 +2,8 @@
 //! a beam under a step pressure, in plane strain. x runs from the pinned end to the symmetry plane,
 //! y across the beam, z upwards.
 //!
-//! Published: 19,500 elements and 22,506 nodes, which 65 x 30 x 10 elements give, and 6480 elements
-//! for each worker of the scaled problem, here 54 x 12 x 10 laid side by side. Lengths are not
+//! Published: 19,500 elements and 22,506 nodes, the counts of 65 x 30 x 10 elements, and 6480
+//! elements per worker for the scaled problem, here 54 x 12 x 10 side by side. Lengths are not
 //! published: cubes of 5 mm.
 
 use crate::builder::Builder;
@@ -19,7 +19,7 @@ pub const GENERATOR: Generator = Generator {
         (
             "scale",
             0.0,
-            "6480 elements for each of this many workers; 0 for the 19,500 of the fixed-size problem",
+            "number of workers with 6480 elements each; 0: fixed-size problem with 19,500",
         ),
         ("side", 5.0, "side of the cubes [mm]"),
     ],

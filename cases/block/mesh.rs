@@ -12,13 +12,13 @@ use crumple_proto::problem::Problem;
 pub const GENERATOR: Generator = Generator {
     name: "block",
     options: &[
-        ("length", 10.0, "along x [mm]"),
-        ("width", 10.0, "along y [mm]"),
-        ("height", 10.0, "along z [mm]"),
+        ("length", 10.0, "length along x [mm]"),
+        ("width", 10.0, "width along y [mm]"),
+        ("height", 10.0, "height along z [mm]"),
         ("along", 4.0, "solids along x, 1 to 512"),
         ("across", 4.0, "solids along y, 1 to 512"),
         ("high", 4.0, "solids along z, 1 to 512"),
-        ("refine", 1.0, "each of the three counts times this, 1 to 64"),
+        ("refine", 1.0, "factor on each of the three counts, 1 to 64"),
     ],
     build,
 };

@@ -24,7 +24,7 @@ const COURSES: usize = 5;
 pub const GENERATOR: Generator = Generator {
     name: "brick_wall",
     options: &[
-        ("scale", 1.0, "scaled problem: elements multiply by about this number"),
+        ("scale", 1.0, "scaled problem: approximate factor on the number of elements"),
         ("gap", 0.0, "gap between bricks, in every direction [mm]"),
     ],
     build,
@@ -37,8 +37,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     if !wrong.is_empty() {
         return Err(wrong);
     }
-    // The same number of elements more in every direction; an even number along a brick, so that
-    // halves are whole.
+    // The same factor in every direction, with an even number along a brick, so that a half brick
+    // has an integer number.
     let fine = scale.cbrt();
     let more = |n: usize| ((n as f64 * fine).round() as usize).max(1);
     let half_cells = more(CELLS[0] / 2);

@@ -1,6 +1,6 @@
-//! The can crush of PRONTO3D (Attaway et al. 1994): a tilted plate crushes half of a can, which
-//! stands on its fixed bottom edge. The can's axis is z, the symmetry plane is y = 0, the plate
-//! comes from above.
+//! The can crush of PRONTO3D (Attaway et al. 1994): a tilted plate crushes half of a can with a
+//! fixed bottom edge. The axis of the can is z, the symmetry plane is y = 0, the plate moves
+//! downwards.
 //!
 //! Published: wall 0.25 in, inner radius 5 in, length 15 in, plate 22 x 11 x 2.5 in tilted by 10
 //! degrees, both three elements thick, 7152 elements: here 48 x 39 x 3 for the can and 32 x 16 x 3
@@ -24,9 +24,9 @@ const PLATE: [f64; 3] = [22.0 * INCH, 11.0 * INCH, 2.5 * INCH];
 pub const GENERATOR: Generator = Generator {
     name: "can_crush",
     options: &[
-        ("scale", 1.0, "scaled problem: elements multiply by about this number"),
+        ("scale", 1.0, "scaled problem: approximate factor on the number of elements"),
         ("tilt", 10.0, "tilt of the plate about the y axis [degree]"),
-        ("layers", 3.0, "elements through the wall, at scale 1"),
+        ("layers", 3.0, "elements through the wall, for scale = 1"),
     ],
     build,
 };
@@ -46,7 +46,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let can = mesh.block(1, cells, |[i, j, k]| {
         let r = RADIUS + WALL * i as f64 / cells[0] as f64;
         let angle = std::f64::consts::PI * j as f64 / cells[1] as f64;
-        // The ends lie on the symmetry plane to the last bit.
+        // The ends are exactly on the symmetry plane.
         let y = if j == 0 || j == cells[1] { 0.0 } else { r * angle.sin() };
         [r * angle.cos(), y, LENGTH * k as f64 / cells[2] as f64]
     });

@@ -1,5 +1,5 @@
-//! A cube of 10 mm before two fixed walls of shells that meet at the line x = y = 0: a re-entrant
-//! corner. Lengths in mm.
+//! A cube of 10 mm in front of two fixed walls of shells that meet at the line x = y = 0: a
+//! re-entrant corner. Lengths in mm.
 //!
 //! Parts: 1 walls, 2 cube. Node sets: `walls`, `cube`.
 
@@ -20,13 +20,13 @@ pub const GENERATOR: Generator = Generator {
         (
             "angle",
             90.0,
-            "between the walls, half of it on either side of the x axis, 20 to 160 [degree]",
+            "angle between the walls, half of it on each side of the x axis, 20 to 160 [degree]",
         ),
-        ("turn", 0.0, "of the cube about z; at 0 an edge of it points into the corner [degree]"),
+        ("turn", 0.0, "rotation of the cube about z; at 0 an edge points into the corner [degree]"),
         ("facets", 6.0, "quads over the width of a wall, 1 to 128"),
         ("cells", 2.0, "solids over a side of the cube, 1 to 64"),
-        ("thickness", 1.0, "of the walls, as their part has it [mm]"),
-        ("gap", 0.5, "way of the cube along x until it touches [mm]"),
+        ("thickness", 1.0, "thickness of the walls, as in their part [mm]"),
+        ("gap", 0.5, "distance of the cube along x until contact [mm]"),
     ],
     build,
 };
@@ -55,15 +55,14 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
         })
         .collect();
     columns.windows(2).for_each(|pair| mesh.strip(1, &pair[0], &pair[1], false));
-    // Turned so that an edge points along -x, then by `turn`; corners of its section as they lie
-    // around its centre.
+    // Rotated so that an edge points along -x, then by `turn`: corners of the section around its
+    // centre.
     let (sin, cos) = (turn + FRAC_PI_4).sin_cos();
     let place = |x: f64, y: f64| [cos * x - sin * y, sin * x + cos * y];
     let h = 0.5 * CUBE;
     let reach = [[-h, -h], [h, -h], [h, h], [-h, h]].map(|[x, y]| {
         let [x, y] = place(x, y);
-        // Distance of the corner from the line through a wall, if the centre is at x = 0, seen
-        // along x.
+        // Distance along x of the corner from the line through a wall if the centre is at x = 0.
         let near = |y: f64| (0.5 * thickness + half.cos() * y) / half.sin() - x;
         near(y).max(near(-y))
     });

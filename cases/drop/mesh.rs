@@ -1,15 +1,15 @@
-//! Small loose plates fall on the middle of one big shell: many slave nodes on one segment. Lengths
-//! without unit.
+//! Small loose plates fall on the middle of one large shell: many slave nodes on one segment.
+//! Lengths have no unit.
 //!
-//! Node sets `base` and `plates`; parts 1 and 2. The plates stand side by side in a square around
-//! the shell's centre.
+//! Node sets `base` and `plates`; parts 1 and 2. The plates are side by side in a square around the
+//! centre of the shell.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
-/// Side of the big shell, of a plate, and of the square that a plate has for itself.
+/// Side of the large shell, of a plate, and of the square reserved for a plate.
 const BASE: f64 = 20.0;
 const PLATE: f64 = 1.0;
 const PITCH: f64 = 1.6;
@@ -18,8 +18,8 @@ const PITCH: f64 = 1.6;
 pub const GENERATOR: Generator = Generator {
     name: "drop",
     options: &[
-        ("plates", 4.0, "small plates, four nodes each, 1 to 64"),
-        ("height", 0.45, "of the plates' middle planes over that of the shell"),
+        ("plates", 4.0, "number of small plates with four nodes each, 1 to 64"),
+        ("height", 0.45, "height of the middle planes of the plates above that of the shell"),
     ],
     build,
 };

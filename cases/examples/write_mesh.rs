@@ -9,7 +9,8 @@ fn main() -> std::io::Result<()> {
     let mut arguments = std::env::args().skip(1);
     let name = arguments.next().unwrap_or_default();
     let options = arguments.collect::<Vec<_>>().join("\n");
-    let scene = options.parse().unwrap_or_else(|e| fail(&format!("options are key=value: {e}")));
+    let scene =
+        options.parse().unwrap_or_else(|e| fail(&format!("write options as key=value: {e}")));
     let mesh = generate(&name, &scene).unwrap_or_else(|problems| {
         fail(&problems.iter().map(|p| format!("{}: {p}", p.path)).collect::<Vec<_>>().join("\n"))
     });

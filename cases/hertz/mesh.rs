@@ -1,5 +1,5 @@
-//! Half of the lower side of a cylinder over a plane, one cell deep: plane strain. The axis is y, x
-//! = 0 is a plane of symmetry, the plane lies below z = 0. Lengths in mm.
+//! Half of the lower side of a cylinder above a plane, one cell deep: plane strain. The axis is y.
+//! x = 0 is a plane of symmetry; the plane is below z = 0. Lengths in mm.
 //!
 //! Parts: 1 body, 2 base. Node sets: `body`, `base`, `middle` (x = 0), `top`.
 
@@ -8,17 +8,17 @@ use crate::{Generator, Options};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
-/// Cells of the base are larger than the smallest ones of the body by this.
+/// Size of the cells of the base over that of the smallest cells of the body.
 const COARSE: f64 = 1.3;
 
 /// The row of this file in the table of generators.
 pub const GENERATOR: Generator = Generator {
     name: "hertz",
     options: &[
-        ("radius", 10.0, "of the cylinder [mm]"),
-        ("half_width", 0.2349, "half the width of the contact that is expected [mm]"),
+        ("radius", 10.0, "radius of the cylinder [mm]"),
+        ("half_width", 0.2349, "expected half width of the contact [mm]"),
         ("size", 10.0, "width and height of the body, in half widths, 4 to 20"),
-        ("cells", 4.0, "cells on the half width, 1 to 64"),
+        ("cells", 4.0, "number of cells on the half width, 1 to 64"),
     ],
     build,
 };
@@ -32,7 +32,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     if wrong.is_empty() && size >= radius {
         wrong.push(Problem::error(
             "scene.size",
-            format!("the body is {size} wide, no less than its radius {radius}"),
+            format!("the body is {size} wide, not less than its radius {radius}"),
             "give a smaller `size` or `half_width`",
         ));
     }

@@ -2,35 +2,35 @@
 //! cross members. Lengths in mm. The vehicle points to -x: front tips at x = 0, rear ends at x =
 //! `length`; y is across, z is up.
 //!
-//! Sizes, and why (light-duty ladder frame; no drawing of the published frame gives any):
-//! - Rails 120 mm deep and 70 mm wide, 4 m long, 780 mm apart inside: mid of the usual 100 to 140
-//!   mm of depth; overall 920 mm, between the 0.75 m of a small jeep and the 1.0 m of a light
-//!   truck.
+//! Sizes and their reasons (light-duty ladder frame; there is no drawing of the published frame):
+//! - The rails are 120 mm deep, 70 mm wide and 4 m long, and 780 mm apart inside. Their depth is in
+//!   the middle of the usual 100 to 140 mm. The overall width of 920 mm is between the 0.75 m of a
+//!   small jeep and the 1.0 m of a light truck.
 //! - The rails rise 110 mm over the front axle and 80 mm over the rear one, enough for a live axle
-//!   on leaf springs; the kick-ups lie 2.0 m apart, the wheelbase of a short jeep.
-//! - The horns reach 480 mm ahead of the engine member. Folding eats some 0.73 of it: 0.35 m
+//!   on leaf springs. The kick-ups are 2.0 m apart, the wheelbase of a short jeep.
+//! - The horns reach 480 mm ahead of the engine member. Folding shortens about 0.73 of it: 0.35 m
 //!   (README.md). They drop 18 mm towards the tips. With 35 mm and more they bend into a Z instead,
 //!   at half the force.
 //! - Over the first 120 mm the horns taper to 90 mm at the tips, so that the first fold starts
-//!   there; the front beam lies right behind the tips and holds their free edges together.
-//! - The engine member is as deep as the rails and some 96 mm long, so its four corners meet the
-//!   rails' corners and its flanges lie in theirs. The others are small tubes of 48 mm.
-//! - The engine sits on the middle 303 mm of its member, the width between two engine mounts.
-//!   The load is bolted to the four edges of the last metre of both rails, as a bed is.
+//!   there. The front beam is directly behind the tips and holds their free edges together.
+//! - The engine member is as deep as the rails and about 96 mm long, so its four corners coincide
+//!   with the corners of the rails, and its flanges are in the planes of their flanges. The other
+//!   members are small tubes of 48 mm.
+//! - The engine is on the middle 303 mm of its member, the width between two engine mounts. The
+//!   load is bolted to the four edges of the last metre of both rails, like a bed.
 //!
-//! Quads: a fold is some 2 * 29 mm long, so the horns' quads are 0.58 times as long as those
-//! behind: 15 mm, and 26 mm from behind the engine member's front on. Around the rail they are 23
-//! to 24 mm, at the tips 18. Finer still would put the shortest side below half the median side.
+//! Quads: a fold is about 2 * 29 mm long, so the quads of the horns are 0.58 times as long as those
+//! behind: 15 mm, and 26 mm behind the front of the engine member. Around the rail they are 23 to
+//! 24 mm, at the tips 18 mm. Finer quads would have sides below half of the median side.
 //!
-//! Counting: a rail is a tube with open ends, 16 quads around (5 on each wall, 3 on each flange)
-//! and 169 along. A cross member is a tube of n quads around and 36 along, whose end rings are
-//! nodes of the rails' inner walls; the walls run on through the rings. With n = 8 + 18 + 8 + 8 + 8
+//! Counts: a rail is a tube with open ends, 16 quads around (5 on each wall, 3 on each flange) and
+//! 169 along. A cross member is a tube of n quads around and 36 along. Its end rings are nodes of
+//! the inner walls of the rails; the walls continue through the rings. With n = 8 + 18 + 8 + 8 + 8
 //! = 50: shells `2*16*169 + 36*50 = 7208`, nodes `2*16*170 + 35*50 = 7190`. `refine = 3` gives
 //! 64,872 shells and 64,818 nodes, the class of the 65,000-element car.
 //!
-//! `horn_refine` cuts the horns and the front beam finer still: they fold, the rest does not. One
-//! ring of triangles, a quad ahead of the engine member, leads from the fine mesh to the coarse
-//! one.
+//! `horn_refine` refines the horns and the front beam further, because only they fold. One ring of
+//! triangles, one quad ahead of the engine member, connects the fine mesh to the coarse one.
 
 use crate::builder::Builder;
 use crate::{Generator, OptionRow, Options};
@@ -41,11 +41,11 @@ use crumple_proto::problem::Problem;
 pub const GENERATOR: Generator = Generator { name: "jeep_frame", options: OPTIONS, build };
 
 const OPTIONS: &[OptionRow] = &[
-    ("refine", 1.0, "each side of each shell is cut into so many, 1 to 27"),
+    ("refine", 1.0, "number of pieces of each side of a shell, 1 to 27"),
     (
         "horn_refine",
         1.0,
-        "each side of each shell of the horns and the front beam is cut into so many more, 1 to 9",
+        "further number of pieces of each of these in the horns and the front beam, 1 to 9",
     ),
     ("length", 4000.0, "overall length [mm]"),
     ("rail_depth", 120.0, "height of the rail section, mid-surface [mm]"),
@@ -57,8 +57,8 @@ const OPTIONS: &[OptionRow] = &[
     ("horn_drop", 18.0, "front tips below the engine member [mm]"),
     ("tip_depth", 90.0, "height of the rail section at the tips, mid-surface [mm]"),
     ("taper_to", 120.0, "x from which the section has its full height [mm]"),
-    ("fine", 0.58, "length of the horns' quads as a fraction of those behind"),
-    ("fine_to", 460.0, "x to which quads have that length [mm]"),
+    ("fine", 0.58, "length of the quads of the horns as a fraction of those behind"),
+    ("fine_to", 460.0, "x up to which quads have that length [mm]"),
     ("fine_fade", 80.0, "length over which they grow to full length [mm]"),
     ("front_kick_from", 720.0, "x where the front kick-up starts [mm]"),
     ("front_kick_to", 1220.0, "x where the front kick-up ends [mm]"),
@@ -70,8 +70,8 @@ const OPTIONS: &[OptionRow] = &[
     ("rear_member_at", 3500.0, "x of the middle of the rear member [mm]"),
     ("front_part_to", 700.0, "x where part rail-front ends [mm]"),
     ("rear_part_from", 2630.0, "x where part rail-rear starts [mm]"),
-    ("engine_patch", 300.0, "width across of the patch that carries the engine [mm]"),
-    ("rear_patch", 1000.0, "length of the rails' rear ends that carry the rear mass [mm]"),
+    ("engine_patch", 300.0, "width of the patch that carries the engine [mm]"),
+    ("rear_patch", 1000.0, "length of the rear ends of the rails that carry the rear mass [mm]"),
 ];
 
 /// Quads on a rail wall, on a rail flange, along a rail, along a cross member; each times `refine`.
@@ -106,10 +106,10 @@ struct Path {
     curves: [(f64, f64, f64); 3],
     /// Overall length [mm].
     length: f64,
-    /// Height of the section at x = 0, in full, and from which x on [mm].
+    /// Height of the section at x = 0, full height, and the x where it is reached [mm].
     taper: (f64, f64, f64),
-    /// Length of the horns' quads as a fraction of those behind; from which x it grows, and to
-    /// which [mm].
+    /// Length of the quads of the horns as a fraction of those behind; the x where it starts to
+    /// grow, and the x where it ends [mm].
     fine: (f64, f64, f64),
 }
 
@@ -139,7 +139,7 @@ impl Path {
         fine + (1.0 - fine) * ((x - from) / (to - from)).clamp(0.0, 1.0)
     }
 
-    /// x of `n + 1` stations that cut the line into `n` pieces, equally long but for `fineness`.
+    /// Returns x of `n + 1` stations that divide the line into `n` pieces, weighted by `fineness`.
     fn stations(&self, n: usize) -> Vec<f64> {
         let pieces = 64 * n;
         let step = self.length / pieces as f64;
@@ -162,12 +162,12 @@ impl Path {
     }
 }
 
-/// The options, checked and turned into what the mesh is built from.
+/// The checked options, converted to the quantities that define the mesh.
 struct Plan {
     refine: usize,
-    /// Pieces of a side in the horns and the front beam, beside `refine`.
+    /// Pieces of a side in the horns and the front beam, in addition to `refine`.
     horns: usize,
-    /// Station at `refine = 1` where the horns' finer mesh ends.
+    /// Station at `refine = 1` where the finer mesh of the horns ends.
     turn: usize,
     path: Path,
     width: f64,
@@ -262,7 +262,7 @@ impl Plan {
             if pair[1].first <= pair[0].first + pair[0].along {
                 wrong.push(Problem::error(
                     format!("scene.{key}"),
-                    "this cross member touches, or lies ahead of, the one before it",
+                    "this cross member touches the previous one or is ahead of it",
                     format!("keep the order {} and a gap between them", keys.join(", ")),
                 ));
             }
@@ -285,12 +285,12 @@ impl Plan {
         Ok(Self { refine, horns, turn, path, width, gap, members, parts, engine, rear })
     }
 
-    /// Into how many a side of a shell is cut at a station of `refine = 1`.
+    /// Returns the number of pieces of a shell side at a station of `refine = 1`.
     fn pieces(&self, station: usize) -> usize {
         if station < self.turn { self.refine * self.horns } else { self.refine }
     }
 
-    /// Ring of nodes at a station of `refine = 1`.
+    /// Returns the ring of nodes at a station of `refine = 1`.
     fn ring(&self, station: usize) -> usize {
         self.refine * (station + (self.horns - 1) * station.min(self.turn))
     }
@@ -319,7 +319,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let rear = plan.rear * plan.refine;
     for rail in &rails {
         mesh.set("front", rail[0].iter().copied());
-        // The edges of the section carry the load; the middle of a wall would only flap under it.
+        // The edges of the section carry the load. The middle of a wall would only vibrate.
         let edges = [0, WALL, WALL + FLANGE, 2 * WALL + FLANGE].map(|j| j * plan.refine);
         mesh.set(
             "rear",
@@ -333,7 +333,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
 /// front to rear. A ring starts at the bottom of the inner wall, so its node `j` is row `j` of that
 /// wall.
 fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
-    // The section as (outwards from the inner wall, up from the bottom), in fractions.
+    // The section: distance from the inner wall outwards and height above the bottom, as fractions.
     let section = |pieces: usize| {
         let (wall, flange) = (WALL * pieces, FLANGE * pieces);
         let mut section = Vec::new();

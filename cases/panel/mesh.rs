@@ -1,9 +1,9 @@
-//! A quarter of a cylindrical panel of 120 degrees, along x, crown up: the panel that Morino, Leech
-//! and Witmer (1971) loaded by explosive, with planes of symmetry at its middle. Lengths in inches.
+//! A quarter of a cylindrical panel of 120 degrees, along x, with the crown up. Morino, Leech and
+//! Witmer (1971) loaded this panel by explosive. It has two planes of symmetry. Lengths in inches.
 //!
-//! Part 1 is what the explosive covers, half of the arc and 13/16 of the length; part 2 is the
-//! rest. Node sets `side` and `end` are the supports, `middle` (x = 0) and `crown` (y = 0) the
-//! planes of symmetry, `centre` the node on both.
+//! Part 1 is covered by the explosive, half of the arc and 13/16 of the length; part 2 is the rest.
+//! Node sets `side` and `end` are the supports, `middle` (x = 0) and `crown` (y = 0) the planes of
+//! symmetry, `centre` the node on both.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -29,7 +29,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     if !wrong.is_empty() {
         return Err(wrong);
     }
-    // Quads are square, and the edges of the explosive lie between them, for any number.
+    // For any number, quads are square and the edges of the explosive are between quads.
     let (around, along) = (8 * eighths, 16 * eighths);
     let mut mesh = Builder::default();
     let rows: Vec<Vec<usize>> = (0..=along)

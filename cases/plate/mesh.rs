@@ -1,5 +1,5 @@
-//! A square plate in the plane z = 0, held at its rim, with a strip of narrow quads along y through
-//! its middle if asked for. Lengths in mm.
+//! A square plate in the plane z = 0, fixed at its rim. With `strip` it has a strip of narrow quads
+//! along y through its middle. Lengths in mm.
 //!
 //! Node sets `rim` (all four edges) and `inside` (the rest).
 
@@ -15,7 +15,7 @@ const OPTIONS: &[OptionRow] = &[
     ("elements", 10.0, "quads along half a side, 1 to 500"),
     ("side", 200.0, "side of the plate [mm]"),
     ("strip", 0.0, "columns of narrow quads, 0 to all"),
-    ("narrow", 4.0, "how many of them are as wide as one of the others, 1 to 100"),
+    ("narrow", 4.0, "width of the other quads over that of the narrow ones, 1 to 100"),
 ];
 
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {

@@ -1,5 +1,5 @@
-//! A block of 20 x 20 x 10 mm on a flat base of shells, 80 x 40 mm, turned so that no lines of the
-//! meshes match.
+//! A block of 20 x 20 x 10 mm on a flat base of shells, 80 x 40 mm. The base is rotated so that no
+//! lines of the meshes match.
 //!
 //! Parts: 1 base, 2 block. Node sets: `base`, `block`, `top` and `foot` of the block.
 
@@ -16,15 +16,19 @@ const BLOCK: [f64; 3] = [20.0, 20.0, 10.0];
 pub const GENERATOR: Generator = Generator {
     name: "slide",
     options: &[
-        ("facets", 8.0, "quads along the base, 2 to 512; half as many across"),
+        ("facets", 8.0, "number of quads along the base, 2 to 512; half this number across"),
         (
             "cells",
             2.0,
-            "solids along the block, 1 to 128; half as many, at least one, over its height",
+            "solids along the block, 1 to 128; half this number, at least one, over its height",
         ),
-        ("turn", 7.0, "of the base about z [degree]"),
-        ("thickness", 2.0, "of the base, as its part has it [mm]"),
-        ("gap", 0.0, "between the base's upper side and the block; below 0 the block is sunk [mm]"),
+        ("turn", 7.0, "rotation of the base about z [degree]"),
+        ("thickness", 2.0, "thickness of the base, as in its part [mm]"),
+        (
+            "gap",
+            0.0,
+            "gap between the upper side of the base and the block; negative: penetration [mm]",
+        ),
     ],
     build,
 };

@@ -1,5 +1,5 @@
-//! Collects the nodes and elements of a scene, then numbers them so that neighbours in space are
-//! neighbours in number.
+//! Collects the nodes and elements of a scene and numbers them so that neighbours in space have
+//! nearby numbers.
 
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Growth of [`graded`] from one step to the next.
 const GROWTH: f64 = 1.2;
 
-/// The same mesh with its ids dealt out anew at random, as `seed` has it.
+/// Returns the same mesh with randomly permuted ids. `seed` sets the permutation.
 pub fn shuffled(mut mesh: Mesh, seed: u64) -> Mesh {
     let mut random = fastrand::Rng::with_seed(seed);
     let mut nodes: Vec<NodeId> = mesh.nodes.iter().map(|n| n.id).collect();
@@ -29,7 +29,7 @@ pub fn shuffled(mut mesh: Mesh, seed: u64) -> Mesh {
     mesh
 }
 
-/// A mesh in the making; nodes are indices into `points` until [`Builder::finish`] gives them ids.
+/// A mesh under construction. Nodes are indices into `points`; [`Builder::finish`] assigns ids.
 #[derive(Default)]
 pub struct Builder {
     points: Vec<[f64; 3]>,
@@ -44,7 +44,7 @@ impl Builder {
         self.points.len() - 1
     }
 
-    /// Position of a node [length].
+    /// Returns the position of a node [length].
     pub fn at(&self, index: usize) -> [f64; 3] {
         self.points[index]
     }
@@ -59,9 +59,9 @@ impl Builder {
         self.elements.push((part, Shape::Tri3, corners.to_vec()));
     }
 
-    /// Adds a body of solids, `count` of them along each of three directions that form a
-    /// right-handed system; `place` gives the position of node (i, j, k) [length]. Returns the
-    /// nodes, k running fastest, then j.
+    /// Adds a body of solids with `count` elements along each of three directions, which form a
+    /// right-handed system. `place` returns the position of node (i, j, k) [length]. Returns the
+    /// nodes with k as the fastest index, then j.
     pub fn block(
         &mut self,
         part: u32,
@@ -81,7 +81,7 @@ impl Builder {
         grid
     }
 
-    /// Joins two rows of nodes of equal length by a row of quads; a closed row returns to its
+    /// Connects two rows of nodes of equal length by a row of quads. A closed row returns to its
     /// start.
     pub fn strip(&mut self, part: u32, one: &[usize], other: &[usize], closed: bool) {
         debug_assert_eq!(one.len(), other.len());
@@ -92,8 +92,8 @@ impl Builder {
         }
     }
 
-    /// Joins two closed rows by shells of which each side on `coarse` faces the same number of
-    /// sides on `fine`: triangles, and a quad in the middle where that number is odd.
+    /// Connects two closed rows by shells. Each side on `coarse` is opposite to the same number of
+    /// sides on `fine`. The shells are triangles, with a quad in the middle if that number is odd.
     pub fn fans(&mut self, part: u32, fine: &[usize], coarse: &[usize]) {
         let (n, pieces) = (coarse.len(), fine.len() / coarse.len());
         debug_assert_eq!(fine.len(), n * pieces);
@@ -118,11 +118,11 @@ impl Builder {
         self.sets.entry(name.to_string()).or_default().extend(nodes);
     }
 
-    /// The mesh, numbered from 1 in slices of width `slice` [length] along x, within a slice along
-    /// y, then z.
+    /// Returns the mesh, numbered from 1 in slices of width `slice` [length] along x; within a
+    /// slice along y, then z.
     pub fn finish(self, slice: f64) -> Mesh {
-        // Whole thousandths of a slice, so that round-off between mirrored points does not decide
-        // an order.
+        // Rounded to thousandths of a slice, so that the order does not depend on round-off
+        // between mirrored points.
         let key = |x: [f64; 3], tie: usize| {
             let [x, y, z] = x.map(|c| (c / slice * 1e3).round() as i64);
             (x.div_euclid(1000), y, z, x, tie)
@@ -182,7 +182,7 @@ impl Grid {
         self.nodes.iter().copied()
     }
 
-    /// The nodes on one of the six faces: the first (`end` false) or last along direction `axis`.
+    /// Returns the nodes on one of the six faces: the first (`end` false) or last along `axis`.
     pub fn face(&self, axis: usize, end: bool) -> Vec<usize> {
         let [a, b, c] = self.count.map(|n| n + 1);
         let at = if end { self.count[axis] } else { 0 };
@@ -191,8 +191,8 @@ impl Grid {
     }
 }
 
-/// Places from 0 to `end` [length]: `fine` steps of `first`, then growing ones, stretched to end
-/// where they should.
+/// Returns positions from 0 to `end` [length]: `fine` steps of size `first`, then growing steps,
+/// scaled so that the last position is `end`.
 pub fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
     let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
     let mut step = first;

@@ -1,7 +1,7 @@
-//! The mesh generators that job files name, and nothing of how the scenes are solved.
+//! The mesh generators that job files name. This crate does not solve the scenes.
 //!
-//! A scene is a folder beside `src`: its `job.toml`, and its `mesh.rs` if no other scene makes its
-//! mesh. A new generator is one such file and one row of [`GENERATORS`].
+//! A scene is a folder next to `src` with a `job.toml`. It has a `mesh.rs` if it needs its own
+//! generator. A new generator is one such file and one row of [`GENERATORS`].
 
 mod builder;
 mod options;
@@ -48,16 +48,16 @@ pub use options::Options;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
-/// One row of a generator's options: key in `[scene]`, default, meaning with its unit.
+/// An option of a generator: key in `[scene]`, default, meaning with its unit.
 pub type OptionRow = (&'static str, f64, &'static str);
 
-/// A mesh generator: what it is called, what it can be asked, how it builds.
+/// A mesh generator: name, options and function.
 pub struct Generator {
     /// Name in `mesh.generator`.
     pub name: &'static str,
-    /// Every key that `[scene]` may hold.
+    /// All keys that `[scene]` may have.
     pub options: &'static [OptionRow],
-    /// Builds the mesh, or says everything that is wrong with the options.
+    /// Builds the mesh, or returns all problems of the options.
     pub build: fn(&Options) -> Result<Mesh, Vec<Problem>>,
 }
 
@@ -81,22 +81,22 @@ pub const GENERATORS: &[Generator] = &[
     twist::GENERATOR,
 ];
 
-/// Jobs that the program has in it, by the path of their file in `cases` without what all have in
-/// common.
+/// Jobs in the program. The name is the path of the file in `cases` without the parts that all
+/// paths have in common.
 const JOBS: &[(&str, &str)] = &[
     ("bench/hex-bar", include_str!("../bench/hex-bar.toml")),
     ("jeep-frame", include_str!("../jeep-frame/job.toml")),
     ("tube-crush", include_str!("../tube-crush/job.toml")),
 ];
 
-/// The text of a job that the program has in it, such as `tube-crush`.
+/// Returns the text of a job in the program, such as `tube-crush`.
 pub fn job(name: &str) -> Option<&'static str> {
     JOBS.iter().find(|j| j.0 == name).map(|j| j.1)
 }
 
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
 ///
-/// Keys that the table leaves out keep their defaults. Everything that is wrong comes back at once.
+/// Keys that are not in the table keep their defaults. All problems are returned at once.
 pub fn generate(name: &str, scene: &toml::Table) -> Result<Mesh, Vec<Problem>> {
     let Some(generator) = GENERATORS.iter().find(|g| g.name == name) else {
         let names: Vec<&str> = GENERATORS.iter().map(|g| g.name).collect();

@@ -1,18 +1,18 @@
-//! The numbers of a job's `[scene]` table, read against a generator's list of options.
+//! Reads the numbers of a job's `[scene]` table and checks them against the options of a generator.
 
 use crate::Generator;
 use crumple_proto::problem::Problem;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// The value of every option of one generator: as the job says, or the default.
+/// Values of all options of a generator, from the job or by default.
 #[derive(Clone, Debug)]
 pub struct Options {
     values: BTreeMap<&'static str, f64>,
 }
 
 impl Options {
-    /// Reads `scene` against the options of `generator`; a faulty key keeps its default and gives a
+    /// Reads `scene` with the options of `generator`. A wrong key keeps its default and gives a
     /// problem.
     pub fn read(generator: &Generator, scene: &toml::Table) -> (Self, Vec<Problem>) {
         let mut values: BTreeMap<&'static str, f64> =
@@ -44,7 +44,7 @@ impl Options {
         (Self { values }, problems)
     }
 
-    /// The value of an option in `range`; a problem if it lies outside.
+    /// Returns the value of an option. Adds a problem if it is outside `range`.
     ///
     /// # Panics
     /// If `key` is not in the generator's list.
@@ -65,7 +65,7 @@ impl Options {
         value.clamp(*range.start(), *range.end())
     }
 
-    /// The value of an option that counts something; a problem if it is no whole number in `range`.
+    /// Returns the value of an integer option. Adds a problem if it is not an integer in `range`.
     ///
     /// # Panics
     /// If `key` is not in the generator's list.
@@ -88,7 +88,7 @@ impl Options {
     }
 }
 
-/// A sentence that points to the nearest of `known`, and to all of them.
+/// Returns a sentence with the nearest name of `known`, and with all of them.
 pub fn nearest(wrong: &str, known: &[&str]) -> String {
     let near = known
         .iter()

@@ -1,5 +1,4 @@
-//! What every shipped scene must hold: files that read, meshes without flaws, numbers that the
-//! papers give.
+//! Checks of all scenes: valid files, meshes without errors, and the numbers of the papers.
 
 use crate::{GENERATORS, generate};
 use crumple_proto::ids::NodeId;
@@ -20,7 +19,7 @@ fn job(text: &str) -> Job {
 }
 
 fn mesh_of(job: &Job) -> Mesh {
-    let name = job.mesh.generator.as_deref().expect("a shipped scene names a generator");
+    let name = job.mesh.generator.as_deref().expect("a scene of this folder names a generator");
     generate(name, &job.scene).unwrap_or_else(|p| panic!("{p:?}"))
 }
 
@@ -32,7 +31,7 @@ fn made(name: &str, options: &str) -> Mesh {
     generate(name, &scene(options)).unwrap_or_else(|p| panic!("{p:?}"))
 }
 
-/// Undirected edges and how many elements share each.
+/// Returns the undirected edges and the number of elements that share each.
 fn edges(mesh: &Mesh) -> BTreeMap<(NodeId, NodeId), usize> {
     let mut edges = BTreeMap::new();
     for e in &mesh.elements {
@@ -45,7 +44,7 @@ fn edges(mesh: &Mesh) -> BTreeMap<(NodeId, NodeId), usize> {
     edges
 }
 
-/// How many pieces the elements form through shared nodes.
+/// Returns the number of connected pieces that the elements form through shared nodes.
 fn pieces(mesh: &Mesh) -> usize {
     let mut root: Vec<usize> = (0..=mesh.nodes.len()).collect();
     fn find(root: &mut [usize], mut i: usize) -> usize {
@@ -64,7 +63,8 @@ fn pieces(mesh: &Mesh) -> usize {
     (1..=mesh.nodes.len()).filter(|&i| find(&mut root, i) == i).count()
 }
 
-/// Ids run from 1; no free node, no two nodes in one place, no two elements on the same nodes.
+/// Checks that ids run from 1, and that there are no free nodes, no two nodes in one place and no
+/// two elements on the same nodes.
 fn assert_whole(mesh: &Mesh) {
     assert!(mesh.nodes.iter().zip(1..).all(|(n, id)| n.id == NodeId(id)));
     assert!(mesh.elements.iter().zip(1..).all(|(e, id)| e.id.0 == id));
@@ -75,8 +75,8 @@ fn assert_whole(mesh: &Mesh) {
     }
     let q = quality(mesh).unwrap();
     assert!(q.zero_area.is_empty() && q.dangling.is_empty());
-    // Nodes in one place would differ by round-off only; a thousandth of a side tells them from
-    // neighbours.
+    // Nodes in one place would differ by round-off only. A thousandth of a side separates them
+    // from neighbours.
     let cell = 1e-3 * q.min_side.value;
     let places: BTreeSet<[i64; 3]> =
         mesh.nodes.iter().map(|n| n.x.map(|c| (c / cell).round() as i64)).collect();
@@ -86,7 +86,7 @@ fn assert_whole(mesh: &Mesh) {
     assert_eq!(corners.len(), mesh.elements.len(), "two elements on the same nodes");
 }
 
-/// And no element is far from a square.
+/// Checks also that all elements are nearly square.
 fn assert_sound(mesh: &Mesh) {
     assert_whole(mesh);
     let q = quality(mesh).unwrap();
@@ -101,7 +101,7 @@ fn assert_sound(mesh: &Mesh) {
     assert!(q.min_jacobian.value > 0.6, "{:?}", q.min_jacobian);
 }
 
-/// Mass of the shells of a job [mass].
+/// Returns the mass of the shells of a job [mass].
 fn shell_mass(job: &Job, mesh: &Mesh) -> f64 {
     let at: BTreeMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let mut mass = 0.0;
@@ -153,7 +153,7 @@ fn jobs_fit_their_meshes() {
     }
 }
 
-/// Wang 2007, section 3: 7208 four-node shells and 35,950 degrees of freedom at five a node.
+/// Wang 2007, section 3: 7208 four-node shells and 35,950 degrees of freedom with five per node.
 #[test]
 fn jeep_frame_has_the_published_size() {
     let mesh = made("jeep_frame", "");
@@ -164,8 +164,8 @@ fn jeep_frame_has_the_published_size() {
     assert_sound(&finer);
 }
 
-/// A weld ring's edges belong to the two wall quads and to one quad of the tube; the rails' ends
-/// are open.
+/// The edges of a weld ring belong to two quads of the wall and one quad of the tube. The ends of
+/// the rails are open.
 #[test]
 fn jeep_frame_is_welded_through_shared_nodes() {
     for refine in 1..=2 {
@@ -181,8 +181,8 @@ fn jeep_frame_is_welded_through_shared_nodes() {
     }
 }
 
-/// The same where the horns are finer than the rest: nothing opens where their mesh ends, and all
-/// of the surface is there.
+/// The same for horns with a finer mesh: there are no open edges where the fine mesh ends, and the
+/// surface is complete.
 #[test]
 fn finer_horns_hang_together_with_the_rest() {
     let (job, coarse) = (job(JEEP), made("jeep_frame", ""));
@@ -215,7 +215,7 @@ fn jeep_frame_carries_masses_where_refinement_leaves_them() {
     let (coarse, fine) = (made("jeep_frame", ""), made("jeep_frame", "refine = 4"));
     for set in ["engine", "rear", "front"] {
         let (a, b) = (centre(&coarse, set), centre(&fine, set));
-        assert!(a[1].abs() < 1e-9, "{set} sits on the centre plane");
+        assert!(a[1].abs() < 1e-9, "{set} is on the centre plane");
         // The finer patch has more nodes inside the same outline: its rear end is an open edge,
         // hence the 3 mm.
         assert!((0..3).all(|i| (a[i] - b[i]).abs() < 3.0), "{set} {a:?} {b:?}");
@@ -224,7 +224,7 @@ fn jeep_frame_carries_masses_where_refinement_leaves_them() {
     assert!(tip.abs() < 1e-9, "the front tips are at x = 0, behind the wall of job.toml");
 }
 
-/// The engine, the load and some 100 kg of steel.
+/// The engine, the load and about 100 kg of steel.
 #[test]
 fn jeep_frame_weighs_what_its_notes_say() {
     let job = job(JEEP);
@@ -297,7 +297,7 @@ fn defaults_are_the_values_of_the_job_file() {
     }
 }
 
-/// Least distance between the nodes of different bodies when each moves on without touching [mm].
+/// Returns the smallest distance between nodes of different bodies that move without contact [mm].
 fn least_gap(job: &Job, mesh: &Mesh, time: f64) -> f64 {
     let bodies: Vec<Vec<[f64; 3]>> = job
         .initial_velocity
@@ -332,9 +332,9 @@ fn least_gap(job: &Job, mesh: &Mesh, time: f64) -> f64 {
     least.sqrt()
 }
 
-/// Bodies start apart and would pass through each other soon. Nearest points of two surfaces lie at
-/// most half a diagonal, 2.1 mm for sides of 3 mm, from a node each; half the thicknesses, 1.5 mm
-/// at most, keep surfaces apart.
+/// Bodies start apart and would soon pass through each other. The nearest points of two surfaces
+/// are at most half a diagonal from a node, 2.1 mm for sides of 3 mm. The half thicknesses, at most
+/// 1.5 mm, keep surfaces apart.
 #[test]
 fn tumble_starts_apart_and_collides_soon() {
     let job = job(TUMBLE);
@@ -342,7 +342,7 @@ fn tumble_starts_apart_and_collides_soon() {
     let start = least_gap(&job, &mesh, 0.0);
     assert!(start > 1.5 + 2.0 * 2.2, "{start} mm at the start");
     let later = least_gap(&job, &mesh, 1.0);
-    assert!(later < 1.0, "{later} mm after 1 ms: the bodies miss each other");
+    assert!(later < 1.0, "{later} mm after 1 ms: the bodies do not meet");
 }
 
 #[test]
@@ -352,9 +352,9 @@ fn tumble_is_small_and_of_seven_pieces() {
     assert_eq!(pieces(&mesh), 7);
 }
 
-/// Attaway et al. 1994: 19,500 elements and 22,506 nodes of the fixed-size beam, 6480 elements a
-/// worker of the scaled one; 8400 elements and 17 bricks, 54 elements in a full one; 7152 elements
-/// of the can crush.
+/// Attaway et al. 1994: 19,500 elements and 22,506 nodes for the fixed-size beam, 6480 elements per
+/// worker for the scaled one; 8400 elements and 17 bricks, with 54 elements in a full brick; 7152
+/// elements for the can crush.
 #[test]
 fn the_scenes_of_pronto_have_their_published_sizes() {
     let size = |mesh: &Mesh| (mesh.elements.len(), mesh.nodes.len());
@@ -385,7 +385,7 @@ fn solids_have_a_good_shape() {
         ("brick_wall", "scale = 3"),
         ("can_crush", "scale = 3"),
     ] {
-        let q = quality(&made(name, options)).expect("it has elements");
+        let q = quality(&made(name, options)).expect("the mesh has elements");
         assert!(q.min_jacobian.value > 0.9 && q.max_aspect.value < 6.0, "{name}: {q:?}");
         assert!(q.zero_area.is_empty() && q.dangling.is_empty());
     }
@@ -405,7 +405,7 @@ fn bars_meet_end_to_end() {
     assert!((gap - 0.200_001).abs() < 1e-12, "{gap}");
 }
 
-/// Narrow columns lie in the middle, the others share what is left of the side.
+/// Narrow columns are in the middle; the others share the rest of the side.
 #[test]
 fn a_plate_can_have_a_strip_of_narrow_quads() {
     let mesh = made("plate", "elements = 3\nside = 90.0\nstrip = 2\nnarrow = 4.0");
@@ -441,7 +441,7 @@ fn bars_are_shells_or_solids() {
     }
 }
 
-/// Every plate of `drop` is on its own, over the shell, and clear of its neighbours.
+/// Every plate of `drop` is separate, above the shell, and does not touch its neighbours.
 #[test]
 fn plates_drop_inside_the_shell() {
     let mesh = made("drop", "plates = 64");
@@ -471,8 +471,8 @@ fn the_twisted_beam_turns_by_a_right_angle() {
     assert!((spread("tip", 2) - 0.55).abs() < 1e-12 && spread("tip", 1) < 1e-12);
 }
 
-/// The scenes of studies: whole at their defaults and finer, with the node sets that their jobs
-/// name.
+/// The scenes of studies are complete with default and finer meshes and have the node sets that
+/// their jobs name.
 #[test]
 fn scenes_of_studies_are_whole() {
     let jobs = [
@@ -506,8 +506,8 @@ fn scenes_of_studies_are_whole() {
     finer.into_iter().for_each(|(name, options)| assert_whole(&made(name, options)));
 }
 
-/// The cube is where its gap says, whatever its attitude and the angle between the walls: moved by
-/// the gap, it touches a wall of 1 mm and goes through none.
+/// The cube has the distance `gap` for any rotation and any angle between the walls: moved by the
+/// gap, it touches a wall of 1 mm and penetrates none.
 #[test]
 fn the_cube_stands_before_the_corner() {
     for (angle, turn) in [(90.0, 0.0), (90.0, 45.0), (60.0, 10.0), (120.0, -30.0)] {

@@ -2,7 +2,7 @@
 //! its edge. Lengths in mm.
 //!
 //! Node sets: `middle` (x = 0), `end`, `axis` (y = 0), `loaded` (x below the border of the load),
-//! `border` (the row on it).
+//! `border` (the row on the border).
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -13,15 +13,15 @@ use crumple_proto::problem::Problem;
 pub const GENERATOR: Generator = Generator {
     name: "strip",
     options: &[
-        ("length", 127.0, "along x [mm]"),
-        ("width", 15.24, "along y [mm]"),
+        ("length", 127.0, "length along x [mm]"),
+        ("width", 15.24, "width along y [mm]"),
         ("along", 25.0, "quads along x, 1 to 4096"),
         ("across", 3.0, "quads along y, 1 to 512"),
-        ("loaded", 25.4, "length that is loaded, from the middle [mm]"),
+        ("loaded", 25.4, "loaded length, from the middle [mm]"),
         (
             "slant",
             0.0,
-            "how far lines across lean, in quads, from -0.4 to 0.4: every other one the other way",
+            "slant of the lines across, in quads, from -0.4 to 0.4, with alternating sign",
         ),
     ],
     build,

@@ -1,5 +1,5 @@
-//! A square tube of quads along z, with a trigger that starts the first fold: a half sine over some
-//! of its height, inwards on two faces and outwards on the others. Lengths in mm.
+//! A square tube of quads along z, with a trigger that starts the first fold: a half sine over part
+//! of the height, inwards on two faces and outwards on the others. Lengths in mm.
 //!
 //! Node sets: `tube` and `head` (the ring at the top).
 
@@ -13,13 +13,13 @@ use std::f64::consts::PI;
 pub const GENERATOR: Generator = Generator {
     name: "tube",
     options: &[
-        ("side", 30.0, "of the square, between middle surfaces [mm]"),
-        ("length", 60.0, "of the tube [mm]"),
+        ("side", 30.0, "side of the square, between middle surfaces [mm]"),
+        ("length", 60.0, "length of the tube [mm]"),
         ("elements", 12.0, "quads over a side, 1 to 256"),
         ("trigger", 0.3, "depth of the trigger [mm]"),
-        ("trigger_from", 3.0, "where the trigger begins, from the lower end [mm]"),
-        ("trigger_to", 20.0, "where it ends [mm]"),
-        ("shuffle", 0.0, "seed of ids at random, 1 to 1000; 0 numbers along the tube"),
+        ("trigger_from", 3.0, "start of the trigger, from the lower end [mm]"),
+        ("trigger_to", 20.0, "end of the trigger, from the lower end [mm]"),
+        ("shuffle", 0.0, "seed of random ids, 1 to 1000; 0: ids along the tube"),
     ],
     build,
 };

@@ -1,9 +1,9 @@
-//! Four open box tubes and three plates, turned every way around a common centre and a few mm
-//! apart. Lengths in mm. One node set a body; job.toml throws them at each other.
+//! Four open box tubes and three plates with different rotations around a common centre, a few mm
+//! apart. Lengths in mm. There is one node set per body; job.toml moves them towards each other.
 //!
 //! A tube is 36 mm square and 108 mm long, a plate 108 mm square, quads 9 mm: 4*192 + 3*144 = 1200
-//! shells, 4*208 + 3*169 = 1339 nodes. Turns are quaternions of whole numbers, so that no two edges
-//! are parallel and positions take no sines.
+//! shells, 4*208 + 3*169 = 1339 nodes. Rotations are quaternions of integers, so that no two edges
+//! are parallel and positions need no sines.
 
 use crate::builder::Builder;
 use crate::{Generator, OptionRow, Options};
@@ -14,12 +14,8 @@ use crumple_proto::problem::Problem;
 pub const GENERATOR: Generator = Generator { name: "tumble", options: OPTIONS, build };
 
 const OPTIONS: &[OptionRow] = &[
-    ("refine", 1.0, "each side of each shell is cut into so many, 1 to 6"),
-    (
-        "spread",
-        1.0,
-        "distances of the bodies from the centre are this many times the default, 1 to 5",
-    ),
+    ("refine", 1.0, "number of pieces of each side of a shell, 1 to 6"),
+    ("spread", 1.0, "factor on the distances of the bodies from the centre, 1 to 5"),
 ];
 
 /// Side of a quad at `refine = 1` [mm].
@@ -29,16 +25,16 @@ const ACROSS: usize = 4;
 const ALONG: usize = 12;
 
 enum Shape {
-    /// Box tube along the body's own z, open at both ends.
+    /// Box tube along the local z axis, open at both ends.
     Tube,
-    /// Square plate across the body's own z.
+    /// Square plate perpendicular to the local z axis.
     Plate,
 }
 
 struct Body {
     name: &'static str,
     shape: Shape,
-    /// Turn from the body's own axes: quaternion of any length.
+    /// Rotation from the local axes: quaternion of any length.
     turn: [f64; 4],
     /// Centre [mm].
     centre: [f64; 3],
@@ -131,7 +127,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     Ok(mesh.finish(SIDE / refine as f64))
 }
 
-/// Points around a square of `n` sides a wall, in sides from its middle.
+/// Returns the points around a square of `n` sides per wall, in sides from its middle.
 fn square(n: usize) -> Vec<[f64; 2]> {
     let (n, half) = (n as i64, 0.5 * n as f64);
     let wall = |i: i64| match i / n {

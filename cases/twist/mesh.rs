@@ -16,7 +16,7 @@ const WIDTH: f64 = 1.1;
 /// The row of this file in the table of generators.
 pub const GENERATOR: Generator = Generator {
     name: "twist",
-    options: &[("across", 2.0, "quads across, 1 to 64; six times as many along")],
+    options: &[("across", 2.0, "quads across, 1 to 64; six times this number along")],
     build,
 };
 

@@ -1,4 +1,4 @@
-//! What can be said on the command line.
+//! Command line: commands and options.
 
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -7,55 +7,54 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Parser)]
 #[command(name = "crumple", version, about, after_help = EXIT_CODES)]
 pub struct Cli {
-    /// What to do.
+    /// Command to run.
     #[command(subcommand)]
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 completed; 2 bad input; 3 numerical failure (last good state kept); \
-4 a worker was lost; 130 stopped by the user (state kept).";
+const EXIT_CODES: &str = "Exit codes: 0 completed; 2 bad input; 3 numerical failure (last good \
+state kept); 4 a worker was lost; 130 stopped by the user (state kept).";
 
-const SET_HELP: &str = "Change a key of the job: section.key=value, such as time.safety=0.8, scene.refine=2, \
-end_time=5, part.rail.thickness=3 (a part by name or id, a material or wall by name, others by position from 0). \
-Values are written as in the job; words need no quotes. Units are the job's. May be given many times";
+const SET_HELP: &str = "Change a key of the job: section.key=value, such as time.safety=0.8, \
+scene.refine=2, end_time=5, part.rail.thickness=3. Give a part by name or id, a material or wall \
+by name, an entry of another list by its position from 0. Values are written as in the job; words \
+need no quotes. Units are those of the job. May be given several times";
 
-/// The commands.
+/// Commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a job.
     ///
-    /// Workers are threads of this process; under mpirun, rank 0 is the master and all other ranks
+    /// Workers are threads of this process. Under mpirun, rank 0 is the master and all other ranks
     /// are workers.
     Run(RunArgs),
-    /// Read and check a job without running it: mass, parts, time step, mesh quality, memory,
-    /// warnings.
+    /// Check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
     Check(CheckArgs),
-    /// Run the catalogue of verification cases: ours against exact, published and computed
-    /// references.
+    /// Run the catalogue of verification cases against exact, published and computed references.
     ///
     /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit
     /// code 3 if a case is outside its tolerance.
     Verify(VerifyArgs),
-    /// Run a job over a grid of settings: a table of errors and costs, and charts of them.
+    /// Run a job over a grid of settings: a table and charts of errors and costs.
     ///
-    /// Goes on where an earlier call with the same folder stopped.
+    /// Continues where an earlier call with the same folder stopped.
     Study(StudyArgs),
-    /// Time the scenes of the benchmark: nanoseconds per element and cycle, phase by phase.
+    /// Time the scenes of the benchmark: nanoseconds per element and cycle, by phase.
     ///
-    /// Each time stands beside what the core could have computed meanwhile, measured in the same
+    /// The table also shows what the core could have computed in each time, measured in the same
     /// rounds.
     Bench(BenchArgs),
     /// Predict the parallel efficiency of a job on any number of workers.
     ///
-    /// Cuts the real mesh for each of them, counts who would have and send what, and reckons with
-    /// costs that are measured here and with a network that is not: more than two workers are
-    /// modelled.
+    /// Decomposes the mesh for each number of workers, and counts the elements, ghosts and messages
+    /// of each worker. Costs are measured on this machine; the network is not. Results for more
+    /// than two workers are therefore modelled.
     Scale(ScaleArgs),
-    /// Make report.html in a folder of results: a picture that plays and turns, plots, tables and
-    /// warnings on one page.
+    /// Make report.html in a folder of results: animation, plots, tables and warnings on one page.
     ///
-    /// `crumple run` does so at its end; this makes it anew, of what is in the folder alone. It
-    /// opens from disk, without any network, and takes runs that failed or were stopped as well.
+    /// `crumple run` does this at its end. This command makes the page again, from the files in the
+    /// folder only. The page opens from disk, without a network. Runs that failed or were stopped
+    /// are accepted.
     Report {
         /// Folder of results.
         dir: PathBuf,
@@ -78,17 +77,17 @@ pub enum Command {
     },
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
-    /// Tell what a run did not need, part by part, and the settings that leave it out.
+    /// Report what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
         dir: PathBuf,
     },
 }
 
-/// What a job is and how it is changed.
+/// Job, and changes to it.
 #[derive(Args, Clone, Debug)]
 pub struct JobArgs {
-    /// A .toml job file, a folder that holds job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn).
+    /// A .toml job file, a folder with job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn).
     pub job: PathBuf,
     /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core;
     /// under mpirun, ranks - 1].
@@ -96,7 +95,7 @@ pub struct JobArgs {
     pub workers: Option<usize>,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     set: Vec<String>,
-    /// Go on without what a deck has and the engine cannot do; it is listed in summary.json.
+    /// Ignore unsupported content of a deck instead of failing; summary.json lists it.
     #[arg(long)]
     pub allow_unsupported: bool,
 }
@@ -107,10 +106,11 @@ pub struct CheckArgs {
     /// The job.
     #[command(flatten)]
     pub job: JobArgs,
-    /// Also find the largest step that the assembled system bears (elements, springs, ties, penalty
-    /// contact in touch), at the start or as --step=T at a time to which the job is run first, on
-    /// one worker. Exit code 3 if the step taken is longer.
-    #[arg(long, value_name = "T", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = moment)]
+    /// Also find the largest stable step of the assembled system (elements, springs, ties, active
+    /// penalty contact), at the start. With --step=T, run the job to time T first, on one worker.
+    /// Exit code 3 if the step in use is larger.
+    #[arg(long, value_name = "T", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "0", value_parser = moment)]
     pub step: Option<f64>,
 }
 
@@ -120,16 +120,17 @@ pub struct RunArgs {
     /// The job.
     #[command(flatten)]
     pub job: JobArgs,
-    /// Folder for results [default: out/ and the job's name].
+    /// Folder for results [default: out/ and the name of the job].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Simulated time to run to, in the job's units of time [default: end_time of the job].
+    /// Simulated time at which the run ends, in the units of the job [default: end_time of the
+    /// job].
     #[arg(long, value_name = "T", value_parser = time, allow_negative_numbers = true)]
     pub end_time: Option<f64>,
-    /// Print nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     pub quiet: bool,
-    /// Write a time line of all workers, phase by phase, for chrome://tracing or ui.perfetto.dev.
+    /// Write a time line of all workers, by phase, for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Do not make report.html at the end.
@@ -140,7 +141,7 @@ pub struct RunArgs {
 /// `crumple schema`.
 #[derive(Args, Clone, Debug)]
 pub struct SchemaArgs {
-    /// The reference of jobs as Markdown instead: cases/REFERENCE.md.
+    /// Print the reference of jobs as Markdown instead: cases/REFERENCE.md.
     #[arg(long)]
     pub reference: bool,
 }
@@ -148,10 +149,10 @@ pub struct SchemaArgs {
 /// `crumple verify`.
 #[derive(Args, Clone, Debug)]
 pub struct VerifyArgs {
-    /// Only these entries of the catalogue, such as A01,C02.
+    /// Run only these entries of the catalogue, such as A01,C02.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Only the quick cases: a second or two each.
+    /// Run only the quick cases, a second or two each.
     #[arg(long)]
     pub quick: bool,
     /// Folder for the table and the jobs.
@@ -162,16 +163,17 @@ pub struct VerifyArgs {
 /// `crumple study`.
 #[derive(Args, Clone, Debug)]
 pub struct StudyArgs {
-    /// The study, a .toml file.
+    /// Study, a .toml file.
     pub study: PathBuf,
-    /// Folder for results [default: out/studies/ and the study's name].
+    /// Folder for results [default: out/studies/ and the name of the study].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Points that run at a time; with more than one their CPU times disturb each other.
+    /// Number of points that run at the same time; with more than one, their CPU times disturb each
+    /// other.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = jobs)]
     pub jobs: usize,
-    /// Run all points again; without it those that this version of the program has done are kept,
-    /// and charts drawn anew.
+    /// Run all points again. Otherwise, points that this version of the program has completed are
+    /// kept, and the charts are drawn again.
     #[arg(long)]
     pub fresh: bool,
 }
@@ -179,16 +181,16 @@ pub struct StudyArgs {
 /// `crumple bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
-    /// Only these scenes, such as "tube,hex-bar".
+    /// Run only these scenes, such as "tube,hex-bar".
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// How often every scene is timed.
+    /// Number of times that every scene is timed.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = jobs)]
     pub rounds: usize,
-    /// A few cycles of every scene, once: shows that all of them run, and nothing else.
+    /// Run a few cycles of every scene, once, only to show that all of them run.
     #[arg(long)]
     pub tiny: bool,
-    /// File for all figures.
+    /// File for all values.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -196,26 +198,27 @@ pub struct BenchArgs {
 /// `crumple scale`.
 #[derive(Args, Clone, Debug)]
 pub struct ScaleArgs {
-    /// A .toml job file, or a folder that holds job.toml.
+    /// A .toml job file, or a folder with job.toml.
     pub job: PathBuf,
-    /// Numbers of workers, each at least 2 [default: 2,4,8,... to 1024, as far as there are
+    /// Numbers of workers, each at least 2 [default: 2,4,8,... to 1024, at most the number of
     /// elements].
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = several)]
     pub workers: Vec<usize>,
-    /// Simulated times at which to predict, in the job's units of time; the job is run to them on
-    /// one worker.
-    #[arg(long, value_name = "T,...", value_delimiter = ',', value_parser = moment, default_value = "0")]
+    /// Simulated times of the predictions, in the units of the job. One worker runs the job to
+    /// these times.
+    #[arg(long, value_name = "T,...", value_delimiter = ',')]
+    #[arg(value_parser = moment, default_value = "0")]
     pub at: Vec<f64>,
-    /// Time of a message of no length, such as 1.5us.
+    /// Latency of a message, such as 1.5us.
     #[arg(long, value_name = "TIME", value_parser = latency, default_value = "2us")]
     pub latency: f64,
-    /// Of a worker's connection, such as 10GB/s.
+    /// Bandwidth of the connection of a worker, such as 10GB/s.
     #[arg(long, value_name = "RATE", value_parser = bandwidth, default_value = "10GB/s")]
     pub bandwidth: f64,
-    /// Folder for the table and the chart [default: out/ and the job's name, and scale in it].
+    /// Folder for the table and the chart [default: out/, the name of the job, and scale].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Changes of the job.
+    /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     pub set: Vec<String>,
 }
@@ -223,18 +226,18 @@ pub struct ScaleArgs {
 /// `crumple export-deck`.
 #[derive(Args, Clone, Debug)]
 pub struct ExportArgs {
-    /// A .toml job file, a folder that holds job.toml, or a deck.
+    /// A .toml job file, a folder with job.toml, or a deck.
     pub job: PathBuf,
     /// File for the deck [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Changes of the job.
+    /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     pub set: Vec<String>,
 }
 
 impl ScaleArgs {
-    /// The folder for results.
+    /// Returns the folder for results.
     pub fn out_dir(&self) -> PathBuf {
         self.out
             .clone()
@@ -243,7 +246,7 @@ impl ScaleArgs {
 }
 
 impl JobArgs {
-    /// All `key=value`, in order.
+    /// Returns all `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
         let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());
         self.set.iter().cloned().chain(allowed).collect()
@@ -251,14 +254,14 @@ impl JobArgs {
 }
 
 impl RunArgs {
-    /// All `key=value`, in order, `--end-time` as the last.
+    /// Returns all `key=value`, in order, `--end-time` as the last.
     pub fn sets(&self) -> Vec<String> {
         let end_time = self.end_time.map(|t| format!("end_time={t:?}"));
         self.job.sets().into_iter().chain(end_time).collect()
     }
 
-    /// The folder for results: as given, else `out/` and the name of the job's file or, for
-    /// `job.toml`, of its folder.
+    /// Returns the folder for results: the given one, otherwise `out/` and the name of the job file
+    /// or, for `job.toml`, of its folder.
     pub fn out_dir(&self) -> PathBuf {
         if let Some(out) = &self.out {
             return out.clone();
@@ -267,7 +270,7 @@ impl RunArgs {
     }
 }
 
-/// Name of a job: that of its file or, for `job.toml`, of its folder.
+/// Returns the name of a job: that of its file or, for `job.toml`, of its folder.
 fn name_of(job: &Path) -> PathBuf {
     let job = std::fs::canonicalize(job).unwrap_or_else(|_| job.to_owned());
     let named_by_folder = job.file_name().is_some_and(|name| name == "job.toml");
@@ -281,7 +284,7 @@ fn name_of(job: &Path) -> PathBuf {
 
 fn workers(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(0) => Err("0 workers cannot run anything; leave --workers out for one per core".into()),
+        Ok(0) => Err("0 workers cannot run anything; omit --workers for one per core".into()),
         Ok(n) => Ok(n),
         Err(_) => Err("give a whole number from 1".into()),
     }
@@ -299,7 +302,7 @@ fn moment(text: &str) -> Result<f64, String> {
     time.ok_or_else(|| "give times from 0 in the job's units, such as 0,20".into())
 }
 
-/// A time in seconds.
+/// Parses a time in seconds.
 fn latency(text: &str) -> Result<f64, String> {
     let units = [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
     with_unit(text, &units)
@@ -307,7 +310,7 @@ fn latency(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "give a time with ns, us, ms or s, such as 2us".into())
 }
 
-/// Bytes in a second.
+/// Parses a rate in bytes per second.
 fn bandwidth(text: &str) -> Result<f64, String> {
     let units = [("GB/s", 1e9), ("MB/s", 1e6)];
     with_unit(text, &units)
@@ -315,7 +318,7 @@ fn bandwidth(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "give a rate with GB/s or MB/s, such as 10GB/s".into())
 }
 
-/// A finite number followed by one of the units.
+/// Parses a finite number followed by one of the units.
 fn with_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
     let (number, factor) =
         units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor)))?;

@@ -3,8 +3,9 @@
 //! - [`cli`]: the command line
 //! - [`input`]: jobs ([`input::job`]), LS-DYNA keyword decks ([`input::deck`]), checks
 //!   (`crumple check`), reference (`crumple schema`)
-//! - [`run`]: THE RUN is [`run::control`], start there; [`run::launch`]: `crumple run` on threads or
-//!   under MPI; [`run::embedded`]: engines in this process without a master
+//! - [`run`]: start reading at [`run::control`], the run on the master; [`run::launch`]:
+//!   `crumple run` on threads or under MPI; [`run::embedded`]: engines in this process without a
+//!   master
 //! - [`results`]: fields, histories, summary, report page, exports
 //! - [`analysis`]: `crumple study`, `advise`, `scale`, `bench`, `cost`
 //! - [`verify`]: `crumple verify`, the catalogue of verification cases

@@ -17,7 +17,7 @@ fn the_committed_reference_is_current() {
         .map(|(now, _)| now.to_string());
     assert!(
         committed == page(),
-        "`crumple schema --reference > cases/REFERENCE.md` renews it; differs at {differ:?}"
+        "run `crumple schema --reference > cases/REFERENCE.md`; first difference: {differ:?}"
     );
 }
 

@@ -1,5 +1,4 @@
-//! The job as it is written in `job.toml`. Reading and checking live in the master; this is the
-//! plain data.
+//! The job as it is written in `job.toml`: plain data. The master reads and checks it.
 
 mod beam;
 mod contact;
@@ -23,31 +22,32 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A whole job file.
+/// Complete job file.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Job {
-    /// What the scene is, one line.
+    /// Title of the job, one line.
     #[serde(default)]
     pub title: String,
-    /// The consistent set of units, for people (the engine is unit-free).
+    /// Consistent set of units, as a note for readers; the engine is unit-free.
     #[serde(default)]
     pub units: String,
-    /// Simulated time to run to [time].
+    /// Simulated time at which the run ends [time].
     pub end_time: f64,
-    /// Where the mesh comes from.
+    /// Source of the mesh: exactly one of `generator`, `file`, `deck`, or `nodes` with `shells`,
+    /// `solids`, `beams` or `springs`.
     pub mesh: MeshSource,
     /// Options of the mesh generator.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub scene: toml::Table,
-    /// Time step.
+    /// Settings of the time step.
     #[serde(default)]
     pub time: Time,
-    /// What elements compute with.
+    /// Settings of all elements.
     #[serde(default)]
     pub elements: Elements,
-    /// What is written, how often.
+    /// Files that are written, and their intervals.
     #[serde(default)]
     pub output: Output,
     /// Decomposition and redecomposition.
@@ -65,7 +65,7 @@ pub struct Job {
     /// Rigid walls.
     #[serde(default)]
     pub wall: Vec<Wall>,
-    /// Initial velocities; later entries win.
+    /// Initial velocities; a later entry overrides an earlier one.
     #[serde(default)]
     pub initial_velocity: Vec<InitialVelocity>,
     /// Fixed degrees of freedom.
@@ -74,16 +74,16 @@ pub struct Job {
     /// Planes of symmetry.
     #[serde(default)]
     pub symmetry: Vec<Symmetry>,
-    /// Factors over time that loads and motions refer to.
+    /// Factors as functions of time, for loads and motions.
     #[serde(default)]
     pub curve: Vec<Curve>,
-    /// Gravity and other body forces; they add up.
+    /// Gravity and other body forces; all entries are added.
     #[serde(default)]
     pub gravity: Vec<Gravity>,
-    /// Forces on node sets; they add up.
+    /// Forces on node sets; all entries are added.
     #[serde(default)]
     pub load: Vec<Load>,
-    /// Pressures on faces; they add up.
+    /// Pressures on faces; all entries are added.
     #[serde(default)]
     pub pressure: Vec<Pressure>,
     /// Rigid bodies.
@@ -95,101 +95,105 @@ pub struct Job {
     /// Prescribed motions of node sets and rigid bodies.
     #[serde(default)]
     pub motion: Vec<Motion>,
-    /// Contact; without this table nothing touches anything but rigid walls. Written as a list,
-    /// `[[contact]]`, the first entry is this table and each further one a `[[contact.interface]]`.
+    /// Contact. Without this table there is no contact, only rigid walls. It may be written as a
+    /// list `[[contact]]`: the first entry is this table, each further entry is a
+    /// `[[contact.interface]]`.
     #[serde(default)]
     pub contact: Option<Contact>,
 }
 
 impl Job {
-    /// The JSON Schema of a job: every key, its type, default and meaning. The reader checks files
-    /// against it.
+    /// Returns the JSON Schema of a job: every key, its type, default and meaning. The reader
+    /// checks files against it.
     pub fn schema() -> serde_json::Value {
         schemars::schema_for!(Job).to_value()
     }
 }
 
-/// Where the mesh comes from: exactly one of generator, file, deck, or nodes with shells, solids,
-/// beams or springs.
+/// Source of the mesh: exactly one of `generator`, `file`, `deck`, or `nodes` with `shells`,
+/// `solids`, `beams` or `springs`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
     /// Name of a generator of the `cases` crate; its options are in `[scene]`.
     #[serde(default)]
     pub generator: Option<String>,
-    /// A TOML file beside the job with `nodes`, `shells`, `solids`, `beams`, `springs` and
+    /// TOML file in the folder of the job, with `nodes`, `shells`, `solids`, `beams`, `springs` and
     /// `node_sets` as below.
     #[serde(default)]
     pub file: Option<String>,
-    /// An LS-DYNA keyword deck beside the job: mesh, node sets, parts, materials and all else that
-    /// it says. The job's own keys go before those of the deck; entries of its lists are merged
-    /// with the deck's of the same id or name, and added if there is none.
+    /// LS-DYNA keyword deck in the folder of the job: mesh, node sets, parts, materials and all
+    /// other supported keywords. Keys of the job override those of the deck. An entry of a list in
+    /// the job is merged with the entry of the deck that has the same id or name; otherwise it is
+    /// added.
     #[serde(default)]
     pub deck: Option<String>,
     /// Keywords of the deck that are not read, such as `DEFORMABLE_TO_RIGID`.
     #[serde(default)]
     pub leave_out: Vec<String>,
-    /// Go on without what the deck has and the engine cannot do; it is an error otherwise.
+    /// Ignore unsupported content of the deck. Without it, unsupported content is an error.
     #[serde(default)]
     pub allow_unsupported: bool,
     /// Nodes as `[id, x, y, z]` [length].
     #[serde(default)]
     pub nodes: Vec<[f64; 4]>,
-    /// Shells as `[id, part id, n1, n2, n3, n4]`, or three nodes for a triangle.
+    /// Shells as `[id, part id, n1, n2, n3, n4]`; a triangle has three nodes.
     #[serde(default)]
     pub shells: Vec<Vec<u64>>,
-    /// Solids as `[id, part id, n1, ..., n8]`: the nodes of a face, whose right-hand normal points
-    /// into the solid, then those opposite.
+    /// Solids as `[id, part id, n1, ..., n8]`: the four nodes of a face whose right-hand normal
+    /// points into the solid, then the four opposite nodes.
     #[serde(default)]
     pub solids: Vec<Vec<u64>>,
-    /// Beams as `[id, part id, n1, n2, n3]`; the second axis of the section points from the line n1
-    /// n2 towards n3, which may belong to no element.
+    /// Beams as `[id, part id, n1, n2, n3]`. The second axis of the section points from the line n1
+    /// n2 towards n3. Node n3 need not belong to an element.
     #[serde(default)]
     pub beams: Vec<Vec<u64>>,
     /// Springs and dampers as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
-    /// Thicknesses of single shells as `[id, thickness]` [length]; all others have that of their
-    /// part. Also for the shells of a generator or a deck; a mesh file has its own.
+    /// Thicknesses of single shells as `[id, thickness]` [length]; all other shells have the
+    /// thickness of their part. This also applies to shells of a generator or a deck. A mesh file
+    /// has its own list.
     #[serde(default)]
     pub thicknesses: Vec<[f64; 2]>,
-    /// Named sets of node ids; with a deck, further ones.
+    /// Named sets of node ids. With a deck, they are added to its sets.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
 }
 
-/// Time step settings.
+/// Settings of the time step.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Time {
-    /// Fraction of the smallest element step that is used; `cases/studies/README.md`, penalty-map.
+    /// Safety factor: fraction of the smallest stable step of the elements that is used; see
+    /// `cases/studies/README.md`, penalty-map.
     pub safety: f64,
-    /// Stop after this many cycles, 0 for no limit.
+    /// Number of cycles after which the run stops; 0 for no limit.
     pub max_cycles: u64,
-    /// The run stops as failed when the step falls below this fraction of the first one.
+    /// Smallest permitted ratio of the step to the first step. The run fails below it.
     pub dt_min_ratio: f64,
-    /// Add mass to elements so that none has a stable step, before `safety`, below this at the
-    /// start [time]; 0 for none.
+    /// Smallest stable step that mass scaling ensures at the start, before `safety` [time]. Mass is
+    /// added to elements with a smaller one. 0 for no mass scaling.
     pub mass_scaling_dt: f64,
-    /// Most mass that may be added so, as a fraction of the structure's: a job that would get more
-    /// is refused.
+    /// Largest mass that mass scaling may add, as a fraction of the mass of the structure. A job
+    /// that needs more is rejected.
     pub mass_scaling_limit: f64,
-    /// Elements whose stable step at the start is at least this many times the smallest one are
-    /// computed every so many cycles only, the small ones in each; 1 for all in each. Elements of
-    /// parts in contact are in each, see `subcycle_contact`.
+    /// Number m of cycles in an outer step. Elements whose stable step at the start is at least m
+    /// times the smallest one are computed in one of m cycles, all others in every cycle. 1 for no
+    /// subcycles. Elements of parts in contact are computed in every cycle, see `subcycle_contact`.
     pub subcycles: u64,
-    /// Layers of neighbours around the small elements that are computed in each cycle too. Without
-    /// any, fast motion of the small elements can resonate with the forces that their neighbours
-    /// give now and then.
+    /// Number of layers of neighbours around the small elements that are also computed in every
+    /// cycle. Without such layers, fast motion of the small elements can resonate with the
+    /// intermittent forces of their neighbours.
     pub subcycle_layers: u64,
-    /// Let subcycles take elements of parts in contact too. Their forces then act in one of so many
-    /// cycles, and contact answers in that one: what rests or slides under load loses friction and
-    /// gains energy, the more the more subcycles.
+    /// Also apply subcycles to elements of parts in contact. Their forces then act in one of m
+    /// cycles, and contact reacts in that cycle. A body that rests or slides under load then loses
+    /// friction and gains energy; the effect grows with `subcycles`.
     pub subcycle_contact: bool,
-    /// Damping in proportion to mass, for dynamic relaxation: a force `-damping * mass * velocity`
-    /// on every node, and the like for rotations [1/time].
+    /// Coefficient of mass-proportional damping, for dynamic relaxation: a force
+    /// `-damping * mass * velocity` on every node, and the corresponding moment [1/time].
     pub damping: f64,
-    /// Largest step that is used [time]; 0 for no limit. A model of rigid bodies alone needs one.
+    /// Largest step [time]; 0 for no limit. A model of rigid bodies alone needs one.
     pub dt_max: f64,
 }
 
@@ -210,18 +214,18 @@ impl Default for Time {
     }
 }
 
-/// What elements compute with.
+/// Settings of all elements.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Elements {
-    /// Precision of the stresses and forces of shells and solids: `double`, or `single`, which
-    /// computes twice as many elements at once and keeps half of their state. Nodes, their motion,
-    /// masses, contact, beams and springs are in double precision always. See
-    /// `cases/studies/README.md`, precision, for what it costs in accuracy.
+    /// Floating-point precision of the stresses and forces of shells and solids: `double` or
+    /// `single`. `single` computes twice as many elements at once and halves the size of their
+    /// state. Nodes, their motion and masses, contact, beams and springs are always in double
+    /// precision. For the loss of accuracy see `cases/studies/README.md`, precision.
     pub precision: Precision,
 }
 
-/// Length of numbers.
+/// Floating-point precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
@@ -236,16 +240,18 @@ pub enum Precision {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Parallel {
-    /// Workers when run as threads; one per core if left out. `--workers` and mpirun go before it.
+    /// Number of workers when they are threads; 0 for one per core. `--workers` and mpirun override
+    /// it.
     pub workers: usize,
-    /// Width b of the buffer that straddles each box face [length]; 0 for the median side of the
-    /// elements, four times the smallest at most.
+    /// Width b of the buffer around each box face [length]; 0 for the median side of the elements,
+    /// at most four times the smallest side.
     pub buffer: f64,
-    /// Boxes are recomputed when max/mean step cost stays above this.
+    /// Limit of the imbalance, the maximum over mean step cost of the workers. The boxes are
+    /// recomputed if the imbalance stays above it.
     pub imbalance: f64,
-    /// Least cycles between two recomputations of the boxes.
+    /// Smallest number of cycles between two repartitions.
     pub low_every_at_least: u64,
-    /// Force a redecomposition of alternating kind every so many cycles, 0 for never (for tests).
+    /// Number of cycles between forced redecompositions of alternating kind, for tests; 0 for none.
     pub force_every: u64,
 }
 
@@ -255,12 +261,12 @@ impl Default for Parallel {
     }
 }
 
-/// A material as written: a law's name and its numbers. Laws are known to the worker only.
+/// Material: name of a law and its parameters.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MaterialSpec {
     /// Name that parts refer to.
     pub name: String,
-    /// Name of the law in the worker's table.
+    /// Name of the material law.
     pub law: String,
     /// Mass density [mass/length^3].
     pub density: f64,
@@ -270,8 +276,8 @@ pub struct MaterialSpec {
     pub parameters: BTreeMap<String, toml::Value>,
 }
 
-/// Any key, with a number, a list, or a list of lists: the job file alone does not tell a law's
-/// parameters.
+/// Returns the schema of any key whose value is a number, a list, or a list of lists. The
+/// parameters of a law are not part of this schema.
 fn any_parameters(_: &mut SchemaGenerator) -> Schema {
     let list = json_schema!({ "type": "array", "items": { "type": "number" } });
     json_schema!({ "type": "object", "additionalProperties": { "anyOf": [
@@ -279,94 +285,95 @@ fn any_parameters(_: &mut SchemaGenerator) -> Schema {
     ] } })
 }
 
-/// A part: elements of one formulation, material and section.
+/// Part: elements of one formulation, material and section.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
     /// Id that elements refer to.
     pub id: u32,
-    /// Name for people and for `--set part.NAME.key`.
+    /// Name in messages, in results and for `--set part.NAME.key`.
     #[serde(default)]
     pub name: String,
-    /// Name of the material; a part of springs has none.
+    /// Name of the material. A part of springs has none.
     #[serde(default)]
     pub material: String,
-    /// Makes it a part of springs and dampers.
+    /// Makes this a part of springs and dampers.
     #[serde(default)]
     pub spring: Option<Spring>,
-    /// Makes it a part of beams.
+    /// Makes this a part of beams.
     #[serde(default)]
     pub beam: Option<Beam>,
-    /// Shell thickness [length]; a part of solids has none.
+    /// Shell thickness [length]. A part of solids has none.
     #[serde(default)]
     pub thickness: f64,
-    /// Where the middle of shells lies from their nodes along the normal, as a fraction of half the
-    /// thickness: 1 if the nodes are on the face that the normal leaves behind, -1 if they are on
-    /// the one that it points to, 0 in the middle. Membrane and bending are then coupled. The
-    /// stable step is that of shells without offset times `1/sqrt(1 + |e|/sqrt(t^2/12 + e^2))`, e
-    /// the distance of the middle from the nodes, or nearer to one where sides are much longer than
-    /// the thickness t.
+    /// Shell offset: distance from the nodes to the middle surface along the normal, as a fraction
+    /// of half the thickness. 1 if the nodes are on the bottom face, from which the normal points
+    /// into the shell; -1 if they are on the top face; 0 if they are on the middle surface. An
+    /// offset couples membrane and bending. It multiplies the stable step by
+    /// `1/sqrt(1 + |e|/sqrt(t^2/12 + e^2))`, where e is the distance from the nodes to the middle
+    /// surface and t the thickness. The factor is closer to 1 if sides are much longer than t.
     #[serde(default)]
     pub offset: f64,
-    /// Thickness with which its shells are met in contact, in place of their own [length]; an
-    /// interface may say another.
+    /// Contact thickness of its shells [length]; without it their own thickness. An interface can
+    /// override it.
     #[serde(default)]
     pub contact_thickness: Option<f64>,
-    /// Factor of the thickness with which its shells are met in contact.
+    /// Factor on the thickness of its shells in contact.
     #[serde(default = "one")]
     pub contact_thickness_scale: f64,
-    /// Formulation of the four-node shells or the solids. Shells: `stabilised_quad` if left out,
-    /// which bends exactly where quads are distorted, takes its hourglass stiffness from material
-    /// and shape, and in folds is the nearest to converged forces (`cases/studies/README.md`, crush
-    /// and twist-thin); or `belytschko_tsay`, a fifth cheaper, which agrees with it where nothing
-    /// folds or twists (plate-shells, panel, beam-shells). `fully_integrated_quad` has 2 x 2 points
-    /// in its plane and no hourglass control: the reference for the others, at about two and a half
-    /// times the cost. Solids: `hexahedron`.
+    /// Formulation of the four-node shells or of the solids. Shells: `stabilised_quad` (default),
+    /// `belytschko_tsay` or `fully_integrated_quad`. Solids: `hexahedron` (default).
+    /// `stabilised_quad` bends exactly in distorted quads and takes its hourglass stiffness from
+    /// material and shape. In folds it is closest to converged forces (`cases/studies/README.md`,
+    /// crush and twist-thin). `belytschko_tsay` is a fifth cheaper and agrees with it where the
+    /// shell neither folds nor twists (plate-shells, panel, beam-shells). `fully_integrated_quad`
+    /// has 2 x 2 points in its plane and no hourglass control. It is the reference for the others,
+    /// at about two and a half times the cost.
     #[serde(default)]
     pub element: Option<String>,
-    /// Integration points through the thickness, 1 to 10; see `cases/studies/README.md`,
+    /// Number of integration points through the thickness, 1 to 10; see `cases/studies/README.md`,
     /// plate-points, beam-shells and panel.
     #[serde(default = "five")]
     pub points: usize,
-    /// Hourglass control of `belytschko_tsay` and solids: `stiffness` or `viscous`, for solids also
-    /// `assumed_strain`. Without it `stiffness` for shells, `assumed_strain` for solids: it bends
-    /// right without a coefficient, and nothing locks as nu comes near 1/2
-    /// (`cases/studies/README.md`, hourglass, hourglass-solids, incompressible).
+    /// Hourglass control of `belytschko_tsay` and of solids: `stiffness`, `viscous`, or for solids
+    /// `assumed_strain`. Default `stiffness` for shells and `assumed_strain` for solids.
+    /// `assumed_strain` gives correct bending without a coefficient and does not lock as nu
+    /// approaches 1/2 (`cases/studies/README.md`, hourglass, hourglass-solids, incompressible).
     #[serde(default)]
     pub hourglass: Option<HourglassForm>,
-    /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping);
-    /// without it 0.03 for shells and 0.05 for solids. For `stabilised_quad` the least fraction of
-    /// its elastic stabilisation that is left in plastic flow. `assumed_strain` and
-    /// `fully_integrated_quad` have none. Forces of shells of a plastic law are bounded, whatever
-    /// the form. See `cases/studies/README.md`, hourglass and hourglass-solids.
+    /// Hourglass coefficient: fraction of the stiffness of the element, or of critical damping.
+    /// Default 0.03 for shells and 0.05 for solids. For `stabilised_quad` it is the smallest
+    /// fraction of its elastic stabilisation that remains in plastic flow. `assumed_strain` and
+    /// `fully_integrated_quad` have none. Hourglass forces of shells with a plastic law are bounded
+    /// with every form of control. See `cases/studies/README.md`, hourglass and hourglass-solids.
     #[serde(default)]
     pub hourglass_coefficient: Option<f64>,
-    /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping,
-    /// and quadratic one; without it `[0.06, 1.5]` (`cases/studies/README.md`, viscosity). Shells
-    /// have none.
+    /// Bulk viscosity of solids in compression: linear coefficient, as a fraction of critical
+    /// damping, and quadratic coefficient. Default `[0.06, 1.5]` (`cases/studies/README.md`,
+    /// viscosity). Shells have none.
     #[serde(default)]
     pub bulk_viscosity: Option<[f64; 2]>,
-    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`; they
-    /// change little (`cases/studies/README.md`, twist, twist-thin and panel).
+    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`. Their
+    /// effect is small (`cases/studies/README.md`, twist, twist-thin and panel).
     #[serde(default)]
     pub warping: bool,
-    /// Makes it a skin: it has mass and touches, but its elements bear nothing and do not limit the
-    /// time step.
+    /// Make this part a skin. It has mass and takes part in contact. Its elements have no forces
+    /// and do not limit the time step.
     #[serde(default)]
     pub skin: bool,
-    /// What becomes of a shell that is inverted: without area, or strained by more than a half in
-    /// one step. `stop` ends the run and names it; `delete` lets it fail as by a failure strain: it
-    /// bears nothing from then on and leaves the contact surface, the work done on it stays in the
-    /// internal energy, and a warning names it. Coordinates or forces that are no numbers end the
-    /// run in either case, and so does a step that falls below `time.dt_min_ratio` of the first.
+    /// Treatment of an inverted shell, which has no area or is strained by more than a half in one
+    /// step. `stop` ends the run and names the shell. `delete` lets it fail as at a failure strain:
+    /// its forces are zero from then on, and it leaves the contact surface. The work done on it
+    /// stays in the internal energy, and a warning names it. In both cases, coordinates or forces
+    /// that are not finite end the run. So does a step below `time.dt_min_ratio` times the first.
     #[serde(default)]
     pub inverted: Inverted,
-    /// Update the thickness from the strain through it (`cases/studies/README.md`, panel).
+    /// Update the thickness by the strain through it (`cases/studies/README.md`, panel).
     #[serde(default)]
     pub thinning: bool,
     /// Drilling stiffness as a fraction of the shear stiffness G h A / 4
-    /// (`cases/studies/README.md`, twist and twist-thin). In quads of a plastic law its moments are
-    /// bounded by a hundredth of the plastic moment of a side.
+    /// (`cases/studies/README.md`, twist and twist-thin). In quads with a plastic law, its moments
+    /// are bounded by a hundredth of the plastic moment of a side.
     #[serde(default = "drilling")]
     pub drilling: f64,
 }
@@ -381,14 +388,14 @@ fn drilling() -> f64 {
     0.01
 }
 
-/// What becomes of an inverted shell.
+/// Treatment of an inverted shell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Inverted {
-    /// The run ends and names it.
+    /// The run ends and names the shell.
     #[default]
     Stop,
-    /// It fails and leaves the contact surface.
+    /// The shell fails and leaves the contact surface.
     Delete,
 }
 
@@ -396,48 +403,48 @@ pub enum Inverted {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HourglassForm {
-    /// Elastic resistance that remembers the mode's deformation.
+    /// Elastic resistance against the accumulated deformation of the mode.
     Stiffness,
-    /// Resistance to the mode's rate.
+    /// Resistance against the rate of the mode.
     Viscous,
-    /// Solids only: the strains that the modes bring with them, so that bending is right without a
+    /// Solids only: strains assumed for the modes, so that bending is correct without a
     /// coefficient.
     AssumedStrain,
 }
 
-/// Mass added to nodes, shared equally over a node set.
+/// Mass added to the nodes of a set, in equal shares.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LumpedMass {
     /// Node set.
     pub nodes: String,
-    /// Mass of the whole set [mass].
+    /// Mass added to the whole set [mass].
     pub mass: f64,
 }
 
-/// Initial velocity of a node set, or of all nodes: rigid motion about a centre.
+/// Initial velocity of a node set, or of all nodes: a rigid motion about a centre.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InitialVelocity {
-    /// Node set; all nodes without it.
+    /// Node set; without it all nodes.
     #[serde(default)]
     pub nodes: Option<String>,
-    /// Translation [length/time].
+    /// Translational velocity [length/time].
     pub velocity: [f64; 3],
-    /// Spin [1/time].
+    /// Rotational velocity about the centre [1/time].
     #[serde(default)]
     pub spin: [f64; 3],
-    /// Centre of the spin [length].
+    /// Centre of rotation [length].
     #[serde(default)]
     pub centre: [f64; 3],
 }
 
-/// Degrees of freedom of a node set that do not move.
+/// Fixed degrees of freedom of a node set.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fix {
     /// Node set.
     pub nodes: String,
-    /// Any of x, y, z (displacements) and rx, ry, rz (rotations).
+    /// Fixed degrees of freedom: any of x, y, z (displacements) and rx, ry, rz (rotations).
     pub dofs: Vec<String>,
 }

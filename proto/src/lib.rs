@@ -1,13 +1,14 @@
-//! Plain data shared by master and workers, and how it travels. No physics here.
+//! Plain data shared by master and workers, and its transport. No physics here.
 //!
-//! - [`ids`], [`mesh`], [`job`], [`problem`]: what the user brings and what is wrong with it
-//! - [`quality`]: how good the elements' shapes are
-//! - [`partition`]: what one worker receives; [`loads`], [`rigid`], [`tie`], [`wall`]: what acts on
-//!   the model, what of it is rigid or tied, what it cannot pass
-//! - [`boxes`]: the boxes that tile space
-//! - [`histories`]: what is recorded by kind, as it is asked for and as workers report it
-//! - [`message`], [`report`], [`trace`], [`wire`]: the conversation between master and workers
-//! - [`transport`]: the wires, threads or MPI
+//! - [`ids`], [`mesh`], [`job`], [`problem`]: input of the user, and problems in it
+//! - [`quality`]: shape quality of the elements of a mesh
+//! - [`partition`]: data that one worker receives
+//! - [`loads`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions, rigid bodies, ties,
+//!   walls
+//! - [`boxes`]: boxes that tile space
+//! - [`histories`]: requested histories, and the contributions of workers
+//! - [`message`], [`report`], [`trace`], [`wire`]: messages between master and workers
+//! - [`transport`]: transport of messages, by threads or MPI
 
 pub mod boxes;
 pub mod histories;

@@ -150,8 +150,47 @@ pub struct Failure {
 }
 
 /// Timed phases of a step, in the order in which they run.
-pub const PHASES: [&str; 9] =
-    ["elements", "assemble", "halo", "search", "local", "contact", "advance", "output", "renewal"];
+pub const PHASES: [&str; 11] = [
+    "elements",
+    "assemble",
+    "constraints",
+    "halo",
+    "search",
+    "local",
+    "contact",
+    "energy",
+    "advance",
+    "output",
+    "renewal",
+];
+
+/// Timed stages of a step; indices into [`PHASES`].
+#[derive(Clone, Copy, Debug)]
+#[repr(usize)]
+pub enum Phase {
+    /// Internal forces.
+    Elements,
+    /// Assembly, loads, velocities without constraints and contact.
+    Assemble,
+    /// Prescribed motions, rigid bodies, ties and walls.
+    Constraints,
+    /// Messages, including the wait for them.
+    Halo,
+    /// Global search, and the rigid-motion fit that shows how far ghosts stay valid.
+    Search,
+    /// Local search.
+    Local,
+    /// Contact forces.
+    Contact,
+    /// Work of contact, constraints and loads.
+    Energy,
+    /// Positions of nodes, rigid bodies and walls.
+    Advance,
+    /// History and field files.
+    Output,
+    /// Migration and build of the new partition.
+    Renewal,
+}
 
 /// Wall-clock time of one worker in each of [`PHASES`] [s]; `halo` includes waiting for others.
 pub type PhaseSeconds = [f64; PHASES.len()];

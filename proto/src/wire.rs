@@ -76,9 +76,10 @@ mod tests {
         let orders = [Action::Renew(CutTree::single()), Action::Recut, Action::Stop];
         for (number, action) in (1..).zip(orders) {
             let back = decode(&encode(&ToWorker::Order { number, action: action.clone() }));
-            assert!(
-                matches!(back, Some(ToWorker::Order { number: n, action: a }) if n == number && a == action)
-            );
+            assert!(matches!(
+                back,
+                Some(ToWorker::Order { number: n, action: a }) if n == number && a == action
+            ));
         }
         let report =
             StepReport { cycle: 7, cpu: vec![0.5], drift: [1.0, 2.0, 3.0], ..Default::default() };

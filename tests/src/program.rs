@@ -24,7 +24,7 @@ pub fn crumple() -> PathBuf {
     if let Some(path) = std::env::var_os("CRUMPLE_BIN") {
         return path.into();
     }
-    let test = std::env::current_exe().expect("a test knows where it is");
+    let test = std::env::current_exe().expect("the path of the test binary is known");
     let beside = test.ancestors().nth(2).map(|folder| folder.join("crumple")).unwrap_or_default();
     assert!(
         beside.exists(),
@@ -36,7 +36,7 @@ pub fn crumple() -> PathBuf {
 
 /// Returns the root of the repository.
 pub fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the repository")
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ is in the repository")
 }
 
 /// Returns a command that runs `crumple` with arguments in the repository's root.
@@ -89,7 +89,7 @@ pub fn no_mpi() -> Option<String> {
     if let Some(why) = &why {
         assert!(
             std::env::var_os("CRUMPLE_BIN").is_none(),
-            "{why}, but CRUMPLE_BIN is set: deploy/test.sh promises MPI"
+            "{why}, but CRUMPLE_BIN is set: deploy/test.sh requires MPI"
         );
         eprintln!("skipped: {why}; deploy/test.sh runs this test");
     }
@@ -168,7 +168,7 @@ impl Running {
             let words = || fs::read_to_string(self.folder.path().join("words")).unwrap_or_default();
             assert!(
                 self.began.elapsed() < LIMIT,
-                "no end in sight after {LIMIT:?} of waiting until {what}: {}",
+                "after {LIMIT:?} still waiting until {what}: {}",
                 words()
             );
             std::thread::sleep(LOOK_EVERY);
@@ -180,7 +180,7 @@ impl Running {
         let path = self.folder.path().join("out/history.csv");
         let there =
             |_: &mut Self| (fs::read_to_string(&path).ok()?.lines().count() > rows).then_some(());
-        self.wait_for("there is history", there);
+        self.wait_for("history.csv has rows", there);
     }
 
     /// Sends a signal to the process.
@@ -339,7 +339,7 @@ pub fn numbers(value: &Value) -> Vec<f64> {
 /// When a number is not finite.
 pub fn assert_finite(value: &Value, path: &str) {
     match value {
-        Value::Null => panic!("{path} is no number"),
+        Value::Null => panic!("{path} is not a finite number"),
         Value::Array(items) => {
             items.iter().enumerate().for_each(|(i, v)| assert_finite(v, &format!("{path}[{i}]")))
         }

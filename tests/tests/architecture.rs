@@ -27,5 +27,5 @@ fn every_path_of_the_map_exists() {
         }
     }
     assert!(missing.is_empty(), "{}", missing.join("\n"));
-    assert!(paths > 20, "only {paths} paths found: is the map still written with backticks?");
+    assert!(paths > 20, "only {paths} paths found: check that the map has backticks");
 }

@@ -59,8 +59,10 @@ impl Bars {
         };
         let parts: String = (1..=self.parts).map(part).collect();
         let text = format!(
-            "end_time = {:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nnode_sets = {{ first = {set:?} }}\n\
-             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
+            "end_time = {:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
+             node_sets = {{ first = {set:?} }}\n\
+             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+             density = {RHO:?}\n\
              youngs_modulus = {E:?}\npoisson = 0.0\n{parts}{rest}",
             3.2 * LENGTH / c()
         );
@@ -91,7 +93,8 @@ fn struck(n: usize) -> Struck {
     let mut bars = Bars::default();
     bars.add(0.0, n);
     let rest = format!(
-        "[[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n[[initial_velocity]]\nvelocity = [{:?}, 0.0, 0.0]\n",
+        "[[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n[[initial_velocity]]\n\
+         velocity = [{:?}, 0.0, 0.0]\n",
         -V
     );
     let (mut last_push, mut impulse, mut work) = (0.0, 0.0, f64::NAN);
@@ -122,7 +125,8 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
     let bars = [20, 40, 80].map(|n| (n, struck(n)));
     for (n, b) in &bars {
         eprintln!(
-            "N = {n}: contact time {:.4} (2L/c), mean force {:.4} (rho c v A), rebound {:.4} v, loss {:.5} = {:.4} / 2N",
+            "N = {n}: contact time {:.4} (2L/c), mean force {:.4} (rho c v A), rebound {:.4} v, \
+             loss {:.5} = {:.4} / 2N",
             b.contact_time,
             b.mean_force,
             b.rebound,
@@ -131,7 +135,7 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
         );
         assert!(
             (b.lost * 2.0 * *n as f64 - 1.0).abs() < 0.02,
-            "the end nodes' share, to the steps in contact: {}",
+            "share of the end nodes, within the steps in contact: {}",
             b.lost
         );
     }
@@ -196,7 +200,8 @@ fn exchange(n: usize, v: f64) -> Exchange {
         work: end.ledger.energies(&end.nodes).contact / (0.5 * mass * v * v),
     };
     eprintln!(
-        "N = {n}, v = {v}: restitution {:.4}, stress {:.4} (rho c v / 2), touch for {:.4} (2L/c), contact work {:.5} = {:.3} / 2N",
+        "N = {n}, v = {v}: restitution {:.4}, stress {:.4} (rho c v / 2), contact time {:.4} \
+         (2L/c), contact work {:.5} = {:.3} / 2N",
         x.restitution,
         x.stress,
         x.touch,
@@ -222,12 +227,12 @@ fn two_equal_bars_exchange_their_velocities() {
         let order = ((1.0 - pair[0].1.restitution) / (1.0 - pair[1].1.restitution)).log2();
         // Dispersion keeps a part of the energy behind the front; this part decreases as
         // N^(-2/3).
-        assert!((0.55..1.1).contains(&order), "restitution towards 1 with order {order}");
+        assert!((0.55..1.1).contains(&order), "restitution converges to 1 with order {order}");
     }
     let x = &all[2].1;
     for (what, value) in [("restitution", x.restitution), ("stress", x.stress), ("touch", x.touch)]
     {
-        assert!((value - 1.0).abs() < 0.02, "{what}: {value}; the front is a few of 80 cells wide");
+        assert!((value - 1.0).abs() < 0.02, "{what}: {value}; the front is some cells of 80 wide");
     }
 }
 

@@ -90,14 +90,18 @@ impl Rows {
             sets.iter().map(|(name, ids)| format!("{name} = [{}]", list(ids))).collect();
         let tube = |id: u32| {
             format!(
-                "[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\nradius = {RADIUS:?}\n"
+                "[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\n\
+                 radius = {RADIUS:?}\n"
             )
         };
         let text = format!(
-            "end_time = {end_time:?}\n[mesh]\nnodes = [{}]\nbeams = [{}]\nshells = [{}]\nsolids = [{}]\n\
-             node_sets = {{ {} }}\n[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+            "end_time = {end_time:?}\n[mesh]\nnodes = [{}]\nbeams = [{}]\nshells = [{}]\n\
+             solids = [{}]\n\
+             node_sets = {{ {} }}\n[output]\nfield_interval = -1.0\n[[material]]\n\
+             name = \"steel\"\nlaw = \"elastic\"\n\
              density = {RHO:?}\nyoungs_modulus = 207.0\npoisson = 0.3\n{}{}\
-             [[part]]\nid = 3\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\n[[part]]\nid = 4\nmaterial = \"steel\"\n{rest}",
+             [[part]]\nid = 3\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\n[[part]]\nid = 4\n\
+             material = \"steel\"\n{rest}",
             self.nodes,
             self.beams,
             self.shells,
@@ -139,7 +143,8 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
     let above = rows.bar(1, CELLS, [along(0.0), 0.0, z], [along(1.0), 0.0, z]);
     let below = rows.bar(2, CELLS, [0.0, along(0.0), -z], [0.0, along(1.0), -z]);
     let rest = format!(
-        "[[rigid]]\nname = \"above\"\nparts = [1]\n[[rigid]]\nname = \"below\"\nparts = [2]\n[time]\ndt_max = 2e-3\n\
+        "[[rigid]]\nname = \"above\"\nparts = [1]\n[[rigid]]\nname = \"below\"\nparts = [2]\n\
+         [time]\ndt_max = 2e-3\n\
          [[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -1.0]\n[contact]\n{law}\n"
     );
     let model = rows.model(1.5, &[("above", &above)], &rest);
@@ -155,7 +160,7 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
             .fold(change, |m, d| m.max(d / (size * LENGTH)));
         touched |= e.contact.as_ref().is_some_and(|c| c.owned_table().any(|p| p.key.is_edge()));
     });
-    assert!(touched, "{law}: they met as lines");
+    assert!(touched, "{law}: there are edge pairs");
     let mean = |ids: &[usize]| {
         let weight = |k: usize| if k == 0 || k == CELLS { 0.5 } else { 1.0 };
         ids.iter().enumerate().map(|(k, &id)| weight(k) * at(&end, id).1[2]).sum::<f64>()
@@ -180,7 +185,7 @@ fn crossed_rigid_beams_take_over_the_closed_form() {
         ] {
             let ([above, below], change) = crossed(law, d);
             let struck = 0.5 * (1.0 + rebound) / (1.0 + arm);
-            assert!((-below - struck).abs() < 0.01, "{law}, {d} off: {below} for {struck}");
+            assert!((-below - struck).abs() < 0.01, "{law}, {d} off: {below}, expected {struck}");
             assert!(
                 (above + below + 1.0).abs() < 1e-9,
                 "{law}, {d} off: momentum, {above} {below}"
@@ -200,7 +205,8 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
         let above = rows.bar(1, 10, [-50.0, 1.0, z], [50.0, 1.0, z]);
         rows.bar(2, 11, [2.0, -50.0, -z], [2.0, 50.0, -z]);
         let rest = format!(
-            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -5.0]\n[contact]\nlaw = \"{law}\"\n"
+            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -5.0]\n[contact]\n\
+             law = \"{law}\"\n"
         );
         let (mut nearest, mut initial, mut worst) = (f64::INFINITY, 0.0f64, 0.0f64);
         let end = run_alone(&rows.model(1.0, &[("above", &above)], &rest), |e| {
@@ -213,8 +219,8 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
             worst = worst.max((energies.kinetic + energies.internal) / initial);
         });
         // The beams bend by less than 0.1 between nodes.
-        assert!(nearest > 2.0 * RADIUS - 0.2, "{law}: middles come to {nearest}");
-        assert!(worst < 1.005, "{law}: energy rises to {worst} of what there was");
+        assert!(nearest > 2.0 * RADIUS - 0.2, "{law}: smallest distance of the axes {nearest}");
+        assert!(worst < 1.005, "{law}: energy rises to {worst} of the initial energy");
         let crossings = end.contact.as_ref().unwrap().crossings(&end.nodes, end.clock.time);
         assert!(crossings.is_empty(), "{law}: {crossings:?}");
     }
@@ -232,8 +238,10 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
         let bar = rows.bar(1, 11, [0.0, d - 50.0, z], [0.0, d + 50.0, z]);
         let sheet = rows.sheet(3, [3, 2], |x, y| [30.0 * (x - 0.5), 0.0, -20.0 * y]);
         let rest = format!(
-            "[[rigid]]\nname = \"bar\"\nparts = [1]\n[time]\ndt_max = 1e-3\n[[fix]]\nnodes = \"sheet\"\ndofs = [\"x\", \"y\", \"z\"]\n\
-             [[initial_velocity]]\nnodes = \"bar\"\nvelocity = [0.0, 0.0, {:?}]\n[contact]\nlaw = \"{law}\"\npenalty_damping = 0.0\n",
+            "[[rigid]]\nname = \"bar\"\nparts = [1]\n[time]\ndt_max = 1e-3\n[[fix]]\n\
+             nodes = \"sheet\"\ndofs = [\"x\", \"y\", \"z\"]\n\
+             [[initial_velocity]]\nnodes = \"bar\"\nvelocity = [0.0, 0.0, {:?}]\n[contact]\n\
+             law = \"{law}\"\npenalty_damping = 0.0\n",
             -v
         );
         let model = rows.model(3.0, &[("bar", &bar), ("sheet", &sheet)], &rest);
@@ -251,8 +259,12 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
         // rebounds with its initial velocity.
         let rebound = if law == "penalty" { 1.0 } else { 0.0 };
         let kept = v * ((1.0 + rebound) / (1.0 + arm) - 1.0);
-        assert!((mean - kept).abs() < 0.01 * v, "{law}: the middle goes on with {mean} for {kept}");
-        assert!(least > (RADIUS + 0.5 * THICKNESS) * 0.99, "{law}: it comes to {least}");
+        assert!(
+            (mean - kept).abs() < 0.01 * v,
+            "{law}: velocity of the middle {mean}, expected \
+            {kept}"
+        );
+        assert!(least > (RADIUS + 0.5 * THICKNESS) * 0.99, "{law}: smallest distance {least}");
     }
 }
 
@@ -266,7 +278,8 @@ fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
         let bar = rows.bar(1, 5, [-35.0, 3.0, z + 0.1], [35.0, 5.0, z + 0.1]);
         let sheet = rows.sheet(3, [7, 6], |x, y| [90.0 * (x - 0.5), 70.0 * (y - 0.5), 0.0]);
         let rest = format!(
-            "[time]\ndamping = 2.0\n[[fix]]\nnodes = \"sheet\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+            "[time]\ndamping = 2.0\n[[fix]]\nnodes = \"sheet\"\n\
+             dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
              [[gravity]]\nacceleration = [0.0, 0.0, -0.5]\n[contact]\nlaw = \"{law}\"\n"
         );
         let end = run_alone(&rows.model(8.0, &[("sheet", &sheet)], &rest), |_| {});
@@ -275,7 +288,7 @@ fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
             // The penalty spring is compressed by about g dt^2/0.35.
             assert!(
                 (x[2] / z - 1.0).abs() < 2e-3 && v[2].abs() < 1e-3,
-                "{law}: node {n} at {} for {z}, {}",
+                "{law}: node {n} at {}, expected {z}, {}",
                 x[2],
                 v[2]
             );
@@ -322,8 +335,10 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
         let ids: Vec<String> = cube.iter().map(usize::to_string).collect();
         writeln!(rows.solids, "[{}, 4, {}],", rows.element, ids.join(", ")).unwrap();
         let rest = format!(
-            "[time]\ndamping = 1.0\n[[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-             [[gravity]]\nacceleration = [0.0, 0.0, -0.05]\n[contact]\nlaw = \"{law}\"\nfriction = 0.3\n"
+            "[time]\ndamping = 1.0\n[[fix]]\nnodes = \"held\"\n\
+             dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+             [[gravity]]\nacceleration = [0.0, 0.0, -0.05]\n[contact]\nlaw = \"{law}\"\n\
+             friction = 0.3\n"
         );
         let mut lowest = f64::INFINITY;
         let end = run_alone(&rows.model(12.0, &[("held", &held)], &rest), |e| {
@@ -332,12 +347,12 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
         let (x, v) = at(&end, cube[0]);
         assert!(
             (x[2] - depth).abs() < 0.02 * RADIUS,
-            "{law}: the corner is at {} for {depth}",
+            "{law}: the corner is at {}, expected {depth}",
             x[2]
         );
         assert!(lowest > depth - 0.02 * RADIUS && v[2].abs() < 1e-3, "{law}: {lowest}, {v:?}");
         let table = end.contact.as_ref().unwrap().owned_table();
-        assert_eq!(table.filter(|p| p.key.is_edge()).count(), 3, "{law}: an edge on each beam");
+        assert_eq!(table.filter(|p| p.key.is_edge()).count(), 3, "{law}: one edge pair per beam");
     }
 }
 
@@ -362,7 +377,8 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
             + 10.0 * (0..6).map(|i| (6.0 * (6.0 - f64::from(i))).to_radians().sin()).sum::<f64>();
         let rider = rows.bar(2, 3, [-5.0, -15.0, middle + 0.05], [-5.0, 15.0, middle + 0.05]);
         let rest = format!(
-            "[[rigid]]\nname = \"rider\"\nparts = [2]\nfixed = [\"rx\", \"ry\", \"rz\"]\n[time]\ndt_max = 1e-3\n\
+            "[[rigid]]\nname = \"rider\"\nparts = [2]\nfixed = [\"rx\", \"ry\", \"rz\"]\n[time]\n\
+             dt_max = 1e-3\n\
              [[fix]]\nnodes = \"track\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
              [[initial_velocity]]\nnodes = \"rider\"\nvelocity = [3.0, 0.0, 0.0]\n\
              [[gravity]]\nacceleration = [0.0, 0.0, -0.2]\n[contact]\nlaw = \"{law}\"\n"
@@ -376,9 +392,9 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
             most = most.max(energy - *start.get_or_insert(energy));
         });
         let (p, _) = at(&end, rider[1]);
-        assert!(p[0] > 15.0, "{law}: it has gone to {}", p[0]);
-        assert!(least > 2.8, "{law}: it was slowed down to {least}");
-        assert!(most < 0.02, "{law}: it has won {most} of 4.5");
+        assert!(p[0] > 15.0, "{law}: final position {}", p[0]);
+        assert!(least > 2.8, "{law}: lowest velocity {least}");
+        assert!(most < 0.02, "{law}: energy gain {most} of 4.5");
     }
 }
 
@@ -420,8 +436,10 @@ fn pile(contact: &str) -> Model {
     }
     upper.extend(&nodes);
     let rest = format!(
-        "[[initial_velocity]]\nnodes = \"upper\"\nvelocity = [9.0, 5.0, -6.0]\n[[gravity]]\nacceleration = [0.0, 0.0, -20.0]\n\
-         [[fix]]\nnodes = \"rim\"\ndofs = [\"x\", \"y\", \"z\"]\n[contact]\nfriction = 0.2\n{contact}\n"
+        "[[initial_velocity]]\nnodes = \"upper\"\nvelocity = [9.0, 5.0, -6.0]\n[[gravity]]\n\
+         acceleration = [0.0, 0.0, -20.0]\n\
+         [[fix]]\nnodes = \"rim\"\ndofs = [\"x\", \"y\", \"z\"]\n[contact]\nfriction = 0.2\n\
+         {contact}\n"
     );
     let rim: Vec<usize> = sheet.iter().copied().filter(|n| (n - sheet[0]) % 8 == 0).collect();
     rows.model(1.0, &[("upper", &upper), ("rim", &rim)], &rest)
@@ -446,7 +464,8 @@ fn lines_across_workers_give_the_same_bits() {
             let differs = many.pairs.iter().zip(&alone.pairs).position(|(a, b)| a != b);
             assert_eq!(
                 differs, None,
-                "{law}: first cycle in which pairs of {workers} workers differ, renewed every {every}"
+                "{law}: first cycle in which pairs of {workers} workers differ, renewed every \
+                 {every}"
             );
             assert_eq!(
                 many.digest(),
@@ -472,7 +491,8 @@ fn beams_are_out_of_contact_where_the_job_says_so() {
         let above = rows.bar(1, 6, [-50.0, 1.0, 3.0], [50.0, 1.0, 3.0]);
         let below = rows.bar(2, 7, [2.0, -50.0, -3.0], [2.0, 50.0, -3.0]);
         let rest = format!(
-            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -10.0]\n[contact]\n{contact}\n"
+            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -10.0]\n[contact]\n\
+             {contact}\n"
         );
         let end = run_alone(&rows.model(1.0, &[("above", &above)], &rest), |_| {});
         let through = at(&end, above[3]).0[2] < at(&end, below[3]).0[2];
@@ -488,7 +508,8 @@ fn broken_beams_leave_the_contact() {
     let below = rows.bar(2, 1, [2.0, -50.0, -2.1], [2.0, 50.0, -2.1]);
     let rest = "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -4.0]\n\
                 [[motion]]\nnodes = \"far\"\ndofs = [\"y\"]\nvelocity = [0.0, 4.0, 0.0]\n\
-                [[fix]]\nnodes = \"near\"\ndofs = [\"x\", \"y\", \"z\"]\n[[fix]]\nnodes = \"far\"\ndofs = [\"x\", \"z\"]\n[contact]\n";
+                [[fix]]\nnodes = \"near\"\ndofs = [\"x\", \"y\", \"z\"]\n[[fix]]\nnodes = \"far\"\n\
+                dofs = [\"x\", \"z\"]\n[contact]\n";
     let sets: [(&str, &[usize]); 3] =
         [("above", &above), ("near", &below[..1]), ("far", &below[1..])];
     let ends = ["", "\n[part.beam.weld]\nnormal = 1.0"].map(|weld| {

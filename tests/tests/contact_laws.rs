@@ -37,7 +37,7 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
         let serial = run_side_by_side(&model, 1, 900, 0);
         assert!(
             serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000,
-            "{sets:?}: bodies do meet"
+            "{sets:?}: there is contact"
         );
         for (workers, force_every) in [(2, 0), (3, 0), (5, 7)] {
             let parallel = run_side_by_side(&model, workers, 900, force_every);
@@ -53,7 +53,7 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
 fn segments_on_segments_give_the_same_bits_on_any_number_of_workers() {
     let model = read(&case("slide"), &["scene.facets=8", "contact.law=mortar"]);
     let serial = run_side_by_side(&model, 1, 300, 0);
-    assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000, "they do meet");
+    assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000, "there is contact");
     for (workers, force_every) in [(2, 0), (3, 25), (4, 0)] {
         let parallel = run_side_by_side(&model, workers, 300, force_every);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers");
@@ -87,7 +87,7 @@ fn other_laws_and_weights_keep_bits_momentum_and_energy() {
                 "{set}: error {}, penetration {}",
                 e["error_max"], s["contact"]["penetration_max"]
             );
-            assert!(s["contact"]["pairs_max"].as_u64() > Some(5), "bodies do meet");
+            assert!(s["contact"]["pairs_max"].as_u64() > Some(5), "there is contact");
             // Contact work is force times displacement for every law, so the balance is as good
             // as that of the elements: a trapezoid over steps in which bodies yield.
             assert!(e["error_max"].as_f64().unwrap() < bound, "{set}: {e}");
@@ -129,9 +129,9 @@ fn nodes_in_a_joint_of_bricks_are_new_to_what_hits_them() {
             "2",
         ];
         let summary = run(crumple_with(&args)).with_code(0).summary();
-        assert!(summary["contact"]["pairs_max"].as_u64() > Some(100), "bricks touch");
+        assert!(summary["contact"]["pairs_max"].as_u64() > Some(100), "there is contact");
         let depth = summary["contact"]["penetration_max"].as_f64().unwrap();
-        assert!(depth < 0.3, "{law}: penetration of {depth} (it was 1.27)");
+        assert!(depth < 0.3, "{law}: penetration {depth}, earlier 1.27");
     }
 }
 
@@ -154,5 +154,5 @@ fn fine_shells_do_not_touch_round_a_corner() {
         most
     });
     assert_eq!(pairs[0], 0);
-    assert!(pairs[1] > 0, "the tube is no test of it: {pairs:?}");
+    assert!(pairs[1] > 0, "the tube has no contact pairs: {pairs:?}");
 }

@@ -47,7 +47,7 @@ fn export_and_read(ended: &Ended, size: &str, files: usize) -> Option<String> {
         assert_eq!(
             (bytes.len() % 2048, end),
             (0, Some(-999_999.0)),
-            "whole blocks, with a marker at the end"
+            "complete blocks, with a marker at the end"
         );
     }
     let mut reader = Command::new(python()?);
@@ -113,12 +113,17 @@ fn what_has_failed_is_marked() {
     };
     let shells: String = (0..4).map(shell).collect();
     let text = format!(
-        "title = \"Torn strip\"\nunits = \"mm, ms, kg\"\nend_time = 0.3\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         solids = [[7, 2, 100, 101, 102, 103, 104, 105, 106, 107]]\nnode_sets = {{ held = [3, 5], pulled = [19, 21] }}\n\
-         [[material]]\nname = \"weak\"\nlaw = \"j2\"\ndensity = 7.85e-6\nyoungs_modulus = 200.0\npoisson = 0.3\n\
+        "title = \"Torn strip\"\nunits = \"mm, ms, kg\"\nend_time = 0.3\n[mesh]\n\
+         nodes = [{nodes}]\nshells = [{shells}]\n\
+         solids = [[7, 2, 100, 101, 102, 103, 104, 105, 106, 107]]\n\
+         node_sets = {{ held = [3, 5], pulled = [19, 21] }}\n\
+         [[material]]\nname = \"weak\"\nlaw = \"j2\"\ndensity = 7.85e-6\nyoungs_modulus = 200.0\n\
+         poisson = 0.3\n\
          yield_stress = 0.2\nfailure_strain = 0.05\n\
-         [[part]]\nid = 9\nname = \"strip\"\nmaterial = \"weak\"\nthickness = 1.0\n[[part]]\nid = 2\nmaterial = \"weak\"\n\
-         [[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\"]\n[[motion]]\nnodes = \"pulled\"\nvelocity = [20.0, 0.0, 0.0]\n\
+         [[part]]\nid = 9\nname = \"strip\"\nmaterial = \"weak\"\nthickness = 1.0\n[[part]]\n\
+         id = 2\nmaterial = \"weak\"\n\
+         [[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\"]\n[[motion]]\nnodes = \"pulled\"\n\
+         velocity = [20.0, 0.0, 0.0]\n\
          [output]\nfield_interval = 0.05\n"
     );
     let there = tempfile::tempdir().unwrap();

@@ -29,8 +29,9 @@ fn word() -> impl Strategy<Value = String> {
         2 => (-1e3f64..1e3).prop_map(|x| format!("{x:.2}")),
         1 => Just(String::new()),
         1 => prop::sample::select(vec![
-            "-1", "1e20", "1e308", "-1e-308", "99999999999999999999", "&a", "-&a", "nan", "1.5-3", "PART", "BOX", "ALL", "é", "\t",
-            "$", "*", "1.0.0", "2147483648", "9223372036854775807", "-9223372036854775808", "R  a", "I  b",
+            "-1", "1e20", "1e308", "-1e-308", "99999999999999999999", "&a", "-&a", "nan", "1.5-3",
+            "PART", "BOX", "ALL", "é", "\t", "$", "*", "1.0.0", "2147483648", "9223372036854775807",
+            "-9223372036854775808", "R  a", "I  b",
         ]).prop_map(String::from),
     ]
 }
@@ -100,7 +101,10 @@ proptest! {
     }
 
     #[test]
-    fn a_plate_and_then_anything(which in 0usize..3, blocks in prop::collection::vec(block(), 1..4)) {
+    fn a_plate_and_then_anything(
+        which in 0usize..3,
+        blocks in prop::collection::vec(block(), 1..4),
+    ) {
         let end = PLATE[which].find("*END").unwrap();
         survives(format!("{}{}", &PLATE[which][..end], blocks.concat()).as_bytes());
     }
@@ -140,5 +144,5 @@ fn some_damaged_plates_are_sound_and_some_are_not() {
         bytes[at] = b'7';
         if survives(&bytes).0 { sound += 1 } else { faulty += 1 }
     }
-    assert!(sound > 10 && faulty > 10, "{sound} sound, {faulty} faulty");
+    assert!(sound > 10 && faulty > 10, "{sound} valid, {faulty} invalid");
 }

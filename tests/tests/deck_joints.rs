@@ -7,9 +7,12 @@ use std::fs;
 
 /// Two plates; units mm, ms, kg. Part 1: two shells at z = 0, nodes 1 to 6; part 2: two at z =
 /// 2, nodes 11 to 16.
-const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nlow\n1,1,1\nhigh\n2,1,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
-    *MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*INITIAL_VELOCITY\n0\n1.0\n*NODE\n1,0,0,0\n2,10,0,0\n3,20,0,0\n4,0,10,0\n5,10,10,0\n\
-    6,20,10,0\n11,0,0,2\n12,10,0,2\n13,20,0,2\n14,0,10,2\n15,10,10,2\n16,20,10,2\n*ELEMENT_SHELL\n1,1,1,2,5,4\n\
+const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nlow\n1,1,1\nhigh\n2,1,1\n\
+    *SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+    *MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*INITIAL_VELOCITY\n0\n1.0\n*NODE\n1,0,0,0\n2,10,0,0\n\
+    3,20,0,0\n4,0,10,0\n5,10,10,0\n\
+    6,20,10,0\n11,0,0,2\n12,10,0,2\n13,20,0,2\n14,0,10,2\n15,10,10,2\n16,20,10,2\n*ELEMENT_SHELL\n\
+    1,1,1,2,5,4\n\
     2,1,2,3,6,5\n3,2,11,12,15,14\n4,2,12,13,16,15\n";
 
 fn with(lines: &str) -> Model {
@@ -36,8 +39,10 @@ fn second_axes(model: &Model) -> Vec<[f64; 3]> {
 #[test]
 fn beams_have_their_sections_and_axes() {
     let model = with(
-        "*PART\nrib\n3,3,1\ntube\n4,4,1\n*SECTION_BEAM\n3,1\n3.0,3.0,2.0,2.0\n*SECTION_BEAM\n4,1,1.0,2,1.0\n\
-        4.0,4.0,3.0,3.0\n*NODE\n99,0,50,0\n*ELEMENT_BEAM\n21,3,1,2,99\n22,4,2,3\n*ELEMENT_BEAM_ORIENTATION\n23,3,1,4\n\
+        "*PART\nrib\n3,3,1\ntube\n4,4,1\n*SECTION_BEAM\n3,1\n3.0,3.0,2.0,2.0\n*SECTION_BEAM\n\
+        4,1,1.0,2,1.0\n\
+        4.0,4.0,3.0,3.0\n*NODE\n99,0,50,0\n*ELEMENT_BEAM\n21,3,1,2,99\n22,4,2,3\n\
+        *ELEMENT_BEAM_ORIENTATION\n23,3,1,4\n\
         3.0,4.0,4.0\n",
     );
     let [rib, tube] = [2, 3].map(|i| model.job.part[i].beam.clone().unwrap());
@@ -55,7 +60,7 @@ fn beams_have_their_sections_and_axes() {
     assert!((tube.shear_areas[0] / (0.25 * std::f64::consts::PI * 7.0) - 1.0).abs() < 1e-14);
     let slanted = 1.0 / 25.0f64.sqrt();
     let rounded = |x: f64| (x * 1e12).round() / 1e12;
-    assert_eq!(second_axes(&model)[0], [0.0, 1.0, 0.0], "towards node 99");
+    assert_eq!(second_axes(&model)[0], [0.0, 1.0, 0.0], "direction to node 99");
     assert_eq!(
         second_axes(&model)[2],
         [rounded(3.0 * slanted), 0.0, rounded(4.0 * slanted)],
@@ -64,12 +69,15 @@ fn beams_have_their_sections_and_axes() {
     assert_eq!(
         second_axes(&model)[1].map(f64::abs).iter().sum::<f64>(),
         1.0,
-        "along an axis of space, square to it"
+        "along a coordinate axis, perpendicular to the beam"
     );
-    assert_eq!(model.mesh.nodes.len(), 12, "what shows the way is no node of the model");
+    assert_eq!(model.mesh.nodes.len(), 12, "the orientation node is not in the model");
     let text = crumple::input::check::describe(&model);
     assert!(
-        text.contains("beams, elform 1 (Hughes-Liu) -> corotating beam, section tube; shear deforms it, elastically"),
+        text.contains(
+            "beams, elform 1 (Hughes-Liu) -> corotational beam, section tube; elastic shear \
+             deformation"
+        ),
         "{text}"
     );
 }
@@ -101,7 +109,8 @@ fn resultants_and_trusses_are_general_sections() {
 #[test]
 fn spot_welds_of_beams_break() {
     let model = with(
-        "*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n2,7.85e-6,207.0,0.3,0.4,2.0\n\
+        "*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n\
+        2,7.85e-6,207.0,0.3,0.4,2.0\n\
         0.5,3.0,4.0,4.0,0.0,6.0,6.0\n*ELEMENT_BEAM\n21,3,2,12\n",
     );
     let weld = model.job.part[2].beam.clone().unwrap().weld.unwrap();
@@ -127,7 +136,8 @@ fn set(model: &Model, name: &str) -> Vec<u64> {
 fn contacts_tie() {
     let sets = "*SET_NODE_LIST\n5\n12,15\n*SET_SEGMENT\n6\n1,2,5,4\n*SET_PART_LIST\n7\n1\n";
     let model = with(&format!(
-        "{sets}*CONTACT_TIED_NODES_TO_SURFACE_ID\n1,seam\n5,6,4,0\n\n0,0,-2.5,0.0\n*SET_NODE_LIST\n9\n11\n\
+        "{sets}*CONTACT_TIED_NODES_TO_SURFACE_ID\n1,seam\n5,6,4,0\n\n0,0,-2.5,0.0\n*SET_NODE_LIST\n\
+         9\n11\n\
          *CONTACT_TIED_SHELL_EDGE_TO_SURFACE_BEAM_OFFSET\n9,7,4,2\n\n0,0,4.0,2.0\n"
     ));
     let [seam, edge] = [0, 1].map(|i| model.job.tie[i].clone());
@@ -140,14 +150,15 @@ fn contacts_tie() {
     );
     assert!(edge.rotations && edge.offset);
     let at = |id: u64| model.mesh.nodes.iter().find(|n| n.id.0 == id).unwrap().x[2];
-    assert_eq!([at(11), at(12), at(15)], [2.0, 0.0, 0.0], "moved without an offset");
+    assert_eq!([at(11), at(12), at(15)], [2.0, 0.0, 0.0], "nodes are moved without an offset");
     let text = crumple::input::check::describe(&model);
     for said in [
-        "tied         3 nodes, 1 with rotations, 1 at the end of arms",
+        "tied         3 nodes, 1 with rotations, 1 with offset",
         "tie 1: tied nodes to surface -> displacements tied, nodes moved onto the surface",
-        "tie 2: tied shell edge to surface, beam offset -> displacements, at the end of arms, and rotations tied",
+        "tie 2: tied shell edge to surface, beam offset -> displacements, at the end of arms, and \
+         rotations tied",
     ] {
-        assert!(text.contains(said), "not said: {said}\n{text}");
+        assert!(text.contains(said), "missing text: {said}\n{text}");
     }
 }
 
@@ -155,8 +166,10 @@ fn contacts_tie() {
 #[test]
 fn spot_weld_contacts_tie_beams() {
     let model = with(
-        "*NODE\n21,5,5,0\n22,5,5,2\n*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n\
-        2,7.85e-6,207.0,0.3,0.4,2.0\n0.0,3.0,4.0,4.0\n*ELEMENT_BEAM\n21,3,21,22\n*SET_PART_LIST\n8\n1,2\n\
+        "*NODE\n21,5,5,0\n22,5,5,2\n*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n\
+        *MAT_100\n\
+        2,7.85e-6,207.0,0.3,0.4,2.0\n0.0,3.0,4.0,4.0\n*ELEMENT_BEAM\n21,3,21,22\n*SET_PART_LIST\n\
+        8\n1,2\n\
         *CONTACT_SPOTWELD\n3,8,3,2\n\n\n",
     );
     let ties = &model.settings.ties;
@@ -169,12 +182,13 @@ fn spot_weld_contacts_tie_beams() {
 #[test]
 fn welds_are_bodies_or_beams_that_break() {
     let model = with(
-        "*CONSTRAINED_SPOTWELD\n1,11\n3,13,3.0,2.0,1.0,4.0\n*NODE\n31,0,0,4\n*CONSTRAINED_SPOTWELD_ID\n7\n11,12\n\
+        "*CONSTRAINED_SPOTWELD\n1,11\n3,13,3.0,2.0,1.0,4.0\n*NODE\n31,0,0,4\n\
+        *CONSTRAINED_SPOTWELD_ID\n7\n11,12\n\
         *CONSTRAINED_GENERALIZED_WELD_SPOT\n5\n\n*SET_NODE_LIST\n5\n6,16\n",
     );
     let bodies: Vec<Vec<u64>> =
         model.settings.rigid.iter().map(|b| b.nodes.iter().map(|n| n.0).collect()).collect();
-    assert_eq!(bodies, [vec![1, 11, 12], vec![6, 16]], "welds with a node in common are one");
+    assert_eq!(bodies, [vec![1, 11, 12], vec![6, 16]], "welds with a common node are one body");
     let part = &model.job.part[2];
     let beam = part.beam.clone().unwrap();
     let weld = beam.weld.unwrap();
@@ -192,7 +206,7 @@ fn null_shells_are_skins() {
     let model = with("*PART\nskin\n3,1,2\n*MAT_NULL\n2,1.0e-9\n*ELEMENT_SHELL\n7,3,1,2,5,4\n");
     assert_eq!([0, 2].map(|i| model.job.part[i].skin), [false, true]);
     assert!(model.elements.stable_dt[4].is_infinite() && model.elements.mass[4] > 0.0);
-    assert_eq!(model.job.units, "mm, ms, kg (guessed)", "by what bears");
+    assert_eq!(model.job.units, "mm, ms, kg (guessed)", "null shells do not count");
     assert!(!model.warnings.iter().any(|w| w.message.contains("no solid")), "{:?}", model.warnings);
 }
 
@@ -201,7 +215,8 @@ fn null_shells_are_skins() {
 fn exported_skins_are_skins() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("skin.k");
-    let lines = "*PART\nskin\n3,1,2\n*MAT_NULL\n2,1.0e-9\n*ELEMENT_SHELL\n7,3,1,2,5,4\n*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n";
+    let lines = "*PART\nskin\n3,1,2\n*MAT_NULL\n2,1.0e-9\n*ELEMENT_SHELL\n7,3,1,2,5,4\n\
+                 *CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n";
     let model = with(lines);
     fs::write(&path, crumple::input::deck::export::export(&model).unwrap()).unwrap();
     let again = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));

@@ -7,9 +7,12 @@ use std::fs;
 
 /// A plate above a cube; units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below;
 /// nodes 1 to 8 the cube, 11 to 16 the plate.
-const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,1\ncube\n2,2,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
-    *SECTION_SOLID\n2,1\n*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n8,0,10,10\n\
-    11,0,0,12\n12,10,0,12\n13,20,0,12\n14,0,10,12\n15,10,10,12\n16,20,10,12\n*ELEMENT_SHELL\n1,1,11,12,15,14\n\
+const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,1\ncube\n2,2,1\n\
+    *SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+    *SECTION_SOLID\n2,1\n*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n\
+    7,10,10,10\n8,0,10,10\n\
+    11,0,0,12\n12,10,0,12\n13,20,0,12\n14,0,10,12\n15,10,10,12\n16,20,10,12\n*ELEMENT_SHELL\n\
+    1,1,11,12,15,14\n\
     2,1,12,13,16,15\n*ELEMENT_SOLID\n1,2,1,2,3,4,5,6,7,8\n";
 const STEEL: &str = "*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n";
 const MOVES: &str = "*INITIAL_VELOCITY\n0\n1.0\n";
@@ -46,7 +49,7 @@ fn set(model: &Model, name: &str) -> Vec<u64> {
 fn ids_that_shells_and_solids_share_are_told_apart() {
     let model = with("");
     let solid = model.mesh.elements.iter().find(|e| e.shape == Shape::Hex8).unwrap();
-    assert_eq!((solid.id.0, model.mesh.elements.len()), (11, 3), "1, raised by 10");
+    assert_eq!((solid.id.0, model.mesh.elements.len()), (11, 3), "id 1 raised by 10");
     assert!(crumple::input::check::describe(&model).contains("ids raised by 10"));
 }
 
@@ -74,13 +77,15 @@ fn plastic_materials_keep_their_curves() {
     let points =
         "*MAT_PIECEWISE_LINEAR_PLASTICITY\n1,7.85e-6,200.0,0.3\n\n0.0,0.1,0.5\n0.3,0.4,0.6\n";
     assert_eq!(rows(points), [[0.0, 0.3], [0.1, 0.4], [0.5, 0.6]]);
-    let curve = "*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,9\n*DEFINE_CURVE\n9,0,1.0,1000.0\n0.1,3.0e-4\n0.5,4.0e-4\n";
+    let curve = "*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,9\n*DEFINE_CURVE\n9,0,1.0,1000.0\n\
+                 0.1,3.0e-4\n0.5,4.0e-4\n";
     assert_eq!(
         rows(curve),
         [[0.0, 0.3], [0.1, 0.3], [0.5, 0.4]],
-        "in other units, and level before its first point"
+        "in other units, and constant before the first point"
     );
-    let jc = "*MAT_JOHNSON_COOK\n1,7.85e-6,80.0,0,0.25\n0.4,0.3,0.3,0.01,1.0,1800.0,293.0,0.001\n450.0e-6\n";
+    let jc = "*MAT_JOHNSON_COOK\n1,7.85e-6,80.0,0,0.25\n0.4,0.3,0.3,0.01,1.0,1800.0,293.0,0.001\n\
+              450.0e-6\n";
     let model = model_of(&format!("{BASE}{MOVES}{jc}"));
     assert_eq!(model.job.material[0].law, "johnson_cook");
     assert_eq!(parameter(&model, "youngs_modulus"), 2.0 * 80.0 * 1.25, "from the shear modulus");
@@ -92,12 +97,18 @@ fn plastic_materials_keep_their_curves() {
 
 #[test]
 fn rigid_parts_are_bodies_with_what_joins_them() {
-    let rigid = "*PART\ndriver\n3,1,2\n*MAT_RIGID\n2,7.85e-6,207.0,0.3\n1.0,4,7\n*NODE\n21,30,0,0\n22,40,0,0\n23,40,10,0\n\
-        24,30,10,0\n*ELEMENT_SHELL\n7,3,21,22,23,24\n*CONSTRAINED_EXTRA_NODES_SET\n3,5\n*SET_NODE_LIST\n5\n13,16\n";
+    let rigid = "*PART\ndriver\n3,1,2\n*MAT_RIGID\n2,7.85e-6,207.0,0.3\n1.0,4,7\n*NODE\n21,30,0,0\n\
+        22,40,0,0\n23,40,10,0\n\
+        24,30,10,0\n*ELEMENT_SHELL\n7,3,21,22,23,24\n*CONSTRAINED_EXTRA_NODES_SET\n3,5\n\
+        *SET_NODE_LIST\n5\n13,16\n";
     let model = with(&format!("{rigid}*INITIAL_VELOCITY_RIGID_BODY\n3,1.0,0,0,0,0,2.0\n"));
     let body = &model.job.rigid[0];
     assert_eq!((body.name.as_str(), body.parts.as_slice()), ("part-3", [3].as_slice()));
-    assert_eq!(body.fixed, ["rx", "ry", "rz", "x", "y"], "code 4 of translations, 7 of rotations");
+    assert_eq!(
+        body.fixed,
+        ["rx", "ry", "rz", "x", "y"],
+        "code 4 for translations, 7 for rotations"
+    );
     assert_eq!(set(&model, body.nodes.as_ref().unwrap()), [13, 16]);
     let start = &model.job.initial_velocity[1];
     assert_eq!(
@@ -106,7 +117,8 @@ fn rigid_parts_are_bodies_with_what_joins_them() {
     );
     let switched = with("*DEFORMABLE_TO_RIGID\n1\n");
     assert_eq!(switched.job.rigid[0].parts, [1]);
-    let lines = "*CONSTRAINED_NODAL_RIGID_BODY\n9,0,5\n*SET_NODE_LIST\n5\n1,2,3,4\n*DEFINE_CURVE\n3\n0.0,0.0\n1.0,1.0\n";
+    let lines = "*CONSTRAINED_NODAL_RIGID_BODY\n9,0,5\n*SET_NODE_LIST\n5\n1,2,3,4\n*DEFINE_CURVE\n\
+                 3\n0.0,0.0\n1.0,1.0\n";
     let led = with(&format!("{lines}*BOUNDARY_PRESCRIBED_MOTION_RIGID\n9,3,2,3,-4.0\n"));
     assert_eq!(
         (led.job.rigid[0].name.as_str(), led.job.rigid[0].nodes.as_deref()),
@@ -126,7 +138,8 @@ fn rigid_parts_are_bodies_with_what_joins_them() {
 #[test]
 fn rigid_parts_with_nodes_in_common_are_one_body() {
     let model = with(
-        "*DEFORMABLE_TO_RIGID\n1\n3\n*PART\nedge\n3,1,1\n*NODE\n31,30,0,12\n32,30,10,12\n*ELEMENT_SHELL\n9,3,13,31,32,16\n",
+        "*DEFORMABLE_TO_RIGID\n1\n3\n*PART\nedge\n3,1,1\n*NODE\n31,30,0,12\n32,30,10,12\n\
+         *ELEMENT_SHELL\n9,3,13,31,32,16\n",
     );
     assert_eq!(
         (model.job.rigid.len(), model.job.rigid[0].parts.as_slice()),
@@ -137,8 +150,10 @@ fn rigid_parts_with_nodes_in_common_are_one_body() {
 #[test]
 fn initial_velocities_of_all_forms() {
     let model = with(
-        "*INITIAL_VELOCITY_GENERATION\n1,2,3.0,0,0,0,0,7\n1.0,2.0,3.0,0.0,4.0,0.0\n*INITIAL_VELOCITY_NODE\n2,5.0\n3,5.0\n\
-        4,0,6.0\n*INITIAL_VELOCITY\n0,0,8\n0,0,9.0\n*DEFINE_BOX\n8,-1,1,-1,1,-1,1\n*DEFINE_COORDINATE_SYSTEM\n7,0,0,0,1,0,0\n0,1,0\n",
+        "*INITIAL_VELOCITY_GENERATION\n1,2,3.0,0,0,0,0,7\n1.0,2.0,3.0,0.0,4.0,0.0\n\
+        *INITIAL_VELOCITY_NODE\n2,5.0\n3,5.0\n\
+        4,0,6.0\n*INITIAL_VELOCITY\n0,0,8\n0,0,9.0\n*DEFINE_BOX\n8,-1,1,-1,1,-1,1\n\
+        *DEFINE_COORDINATE_SYSTEM\n7,0,0,0,1,0,0\n0,1,0\n",
     );
     let start = &model.job.initial_velocity;
     assert_eq!(start[0].nodes, None);
@@ -164,7 +179,7 @@ fn pressure_and_gravity_have_their_signs() {
     assert_eq!(
         (ids(1.0), ids(-1.0)),
         (vec![1, 11], vec![2]),
-        "against the normal of a segment, into solids"
+        "against the normal of a segment, towards solids"
     );
     assert_eq!(
         model.job.gravity[0].acceleration,
@@ -177,7 +192,8 @@ fn pressure_and_gravity_have_their_signs() {
 #[test]
 fn what_is_held_comes_from_cards_and_codes() {
     let model = with(
-        "*BOUNDARY_SPC_NODE\n2,0,1,0,1\n3,0,1,0,1\n*SET_NODE_GENERAL\n6\nPART,2\nDBOX,1\n*DEFINE_BOX\n1,-1,11,-1,11,9,11\n\
+        "*BOUNDARY_SPC_NODE\n2,0,1,0,1\n3,0,1,0,1\n*SET_NODE_GENERAL\n6\nPART,2\nDBOX,1\n\
+        *DEFINE_BOX\n1,-1,11,-1,11,9,11\n\
         *BOUNDARY_SPC_SET\n6,0,0,1\n",
     );
     let held = |node: u64| {
@@ -192,7 +208,8 @@ fn what_is_held_comes_from_cards_and_codes() {
 #[test]
 fn contacts_become_interfaces() {
     let model = with(
-        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,first\n1,0,3\n0.1,0.1\n\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,first\n1,0,3\n0.1,0.1\n\n\
+        *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\
         0.4,0.2,3.0\n\n2\n",
     );
     let contact = model.job.contact.as_ref().unwrap();
@@ -236,7 +253,8 @@ fn mortar_contacts_take_the_law_of_segments() {
     assert_eq!(law(&model), ["lagrange", "mortar"]);
     assert!(crumple::input::check::describe(&model).contains("second: MORTAR -> law mortar"));
     let model = with(
-        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_MORTAR\n1,0,3\n\n\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\n\n",
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_MORTAR\n1,0,3\n\n\n\
+         *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\n\n",
     );
     assert_eq!(law(&model), ["mortar", "lagrange"]);
 }
@@ -254,7 +272,7 @@ fn contacts_of_a_single_surface_come_before_those_of_two() {
     assert_eq!(
         (pair.friction, pair.thickness, pair.thickness_scale),
         (0.4, Some(0.4), 1.0),
-        "nothing of the first one"
+        "no values of the first contact"
     );
     assert_eq!((pair.birth, pair.death), (0.25, Some(0.5)));
 }
@@ -281,13 +299,17 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
     };
     assert_eq!(of(1, 1), (0.3, Some(0.1), 2.0, Some(0.05)));
     assert_eq!((of(2, 2).0, of(2, 2).1, of(2, 2).3), (0.1, None, None));
-    assert_eq!(of(1, 2), (0.2, Some(0.1), 1.0, Some(0.05)), "the mean, and the lower limit");
+    assert_eq!(
+        of(1, 2),
+        (0.2, Some(0.1), 1.0, Some(0.05)),
+        "the mean friction and the lower limit"
+    );
     let plate = &model.job.part[0];
     assert_eq!((plate.contact_thickness, plate.contact_thickness_scale), (Some(1.5), 0.8));
     let said = crumple::input::check::describe(&model);
     assert!(
         said.contains(
-            "fs -1: friction of the parts -> 3 interfaces; of two parts the mean of theirs"
+            "fs -1: friction of the parts -> 3 interfaces; for two parts the mean of their values"
         ),
         "{said}"
     );
@@ -304,7 +326,8 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
 /// settings that no card has.
 #[test]
 fn exported_contacts_are_read_as_they_were() {
-    let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
+    let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n\
+         0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
          *CONTACT_AUTOMATIC_SINGLE_SURFACE\n1,0,3\n0.2,0.2\n,,1.5\n\
          *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID\n2,pair\n1,2,3,3\n0.4,0.4,,,,,0.25,0.5\n\n";
     let job = read_with(&["contact.interface.pair.law=penalty", "contact.sweeps=7"], contacts);
@@ -356,8 +379,10 @@ fn read_with(sets: &[&str], lines: &str) -> Model {
 #[test]
 fn control_cards_set_the_run() {
     let model = with(
-        "*CONTROL_TIMESTEP\n0,0.67,0,0,-1.0e-3\n*CONTROL_SHELL\n20,0,0,1,2,1\n*CONTROL_HOURGLASS\n1,0.07\n\
-        *CONTROL_BULK_VISCOSITY\n1.2,0.05\n*DATABASE_BINARY_D3PLOT\n0.5\n*DAMPING_GLOBAL\n0,3.0\n*TITLE\nTwo\n",
+        "*CONTROL_TIMESTEP\n0,0.67,0,0,-1.0e-3\n*CONTROL_SHELL\n20,0,0,1,2,1\n*CONTROL_HOURGLASS\n\
+        1,0.07\n\
+        *CONTROL_BULK_VISCOSITY\n1.2,0.05\n*DATABASE_BINARY_D3PLOT\n0.5\n*DAMPING_GLOBAL\n0,3.0\n\
+        *TITLE\nTwo\n",
     );
     let (time, plate, cube) = (&model.job.time, &model.job.part[0], &model.job.part[1]);
     assert_eq!((time.safety, time.mass_scaling_dt, time.damping), (0.67, 1e-3, 3.0));
@@ -373,12 +398,17 @@ fn control_cards_set_the_run() {
 fn single_thicknesses_and_masses() {
     let shells = BASE.replace(
         "*ELEMENT_SHELL\n1,1,11,12,15,14\n2,1,12,13,16,15\n",
-        "*ELEMENT_SHELL_THICKNESS\n1,1,11,12,15,14\n2.5,2.5,2.5,2.5\n2,1,12,13,16,15\n2.5,2.5,2.5,2.5\n",
+        "*ELEMENT_SHELL_THICKNESS\n1,1,11,12,15,14\n2.5,2.5,2.5,2.5\n2,1,12,13,16,15\n\
+         2.5,2.5,2.5,2.5\n",
     );
     let model =
         model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
     assert_eq!(model.job.part[0].thickness, 2.5);
-    assert!(model.mesh.elements.iter().all(|e| e.thickness == 0.0), "that of the part");
+    assert!(
+        model.mesh.elements.iter().all(|e| e.thickness == 0.0),
+        "elements have the thickness \
+        of the part"
+    );
     // Corners without a thickness have that of the section, 1.
     let several = shells.replacen("2.5,2.5,2.5,2.5", "2.5,0.0,2.0,2.5", 1);
     let two = model_of(&format!("{several}{STEEL}{MOVES}"));
@@ -396,14 +426,15 @@ fn single_thicknesses_and_masses() {
     let text = crumple::input::deck::export::export(&below).unwrap();
     assert_eq!(model_of(&text.replace("*END\n", "")).job.part[0].offset, 1.0);
     let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
-    assert_eq!(masses, [0.5, 1.0], "two nodes of a quarter, one of one");
+    assert_eq!(masses, [0.5, 1.0], "two nodes with 0.25 each, one with 1.0");
 }
 
 #[test]
 fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
     let sets =
         "*SET_NODE_LIST\n5\n1,2,3,4\n*SET_NODE_LIST\n6\n3\n*DEFINE_BOX\n7,-1,11,-1,11,-1,11\n";
-    let walls = "*RIGIDWALL_PLANAR_FINITE_MOVING_FORCES_ID\n1,sled\n5,6\n0,0,-5,0,0,-3,0.2\n8,0,-5,20,30\n100,4\n10,0\n\
+    let walls = "*RIGIDWALL_PLANAR_FINITE_MOVING_FORCES_ID\n1,sled\n5,6\n0,0,-5,0,0,-3,0.2\n\
+        8,0,-5,20,30\n100,4\n10,0\n\
         *RIGIDWALL_PLANAR\n5,0,7\n30,0,0,29,0,0\n0,0,0,1.5\n0,-1,0,0,0,0\n";
     let model = with(&format!("{sets}{walls}"));
     let sled = &model.job.wall[0];
@@ -423,14 +454,14 @@ fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
     assert_eq!(
         set(&model, plane.nodes.as_ref().unwrap()),
         [1, 2, 3, 4],
-        "of the set, those in the box"
+        "the nodes of the set in the box"
     );
     let near = &model.job.wall[2];
     assert_eq!(near.normal, Some([0.0, 1.0, 0.0]));
     assert_eq!(
         set(&model, near.nodes.as_ref().unwrap()),
         [1, 2, 5, 6, 11, 12, 13],
-        "those with y = 0"
+        "the nodes with y = 0"
     );
     let said = crumple::input::check::describe(&model);
     assert!(
@@ -450,7 +481,8 @@ fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
 #[test]
 fn shaped_walls_are_led_by_curves() {
     let model = with(
-        "*RIGIDWALL_GEOMETRIC_CYLINDER_MOTION_ID\n3,punch\n0\n0,-50,30,0,1,30,0.1\n5,100\n4,1,0,0,-2\n\
+        "*RIGIDWALL_GEOMETRIC_CYLINDER_MOTION_ID\n3,punch\n0\n0,-50,30,0,1,30,0.1\n5,100\n\
+        4,1,0,0,-2\n\
         *RIGIDWALL_GEOMETRIC_FLAT_MOTION_DISPLAY\n0\n0,0,-5,0,0,-4\n1,0,-5,20,30\n4,0,0,0,1\n9\n\
         *DEFINE_CURVE\n4\n0.0,0.0\n20.0,40.0\n",
     );
@@ -475,11 +507,12 @@ fn shaped_walls_are_led_by_curves() {
 
 #[test]
 fn springs_go_along_their_vectors_and_to_the_ground() {
-    let parts = "*PART\nlink\n3,3,11\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n*DEFINE_SD_ORIENTATION\n7,0,0,0,2\n";
+    let parts = "*PART\nlink\n3,3,11\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n\
+                 *DEFINE_SD_ORIENTATION\n7,0,0,0,2\n";
     let model = with(&format!("{parts}*ELEMENT_DISCRETE\n101,3,5,0,7\n102,3,6,0,7\n"));
     let springs: Vec<_> = model.mesh.elements.iter().filter(|e| e.shape == Shape::Line2).collect();
     let ends: Vec<[u64; 2]> = springs.iter().map(|e| [e.nodes[0].0, e.nodes[1].0]).collect();
-    assert_eq!(ends, [[5, 17], [6, 18]], "nodes of their own");
+    assert_eq!(ends, [[5, 17], [6, 18]], "separate nodes");
     assert_eq!(model.job.part[2].spring.as_ref().unwrap().direction, Some([0.0, 0.0, 2.0]));
     let node = |id: u64| model.mesh.nodes.iter().position(|n| n.id.0 == id).unwrap();
     assert_eq!(
@@ -490,11 +523,14 @@ fn springs_go_along_their_vectors_and_to_the_ground() {
 
 #[test]
 fn springs_and_dampers_have_their_laws_and_scales() {
-    let parts = "*PART\nlink\n3,3,11\n\n4,3,12\n\n5,3,13\n\n6,3,14\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n\
-        *MAT_S02\n12,0.25\n*MAT_SPRING_NONLINEAR_ELASTIC\n13,8\n*MAT_DAMPER_NONLINEAR_VISCOUS\n14,9\n\
+    let parts = "*PART\nlink\n3,3,11\n\n4,3,12\n\n5,3,13\n\n6,3,14\n*SECTION_DISCRETE\n3\n\n\
+        *MAT_SPRING_ELASTIC\n11,4.0\n\
+        *MAT_S02\n12,0.25\n*MAT_SPRING_NONLINEAR_ELASTIC\n13,8\n*MAT_DAMPER_NONLINEAR_VISCOUS\n\
+        14,9\n\
         *DEFINE_CURVE\n8\n0.0,0.0\n1.0,3.0\n*DEFINE_CURVE\n9\n-1.0,-2.0\n1.0,2.0\n";
     let model = with(&format!(
-        "{parts}*ELEMENT_DISCRETE\n1,3,5,11,0,0.5\n2,3,6,12,0,0.5\n3,4,7,15\n4,5,8,14,0,2.0\n5,6,1,16\n"
+        "{parts}*ELEMENT_DISCRETE\n1,3,5,11,0,0.5\n2,3,6,12,0,0.5\n3,4,7,15\n4,5,8,14,0,2.0\n\
+         5,6,1,16\n"
     ));
     let springs: Vec<_> = model.mesh.elements.iter().filter(|e| e.shape == Shape::Line2).collect();
     assert_eq!(
@@ -506,7 +542,7 @@ fn springs_and_dampers_have_their_laws_and_scales() {
     assert_eq!(
         (law(2).stiffness, law(2).damping, model.job.part[2].name.as_str()),
         (2.0, 0.0, "link"),
-        "4, scaled by a half"
+        "4 scaled by 0.5"
     );
     assert_eq!((law(3).damping, law(3).stiffness), (0.25, 0.0));
     assert_eq!(law(4).force_elongation, [[0.0, 0.0], [1.0, 6.0]]);
@@ -514,9 +550,10 @@ fn springs_and_dampers_have_their_laws_and_scales() {
     let said = crumple::input::check::describe(&model);
     for line in [
         "part 3: *MAT_SPRING_ELASTIC scaled by 0.5 -> springs with stiffness",
-        "part 5: curve 8 says nothing of negative elongations -> its first slope goes on there",
+        "part 5: curve 8 has no points for negative elongations -> extrapolated with its first \
+         slope",
         "springs: ids that other elements have too -> ids raised by 100",
     ] {
-        assert!(said.contains(line), "not said: {line}\n{said}");
+        assert!(said.contains(line), "missing text: {line}\n{said}");
     }
 }

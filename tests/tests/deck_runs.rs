@@ -41,7 +41,7 @@ fn on_any_workers(deck: &str, balance: f64) -> [Ended; 3] {
     for ended in &runs {
         assert_eq!(ended.digest(), runs[0].digest(), "{deck}");
         let error = ended.summary()["energy"]["error_max"].as_f64().expect("a number");
-        assert!(error < balance, "{deck}: energies are out of balance by {error}");
+        assert!(error < balance, "{deck}: energy error {error}");
     }
     runs
 }
@@ -58,7 +58,7 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
     assert_eq!(header[..3], ["time [ms]", "wall", "impulse x [kg mm/ms]"]);
     let walls: BTreeSet<&str> = rows.iter().map(|row| row[1].as_str()).collect();
     assert_eq!(walls, BTreeSet::from(["roller", "sled"]));
-    assert!(rows.len() >= 2 * 50, "a row each at every interval: {}", rows.len());
+    assert!(rows.len() >= 2 * 50, "one row per wall and interval: {}", rows.len());
     let last = |name: &str, c: &str| *column(one, "walls.csv", name, c).last().unwrap();
     // The sled is 0.02 kg at 2 mm/ms, the sheet 9.4e-3 kg at -10 mm/ms: the sheet is stopped or
     // thrown back.
@@ -68,12 +68,12 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
         "{} of {momentum}",
         last("sled", "impulse x")
     );
-    assert!(last("roller", "impulse z") > 0.0, "it pushes upwards");
+    assert!(last("roller", "impulse z") > 0.0, "the force is upwards");
     // Its curve ends at 4 mm; the numbers have ten digits.
     assert!((last("roller", "displacement z") - 4.0).abs() < 1e-8);
     for (of, name) in [("2", "spring"), ("3", "damper")] {
         let energy = column(one, "parts.csv", of, "internal");
-        assert!(energy.iter().any(|e| *e > 0.0), "the {name} takes up energy: {energy:?}");
+        assert!(energy.iter().any(|e| *e > 0.0), "the {name} absorbs energy: {energy:?}");
     }
     // Sums over workers: ten digits of the largest value.
     for several in &runs[1..] {
@@ -98,14 +98,18 @@ fn transducers_of_a_deck_feel_the_contact() {
     assert_eq!(header, ["time [ms]", "transducer", "force x [kN]", "force y [kN]", "force z [kN]"]);
     assert!(
         runs.iter().all(|ended| table(ended, "transducers.csv").1 == rows),
-        "the same digits on any workers"
+        "the same digits for any number of workers"
     );
     for (c, sign) in ["x", "y", "z"].map(|c| [(c, 1.0), (c, -1.0)]).as_flattened() {
         let felt = |name: &str| column(&runs[0], "transducers.csv", name, &format!("force {c}"));
         let of_part = |part: &str| column(&runs[0], "contacts.csv", part, &format!("force {c}"));
         let cube = of_part("2");
         let scale = cube.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
-        assert!(*c != "z" || cube.iter().filter(|f| **f > 0.1).count() > 20, "it is hit: {cube:?}");
+        assert!(
+            *c != "z" || cube.iter().filter(|f| **f > 0.1).count() > 20,
+            "the cube has contact \
+            forces: {cube:?}"
+        );
         let same = |a: &[f64], b: &[f64], sign: f64| {
             a.iter().zip(b).all(|(a, b)| (a - sign * b).abs() < 1e-8 * scale)
         };
@@ -117,7 +121,7 @@ fn transducers_of_a_deck_feel_the_contact() {
         for name in names {
             assert!(
                 same(&felt(name), &cube, *sign),
-                "{name} {c}: {:?}, not {sign} times {cube:?}",
+                "{name} {c}: {:?}, expected {sign} times {cube:?}",
                 felt(name)
             );
         }

@@ -38,10 +38,15 @@ fn all_formats_give_the_same_model() {
     let model = good(&decks("good/fixed.k"));
     assert_eq!((model.mesh.nodes.len(), model.mesh.elements.len()), (9, 5));
     assert_eq!(model.job.part[0].element.as_deref(), Some("stabilised_quad"));
-    assert_eq!((model.job.part[0].thickness, model.job.part[0].points), (1.5, 3), "by parameters");
+    assert_eq!(
+        (model.job.part[0].thickness, model.job.part[0].points),
+        (1.5, 3),
+        "values from \
+        parameters"
+    );
     assert_eq!(model.job.title, "A small plate");
     assert_eq!(model.job.load[0].force, [0.0, 0.0, 0.75], "0.25 on each of three nodes");
-    assert_eq!(model.job.curve[0].points, [[0.0, 0.0], [1.0, 2.0]], "with its scale");
+    assert_eq!(model.job.curve[0].points, [[0.0, 0.0], [1.0, 2.0]], "curve with its scale");
     assert_eq!(model.mesh.node_sets["edge"], model.mesh.node_sets["set-1"]);
     let one = whole(&model);
     for name in ["good/long.k", "good/comma.k"] {
@@ -51,7 +56,7 @@ fn all_formats_give_the_same_model() {
     assert_eq!(
         one,
         saved("good/fixed.k", |text| text.replace('\n', "   \n")),
-        "blanks at line ends"
+        "spaces at line ends"
     );
     assert_eq!(
         one,
@@ -96,7 +101,7 @@ fn every_bad_deck_says_what_is_wrong_with_it() {
         count += 1;
         let text = fs::read_to_string(&path).unwrap();
         let wanted: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("$: ")).collect();
-        assert!(!wanted.is_empty(), "{} wants nothing", path.display());
+        assert!(!wanted.is_empty(), "{} expects no text", path.display());
         let report = match read(&path, &[]) {
             Ok(_) => {
                 failures += &format!("--- {} passes\n", path.display());
@@ -105,7 +110,7 @@ fn every_bad_deck_says_what_is_wrong_with_it() {
             Err(report) => report.to_string(),
         };
         for want in wanted.iter().filter(|want| !report.contains(**want)) {
-            failures += &format!("--- {}: not said: {want}\n{report}\n", path.display());
+            failures += &format!("--- {}: missing text: {want}\n{report}\n", path.display());
         }
     }
     assert!(failures.is_empty(), "{failures}");
@@ -122,8 +127,10 @@ fn a_report_shows_the_card_and_underlines_the_field() {
     let (_, rest) = rest.split_once("bad/number.k").unwrap();
     assert_eq!(
         rest,
-        ":16:25\n   |\n16 |          1   7.85e-6    207.0x       0.3\n   |                         ^^^^^^\n   = help: card 1: the \
-         fields are mid ro e pr da db k, 10 columns each or with commas between them\n\n1 error: nothing was run\n"
+        ":16:25\n   |\n16 |          1   7.85e-6    207.0x       0.3\n   |                         \
+         ^^^^^^\n   = help: card 1: the \
+         fields are mid ro e pr da db k, 10 columns each or with commas between them\n\n\
+         1 error: nothing was run\n"
     );
 }
 
@@ -137,7 +144,8 @@ fn what_is_left_out_is_told() {
         allowed.unsupported[0].starts_with("*AIRBAG_SIMPLE_PRESSURE_VOLUME (")
             && allowed.unsupported[0].contains("unsupported.k:")
     );
-    let named = "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"CONSTRAINED_INTERPOLATION\"]";
+    let named = "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \
+                 \"CONSTRAINED_INTERPOLATION\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());
     let run = program::run(crumple_with(&[
@@ -204,14 +212,14 @@ fn slips_are_told() {
     for (said, text) in [
         ("the deck has no *END", text.split("*END").next().unwrap().to_string()),
         (
-            "*CONTROL_TIMESTEP is there 2 times: the last one counts",
+            "*CONTROL_TIMESTEP occurs 2 times: the last one counts",
             text.replacen("*PART", "*CONTROL_TIMESTEP\n\n*PART", 1),
         ),
         ("faster than any wave", text.replace("      -3.0", "  -3.0e+06")),
     ] {
         assert!(
             !plain.contains(said) && told(text.clone()).contains(said),
-            "not said: {said}\n{text}"
+            "missing text: {said}\n{text}"
         );
     }
 }
@@ -221,7 +229,8 @@ fn a_jobs_own_keys_go_before_its_decks() {
     let folder = tempfile::tempdir().unwrap();
     let deck = decks("good/fixed.k");
     let text = format!(
-        "end_time = 2.0\n[mesh]\ndeck = {:?}\nnode_sets = {{ tip = [9] }}\n[[part]]\nid = 7\nthickness = 4.0\n\
+        "end_time = 2.0\n[mesh]\ndeck = {:?}\nnode_sets = {{ tip = [9] }}\n[[part]]\nid = 7\n\
+         thickness = 4.0\n\
          [[fix]]\nnodes = \"tip\"\ndofs = [\"x\"]\n",
         deck
     );
@@ -239,7 +248,7 @@ fn a_jobs_own_keys_go_before_its_decks() {
     let set = read(&path, &["part.plate.thickness=5".into()])
         .unwrap_or_else(|report| panic!("{report}"))
         .job;
-    assert_eq!(set.part[0].thickness, 5.0, "the command line goes before both");
+    assert_eq!(set.part[0].thickness, 5.0, "the command line overrides both");
     fs::write(&path, "end_time = 1.0\n[mesh]\ndeck = \"nowhere.k\"\n").unwrap();
     let Err(report) = read(&path, &[]) else { panic!("it passes") };
     let report = report.to_string();
@@ -256,9 +265,9 @@ fn check_tells_what_was_made_of_a_deck() {
         "asked -> used",
         "shells, elform 16 -> stabilised_quad, c0_triangle",
         "contact 1: single surface -> every part with every other and itself",
-        "units: a deck names none -> mm, ms, kg",
+        "units: not given in a deck -> mm, ms, kg",
     ] {
-        assert!(text.contains(said), "not said: {said}\n{text}");
+        assert!(text.contains(said), "missing text: {said}\n{text}");
     }
 }
 
@@ -269,7 +278,7 @@ fn public_decks_are_what_they_are() {
         (pipe.mesh.nodes.len(), pipe.mesh.elements.len(), pipe.job.part.len()),
         (2049, 1704, 4)
     );
-    assert_eq!(pipe.job.rigid.len(), 2, "pipe and end are one body, the bracket is another");
+    assert_eq!(pipe.job.rigid.len(), 2, "pipe and end are one body, the bracket is a second one");
     let taylor = good(&decks("taylor/input.k"));
     assert_eq!(taylor.job.units, "mm, s, tonne (guessed)");
     assert_eq!(taylor.job.part[0].element.as_deref(), Some("hexahedron"));
@@ -287,7 +296,7 @@ fn the_pipe_runs_to_its_end_on_any_workers() {
         let summary = one.summary();
         assert_eq!(summary["end_time"], 20.0);
         let error = summary["energy"]["error_max"].as_f64().unwrap();
-        assert!(error < 1e-3, "{job}: {error}; 3e-5 was seen, the issue asks for 1 %");
+        assert!(error < 1e-3, "{job}: {error}; 3e-5 was measured, the limit is 1 %");
         for workers in ["2", "4"] {
             assert_eq!(one.digest(), run(job, workers).digest(), "{job} on {workers} workers");
         }
@@ -343,7 +352,11 @@ fn an_independent_reader_agrees() {
     let decks = ["cases/pipe-whip/pipe.k", "tests/decks/taylor/input.k"];
     command.arg("deploy/compare_decks.py").arg(program::crumple()).args(decks);
     let ended = program::run(command);
-    assert!(matches!(ended.code, Some(0 | 3)), "3 stands for no dynars: {}", ended.said());
+    assert!(
+        matches!(ended.code, Some(0 | 3)),
+        "code 3 means that dynars is missing: {}",
+        ended.said()
+    );
 }
 
 #[test]
@@ -436,7 +449,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
     }
     let sled = "tests/decks/scenes/sled.k";
     let wanted = run(sled, odd.as_flattened());
-    assert_ne!(wanted, run(sled, &[]), "they are felt");
+    assert_ne!(wanted, run(sled, &[]), "the values affect the run");
     program::run(crumple_with(
         &[&["export-deck", sled, "--out", first], odd.as_flattened()].concat(),
     ))
@@ -454,6 +467,6 @@ fn the_page_of_keywords_is_current() {
     assert_eq!(
         fs::read_to_string(&path).unwrap(),
         page,
-        "run this test with CRUMPLE_BLESS=1 and look at what changed"
+        "run this test with CRUMPLE_BLESS=1 and check the changes"
     );
 }

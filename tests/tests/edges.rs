@@ -223,5 +223,5 @@ fn edges_hold_what_would_pass_between_nodes() {
         end.contact.as_ref().unwrap().crossings(&end.nodes, end.clock.time).len()
     });
     assert_eq!(ends[0], 0);
-    assert!(ends[1] > 0, "without edges strips go through: {ends:?}");
+    assert!(ends[1] > 0, "without edges the strips pass through: {ends:?}");
 }

@@ -139,12 +139,12 @@ fn what_was_behind_a_failed_element_is_touched() {
     });
     assert!(
         failed > 0 && top(&end) > at_start.unwrap(),
-        "{failed} failed: each bares up to five faces"
+        "{failed} failed: each exposes up to five faces"
     );
     // The upper face of the lower layer starts at 5 mm and deflects elastically, by well below a
     // tenth of its height.
-    assert!(lowest < 2.0 * SIDE - 2.0, "the rod has to be through the upper layer: {lowest}");
-    assert!(lowest > SIDE - 0.5, "and to be stopped by the lower one: {lowest}");
+    assert!(lowest < 2.0 * SIDE - 2.0, "the rod must pass through the upper layer: {lowest}");
+    assert!(lowest > SIDE - 0.5, "the lower layer must stop the rod: {lowest}");
     let speed = end
         .nodes
         .id
@@ -154,7 +154,7 @@ fn what_was_behind_a_failed_element_is_touched() {
         .map(|(_, v)| v[2])
         .sum::<f64>()
         / 20.0;
-    assert!(speed > 0.0, "thrown back: {speed}");
+    assert!(speed > 0.0, "the rod rebounds: {speed}");
 }
 
 /// Surfaces, and with them the bits, do not depend on the owners of failed elements and of those
@@ -239,7 +239,7 @@ fn shot_sheet(inverted: &str, element: &str) -> Model {
 fn inverted_shells_end_the_run_or_leave_it() {
     for element in ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"] {
         let stopped = run_side_by_side(&shot_sheet("stop", element), 1, 400, 0);
-        assert!(stopped.trouble.is_some(), "{element}: the scene has to invert a shell");
+        assert!(stopped.trouble.is_some(), "{element}: the scene must invert a shell");
 
         let model = shot_sheet("delete", element);
         let segments = |e: &crumple_worker::engine::Engine| {
@@ -254,15 +254,15 @@ fn inverted_shells_end_the_run_or_leave_it() {
             end.blocks.elements.iter().filter(|e| e.record.failed).map(|e| e.record.id).collect();
         assert!(
             !failed.is_empty() && failed.len() < 16,
-            "{element}: a few around the node, {}",
+            "{element}: only some shells around the node, {}",
             failed.len()
         );
         assert_eq!(
             segments(&end),
             at_start.unwrap() - failed.len(),
-            "{element}: each was one segment"
+            "{element}: each failed shell was one segment"
         );
-        assert_eq!(named, failed.len(), "{element}: each is named");
+        assert_eq!(named, failed.len(), "{element}: each failed shell is named");
         assert!(failed.iter().all(|&id| end.blocks.is_deleted(id)));
 
         let alone = run_side_by_side(&model, 1, 400, 0);

@@ -22,7 +22,7 @@ fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
     for text in ["element ", "time ", "cycle ", "time.safety = 2.5 is above the stability limit"] {
         assert!(
             reason.contains(text) && failed.said().contains(&reason),
-            "not said: {text}: {reason}"
+            "missing text: {text}: {reason}"
         );
     }
     kept(&failed);
@@ -39,7 +39,7 @@ fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
 }
 
 /// Just above the limit plasticity bounds the motion; oscillations from step to step, or the
-/// balance of energy, still show the instability. The order to stop reaches workers at a cycle
+/// energy balance, still show the instability. The order to stop reaches workers at a cycle
 /// that varies, so the digest is not compared.
 #[test]
 fn a_run_that_gains_energy_ends_and_names_its_element() {
@@ -56,7 +56,7 @@ fn a_run_that_gains_energy_ends_and_names_its_element() {
     for text in ["energy", "element ", "time ", "time.safety is 1.5, use 0.9 or less"] {
         assert!(
             reason.contains(text) && failed.said().contains(&reason),
-            "not said: {text}: {reason}"
+            "missing text: {text}: {reason}"
         );
     }
     kept(&failed);
@@ -111,9 +111,9 @@ fn kept(r: &Ended) {
     let end = r.summary()["end_time"].as_f64().unwrap();
     assert!(
         (time.last().unwrap() - end).abs() <= 1e-8 * end,
-        "the last row is of the end: {time:?}, {end}"
+        "the last row is at the end: {time:?}, {end}"
     );
-    assert!(r.read_fields() >= 2, "the start and the end");
+    assert!(r.read_fields() >= 2, "fields at the start and at the end");
 }
 
 /// A small valid job, into which tests put errors.
@@ -180,7 +180,7 @@ fn bad_input_is_refused_with_code_2_and_says_what_to_do() {
         let refused = spoilt(from, to, more).with_code(2);
         let words = refused.said();
         for text in *said {
-            assert!(words.contains(text), "{to} {more:?}: not said: {text}\n{words}");
+            assert!(words.contains(text), "{to} {more:?}: missing text: {text}\n{words}");
         }
         assert!(!words.contains("panicked"), "{words}");
         assert!(!refused.out().join("summary.json").exists(), "nothing was run");
@@ -216,7 +216,7 @@ fn an_output_folder_that_cannot_be_written_is_named() {
         for text in [named, "choose another folder with --out"] {
             assert!(
                 refused.contains(text) && !refused.contains("panicked"),
-                "not said: {text}: {refused}"
+                "missing text: {text}: {refused}"
             );
         }
     }
@@ -240,7 +240,7 @@ impl Transport for Frail {
         self.0.try_recv(from, tag, words)
     }
     fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), RankLost> {
-        assert!(self.1 > 0, "on purpose, by a test");
+        assert!(self.1 > 0, "deliberate panic of a test");
         self.1 -= 1;
         self.0.recv(from, tag, words)
     }
@@ -287,16 +287,13 @@ fn a_worker_that_panics_is_a_lost_worker() {
                 &StopFlag::default(),
             );
             let text = fs::read_to_string(&trace).unwrap();
-            serde_json::from_str::<serde_json::Value>(&text)
-                .expect("what came of the trace is JSON");
+            serde_json::from_str::<serde_json::Value>(&text).expect("the trace is valid JSON");
             say.send(ended.map(|_| ()).map_err(|error| error.to_string())).unwrap();
         });
         // Two workers and the master end with an error; the third worker does not return.
         let mut errors: Vec<String> = (0..3)
             .map(|_| {
-                hear.recv_timeout(Duration::from_secs(60))
-                    .expect("nobody waits for ever")
-                    .unwrap_err()
+                hear.recv_timeout(Duration::from_secs(60)).expect("all ranks end").unwrap_err()
             })
             .collect();
         errors.sort();

@@ -55,7 +55,8 @@ fn a_thrown_frame_keeps_what_it_has_and_seldom_renews_its_boxes() {
     let spin = 0.005f64.hypot(0.01).hypot(0.02);
     let translated = 20.0 * spin * 500.0 / (0.7 * buffer);
     eprintln!(
-        "{low} low, {high} high; fixed boxes would need {fixed:.0}, boxes that only translate {translated:.0}"
+        "{low} low, {high} high; fixed boxes would need {fixed:.0}, boxes that only translate \
+         {translated:.0}"
     );
     assert!(fixed > 30.0 && translated > 30.0);
     // The frame starts to spin without the matching stretch and vibrates, which occasionally

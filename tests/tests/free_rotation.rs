@@ -17,8 +17,10 @@ fn job(element: &str, swing: [f64; 3]) -> String {
     let mut text = format!(
         "title = \"spin\"\nunits = \"mm, ms, kg\"\nend_time = 60.0\n\
          [time]\nsafety = 0.8\nmax_cycles = 45000\n[output]\nfield_interval = -1.0\n\
-         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 210.0\npoisson = 0.3\n\
-         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\npoints = 2\nelement = \"{element}\"\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+         youngs_modulus = 210.0\npoisson = 0.3\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\npoints = 2\n\
+         element = \"{element}\"\n\
          [mesh]\nshells = [[1, 1, 1, 2, 3, 4]]\n"
     );
     text += "nodes = [";
@@ -33,7 +35,8 @@ fn job(element: &str, swing: [f64; 3]) -> String {
         let [sx, sy, sz] = swing.map(|s| if i % 2 == 0 { s } else { -s });
         let v = [sx - SPIN[2] * ry, sy + SPIN[2] * rx, sz + SPIN[0] * ry - SPIN[1] * rx];
         text += &format!(
-            "[[initial_velocity]]\nnodes = \"corner{}\"\nvelocity = {v:?}\nspin = {SPIN:?}\ncentre = [{x:?}, {y:?}, 0.0]\n",
+            "[[initial_velocity]]\nnodes = \"corner{}\"\nvelocity = {v:?}\nspin = {SPIN:?}\n\
+             centre = [{x:?}, {y:?}, 0.0]\n",
             i + 1
         );
     }

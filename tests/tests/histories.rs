@@ -82,7 +82,7 @@ fn parts_add_up_and_contact_changes_their_momentum() {
         let whole = all.column(name);
         let scale = largest(&all.column("kinetic"));
         for ((a, b), sum) in one.iter().zip(&two).zip(&whole) {
-            assert!((a + b - sum).abs() < DIGITS * scale, "{name}: {a} + {b}, not {sum}");
+            assert!((a + b - sum).abs() < DIGITS * scale, "{name}: {a} + {b}, expected {sum}");
         }
     }
     let mass = parts.column("mass", "part", "1");
@@ -97,13 +97,13 @@ fn parts_add_up_and_contact_changes_their_momentum() {
     let (f1, f2) = (contacts.vector("force", "part", "1"), contacts.vector("force", "part", "2"));
     assert!(
         f1.iter().zip(&f2).all(|(a, b)| (0..3).all(|c| a[c] == -b[c])),
-        "what one feels the other feels too"
+        "the forces on both parts are opposite"
     );
     let pairs = Table::of(&ended, "contact_pairs.csv").vector("force", "on part", "1");
     let felt: Vec<[f64; 3]> = f1.iter().copied().filter(|f| *f != [0.0; 3]).collect();
     assert!(
         felt.len() > 20 && pairs.iter().copied().filter(|f| *f != [0.0; 3]).eq(felt),
-        "one pair of parts"
+        "there is one pair of parts"
     );
 
     let dt = all.column("dt");
@@ -115,7 +115,7 @@ fn parts_add_up_and_contact_changes_their_momentum() {
     for n in 1..rows {
         let impulse = 0.5 * (f1[n - 1][0] * mid(n - 1) + f1[n][0] * mid(n));
         let change = momentum[n][0] - momentum[n - 1][0];
-        assert!((change - impulse).abs() < DIGITS * scale, "row {n}: {change}, not {impulse}");
+        assert!((change - impulse).abs() < DIGITS * scale, "row {n}: {change}, expected {impulse}");
     }
 }
 
@@ -141,7 +141,7 @@ fn workers_make_no_difference() {
         .iter()
         .filter(|f| **f != [0.0; 3])
         .count();
-    assert!(touched > 10, "bodies touch: {touched}");
+    assert!(touched > 10, "rows with contact: {touched}");
     for workers in ["2", "4"] {
         let several = scene(workers, &[]);
         assert_eq!(alone.digest(), several.digest(), "{workers} workers");
@@ -164,7 +164,8 @@ fn workers_make_no_difference() {
 /// workers, add up to the contact forces on parts, and do not change the state.
 #[test]
 fn transducers_have_the_same_digits_on_any_workers() {
-    let asked = "output.transducer=[{ name = \"on 2\", parts = [2] }, { name = \"2 from 1\", parts = [2], from_parts = [1] }, \
+    let asked = "output.transducer=[{ name = \"on 2\", parts = [2] }, { name = \"2 from 1\", parts \
+                 = [2], from_parts = [1] }, \
                  { name = \"1 from 2\", parts = [1], from_parts = [2] }]";
     let scene = |workers: &str, more: &[&str]| {
         let args = ["run", "cases/tumble", "--quiet", "--end-time", "1.5", "--workers", workers];
@@ -173,7 +174,7 @@ fn transducers_have_the_same_digits_on_any_workers() {
         run(crumple_with(&[&args[..], &sets, &forced, more].concat())).with_code(0)
     };
     let [one, two, four] = ["1", "2", "4"].map(|workers| scene(workers, &["--set", asked]));
-    assert_eq!(scene("1", &[]).digest(), one.digest(), "they are not felt");
+    assert_eq!(scene("1", &[]).digest(), one.digest(), "transducers do not change the run");
     let table = Table::of(&one, "transducers.csv");
     for several in [two, four] {
         assert_eq!(Table::of(&several, "transducers.csv").rows, table.rows);
@@ -181,7 +182,11 @@ fn transducers_have_the_same_digits_on_any_workers() {
     let of = |name: &str| table.vector("force", "transducer", name);
     let part = Table::of(&one, "contacts.csv").vector("force", "part", "2");
     let scale = largest(part.as_flattened());
-    assert!(scale > 0.0 && part.iter().filter(|f| **f != [0.0; 3]).count() > 5, "part 2 is hit");
+    assert!(
+        scale > 0.0 && part.iter().filter(|f| **f != [0.0; 3]).count() > 5,
+        "part 2 has \
+        contact forces"
+    );
     assert!(part.iter().zip(of("on 2")).all(|(a, b)| apart(*a, b) < DIGITS * scale));
     assert!(
         of("2 from 1").iter().zip(of("1 from 2")).all(|(a, b)| apart(*a, b.map(|c| -c)) == 0.0)
@@ -205,8 +210,10 @@ fn strip(more: &str) -> String {
     format!(
         "units = \"mm, ms, kg\"\n{more}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
          node_sets = {{ held = [1, 2], middle = [11, 12], tip = [21, 22] }}\n\
-         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\nyoungs_modulus = 207.0\npoisson = 0.3\n\
-         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 4.0\n[[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 4.0\n"
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
+         youngs_modulus = 207.0\npoisson = 0.3\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 4.0\n[[part]]\nid = 2\n\
+         material = \"steel\"\nthickness = 4.0\n"
     )
 }
 
@@ -214,7 +221,8 @@ fn strip(more: &str) -> String {
 /// from either side.
 fn held_strip(load: &str) -> String {
     strip(&format!(
-        "end_time = 4.0\n[[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+        "end_time = 4.0\n[[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \
+         \"rz\"]\n\
          [time]\ndamping = 16.7\n[output]\nfield_interval = -1\nhistory_interval = 0.1\n\
          [[output.node]]\nnodes = \"tip\"\nids = [11, 12]\nname = \"seen\"\n\
          [[output.section]]\nname = \"left\"\nnodes = \"middle\"\nparts = [1]\n\
@@ -240,7 +248,7 @@ fn sections_bear_what_is_applied() {
         let ended = job(&held_strip(&load), &["--workers", workers]);
         let (sections, nodes) = (Table::of(&ended, "sections.csv"), Table::of(&ended, "nodes.csv"));
         let (middle, tip) = (place(&nodes, ["11", "12"]), place(&nodes, ["21", "22"]));
-        assert!(tip[2] > 0.01, "it bends: {tip:?}");
+        assert!(tip[2] > 0.01, "the strip bends: {tip:?}");
         let arm: [f64; 3] = std::array::from_fn(|c| tip[c] - middle[c]);
         let turn = [
             arm[1] * force[2] - arm[2] * force[1],
@@ -258,9 +266,9 @@ fn sections_bear_what_is_applied() {
             );
             assert!(
                 apart(m, signed(turn)) < 1e-7 * turn[1].abs(),
-                "{name}: moment {m:?}, not {turn:?}"
+                "{name}: moment {m:?}, expected {turn:?}"
             );
-            assert!(apart(c, middle) < DIGITS * tip[0], "{c:?}, not {middle:?}");
+            assert!(apart(c, middle) < DIGITS * tip[0], "{c:?}, expected {middle:?}");
         }
     }
 }
@@ -280,7 +288,7 @@ fn pressure_on_the_elements_of_a_section_does_not_count() {
     let wanted = -p * (125.0 - 12.5);
     // The strip bends by a thousandth of its length, which rotates the direction of the pressure
     // but does not shorten the strip.
-    assert!((force[2] / wanted - 1.0).abs() < 1e-5, "{force:?}, not {wanted}");
+    assert!((force[2] / wanted - 1.0).abs() < 1e-5, "{force:?}, expected {wanted}");
 }
 
 /// Vertical throw: `v = v0 - g t` and `u = v0 t - g t^2 / 2`.
@@ -288,7 +296,8 @@ fn pressure_on_the_elements_of_a_section_does_not_count() {
 fn nodes_fall() {
     let (g, v0) = (100.0, 10.0);
     let text = strip(&format!(
-        "end_time = 0.02\n[[gravity]]\nacceleration = [0.0, 0.0, -{g:?}]\n[[initial_velocity]]\nvelocity = [0.0, 0.0, {v0:?}]\n\
+        "end_time = 0.02\n[[gravity]]\nacceleration = [0.0, 0.0, -{g:?}]\n[[initial_velocity]]\n\
+         velocity = [0.0, 0.0, {v0:?}]\n\
          [output]\nfield_interval = -1\nhistory_interval = 1e-9\n[[output.node]]\nids = [3]\n"
     ));
     let nodes = Table::of(&job(&text, &["--workers", "2"]), "nodes.csv");
@@ -314,8 +323,10 @@ fn nodes_fall() {
 #[test]
 fn walls_change_the_momentum() {
     let text = strip(
-        "end_time = 0.03\n[[wall]]\nname = \"barrier\"\npoint = [-0.01, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n\
-         [[initial_velocity]]\nvelocity = [-10.0, 0.0, 0.0]\n[output]\nfield_interval = -1\nhistory_interval = 1e-9\n",
+        "end_time = 0.03\n[[wall]]\nname = \"barrier\"\npoint = [-0.01, 0.0, 0.0]\n\
+         normal = [1.0, 0.0, 0.0]\n\
+         [[initial_velocity]]\nvelocity = [-10.0, 0.0, 0.0]\n[output]\nfield_interval = -1\n\
+         history_interval = 1e-9\n",
     );
     for workers in ["1", "2"] {
         let ended = job(&text, &["--workers", workers]);
@@ -326,7 +337,7 @@ fn walls_change_the_momentum() {
         let last = times.len() - 1;
         assert!(
             impulse[last] > 1.5 * momentum[0].abs(),
-            "an elastic bar bounces back: {} of {}",
+            "an elastic bar rebounds: {} of {}",
             impulse[last],
             momentum[0]
         );
@@ -335,14 +346,14 @@ fn walls_change_the_momentum() {
                 (momentum[n] - momentum[n - 1], 0.5 * (impulse[n] - impulse[n - 2]));
             assert!(
                 (change - given).abs() < DIGITS * momentum[0].abs(),
-                "row {n}: {change}, not {given}"
+                "row {n}: {change}, expected {given}"
             );
         }
         let mean = walls.vector("mean force", "wall", "barrier");
         let summed: f64 = (1..=last).map(|n| mean[n][0] * (times[n] - times[n - 1])).sum();
         assert!(
             ((summed + impulse[0]) / impulse[last] - 1.0).abs() < 1e-6,
-            "{summed}, not {}",
+            "{summed}, expected {}",
             impulse[last]
         );
     }

@@ -46,8 +46,10 @@ impl Mesh {
         };
         let parts: String = (1..=self.parts).map(part).collect();
         let text = format!(
-            "end_time = {end:?}\n[mesh]\nnodes = [{}]\nshells = [{}]\n[output]\nfield_interval = -1.0\n\
-             [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
+            "end_time = {end:?}\n[mesh]\nnodes = [{}]\nshells = [{}]\n[output]\n\
+             field_interval = -1.0\n\
+             [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+             youngs_modulus = 207.0\npoisson = 0.3\n\
              {parts}[contact]\n{contact}\n{rest}",
             self.nodes, self.shells,
         );
@@ -89,11 +91,7 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
                 "{law}: {} cycles, {pairs} pairs",
                 end.clock.cycle
             );
-            assert_eq!(
-                (kinetic, work),
-                (0.0, 0.0),
-                "{law}, tilt {tilt}: nothing pushes, so nothing moves"
-            );
+            assert_eq!((kinetic, work), (0.0, 0.0), "{law}, tilt {tilt}: no forces and no motion");
         }
     }
 }
@@ -111,7 +109,8 @@ fn a_folded_panel_in_flight_gains_nothing() {
             s => [40.0 - (s - 41.0), 0.6],
         };
         mesh.sheet(1, [56, 8], |x, y| [fold(x)[0], 40.0 * y, fold(x)[1]]);
-        let rest = "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\ncentre = [20.0, 20.0, 0.0]\n";
+        let rest = "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\n\
+                    centre = [20.0, 20.0, 0.0]\n";
         let model = mesh.model(6.0, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
         let (mut first, mut most, mut work) = (None, 0.0f64, 0.0f64);
         run_alone(&model, |e: &Engine| {
@@ -129,8 +128,8 @@ fn a_folded_panel_in_flight_gains_nothing() {
 }
 
 /// Plates start half a thickness apart, and one moves towards the other. The work at pairs with
-/// an initial penetration is booked separately, and they give no more energy than they took.
-/// Plates with an initial distance have no such work.
+/// an initial penetration is a separate ledger entry, and they return no more energy than they
+/// took. Plates with an initial distance have no such work.
 #[test]
 fn work_at_starting_penetrations_is_booked_apart() {
     for law in LAWS {
@@ -155,12 +154,12 @@ fn work_at_starting_penetrations_is_booked_apart() {
             assert!(ended.is_ok_and(|ended| ended.trouble.is_none()), "{law}");
             assert!(
                 contact < -0.01 * kinetic,
-                "{law}, gap {gap}: they meet, {contact} of {kinetic}"
+                "{law}, gap {gap}: there is contact, {contact} of {kinetic}"
             );
             if inside {
                 assert!(
                     taken < 0.5 * contact,
-                    "{law}: {taken} of {contact}: all that meets started so"
+                    "{law}: {taken} of {contact}: all pairs are initial penetrations"
                 );
                 assert!(given < 1e-3 * kinetic, "{law}: {given} of {kinetic}");
             } else {

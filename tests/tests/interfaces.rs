@@ -40,22 +40,22 @@ fn an_interface_of_the_two_parts_gives_the_bits_of_one_contact() {
     let short = "time.max_cycles=300";
     let plain = digest(&[short]);
     let frictionless = digest(&[short, "contact.friction=0"]);
-    assert_ne!(plain, frictionless, "friction matters");
+    assert_ne!(plain, frictionless, "friction has an effect");
     let pair = "contact.interface=[{parts=[1], against=[2], friction=0.3}]";
     assert_eq!(digest(&[short, "contact.friction=0", pair]), plain);
     let turned = "contact.interface=[{parts=[2], against=[1], friction=0.3}]";
-    assert_eq!(digest(&[short, "contact.friction=0", turned]), plain, "either way round");
+    assert_eq!(digest(&[short, "contact.friction=0", turned]), plain, "in either order");
     let other = "contact.interface=[{parts=[2], friction=0.3}]";
     assert_eq!(
         digest(&[short, "contact.friction=0", other]),
         frictionless,
-        "the block with itself"
+        "only the block with itself"
     );
     let alone = "contact.interface=[{parts=[1], against=[2]}]";
     assert_eq!(
         digest(&[short, "contact.law=none", "contact.friction=0.3", alone]),
         plain,
-        "nothing else touches"
+        "there are no other pairs"
     );
 }
 
@@ -89,13 +89,21 @@ fn friction_falls_with_the_sliding_speed() {
         );
         let lost = SPEED - block(&engine).0[0];
         let right = SPEED - expected;
-        assert!((lost / right - 1.0).abs() < 0.01, "{law}: lost {lost}, {right} by hand");
-        assert!((right / (SPEED - constant) - 1.0).abs() > 0.3, "constant friction would be seen");
+        assert!(
+            (lost / right - 1.0).abs() < 0.01,
+            "{law}: velocity loss {lost}, closed form \
+            {right}"
+        );
+        assert!(
+            (right / (SPEED - constant) - 1.0).abs() > 0.3,
+            "constant friction differs \
+            measurably"
+        );
     }
 }
 
 /// Without contact the weight drives the block down: with w(t) = W t/T up to T, and W after it,
-/// it sinks by W/m (t^2/2 - T t/2 + T^2/6).
+/// its displacement is W/m (t^2/2 - T t/2 + T^2/6).
 #[test]
 fn parts_that_do_not_touch_pass_through_each_other() {
     let end = 0.5;
@@ -107,7 +115,7 @@ fn parts_that_do_not_touch_pass_through_each_other() {
     });
     let sunk = first.unwrap() - block(&engine).1;
     let expected = WEIGHT / MASS * (0.5 * end * end - 0.5 * RAMP * end + RAMP * RAMP / 6.0);
-    assert!((sunk / expected - 1.0).abs() < 0.01, "sunk by {sunk}, {expected} by hand");
+    assert!((sunk / expected - 1.0).abs() < 0.01, "displacement {sunk}, closed form {expected}");
     assert_eq!(engine.ledger.energies(&engine.nodes).contact, 0.0);
 }
 
@@ -135,9 +143,9 @@ fn contact_is_there_from_birth_to_death() {
         "pairs before, between and after: {seen:?}"
     );
     let at = |t: f64| speeds.iter().find(|s| s.0 >= t).unwrap().1;
-    assert!(at(0.19) < -1.0, "it falls: {}", at(0.19));
-    assert!(at(0.38) > at(0.19) + 1.0, "it is stopped: {} after {}", at(0.38), at(0.19));
-    assert!(at(0.59) < at(0.41) - 1.0, "it falls again: {} after {}", at(0.59), at(0.41));
+    assert!(at(0.19) < -1.0, "the block falls: {}", at(0.19));
+    assert!(at(0.38) > at(0.19) + 1.0, "the block is stopped: {} after {}", at(0.38), at(0.19));
+    assert!(at(0.59) < at(0.41) - 1.0, "the block falls again: {} after {}", at(0.59), at(0.41));
 }
 
 /// Two sheets of 1 mm that fly at each other turn back when their middles are at the distance
@@ -166,10 +174,14 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
             (first..first + 16).map(|n| n.to_string()).collect::<Vec<_>>().join(", ")
         };
         let text = format!(
-            "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n[mesh.node_sets]\nlow = [{}]\nhigh = [{}]\n\
-             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
-             youngs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n[[part]]\nid = 2\n\
-             material = \"steel\"\nthickness = 1.0\n[[initial_velocity]]\nnodes = \"high\"\nvelocity = [0.0, 0.0, -1.0]\n{contact}",
+            "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n[mesh.node_sets]\n\
+             low = [{}]\nhigh = [{}]\n\
+             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+             density = 7.85e-6\n\
+             youngs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\n\
+             thickness = 1.0\n[[part]]\nid = 2\n\
+             material = \"steel\"\nthickness = 1.0\n[[initial_velocity]]\nnodes = \"high\"\n\
+             velocity = [0.0, 0.0, -1.0]\n{contact}",
             set(1),
             set(21),
         );
@@ -189,7 +201,7 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
                 );
             }
         });
-        apart.expect("they meet")
+        apart.expect("there is contact")
     };
     let pair = "[contact]\n[[contact.interface]]\nparts = [1]\nagainst = [2]\n";
     let expected = [
@@ -201,7 +213,7 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
     ];
     for (contact, thickness) in expected {
         let apart = gap(&contact);
-        assert!((apart - thickness).abs() < 0.01, "{contact}: {apart} apart");
+        assert!((apart - thickness).abs() < 0.01, "{contact}: distance {apart}");
     }
 }
 
@@ -209,19 +221,20 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
 /// created energy.
 #[test]
 fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
-    let laws = "contact.interface=[{parts=[1], law=\"kinematic\"}, {parts=[2], against=[1, 3], law=\"penalty\", friction=0.2}, \
+    let laws = "contact.interface=[{parts=[1], law=\"kinematic\"}, {parts=[2], against=[1, 3], \
+                law=\"penalty\", friction=0.2}, \
                 {parts=[3], law=\"none\"}]";
     let model = read(&case("tumble"), &["time.max_cycles=900", laws]);
     assert!(model.settings.parts.len() >= 3, "parts of the scene: {}", model.settings.parts.len());
     let serial = run_side_by_side(&model, 1, 900, 0);
-    assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 500, "bodies do meet");
+    assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 500, "there is contact");
     for (workers, force_every) in [(2, 0), (3, 0), (4, 7)] {
         let parallel = run_side_by_side(&model, workers, 900, force_every);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers");
         assert!(serial.pairs == parallel.pairs, "{workers} workers");
     }
     let plain = run_side_by_side(&read(&case("tumble"), &["time.max_cycles=900"]), 1, 900, 0);
-    assert_ne!(plain.digest(), serial.digest(), "the laws matter");
+    assert_ne!(plain.digest(), serial.digest(), "the laws have an effect");
     let mut momentum: Option<[f64; 3]> = None;
     let engine = run_alone(&model, |e| {
         let sum = |c: usize| {
@@ -238,7 +251,7 @@ fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
         });
     });
     let energies = engine.ledger.energies(&engine.nodes);
-    assert!(energies.contact < 0.0, "contact takes: {energies:?}");
+    assert!(energies.contact < 0.0, "contact dissipates energy: {energies:?}");
 }
 
 /// Friction that depends on velocity, a birth and a death time: the same bits on any number of
@@ -254,7 +267,7 @@ fn friction_by_speed_gives_the_same_bits_on_any_number_of_workers() {
     for scene in ["tumble", "slide"] {
         let model = read(&case(scene), &[&numbers[..], &["time.max_cycles=900"]].concat());
         let serial = run_side_by_side(&model, 1, 900, 0);
-        assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 500, "bodies do meet");
+        assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 500, "there is contact");
         for (workers, force_every) in [(2, 0), (3, 11), (4, 0)] {
             assert_eq!(
                 serial.digest(),
@@ -268,7 +281,8 @@ fn friction_by_speed_gives_the_same_bits_on_any_number_of_workers() {
 #[test]
 fn mistakes_in_interfaces_are_told_all_at_once() {
     let sets = [
-        "contact.interface=[{name=\"a\", parts=[9], friction=-0.1}, {law=\"glue\", death=0.0}, {parts=[1], skin=1.0}]"
+        "contact.interface=[{name=\"a\", parts=[9], friction=-0.1}, {law=\"glue\", death=0.0}, \
+         {parts=[1], skin=1.0}]"
             .to_string(),
         "contact.thickness_scale=0".to_string(),
     ];
@@ -287,7 +301,7 @@ fn mistakes_in_interfaces_are_told_all_at_once() {
     assert_eq!(
         report.matches("thickness_scale` is").count(),
         1,
-        "what interfaces take over is told once\n{report}"
+        "the inherited error is reported once\n{report}"
     );
     let hidden = "contact.interface=[{name=\"first\", parts=[1]}, {name=\"all\"}]".to_string();
     let model = job::read(&case("slide"), &[hidden]).unwrap_or_else(|report| panic!("{report}"));
@@ -295,6 +309,6 @@ fn mistakes_in_interfaces_are_told_all_at_once() {
         model
             .warnings
             .iter()
-            .any(|w| w.message.contains("no two parts are in the interface `first`"))
+            .any(|w| w.message.contains("no pair of parts uses the interface `first`"))
     );
 }

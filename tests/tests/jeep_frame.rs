@@ -17,7 +17,7 @@ fn jeep(workers: usize, end_time: &str) -> Ended {
 fn check_gives_the_papers_counts_and_no_warning() {
     let check = run(crumple_with(&["check", "cases/jeep-frame"])).with_code(0).said();
     for text in ["7208 quads", "7190", "= 103.9 structure + 1300 lumped", "no warnings"] {
-        assert!(check.contains(text), "not said: {text}\n{check}");
+        assert!(check.contains(text), "missing text: {text}\n{check}");
     }
 }
 
@@ -132,7 +132,7 @@ fn whole_summary(s: &Value) {
     let initial = s["energy"]["total_initial"].as_f64().unwrap();
     assert!(
         (initial / kinetic - 1.0).abs() < 1e-4,
-        "{initial} J, and {kinetic} J from the mass as printed, 6 digits"
+        "{initial} J, and {kinetic} J from the printed mass with 6 digits"
     );
 }
 
@@ -158,8 +158,12 @@ fn history(r: &Ended) {
     ] {
         assert!(h.header.iter().any(|c| c == name), "{name} not in {:?}", h.header);
     }
-    assert!(h.header.iter().collect::<BTreeSet<_>>().len() == h.header.len(), "no name twice");
-    assert!(h.rows.iter().all(|row| row.len() == h.header.len()), "rows are whole");
+    assert!(
+        h.header.iter().collect::<BTreeSet<_>>().len() == h.header.len(),
+        "column names are \
+        unique"
+    );
+    assert!(h.rows.iter().all(|row| row.len() == h.header.len()), "rows are complete");
     // A row every 0.25 ms, one at 0 and one at the end; the order of the last two depends on
     // round-off.
     assert!((41..=42).contains(&h.rows.len()), "{} rows", h.rows.len());
@@ -183,8 +187,5 @@ fn redecompositions(r: &Ended) {
     };
     let counts = ["low", "high"].map(|kind| s["redecompositions"][kind].as_u64().unwrap());
     assert_eq!([of("low"), of("high")], counts, "events in the log and numbers in the summary");
-    assert!(
-        counts[0] + counts[1] > 0,
-        "the front is squashed and the rear is not: boxes are renewed"
-    );
+    assert!(counts[0] + counts[1] > 0, "only the front is crushed, so boxes are renewed");
 }

@@ -4,7 +4,7 @@
 use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
-use crumple_worker::nodes::xyz;
+use crumple_worker::math::row::xyz;
 
 const RHO: f64 = 7.85e-6;
 const E: f64 = 207.0;
@@ -41,8 +41,10 @@ fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Mode
     let text = format!(
         "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
          node_sets = {{ all = {all:?}, edge = {edge:?}, lower = {lower:?} }}\n\
-         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
-         youngs_modulus = {E:?}\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = {thickness:?}\n{rest}"
+         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+         density = {RHO:?}\n\
+         youngs_modulus = {E:?}\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\n\
+         thickness = {thickness:?}\n{rest}"
     );
     let there = tempfile::tempdir().unwrap();
     let path = there.path().join("plate.toml");
@@ -83,7 +85,8 @@ fn gravity_makes_all_fall_alike() {
         1.0,
         1.0,
         &format!(
-            "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[mass]]\nnodes = \"edge\"\nmass = 0.1\n",
+            "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[mass]]\nnodes = \"edge\"\n\
+             mass = 0.1\n",
             -g
         ),
     );
@@ -110,7 +113,8 @@ fn gravity_makes_all_fall_alike() {
 fn nodal_loads_and_damping() {
     let (side, thickness) = (20.0, 1.0);
     let mass = RHO * side * side * thickness;
-    let rest = "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [0.2, 2.0]]\n[[load]]\nnodes = \"all\"\n\
+    let rest = "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [0.2, 2.0]]\n[[load]]\n\
+                nodes = \"all\"\n\
                 force = [0.3, 0.0, 0.0]\nmoment = [0.0, 0.0, 0.0]\ncurve = \"ramp\"\n";
     let mut balance = Balance::default();
     let end = run_alone(&plate(side, 2, thickness, 0.2, rest), |e| balance.look(e));
@@ -125,7 +129,7 @@ fn nodal_loads_and_damping() {
     let Balance { left, work, .. } = balance;
     assert!(
         left < 1e-6 * work,
-        "waves between nodes of unlike mass, second order: {left} of {work}"
+        "waves between nodes of different mass, second order: {left} of {work}"
     );
 
     let rest = "[time]\ndamping = 5.0\n[[initial_velocity]]\nvelocity = [0.0, 3.0, 0.0]\n";
@@ -162,7 +166,8 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     // is 2 p A T / pi in each direction.
     let turn = std::f64::consts::FRAC_PI_2 / 0.3;
     let rest = format!(
-        "[[pressure]]\nnodes = \"all\"\npressure = {p:?}\n[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\n\
+        "[[pressure]]\nnodes = \"all\"\npressure = {p:?}\n[[initial_velocity]]\n\
+         velocity = [0.0, 0.0, 0.0]\n\
          spin = [0.0, {turn:?}, 0.0]\ncentre = [10.0, 10.0, 0.0]\n"
     );
     let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |_| {});
@@ -186,7 +191,8 @@ fn dynamic_relaxation_finds_the_static_answer() {
     // circular frequency is critical.
     let w = 3.516 / (side * side) * (E * thickness * thickness / 12.0 / RHO).sqrt();
     let rest = format!(
-        "[time]\ndamping = {:?}\n[[fix]]\nnodes = \"edge\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+        "[time]\ndamping = {:?}\n[[fix]]\nnodes = \"edge\"\n\
+         dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
          [[pressure]]\nparts = [1]\npressure = {:?}\n",
         2.0 * w,
         -p
@@ -200,7 +206,7 @@ fn dynamic_relaxation_finds_the_static_answer() {
     // / D, D = E I/(1 - nu^2)).
     assert!((tip / (0.129 * 8.0 * 0.91 * beam) - 1.0).abs() < 0.02, "{tip} {beam}");
     let Balance { left, work, .. } = balance;
-    assert!(left < 0.01 * work.abs(), "the balance of the elements: {left} of {work}");
+    assert!(left < 0.01 * work.abs(), "energy balance of the elements: {left} of {work}");
 }
 
 /// Catalogue A19 (a): a full turn, prescribed in 100 and in 1000 steps, leaves no stress at a
@@ -236,7 +242,8 @@ fn a_prescribed_turn_leaves_no_stress() {
 
 /// Runs a plate of 10 mm thickness and 31.4 g: the block of the catalogue's A07 and A09.
 fn block(end_time: f64, rest: &str, look: impl FnMut(&Engine)) -> Engine {
-    let wall = "[[wall]]\nname = \"floor\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.3\n";
+    let wall = "[[wall]]\nname = \"floor\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n\
+                friction = 0.3\n";
     run_alone(&plate(20.0, 4, 10.0, end_time, &format!("{wall}{rest}")), look)
 }
 
@@ -244,7 +251,8 @@ fn block(end_time: f64, rest: &str, look: impl FnMut(&Engine)) -> Engine {
 /// 13.083 mm and stays there.
 #[test]
 fn a_pressed_block_slides_to_a_stop() {
-    let rest = "[[pressure]]\nparts = [1]\npressure = 1e-3\n[[initial_velocity]]\nvelocity = [10.0, 0.0, 0.0]\n";
+    let rest = "[[pressure]]\nparts = [1]\npressure = 1e-3\n[[initial_velocity]]\n\
+                velocity = [10.0, 0.0, 0.0]\n";
     let (mut stop, mut fastest_after) = (0.0, 0.0f64);
     let end = block(3.0, rest, |e| {
         let v = e.nodes.v[12][0];
@@ -261,9 +269,13 @@ fn a_pressed_block_slides_to_a_stop() {
         "after {}",
         end.nodes.x[12][0] - 10.0
     );
-    assert!(fastest_after < 1e-2, "stays: {fastest_after}");
+    assert!(fastest_after < 1e-2, "remains at rest: {fastest_after}");
     let e = end.ledger.energies(&end.nodes);
-    assert!((e.wall / -1.570 - 1.0).abs() < 0.005, "friction took it all: {}", e.wall);
+    assert!(
+        (e.wall / -1.570 - 1.0).abs() < 0.005,
+        "friction dissipates all kinetic energy: {}",
+        e.wall
+    );
 }
 
 /// Catalogue A09: on an incline with mu = 0.3 a block accelerates with g (sin a - mu cos a) at
@@ -285,8 +297,10 @@ fn a_block_on_an_incline() {
 /// hold do not move, the others do.
 #[test]
 fn planes_of_symmetry_hold_what_they_must() {
-    let rest = "[[symmetry]]\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n[[symmetry]]\npoint = [0.0, 0.0, 0.0]\n\
-                normal = [0.0, -3.0, 0.0]\n[[initial_velocity]]\nvelocity = [1.0, 1.0, 1.0]\nspin = [1.0, 1.0, 1.0]\n";
+    let rest = "[[symmetry]]\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n[[symmetry]]\n\
+                point = [0.0, 0.0, 0.0]\n\
+                normal = [0.0, -3.0, 0.0]\n[[initial_velocity]]\nvelocity = [1.0, 1.0, 1.0]\n\
+                spin = [1.0, 1.0, 1.0]\n";
     let model = plate(20.0, 2, 1.0, 1.0, rest);
     let (_, nodes) = model.records();
     // x, ry, rz on the first plane; y, rx, rz on the second; all of these in the corner.
@@ -300,12 +314,17 @@ fn planes_of_symmetry_hold_what_they_must() {
 /// All loads together on 1, 2 and 4 workers, with forced renewals of the boxes: the same bits.
 #[test]
 fn bits_do_not_depend_on_workers() {
-    let rest = "[time]\ndamping = 0.5\n[[curve]]\nname = \"wave\"\npoints = [[0.0, 0.0], [0.1, 1.0], [0.2, -0.5]]\n\
-                [[gravity]]\nacceleration = [0.0, 0.3, -0.7]\ncurve = \"wave\"\n[[gravity]]\nacceleration = [0.1, 0.0, 0.0]\n\
-                [[load]]\nnodes = \"lower\"\nforce = [0.3, -0.2, 0.5]\nmoment = [0.1, 0.2, 0.3]\ncurve = \"wave\"\n\
-                [[pressure]]\nparts = [1]\npressure = 0.01\n[[pressure]]\nnodes = \"lower\"\npressure = -0.02\ncurve = \"wave\"\n\
+    let rest = "[time]\ndamping = 0.5\n[[curve]]\nname = \"wave\"\n\
+                points = [[0.0, 0.0], [0.1, 1.0], [0.2, -0.5]]\n\
+                [[gravity]]\nacceleration = [0.0, 0.3, -0.7]\ncurve = \"wave\"\n[[gravity]]\n\
+                acceleration = [0.1, 0.0, 0.0]\n\
+                [[load]]\nnodes = \"lower\"\nforce = [0.3, -0.2, 0.5]\nmoment = [0.1, 0.2, 0.3]\n\
+                curve = \"wave\"\n\
+                [[pressure]]\nparts = [1]\npressure = 0.01\n[[pressure]]\nnodes = \"lower\"\n\
+                pressure = -0.02\ncurve = \"wave\"\n\
                 [[motion]]\nnodes = \"edge\"\nspin = [0.3, 1.0, 0.0]\ncurve = \"wave\"\n\
-                [[wall]]\npoint = [0.0, 0.0, -0.5]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.1\n[contact]\nfriction = 0.1\n";
+                [[wall]]\npoint = [0.0, 0.0, -0.5]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.1\n\
+                [contact]\nfriction = 0.1\n";
     let model = plate(60.0, 8, 1.0, 0.3, rest);
     let serial = run_side_by_side(&model, 1, 400, 0);
     assert!(serial.trouble.is_none() && serial.pairs.len() > 150, "{} cycles", serial.pairs.len());

@@ -63,7 +63,7 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
             run(mpirun(ranks, &["run", "cases/tumble", "--set", "time.safty=0.8"])).with_code(2);
         let said = ended.said();
         assert!(said.contains("did you mean `safety`"), "{said}");
-        assert_eq!(said.matches("unknown key").count(), 1, "said once, by the master: {said}");
+        assert_eq!(said.matches("unknown key").count(), 1, "printed once, by the master: {said}");
         assert!(ended.took < Duration::from_secs(30), "took {:?}", ended.took);
     }
 }
@@ -86,7 +86,10 @@ fn a_worker_that_is_killed_ends_the_job() {
             |pid: &u32| fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| !line.is_empty());
         let deadline = Instant::now() + Duration::from_secs(10);
         while ranks.iter().any(alive) {
-            assert!(Instant::now() < deadline, "rank {victim} was killed and others live on");
+            assert!(
+                Instant::now() < deadline,
+                "rank {victim} was killed, but other ranks still run"
+            );
             std::thread::sleep(Duration::from_millis(50));
         }
     }

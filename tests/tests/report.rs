@@ -41,7 +41,7 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     let summary = ended.summary();
     let facts = facts(&first);
     let quads = summary["elements"]["quad4"].as_u64().unwrap();
-    assert_eq!(facts["model"]["elements"].as_u64(), Some(quads), "shells are all seen");
+    assert_eq!(facts["model"]["elements"].as_u64(), Some(quads), "all shells are visible");
     assert_eq!(facts["model"]["frames"].as_array().unwrap().len(), ended.read_fields());
     assert!(
         first.contains(summary["state_digest"].as_str().unwrap()),
@@ -68,12 +68,12 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     }
     assert!(
         total.len() > 1 && line("internal").last().copied() > Some(0.01 * total[0]),
-        "they change: {total:?}"
+        "the energies change: {total:?}"
     );
 
     fs::remove_file(ended.out().join("report.html")).unwrap();
     run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
-    assert!(page(&ended) == first, "the same results make the same page");
+    assert!(page(&ended) == first, "the same results give the same page");
     // The page names damaged or missing files and shows the rest.
     let piece = ended.out().join("fields/step_000000/piece_001.vtu");
     let whole = fs::read(&piece).unwrap();
@@ -86,7 +86,7 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
             && said.contains("history.csv: "),
         "{said}"
     );
-    assert!(page(&ended).contains("Not read: "), "problems are on the page");
+    assert!(page(&ended).contains("Not read: "), "the page lists the problems");
 }
 
 /// Moving walls have a path over the times of the history, fixed walls have none; the page with
@@ -102,15 +102,19 @@ fn walls_that_move_have_their_paths() {
     };
     assert!(
         (last(1, 2) - 4.0).abs() < 1e-8,
-        "the roller ends where its curve takes it: {}",
+        "the roller ends at the value of its curve: {}",
         path(1)
     );
     // The sled moves back, along its normal only.
     assert!(last(0, 0).abs() > 0.1 && last(0, 1) == 0.0, "{}", path(0));
-    assert!(!page(&ended).contains("drawn where they are at first"));
+    assert!(!page(&ended).contains("drawn at their initial position"));
     fs::remove_file(ended.out().join("walls.csv")).unwrap();
     run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
-    assert!(page(&ended).contains("drawn where they are at first"), "nothing says where they go");
+    assert!(
+        page(&ended).contains("drawn at their initial position"),
+        "there is no file of \
+        displacements"
+    );
     let still = bars(&[]).with_code(0);
     assert!(facts(&page(&still))["walls"].as_array().unwrap().iter().all(|w| w["path"].is_null()));
 }
@@ -130,7 +134,7 @@ fn a_run_that_failed_has_a_page_that_says_why() {
     let warnings = between(&page, r#"<section id="warnings""#, "</section>");
     let reason = ended.summary()["reason"].as_str().unwrap().split(':').next().unwrap().to_owned();
     assert!(warnings.contains("The run failed") && warnings.contains(&reason), "{warnings}");
-    assert!(warnings.contains("safety = 3 is above 1"), "what the job was warned of: {warnings}");
+    assert!(warnings.contains("safety = 3 is above 1"), "the warning of the job: {warnings}");
 }
 
 #[test]
@@ -138,7 +142,10 @@ fn a_folder_of_nothing_is_bad_input() {
     let dir = tempfile::tempdir().unwrap();
     let said =
         run(crumple_with(&["report", &dir.path().display().to_string()])).with_code(2).said();
-    assert!(said.contains("holds nothing of a run") && said.contains("summary.json"), "{said}");
+    assert!(
+        said.contains("contains no results of a run") && said.contains("summary.json"),
+        "{said}"
+    );
 }
 
 /// Returns `CRUMPLE_CHROMIUM`, or the first browser in `PATH`.
@@ -210,12 +217,12 @@ fn a_browser_draws_the_page_without_a_fault() {
     let html = opened(&browser, &file, "", profile.path(), &["--disable-3d-apis"]);
     assert_eq!(attribute(&html, "state").as_deref(), Some("without-picture"));
     assert!(
-        html.contains("shows no WebGL") && html.contains("class=\"uplot"),
+        html.contains("has no WebGL") && html.contains("class=\"uplot"),
         "{:?}",
         attribute(&html, "why")
     );
     let ended = bars(&["--set", "output.field_interval=-1"]).with_code(0);
     let html = opened(&browser, &ended.out().join("report.html"), "", profile.path(), &[]);
     assert_eq!(attribute(&html, "state").as_deref(), Some("without-picture"));
-    assert!(html.contains("left no field files"));
+    assert!(html.contains("wrote no field files"));
 }

@@ -85,8 +85,10 @@ impl Scene {
         let part = |p| format!("[[part]]\nid = {p}\nmaterial = \"steel\"\nthickness = 1.0\n");
         let parts: String = (1..=self.parts).map(part).collect();
         let text = format!(
-            "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nnode_sets = {{ {sets} }}\n\
-             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+            "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
+             node_sets = {{ {sets} }}\n\
+             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+             density = 7.85e-6\n\
              youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}"
         );
         let there = tempfile::tempdir().unwrap();
@@ -109,7 +111,8 @@ fn cube(rest: &str, end_time: f64, look: impl FnMut(&Engine)) -> Engine {
 /// 142.78 ms with 1.40071 m/s and stays there: the impact is plastic.
 #[test]
 fn a_rigid_cube_falls_and_lands() {
-    let rest = "mass = 1.0\n[time]\ndt_max = 0.05\n[[gravity]]\nacceleration = [0.0, 0.0, -9.81e-3]\n\
+    let rest = "mass = 1.0\n[time]\ndt_max = 0.05\n[[gravity]]\n\
+                acceleration = [0.0, 0.0, -9.81e-3]\n\
                 [[wall]]\npoint = [0.0, 0.0, -100.0]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.3\n";
     let (mut landed, mut fastest) = (0.0, 0.0f64);
     let mut dip = 0.0f64;
@@ -122,15 +125,23 @@ fn a_rigid_cube_falls_and_lands() {
         dip = (0..e.nodes.local_count).map(|i| e.nodes.x[i][2] + 100.0).fold(dip, f64::min);
     });
     assert!((end.bodies.bodies[0].mass - 1.0).abs() < 1e-12);
-    assert!((landed - 142.78).abs() < 0.06, "to a step: {landed}");
-    assert!((fastest + 1.40071).abs() < 1.5 * 0.05 * 9.81e-3, "mid-step, and to a step: {fastest}");
+    assert!((landed - 142.78).abs() < 0.06, "within one step: {landed}");
+    assert!(
+        (fastest + 1.40071).abs() < 1.5 * 0.05 * 9.81e-3,
+        "mid-step, and within one step: \
+        {fastest}"
+    );
     assert!(
         end.bodies.bodies[0].last.velocity.norm() < 1e-9
             && end.bodies.bodies[0].last_spin.norm() < 1e-9
     );
-    assert!(dip > -1e-9, "no node goes below: {dip}");
+    assert!(dip > -1e-9, "no node is below the wall: {dip}");
     let wall = end.ledger.energies(&end.nodes).wall;
-    assert!((wall / (-0.5 * 1.40071f64.powi(2)) - 1.0).abs() < 1e-3, "all is lost: {wall}");
+    assert!(
+        (wall / (-0.5 * 1.40071f64.powi(2)) - 1.0).abs() < 1e-3,
+        "all kinetic energy is lost: \
+        {wall}"
+    );
 }
 
 /// A body that is guided along x accelerates with F / m under any other loads, and one that may
@@ -139,7 +150,8 @@ fn a_rigid_cube_falls_and_lands() {
 fn guided_bodies_follow_what_is_left_free() {
     let dofs = |list: &str| {
         format!(
-            "fixed = [{list}]\n[time]\ndt_max = 0.01\n[[load]]\nnodes = \"part_1\"\nforce = [0.3, 0.7, -0.2]\nmoment = [1.0, 2.0, 3.0]\n"
+            "fixed = [{list}]\n[time]\ndt_max = 0.01\n[[load]]\nnodes = \"part_1\"\n\
+             force = [0.3, 0.7, -0.2]\nmoment = [1.0, 2.0, 3.0]\n"
         )
     };
     let end = cube(&dofs("\"y\", \"z\", \"rx\", \"ry\", \"rz\""), 1.0, |_| {});
@@ -170,7 +182,8 @@ fn guided_bodies_follow_what_is_left_free() {
 fn a_led_body_takes_its_nodes_along() {
     let turns = 10.0 * std::f64::consts::TAU;
     let rest = format!(
-        "[time]\ndt_max = 0.01\n[[motion]]\nrigid = \"cube\"\nspin = [{:?}, 0.0, {:?}]\n[[motion]]\nrigid = \"cube\"\nvelocity = [1.0, 2.0, 3.0]\n",
+        "[time]\ndt_max = 0.01\n[[motion]]\nrigid = \"cube\"\nspin = [{:?}, 0.0, {:?}]\n\
+         [[motion]]\nrigid = \"cube\"\nvelocity = [1.0, 2.0, 3.0]\n",
         0.6 * turns,
         0.8 * turns
     );
@@ -193,8 +206,10 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
     scene.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
     for law in ["lagrange", "penalty"] {
         let rest = format!(
-            "[[rigid]]\nname = \"cube\"\nparts = [1]\n[[initial_velocity]]\nnodes = \"part_1\"\nvelocity = [0.0, 1.0, -10.0]\n\
-             spin = [0.1, 0.2, 0.3]\ncentre = [13.0, 17.0, 7.0]\n[contact]\nlaw = \"{law}\"\nfriction = 0.2\n"
+            "[[rigid]]\nname = \"cube\"\nparts = [1]\n[[initial_velocity]]\nnodes = \"part_1\"\n\
+             velocity = [0.0, 1.0, -10.0]\n\
+             spin = [0.1, 0.2, 0.3]\ncentre = [13.0, 17.0, 7.0]\n[contact]\nlaw = \"{law}\"\n\
+             friction = 0.2\n"
         );
         let sums = |e: &Engine| {
             let (p, l) = crumple_worker::energy::momentum(&e.nodes);
@@ -219,7 +234,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
         );
         assert!(
             pairs > 20 && body.last.velocity.z > -9.0,
-            "they do meet: {pairs}, {}",
+            "there is contact: {pairs}, {}",
             body.last.velocity
         );
         let p = body.mass * 10.0;
@@ -229,7 +244,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
         assert!(worst[1] < 0.01 * p * 10.0, "{law}: {worst:?}");
         let kept = energies.kinetic + energies.internal + energies.hourglass;
         assert!(kept < initial * 1.01, "{law}: {kept} of {initial}");
-        assert!(deepest < 0.5, "{law}: the mid-surfaces keep their distance: {deepest}");
+        assert!(deepest < 0.5, "{law}: the mid-surfaces stay apart: {deepest}");
     }
 }
 
@@ -248,7 +263,7 @@ fn an_initial_penetration_does_not_throw_a_body_out() {
         fastest = fastest.max(e.bodies.bodies[0].last.velocity.norm());
         energy = energy.max(e.bodies.bodies[0].energy());
     });
-    eprintln!("{fastest} m/s, {energy} J, against {} m/s", 0.1 / end.clock.first_dt);
+    eprintln!("{fastest} m/s, {energy} J, compared with {} m/s", 0.1 / end.clock.first_dt);
     assert!(
         fastest < 2.0 * 0.002 * 0.1 / end.clock.first_dt && energy < 1e-3,
         "{fastest} {energy}"
@@ -272,12 +287,16 @@ fn bits_do_not_depend_on_workers() {
     let first = scene.nodes.len() + 1;
     scene.nodes.extend((0..4).map(|j| [20.0, 5.0 * j as f64, 15.0]));
     scene.shells.extend((0..3).map(|j| (4, [edge[j], first + j, first + j + 1, edge[j + 1]])));
-    let rest = "[time]\ndamping = 0.05\n[[rigid]]\nname = \"lower\"\nparts = [1]\n[[rigid]]\nname = \"upper\"\nparts = [2]\nmass = 0.03\n\
+    let rest = "[time]\ndamping = 0.05\n[[rigid]]\nname = \"lower\"\nparts = [1]\n[[rigid]]\n\
+                name = \"upper\"\nparts = [2]\nmass = 0.03\n\
                 inertia = [1.0, 1.5, 1.2, 0.1, 0.0, 0.2]\n\
                 [[wall]]\npoint = [0.0, 0.0, -0.4]\nnormal = [0.1, 0.0, 1.0]\nfriction = 0.2\n\
-                [[gravity]]\nacceleration = [0.0, 0.0, -5.0]\n[[pressure]]\nparts = [2, 4]\npressure = 0.001\n\
-                [[initial_velocity]]\nnodes = \"part_2\"\nvelocity = [0.5, -1.0, -6.0]\nspin = [0.2, 0.3, -0.1]\ncentre = [12.0, 8.0, 22.0]\n\
-                [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 0.0, -9.0]\n[contact]\nfriction = 0.3\n";
+                [[gravity]]\nacceleration = [0.0, 0.0, -5.0]\n[[pressure]]\nparts = [2, 4]\n\
+                pressure = 0.001\n\
+                [[initial_velocity]]\nnodes = \"part_2\"\nvelocity = [0.5, -1.0, -6.0]\n\
+                spin = [0.2, 0.3, -0.1]\ncentre = [12.0, 8.0, 22.0]\n\
+                [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 0.0, -9.0]\n[contact]\n\
+                friction = 0.3\n";
     let model = scene.job(2.0, rest);
     let serial = run_side_by_side(&model, 1, 1500, 0);
     let met: usize = serial.pairs.iter().map(Vec::len).sum();

@@ -34,10 +34,14 @@ fn strip(
     let [last, other] = [2 * n + 1, 2 * n + 2];
     write!(
         text,
-        "]\n{of_mesh}\n[mesh.node_sets]\nroot = [1, 2]\ntip = [{last}, {other}]\n[time]\ndamping = {damping:?}\n[output]\n\
-         field_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\n\
-         poisson = 0.0\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = {thickness:?}\n{of_part}\n[[fix]]\nnodes = \"root\"\n\
-         dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n[[load]]\nnodes = \"tip\"\nforce = [{force:?}, 0.0, 0.0]\n"
+        "]\n{of_mesh}\n[mesh.node_sets]\nroot = [1, 2]\ntip = [{last}, {other}]\n[time]\n\
+         damping = {damping:?}\n[output]\n\
+         field_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+         density = {RHO:?}\nyoungs_modulus = {E:?}\n\
+         poisson = 0.0\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = {thickness:?}\n\
+         {of_part}\n[[fix]]\nnodes = \"root\"\n\
+         dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n[[load]]\nnodes = \"tip\"\n\
+         force = [{force:?}, 0.0, 0.0]\n"
     )
     .unwrap();
     model_of(&text, &[])
@@ -56,7 +60,7 @@ fn moved(e: &Engine, node: usize, axis: usize) -> f64 {
 }
 
 fn near(found: f64, wanted: f64, tolerance: f64, why: &str) {
-    assert!((found / wanted - 1.0).abs() < tolerance, "{found} for {wanted}: {why}");
+    assert!((found / wanted - 1.0).abs() < tolerance, "{found}, expected {wanted}: {why}");
 }
 
 /// Half of a strip is twice as thick: it has twice the weight, half of the stress and half of
@@ -81,12 +85,7 @@ fn a_strip_of_two_thicknesses_lengthens_and_weighs_by_each() {
     let total: f64 = (0..engine.nodes.len()).map(|i| engine.nodes.mass[i]).sum();
     near(total, RHO * WIDTH * WIDTH * 12.0, 1e-12, "round-off of the mass of all");
     let half = 4.0 * WIDTH * force / (E * WIDTH);
-    near(
-        moved(&engine, 8, 0),
-        half,
-        1e-3,
-        "the thin half; strains of 5e-5, and what damping leaves",
-    );
+    near(moved(&engine, 8, 0), half, 1e-3, "the thin half; strains of 5e-5 and residual damping");
     near(moved(&engine, 17, 0), 1.5 * half, 1e-3, "both halves");
     let block = &engine.blocks.blocks[0];
     for e in 0..n {
@@ -111,7 +110,7 @@ fn a_strip_with_an_offset_rises_towards_the_line_of_the_force() {
         let model = strip(n, thickness, [force, 8.0, 6.0], &format!("offset = {offset:?}"), "");
         let engine = run_alone(&model, |_| {});
         let wanted = 0.5 * offset * thickness * (1.0 - 1.0 / (k * length).cosh());
-        near(moved(&engine, 2 * n, 2), wanted, 0.01, "six elements, and what damping leaves");
+        near(moved(&engine, 2 * n, 2), wanted, 0.01, "six elements and residual damping");
     }
 }
 
@@ -139,10 +138,14 @@ fn shells_meet_at_their_own_thickness() {
         let ((n1, s1), (n2, s2)) = (sheet(1, 1, 1, 0.0, 0.0), sheet(21, 21, 2, 6.0, 1.3));
         let high = (21..37).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
         let text = format!(
-            "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\nthicknesses = [{thicknesses}]\n[mesh.node_sets]\n\
-             high = [{high}]\n[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
-             density = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n\
-             [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n{of_part}\n[[initial_velocity]]\nnodes = \"high\"\n\
+            "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n\
+             thicknesses = [{thicknesses}]\n[mesh.node_sets]\n\
+             high = [{high}]\n[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
+             law = \"elastic\"\n\
+             density = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\n\
+             material = \"steel\"\nthickness = 1.0\n\
+             [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n{of_part}\n\
+             [[initial_velocity]]\nnodes = \"high\"\n\
              velocity = [0.0, 0.0, -1.0]\n[contact]\n"
         );
         let model = model_of(&text, &[]);
@@ -157,7 +160,7 @@ fn shells_meet_at_their_own_thickness() {
                 );
             }
         });
-        apart.expect("they meet")
+        apart.expect("there is contact")
     };
     let all: String = (21..30).map(|e| format!("[{e}, 3.0],")).collect();
     for (thicknesses, of_part, wanted) in [
@@ -172,7 +175,7 @@ fn shells_meet_at_their_own_thickness() {
         let apart = gap(thicknesses, of_part);
         assert!(
             (apart - wanted).abs() < 0.01,
-            "{thicknesses} {of_part}: {apart} apart, {wanted} wanted"
+            "{thicknesses} {of_part}: distance {apart}, expected {wanted}"
         );
     }
 }
@@ -267,7 +270,8 @@ fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
 #[test]
 fn friction_is_no_more_than_its_limit_times_the_area() {
     let mut text =
-        "end_time = 1.5\n[mesh]\nnodes = [[101, -60.0, -40.0, 0.0], [102, 60.0, -40.0, 0.0], [103, 60.0, 40.0, 0.0], \
+        "end_time = 1.5\n[mesh]\nnodes = [[101, -60.0, -40.0, 0.0], [102, 60.0, -40.0, 0.0], [103, \
+                    60.0, 40.0, 0.0], \
                     [104, -60.0, 40.0, 0.0],"
             .to_string();
     for n in 0..18 {
@@ -289,7 +293,8 @@ fn friction_is_no_more_than_its_limit_times_the_area() {
         )
         .unwrap();
     }
-    text += "]\n[mesh.node_sets]\nbase = [101, 102, 103, 104]\nblock = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, \
+    text += "]\n[mesh.node_sets]\nbase = [101, 102, 103, 104]\n\
+             block = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, \
              18]\ntop = [10, 11, 12, 13, 14, 15, 16, 17, 18]\n";
     let job = std::fs::read_to_string(case("slide").join("job.toml")).unwrap();
     text += &job[job.find("[output]").unwrap()..];

@@ -21,7 +21,8 @@ fn scene(nodes: &[[f64; 3]], springs: &[([usize; 2], &str)], end_time: f64, rest
         parts += &format!("[[part]]\nid = {id}\n[part.spring]\n{numbers}\n");
     }
     let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{points}]\nsprings = [{rows}]\nnode_sets = {{ {sets} }}\n\
+        "end_time = {end_time:?}\n[mesh]\nnodes = [{points}]\nsprings = [{rows}]\n\
+         node_sets = {{ {sets} }}\n\
          [output]\nfield_interval = -1.0\n{parts}{rest}"
     );
     let there = tempfile::tempdir().unwrap();
@@ -112,7 +113,8 @@ fn a_damper_slows_exponentially() {
 /// angular momentum and energy are conserved to round-off.
 #[test]
 fn free_masses_keep_momentum() {
-    let rest = "[[mass]]\nnodes = \"n1\"\nmass = 2.0\n[[mass]]\nnodes = \"n2\"\nmass = 5.0\n[time]\nsafety = 0.1\n\
+    let rest = "[[mass]]\nnodes = \"n1\"\nmass = 2.0\n[[mass]]\nnodes = \"n2\"\nmass = 5.0\n\
+                [time]\nsafety = 0.1\n\
                 [[initial_velocity]]\nnodes = \"n1\"\nvelocity = [1.0, 2.0, -0.5]\n\
                 [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.3, -0.2, 0.6]\n";
     let springs = [
@@ -130,7 +132,7 @@ fn free_masses_keep_momentum() {
         }
         balance.look(e);
     });
-    assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "round-off of some thousand steps: {worst:?}");
+    assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "round-off of several thousand steps: {worst:?}");
     assert!(balance.worst < 1e-11, "{}", balance.worst);
 }
 
@@ -200,15 +202,21 @@ fn bits_do_not_depend_on_workers() {
     }
     let text = format!(
         "end_time = 5.0\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nsprings = [{springs}]\n\
-         node_sets = {{ ground = {ground:?}, upper = {upper:?} }}\n[output]\nfield_interval = -1.0\n\
-         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
-         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n[[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 2.0\n\
+         node_sets = {{ ground = {ground:?}, upper = {upper:?} }}\n[output]\n\
+         field_interval = -1.0\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+         youngs_modulus = 207.0\npoisson = 0.3\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n[[part]]\nid = 2\n\
+         material = \"steel\"\nthickness = 2.0\n\
          [[part]]\nid = 3\n[part.spring]\nstiffness = 0.02\ndamping = 1e-4\n\
-         [[part]]\nid = 4\n[part.spring]\nforce_elongation = [[-1.0, -0.03], [0.0, 0.0], [1.0, 0.01]]\ndirection = [0.1, 0.0, 1.0]\n\
-         [[part]]\nid = 5\n[part.spring]\nforce_rate = [[-1.0, -2e-5], [0.0, 0.0], [1.0, 1e-5]]\nstiffness = 1e-4\n\
+         [[part]]\nid = 4\n[part.spring]\nforce_elongation = [[-1.0, -0.03], [0.0, 0.0], [1.0, \
+         0.01]]\ndirection = [0.1, 0.0, 1.0]\n\
+         [[part]]\nid = 5\n[part.spring]\nforce_rate = [[-1.0, -2e-5], [0.0, 0.0], [1.0, 1e-5]]\n\
+         stiffness = 1e-4\n\
          [[rigid]]\nname = \"upper\"\nparts = [2]\n[contact]\n\
          [[fix]]\nnodes = \"ground\"\ndofs = [\"x\", \"y\", \"z\"]\n\
-         [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [1.0, 0.5, -8.0]\nspin = [0.02, 0.0, 0.05]\n"
+         [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [1.0, 0.5, -8.0]\n\
+         spin = [0.02, 0.0, 0.05]\n"
     );
     let there = tempfile::tempdir().unwrap();
     let path = there.path().join("sheet.toml");

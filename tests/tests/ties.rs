@@ -92,8 +92,10 @@ impl Rows {
         let sets: Vec<String> =
             sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
         format!(
-            "[mesh]\nnodes = [{}]\nshells = [{}]\nsolids = [{}]\nbeams = [{}]\nnode_sets = {{ {} }}\n\
-             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
+            "[mesh]\nnodes = [{}]\nshells = [{}]\nsolids = [{}]\nbeams = [{}]\n\
+             node_sets = {{ {} }}\n\
+             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+             density = {RHO:?}\n\
              youngs_modulus = {E:?}\npoisson = 0.0\n{rest}",
             self.nodes,
             self.shells,
@@ -156,7 +158,8 @@ impl Watch {
 /// with a velocity: the tied nodes move together, and momentum is conserved.
 #[test]
 fn nodes_share_displacements() {
-    let rest = "[[tie]]\nnodes = \"rest\"\nnode = 550\n[[initial_velocity]]\nnodes = \"second\"\nvelocity = [1.0, 0.0, 0.0]\n";
+    let rest = "[[tie]]\nnodes = \"rest\"\nnode = 550\n[[initial_velocity]]\nnodes = \"second\"\n\
+                velocity = [1.0, 0.0, 0.0]\n";
     let text = format!("end_time = 0.02\n{}", bars(0.0, rest));
     let listed =
         text.split("end = [").nth(1).unwrap().split(']').next().unwrap().replacen("550, ", "", 1);
@@ -187,7 +190,8 @@ const TIE: &str = "[[tie]]\nname = \"joint\"\nnodes = \"end\"\nparts = [1]\n";
 #[test]
 fn a_wave_goes_through_a_tie() {
     let c = (E / RHO).sqrt();
-    let rest = "[[initial_velocity]]\nvelocity = [1.0, 0.0, 0.0]\n[[initial_velocity]]\nnodes = \"second\"\nvelocity = [0.0, 0.0, 0.0]\n";
+    let rest = "[[initial_velocity]]\nvelocity = [1.0, 0.0, 0.0]\n[[initial_velocity]]\n\
+                nodes = \"second\"\nvelocity = [0.0, 0.0, 0.0]\n";
     let half = 0.5 * LENGTH / c;
     let text = format!("end_time = {:?}\n{}", 1.4 * half, bars(0.0, &format!("{TIE}{rest}")));
     let model = model(&text).unwrap();
@@ -248,7 +252,8 @@ fn a_wave_goes_through_a_tie() {
 fn tied_bars_turn_without_strain() {
     let spin = 2.0;
     let rest = format!(
-        "[[initial_velocity]]\nvelocity = [1.0, 2.0, -3.0]\nspin = [0.1, 0.3, {spin:?}]\ncentre = [{LENGTH:?}, 2.0, 2.0]\n"
+        "[[initial_velocity]]\nvelocity = [1.0, 2.0, -3.0]\nspin = [0.1, 0.3, {spin:?}]\n\
+         centre = [{LENGTH:?}, 2.0, 2.0]\n"
     );
     let text = format!("end_time = 0.4\n{}", bars(0.0, &format!("{TIE}{rest}")));
     let model = model(&text).unwrap();
@@ -284,7 +289,8 @@ fn arms_turn_with_their_face() {
         let far = vec![1, 2];
         let rest = format!(
             "{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\noffset = true\n\
-             [[initial_velocity]]\nvelocity = [1.0, 0.0, 2.0]\nspin = [0.8, -0.5, 0.2]\ncentre = [20.0, 20.0, 0.0]\n{}",
+             [[initial_velocity]]\nvelocity = [1.0, 0.0, 2.0]\nspin = [0.8, -0.5, 0.2]\n\
+             centre = [20.0, 20.0, 0.0]\n{}",
             part(1),
             part(2),
             if struck { strike } else { "" }
@@ -310,7 +316,7 @@ fn arms_turn_with_their_face() {
                 .iter()
                 .fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
             let arm = (0..3).map(|c| (at(tie.node)[c] - foot[c]).powi(2)).sum::<f64>().sqrt();
-            assert!((arm - 1.1).abs() < 1e-10, "{arm}: round-off of some thousand turns");
+            assert!((arm - 1.1).abs() < 1e-10, "{arm}: round-off of several thousand rotations");
         }
         assert!(worst[0] < 1e-14 && worst[1] < 1e-12, "round-off: {worst:?}");
     }
@@ -387,7 +393,8 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
     let block = block.iter().map(|n| n.1).collect();
     let part = |id: u32, rest: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n{rest}\n");
     let rest = format!(
-        "{}{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[contact]\nlaw = \"LAW\"\n[[initial_velocity]]\nnodes = \"block\"\nvelocity = [3.0, 0.0, -30.0]\n",
+        "{}{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[contact]\nlaw = \"LAW\"\n\
+         [[initial_velocity]]\nnodes = \"block\"\nvelocity = [3.0, 0.0, -30.0]\n",
         part(1, "thickness = 1.0"),
         part(2, "thickness = 1.0"),
         part(5, ""),
@@ -406,8 +413,12 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
         });
         let Watch { changed: [worst, _], unexplained: most, initial, .. } = watch;
         let energies = end.ledger.energies(&end.nodes);
-        assert!(energies.contact < -0.01 * initial, "{law}: it hits: {energies:?} of {initial}");
-        assert!(least < 1e-3, "{law}: contact gives energy: {least}");
+        assert!(
+            energies.contact < -0.01 * initial,
+            "{law}: there is an impact: {energies:?} of \
+            {initial}"
+        );
+        assert!(least < 1e-3, "{law}: contact adds energy: {least}");
         assert!(worst < 1e-11, "{law}: {worst}");
         assert!(most < 0.01, "{law}: {most}");
         // The measured value is 0.016 of the thickness for both laws; if tied nodes had no mass,
@@ -428,7 +439,8 @@ fn a_face_that_fails_lets_go() {
     let part = |id: u32, material: &str| {
         format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = 1.0\n")
     };
-    let brittle = "[[material]]\nname = \"brittle\"\nlaw = \"j2\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
+    let brittle = "[[material]]\nname = \"brittle\"\nlaw = \"j2\"\ndensity = 7.85e-6\n\
+                   youngs_modulus = 207.0\npoisson = 0.3\n\
                    yield_stress = 0.2\nfailure_strain = 0.01\n";
     let rest = format!(
         "{brittle}{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\noffset = true\n[contact]\n\
@@ -455,10 +467,10 @@ fn a_face_that_fails_lets_go() {
             ));
         }
     });
-    let (time, places) = left.expect("it is let go");
+    let (time, places) = left.expect("the tie is released");
     assert!(end.ties.is_empty() && time < 0.1, "{time}");
     let mass = whole[0];
-    assert!(whole.iter().all(|m| (m - mass).abs() < 1e-14 * mass * 100.0), "masses are given back");
+    assert!(whole.iter().all(|m| (m - mass).abs() < 1e-14 * mass * 100.0), "masses are restored");
     assert!(watch.changed[0] < 1e-10 * mass * 10.0, "momentum: {:?}", watch.changed);
     // After release the patch continues as a whole with its own momentum.
     let mean =
@@ -511,15 +523,15 @@ fn ties_stand_on_ties_but_for_arms() {
         )
     };
     let (_, refused) = scene(true, 1.0);
-    let refused = refused.err().expect("arms on arms");
+    let refused = refused.err().expect("offsets in a chain are refused");
     assert!(
-        refused.contains("which is tied itself") && refused.contains("without offsets only"),
+        refused.contains("which is itself tied") && refused.contains("no offsets in a chain"),
         "{refused}"
     );
     let (third, model) = scene(false, 0.0);
     let model = model.unwrap();
     assert!(
-        model.warnings.iter().any(|w| w.message.contains("start with other velocities")),
+        model.warnings.iter().any(|w| w.message.contains("have other initial velocities")),
         "{:?}",
         model.warnings
     );
@@ -555,7 +567,8 @@ fn led_nodes_take_what_is_tied_along() {
     let patch = rows.plate(2, [[13.0, 12.0], [27.0, 31.0]], 0.0, [3, 2]);
     let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
     let rest = format!(
-        "{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [1.0, 2.0]]\n\
+        "{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[[curve]]\nname = \"ramp\"\n\
+         points = [[0.0, 0.0], [1.0, 2.0]]\n\
          [[motion]]\nnodes = \"both\"\nvelocity = [1.0, 0.0, 0.0]\ncurve = \"ramp\"\n",
         part(1),
         part(2)
@@ -590,7 +603,8 @@ fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
     let part = |id: u32, rest: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n{rest}\n");
     let rest = format!(
         "{}{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[contact]\n\
-         [[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nmass = 0.02\nexcept = \"patch\"\n\
+         [[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nmass = 0.02\n\
+         except = \"patch\"\n\
          [[initial_velocity]]\nnodes = \"block\"\nvelocity = [0.0, 0.0, -20.0]\n",
         part(1, "thickness = 1.0"),
         part(2, "thickness = 1.0"),
@@ -613,7 +627,7 @@ fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
     });
     let wall = end.walls.carried(true).1[2];
     let came = -20.0 * RHO * 11.0 * 11.0 * 7.8;
-    assert!(wall < 0.2 * came, "the wall has a good part of the blow: {wall} of {came}");
+    assert!(wall < 0.2 * came, "the wall takes a large part of the impulse: {wall} of {came}");
     // A delay of one step in the force on the wall would give a penetration by the displacement
     // of that step.
     assert!(deepest < 1e-9, "{deepest}");
@@ -630,7 +644,9 @@ fn jobs_that_are_wrong_are_told() {
             Ok(model) => model.warnings.iter().map(|w| format!("{}\n", w.message)).collect(),
             Err(report) => report,
         };
-        words.iter().for_each(|word| assert!(report.contains(word), "not said: {word}\n{report}"));
+        words
+            .iter()
+            .for_each(|word| assert!(report.contains(word), "missing text: {word}\n{report}"));
     };
     said("[[tie]]\nnodes = \"end\"\n", &["a tie has no surface"]);
     said(
@@ -649,7 +665,7 @@ fn jobs_that_are_wrong_are_told() {
     );
     said(
         &format!("{TIE}[[wall]]\npoint = [-1.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n"),
-        &["16 tied nodes do not meet rigid walls"],
+        &["16 tied nodes do not touch rigid walls"],
     );
     said(&format!("{TIE}{TIE}"), &["is tied twice: by tie `joint` and tie `joint`"]);
     said(
@@ -663,7 +679,7 @@ fn jobs_that_are_wrong_are_told() {
     );
     said(
         &format!("{TIE}[[fix]]\nnodes = \"end\"\ndofs = [\"y\"]\n"),
-        &["16 tied nodes are held or moved by something else: 550, 611,"],
+        &["16 tied nodes have another constraint or motion: 550, 611,"],
     );
     said(
         &format!("{TIE}[[rigid]]\nname = \"b\"\nparts = [2]\n"),
@@ -729,7 +745,8 @@ fn a_skin_touches_and_bears_nothing() {
             |id: u32, rest: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n{rest}\n");
         let led = "[[initial_velocity]]\nnodes = \"corner\"\nvelocity = [1.0, 0.0, 0.0]\n";
         let rest = format!(
-            "{}{}[contact]\n[[initial_velocity]]\nnodes = \"block\"\nvelocity = [0.0, 0.0, -5.0]\n{}",
+            "{}{}[contact]\n[[initial_velocity]]\nnodes = \"block\"\nvelocity = [0.0, 0.0, -5.0]\n\
+             {}",
             part(1, ""),
             if skin { part(2, "thickness = 1.0\nskin = true") } else { String::new() },
             if skin { led } else { "" },
@@ -742,16 +759,20 @@ fn a_skin_touches_and_bears_nothing() {
     assert_eq!(with.0, without.0, "the step");
     let id = |n: usize| crumple_proto::ids::NodeId(n as u64);
     let low = |run: &(f64, Engine, usize, [usize; 4])| xyz_of(&run.1, id(run.2))[2];
-    assert!((low(&without) - (1.0 - 15.0)).abs() < 1e-9, "it falls freely: {}", low(&without));
+    assert!(
+        (low(&without) - (1.0 - 15.0)).abs() < 1e-9,
+        "the block falls freely: {}",
+        low(&without)
+    );
     let [a, b, ..] = with.3.map(|n| xyz_of(&with.1, id(n)));
     let skin = b[2];
-    assert!(skin < -0.5, "the block takes the skin along: {skin}");
-    assert!(low(&with) > skin - 0.1, "and does not go through: {} {skin}", low(&with));
+    assert!(skin < -0.5, "the block moves the skin: {skin}");
+    assert!(low(&with) > skin - 0.1, "the block does not pass through: {} {skin}", low(&with));
     // An elastic skin would pull both to the same velocity. The block pushes along a normal that
     // tilts with the corners, by 1e-6.
     assert!(
         (a[0] - 3.0).abs() < 1e-4 && (b[0] - 40.0).abs() < 1e-4,
-        "a corner feels no other: {a:?} {b:?}"
+        "corners do not affect each other: {a:?} {b:?}"
     );
 }
 
@@ -764,7 +785,8 @@ fn contact_lets_what_is_tied_be() {
     let patch = rows.plate(2, [[9.0, 8.0], [33.0, 31.0]], 0.0, [2, 2]);
     let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
     let rest = format!(
-        "{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[contact]\n[[initial_velocity]]\nvelocity = [1.0, 0.0, 5.0]\n",
+        "{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[contact]\n[[initial_velocity]]\n\
+         velocity = [1.0, 0.0, 5.0]\n",
         part(1),
         part(2)
     );
@@ -807,7 +829,8 @@ fn a_tied_edge_bends_as_one_strip() {
         let part =
             |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
         let rest = format!(
-            "{}{}[[tie]]\nnodes = \"edge\"\nparts = [1]\nrotations = {rotations}\n[time]\ndamping = {:?}\n\
+            "{}{}[[tie]]\nnodes = \"edge\"\nparts = [1]\nrotations = {rotations}\n[time]\n\
+             damping = {:?}\n\
              [[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
              [[load]]\nnodes = \"tip\"\nforce = [0.0, 0.0, {:?}]\n",
             part(1),

@@ -72,7 +72,7 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
             .map(|e| e["name"].as_str().unwrap())
             .collect();
         for words in [
-            "order 1 has come: high redecomposition",
+            "order 1 received: high redecomposition",
             "order 1: high redecomposition",
             "order 2: low redecomposition",
         ] {

@@ -8,14 +8,14 @@ use std::ops::ControlFlow;
 #[test]
 fn solids_without_rotations_move_as_with_them() {
     let mut model = read(&case("can-crush"), &[]);
-    assert!(!model.settings.rotations, "nothing can turn");
+    assert!(!model.settings.rotations, "the model has no rotations");
     let cycles = 40;
     let alone = run_side_by_side(&model, 1, cycles, 0);
     let parted = run_side_by_side(&model, 3, cycles, 7);
     model.settings.rotations = true;
     let turning = run_side_by_side(&model, 2, cycles, 0);
-    assert_eq!(alone.digest(), parted.digest(), "forces alone cross between workers");
-    assert_eq!(alone.digest(), turning.digest(), "columns of rotation held noughts");
+    assert_eq!(alone.digest(), parted.digest(), "workers exchange only forces");
+    assert_eq!(alone.digest(), turning.digest(), "the columns of rotation were zero");
     assert_eq!(alone.pairs, turning.pairs);
 }
 

@@ -47,7 +47,7 @@ fn quick(id: &str) {
             now.iter().filter(|(row, passes)| then.get(*row) != Some(*passes)).collect();
         assert!(
             changed.is_empty(),
-            "{id} {}: otherwise than in the table: {changed:?}",
+            "{id} {}: results differ from the table: {changed:?}",
             check.name
         );
         assert_eq!(now.len(), then.len(), "{id} {}: rows of the table are missing", check.name);
@@ -62,10 +62,11 @@ macro_rules! entries {
 }
 
 entries! {
-    a01 "A01" a03 "A03" a05 "A05" a06 "A06" a07 "A07" a13 "A13" a14 "A14" a15 "A15" a16 "A16" a17 "A17" a19 "A19"
-    a21 "A21" a22 "A22" a23 "A23" a24 "A24" a26 "A26" a27 "A27" a30 "A30" a31 "A31" a32 "A32" a33 "A33"
-    a34 "A34" a35 "A35" a36 "A36" a37 "A37" a38 "A38" a39 "A39" a40 "A40" a41 "A41" a42 "A42" b06 "B06" b08 "B08" c01 "C01" c02 "C02"
-    c03 "C03" c04 "C04" c06 "C06" c07 "C07" c10 "C10" c11 "C11" c13 "C13" c14 "C14" c15 "C15" c16 "C16" c18 "C18"
+    a01 "A01" a03 "A03" a05 "A05" a06 "A06" a07 "A07" a13 "A13" a14 "A14" a15 "A15" a16 "A16"
+    a17 "A17" a19 "A19" a21 "A21" a22 "A22" a23 "A23" a24 "A24" a26 "A26" a27 "A27" a30 "A30"
+    a31 "A31" a32 "A32" a33 "A33" a34 "A34" a35 "A35" a36 "A36" a37 "A37" a38 "A38" a39 "A39"
+    a40 "A40" a41 "A41" a42 "A42" b06 "B06" b08 "B08" c01 "C01" c02 "C02" c03 "C03" c04 "C04"
+    c06 "C06" c07 "C07" c10 "C10" c11 "C11" c13 "C13" c14 "C14" c15 "C15" c16 "C16" c18 "C18"
     c20 "C20"
 }
 

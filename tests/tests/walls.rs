@@ -38,8 +38,10 @@ fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -
         first = last + 1;
     }
     let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nnode_sets = {{ {sets} }}\n\
-         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
+        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
+         node_sets = {{ {sets} }}\n\
+         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
+         density = {RHO:?}\n\
          youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}"
     );
     let there = tempfile::tempdir().unwrap();
@@ -55,13 +57,14 @@ fn along_z(e: &Engine) -> f64 {
 
 /// A plate, deformable or rigid, falls flat on a wall of mass M that moves towards it. Both
 /// continue with the common velocity (m v + M V) / (m + M), to round-off. The energy loss m M /
-/// (m + M) (V - v)^2 / 2 is booked.
+/// (m + M) (V - v)^2 / 2 is in the ledger.
 #[test]
 fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
     let (big, mass, speed, v) = (0.004, RHO * 20.0 * 20.0, 2.0, -10.0);
     for rigid in ["", "[[rigid]]\nname = \"plate\"\nparts = [1]\n[time]\ndt_max = 1e-3\n"] {
         let rest = format!(
-            "[[wall]]\npoint = [0.0, 0.0, -0.05]\nnormal = [0.0, 0.0, 1.0]\nmass = {big:?}\nspeed = {speed:?}\n\
+            "[[wall]]\npoint = [0.0, 0.0, -0.05]\nnormal = [0.0, 0.0, 1.0]\nmass = {big:?}\n\
+             speed = {speed:?}\n\
              [[initial_velocity]]\nvelocity = [0.0, 0.0, {v:?}]\n{rigid}"
         );
         let model = job(&[([0.0; 3], [20.0, 20.0], [4, 4])], 0.02, &rest);
@@ -77,7 +80,7 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
         let worst = (0..end.nodes.local_count)
             .map(|i| (end.nodes.v[i][2] - after).abs())
             .fold(0.0, f64::max);
-        assert!(worst < 1e-9, "{rigid}: {worst} off {after}");
+        assert!(worst < 1e-9, "{rigid}: {worst} from {after}");
         assert!(
             (end.walls.each()[0].velocity().z - after).abs() < 1e-9,
             "{:?}",
@@ -112,8 +115,8 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
         fastest = fastest.min(e.walls.each()[0].velocity().z);
         pairs |= fastest == 0.0 && e.contact.as_ref().unwrap().owned_table().next().is_some();
     });
-    assert!(pairs, "contact comes before the wall");
-    assert!((-10.5..-9.0).contains(&fastest), "the plates come with 10 and 10.5: {fastest}");
+    assert!(pairs, "there are pairs before the wall moves");
+    assert!((-10.5..-9.0).contains(&fastest), "the plates arrive with 10 and 10.5: {fastest}");
 }
 
 /// Two strips fall: the strip above the rectangle rests on it, the other one falls past it.
@@ -123,10 +126,12 @@ fn a_rectangle_lets_pass_what_is_beside_it() {
     let strips = [([1.0, 1.0, 0.2], [6.0, 6.0], [3, 3]), ([12.0, 1.0, 0.2], [6.0, 6.0], [3, 3])];
     for rigid in [
         "",
-        "[[rigid]]\nname = \"on\"\nparts = [1]\n[[rigid]]\nname = \"beside\"\nparts = [2]\n[time]\ndt_max = 1e-3\n",
+        "[[rigid]]\nname = \"on\"\nparts = [1]\n[[rigid]]\nname = \"beside\"\nparts = [2]\n[time]\n\
+         dt_max = 1e-3\n",
     ] {
         let rest = format!(
-            "[[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nedge = [1.0, 0.0, 0.3]\nlengths = [9.0, 9.0]\n\
+            "[[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nedge = [1.0, 0.0, 0.3]\n\
+             lengths = [9.0, 9.0]\n\
              friction = 0.2\n[[initial_velocity]]\nvelocity = [0.3, 0.0, -10.0]\n{rigid}"
         );
         let end = run_alone(&job(&strips, 0.3, &rest), |_| {});
@@ -152,7 +157,8 @@ fn a_cylinder_catches_a_strip() {
         ("", "velocity = [0.0, 0.0, 5.0]\n"),
     ] {
         let rest = format!(
-            "[[wall]]\npoint = [0.0, -1.0, 0.0]\naxis = [0.0, 1.0, 0.0]\nradius = 10.0\nlength = 6.0\n{led}\
+            "[[wall]]\npoint = [0.0, -1.0, 0.0]\naxis = [0.0, 1.0, 0.0]\nradius = 10.0\n\
+             length = 6.0\n{led}\
              [[initial_velocity]]\nvelocity = [0.0, 0.0, -5.0]\n{rigid}"
         );
         let (mut deepest, mut pressed) = (f64::INFINITY, 0.0f64);
@@ -163,7 +169,7 @@ fn a_cylinder_catches_a_strip() {
             pressed = pressed.max(e.walls.impulse[0][2]);
         });
         assert!(deepest > -1e-6, "{rigid}{led}: {deepest}");
-        assert!(pressed > 0.0, "{rigid}{led}: it has been met");
+        assert!(pressed > 0.0, "{rigid}{led}: the wall has an impulse");
         let middle = end.nodes.x[10 * 3][2];
         let axis = end.walls.each()[0].surface.position().z;
         assert!(middle > 10.0 - 1e-6 + axis, "{rigid}{led}: {middle}");
@@ -182,10 +188,14 @@ fn bits_do_not_depend_on_workers() {
         ([10.0, 2.0, 4.0], [15.0, 15.0], [3, 3]),
     ];
     let rest = "[[rigid]]\nname = \"top\"\nparts = [3]\n[contact]\nfriction = 0.2\n\
-                [[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.02, 0.0, 1.0]\nmass = 0.01\nspeed = 12.0\nfriction = 0.3\n\
-                [[wall]]\npoint = [20.0, -10.0, 3.5]\nnormal = [0.0, 0.0, -1.0]\nedge = [1.0, 0.0, 0.0]\nlengths = [15.0, 0.0]\n\
-                [[wall]]\npoint = [30.0, -20.0, 9.0]\naxis = [0.0, 1.0, 0.0]\nradius = 6.0\nvelocity = [1.0, 0.0, -8.0]\nfriction = 0.1\n\
-                [[wall]]\npoint = [0.0, 0.0, 3.0]\nnormal = [0.0, 0.0, -1.0]\nmass = 0.004\nspeed = 1.0\nnodes = \"part_1\"\n\
+                [[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.02, 0.0, 1.0]\nmass = 0.01\n\
+                speed = 12.0\nfriction = 0.3\n\
+                [[wall]]\npoint = [20.0, -10.0, 3.5]\nnormal = [0.0, 0.0, -1.0]\n\
+                edge = [1.0, 0.0, 0.0]\nlengths = [15.0, 0.0]\n\
+                [[wall]]\npoint = [30.0, -20.0, 9.0]\naxis = [0.0, 1.0, 0.0]\nradius = 6.0\n\
+                velocity = [1.0, 0.0, -8.0]\nfriction = 0.1\n\
+                [[wall]]\npoint = [0.0, 0.0, 3.0]\nnormal = [0.0, 0.0, -1.0]\nmass = 0.004\n\
+                speed = 1.0\nnodes = \"part_1\"\n\
                 [[wall]]\npoint = [0.0, 0.0, 6.0]\nnormal = [0.0, 0.0, -1.0]\nexcept = \"part_2\"\n\
                 [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 1.0, -6.0]\n";
     let model = job(&plates, 2.0, rest);

@@ -7,6 +7,8 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::transport::threads;
 use crumple_tests::{Trace, case, read, run_side_by_side};
 use crumple_worker::engine::Engine;
+use crumple_worker::fem::blocks::Portion;
+use crumple_worker::time::ElementSet;
 use std::ops::ControlFlow;
 
 /// Runs four tubes and three plates that fly at each other, tumbling.
@@ -28,7 +30,7 @@ const CYCLES: u64 = 2500;
 fn union_of_workers_pairs_is_the_serial_runs() {
     let serial = tumble(1, CYCLES, 0);
     let met: usize = serial.pairs.iter().map(Vec::len).sum();
-    assert!(met > 1000, "the bodies do meet: {met} pairs");
+    assert!(met > 1000, "there is contact: {met} pairs");
     for workers in [2, 3, 4, 7] {
         assert_same(&serial, &tumble(workers, CYCLES, 0), &format!("{workers} workers"));
     }
@@ -52,7 +54,7 @@ fn how_far_candidates_are_collected_changes_no_bit() {
     {
         let run = |sets: &[&str]| run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
         let default = run(&[]);
-        assert!(default.pairs.iter().any(|p| !p.is_empty()), "{name}: nothing touches");
+        assert!(default.pairs.iter().any(|p| !p.is_empty()), "{name}: there is no contact");
         for skin in skins {
             assert_same(
                 &default,
@@ -105,10 +107,10 @@ fn strained_elements_that_stand_still_keep_their_forces() {
     e.nodes.v.fill([0.0; 4]);
     e.nodes.w.fill([0.0; 4]);
     let forces = |e: &mut Engine| {
-        for front in [true, false] {
-            e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, front);
+        for portion in [Portion::Shared, Portion::Interior] {
+            e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, ElementSet::All, portion);
         }
-        e.blocks.assemble(&mut e.nodes, true);
+        e.blocks.assemble(&mut e.nodes, ElementSet::All);
         e.nodes.force.clone()
     };
     let before = forces(&mut e);

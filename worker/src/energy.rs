@@ -2,7 +2,8 @@
 //! only; no decision depends on them.
 
 use crate::fem::elements::PassTotals;
-use crate::nodes::{Nodes, Row, xyz};
+use crate::math::row::{Row, xyz};
+use crate::nodes::Nodes;
 use crumple_proto::report::Energies;
 use nalgebra::Vector3;
 use std::iter::Sum;

@@ -21,84 +21,14 @@ use crate::parallel::partition::{LocalMesh, PartitionData, build_local_mesh};
 pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
-use crate::trace::Recorder;
+use crate::timer::Timer;
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
-use crumple_proto::report::{Energies, HistoryPart, PHASES, PhaseSeconds};
+use crumple_proto::report::{Energies, HistoryPart, Phase};
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
-use std::time::Instant;
-
-/// Timed stages of a step; indices into [`PHASES`].
-#[derive(Clone, Copy, Debug)]
-#[repr(usize)]
-pub enum Phase {
-    /// Internal forces.
-    Elements,
-    /// Assembly, loads, velocities without contact.
-    Assemble,
-    /// Messages, including the wait for them.
-    Halo,
-    /// Global search, and the rigid-motion fit that shows how far ghosts stay valid.
-    Search,
-    /// Local search.
-    Local,
-    /// Contact forces.
-    Contact,
-    /// Walls, and positions of nodes and rigid bodies.
-    Advance,
-    /// History and field files.
-    Output,
-    /// Migration and build of the new partition.
-    Renewal,
-}
-
-/// Time per phase.
-#[derive(Debug)]
-pub struct Timer {
-    /// Time so far [s].
-    pub seconds: PhaseSeconds,
-    last: Instant,
-    recorder: Option<Box<Recorder>>,
-}
-
-impl Timer {
-    fn new() -> Self {
-        Self { seconds: [0.0; PHASES.len()], last: Instant::now(), recorder: None }
-    }
-
-    /// Starts a lap and does not book the time before it.
-    pub fn restart(&mut self) {
-        self.last = Instant::now();
-    }
-
-    /// Books the time since the last lap for `phase`.
-    pub fn lap(&mut self, phase: Phase) {
-        let now = Instant::now();
-        self.seconds[phase as usize] += (now - self.last).as_secs_f64();
-        if let Some(recorder) = &mut self.recorder {
-            recorder.span(phase, self.last, now);
-        }
-        self.last = now;
-    }
-
-    /// Records all laps from now on. All workers call this together.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn record(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        self.recorder = Some(Box::new(Recorder::start(comm)?));
-        self.restart();
-        Ok(())
-    }
-
-    /// Returns the recorder, if there is one.
-    pub fn recorder(&mut self) -> &mut Option<Box<Recorder>> {
-        &mut self.recorder
-    }
-}
 
 /// The engine of one worker.
 pub struct Engine {

@@ -5,7 +5,8 @@
 use crate::contact::Contact;
 use crate::engine::Engine;
 use crate::fem::blocks::Blocks;
-use crate::nodes::{Nodes, Row, xyz};
+use crate::math::row::{Row, xyz};
+use crate::nodes::Nodes;
 use crumple_proto::histories::{
     ContactShare, HistoryRequests, HistoryShares, NodeState, PairForce, PartShare, Section,
     SectionShare,

@@ -12,7 +12,7 @@
 //! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed
 //!   elements
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records,
-//!   files; [`trace`]: time line of a worker
+//!   files; [`timer`], [`trace`]: time by phase, time line of a worker
 
 pub mod constraints;
 pub mod contact;
@@ -32,5 +32,6 @@ pub mod step;
 #[cfg(test)]
 mod testing;
 pub mod time;
+pub mod timer;
 pub mod trace;
 pub mod vtu;

@@ -4,11 +4,13 @@
 //! it in ascending element id with all other forces. Work is force times the mean of the
 //! velocities before and after, as in the ledger.
 
-use crate::contact::enforce::StepSizes;
 use crate::curve::Curve;
 use crate::energy::Work;
-use crate::fem::blocks::Blocks;
-use crate::nodes::{Nodes, Row, row};
+use crate::fem::blocks::{Blocks, Portion};
+use crate::math::row::{Row, row};
+use crate::nodes::Nodes;
+use crate::time::ElementSet;
+use crate::time::StepSizes;
 use crumple_proto::loads::{Loads as LoadJob, Pressure};
 use nalgebra::Vector3;
 
@@ -47,14 +49,19 @@ struct LoadedFace {
     /// Slots of the element nodal forces, and local nodes, in order around the normal.
     slots: [usize; 4],
     nodes: [u32; 4],
-    /// True if other workers wait for the element nodal forces.
-    front: bool,
+    portion: Portion,
     /// True if the element is rigid: no other force is in its slots.
     rigid: bool,
     /// Number of cycles for which the force acts: those of an outer step for slow elements.
     cycles: f64,
     /// Last forces on its nodes [force].
     force: [Row; 4],
+}
+
+impl LoadedFace {
+    fn is_in(&self, set: ElementSet) -> bool {
+        set == ElementSet::All || self.cycles == 1.0
+    }
 }
 
 impl Loads {
@@ -101,7 +108,11 @@ impl Loads {
                             pressure: p,
                             slots: corners.map(|c| slot + c),
                             nodes: corners.map(|c| e.nodes[c]),
-                            front: i < b.front * b.lanes(),
+                            portion: if i < b.front * b.lanes() {
+                                Portion::Shared
+                            } else {
+                                Portion::Interior
+                            },
                             rigid: b.idle,
                             cycles: if b.slow { subcycles as f64 } else { 1.0 },
                             force: [[0.0; 4]; 4],
@@ -112,17 +123,17 @@ impl Loads {
         }
     }
 
-    /// Adds pressure to the element nodal forces of own elements. `front` selects the elements
-    /// for which other workers wait, or the others. `all` is true if an outer step begins; slow
-    /// elements then get the load of all its cycles.
+    /// Adds pressure to the element nodal forces of a portion of the own elements. With
+    /// [`ElementSet::All`] slow elements get the load of all cycles of the outer step.
     pub fn add_pressures(
         &mut self,
         blocks: &mut Blocks,
         nodes: &Nodes,
         time: f64,
-        [all, front]: [bool; 2],
+        set: ElementSet,
+        portion: Portion,
     ) {
-        let due = |f: &&mut LoadedFace| f.front == front && (all || f.cycles == 1.0);
+        let due = |f: &&mut LoadedFace| f.portion == portion && f.is_in(set);
         for face in self.faces.iter_mut().filter(due).filter(|f| f.rigid) {
             face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
         }
@@ -141,16 +152,14 @@ impl Loads {
         self.faces.iter().flat_map(|face| face.slots.iter().copied().zip(&face.force))
     }
 
-    /// Returns how many times a load acts on a local node in this cycle. `all` is true if an
-    /// outer step begins.
-    fn times(&self, i: usize, all: bool) -> f64 {
+    /// Returns how many times a load acts on a local node in this cycle.
+    fn times(&self, i: usize, set: ElementSet) -> f64 {
         let cycles = self.cycles.get(i).copied().unwrap_or(1.0);
-        if all || cycles == 1.0 { cycles } else { 0.0 }
+        if set == ElementSet::All || cycles == 1.0 { cycles } else { 0.0 }
     }
 
     /// Adds body forces and nodal forces to the forces of local nodes, in the order of the job.
-    /// `all` is true if an outer step begins.
-    pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, all: bool) {
+    pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, set: ElementSet) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];
             for &(a, curve) in &self.gravity {
@@ -158,7 +167,7 @@ impl Loads {
                 (0..3).for_each(|c| self.falling[c] += factor * a[c]);
             }
             for (i, (f, m)) in nodes.force.iter_mut().zip(&nodes.mass).enumerate() {
-                let m = m * self.times(i, all);
+                let m = m * self.times(i, set);
                 (0..3).for_each(|c| f[c] += m * self.falling[c]);
             }
         }
@@ -167,7 +176,7 @@ impl Loads {
         }
         for load in &self.forces {
             for n in load.nodes.iter().map(|&n| n as usize) {
-                let factor = load.factor * self.times(n, all);
+                let factor = load.factor * self.times(n, set);
                 (0..3).for_each(|c| nodes.force[n][c] += factor * load.job.force[c]);
                 if nodes.rotations {
                     (0..3).for_each(|c| nodes.moment[n][c] += factor * load.job.moment[c]);
@@ -202,15 +211,15 @@ impl Loads {
     }
 
     /// Returns the work done on owned nodes and elements in the step [energy]. The velocities at
-    /// its end must be known. With `all`, slow elements are included.
-    pub fn work(&self, nodes: &Nodes, steps: StepSizes, all: bool) -> Work {
+    /// its end must be known.
+    pub fn work(&self, nodes: &Nodes, steps: StepSizes, set: ElementSet) -> Work {
         let moved = |f: &Row, i: usize| Work::from_impulses(f, &nodes.v[i], &nodes.v_next[i]);
         let turned = |f: &Row, i: usize| Work::from_impulses(f, &nodes.w[i], &nodes.w_next[i]);
         let own = || (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
         let mut work = Work::default();
         if !self.gravity.is_empty() {
             work +=
-                own().map(|i| moved(&self.falling, i) * (nodes.mass[i] * self.times(i, all))).sum();
+                own().map(|i| moved(&self.falling, i) * (nodes.mass[i] * self.times(i, set))).sum();
         }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
@@ -218,9 +227,9 @@ impl Loads {
                 moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() }
             };
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_owned(i));
-            work += owned.map(|i| of(i) * self.times(i, all)).sum::<Work>() * load.factor;
+            work += owned.map(|i| of(i) * self.times(i, set)).sum::<Work>() * load.factor;
         }
-        for face in self.faces.iter().filter(|f| all || f.cycles == 1.0) {
+        for face in self.faces.iter().filter(|f| f.is_in(set)) {
             work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum();
         }
         work = work * steps.dt_velocity;

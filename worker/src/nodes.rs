@@ -2,22 +2,21 @@
 //! This worker integrates them, also those that other workers share; all compute the same bits.
 //! The rest are ghost nodes: copies that contact needs.
 
-use crate::fem::elements::NodeView;
+use crate::math::row::{Row, row, xyz};
+use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::NodeRecord;
 
-/// Three components and one of padding, so that a row fills one vector register.
-pub type Row = [f64; 4];
-
-/// Returns a row of three components.
-pub fn row(a: [f64; 3]) -> Row {
-    [a[0], a[1], a[2], 0.0]
-}
-
-/// Returns the three components of a row.
-pub fn xyz(r: &Row) -> [f64; 3] {
-    [r[0], r[1], r[2]]
+/// Nodal columns as elements see them, indexed by local node; the fourth component is padding.
+#[derive(Clone, Copy)]
+pub struct NodeView<'a> {
+    /// Coordinates [length].
+    pub x: &'a [Row],
+    /// Velocities at mid-step [length/time].
+    pub v: &'a [Row],
+    /// Rotational velocities at mid-step [1/time].
+    pub w: &'a [Row],
 }
 
 /// Mean velocities of a node in an outer step, see [`Nodes::mean_v`].
@@ -169,13 +168,14 @@ impl Nodes {
     }
 
     /// Adds the velocities of a cycle to the mean over an outer step of `subcycles` cycles.
-    /// `begins` marks the first of them.
-    pub fn accumulate_outer_means(&mut self, subcycles: u64, begins: bool) {
+    /// With [`ElementSet::All`] the outer step begins.
+    pub fn accumulate_outer_means(&mut self, subcycles: u64, set: ElementSet) {
         let share = 1.0 / subcycles as f64;
         for (mean, v) in [(&mut self.mean_v, &self.v), (&mut self.mean_w, &self.w)] {
             for (mean, v) in mean.iter_mut().zip(v) {
                 (0..4).for_each(|c| {
-                    mean[c] = share.mul_add(v[c], if begins { 0.0 } else { mean[c] })
+                    let before = if set == ElementSet::All { 0.0 } else { mean[c] };
+                    mean[c] = share.mul_add(v[c], before)
                 });
             }
         }
@@ -193,7 +193,7 @@ impl Nodes {
         self.mean_v = vec![[0.0; 4]; self.local_count];
         self.mean_w = vec![[0.0; 4]; if self.rotations { self.local_count } else { 0 }];
         for mean in means {
-            let i = self.local_index(mean.id).expect("means come with their nodes") as usize;
+            let i = self.local_index(mean.id).expect("the node of a mean is local") as usize;
             self.mean_v[i] = row(mean.v);
             if self.rotations {
                 self.mean_w[i] = row(mean.w);

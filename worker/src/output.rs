@@ -1,7 +1,7 @@
 //! Field output of a worker: its piece of the fields at one time, and its ghost elements.
 
 use crate::engine::Engine;
-use crate::nodes::{Row, xyz};
+use crate::math::row::{Row, xyz};
 use crate::vtu::{self, Cells, Piece};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;

@@ -1,12 +1,13 @@
 //! One worker: takes orders, runs the engine, sends reports.
 
-use crate::engine::{Engine, Phase, StepConsensus};
+use crate::engine::{Engine, StepConsensus};
 use crate::fem::blocks::Blocks;
 use crate::parallel::partition::PartitionData;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::report::Phase;
 use crumple_proto::report::{Failure, FinalReport, StepReport};
 use crumple_proto::trace::{Event, Kind};
 use crumple_proto::transport::{RankLost, Tag, Transport, thread_cpu};
@@ -176,15 +177,17 @@ impl Worker {
         for elem in inverted {
             self.named += 1;
             let end = match self.named {
-                ..NAMED => "the job lets such shells fail",
+                ..NAMED => "the job allows this",
                 NAMED => {
-                    "the job lets such shells fail; this worker names no more, the summary has their number by part"
+                    "the job allows this; this worker reports no more, the summary has their \
+                     number by part"
                 }
                 _ => return Ok(()),
             };
             let (cycle, time) = (clock.cycle, clock.time);
             let warning = format!(
-                "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: {end} (part.inverted)"
+                "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: \
+                 {end} (part.inverted)"
             );
             post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
         }
@@ -195,9 +198,10 @@ impl Worker {
     fn warn_of_caps(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let (pairs, clock) = (self.capped(), &self.engine.clock);
         let warning = format!(
-            "contact: in cycle {}, time {:.6e}, the penalty stiffness of {pairs} pairs was lowered, as it will be from now \
-             on where the step would become unstable; nodes sink in deeper than the job asks for (a lower time.safety \
-             leaves more room, a lower contact.penalty_scale asks for less)",
+            "contact: in cycle {}, time {:.6e}, the penalty stiffness of {pairs} pairs was \
+             reduced to keep the step stable, as it will be in later cycles; penetrations become \
+             larger than the job requests: reduce time.safety to allow a higher stiffness, or \
+             contact.penalty_scale to request a lower one",
             clock.cycle, clock.time
         );
         post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
@@ -214,9 +218,10 @@ impl Worker {
         let Some(first) = found.first() else { return Ok(()) };
         self.crossed = true;
         let warning = format!(
-            "contact: by cycle {}, time {:.6e}, an edge of element {} has gone through element {} between their nodes ({} such \
-             crossings here): nodes meet surfaces, and free edges, folds and sharp edges \
-             each other; a finer mesh where an edge cuts into a face helps, and so does contact.edges = true if it is off",
+            "contact: by cycle {}, time {:.6e}, an edge of element {} has passed through element \
+             {} between their nodes ({} such crossings on this worker); contact detects nodes \
+             against surfaces, and free edges, folds and sharp edges against each other: refine \
+             the mesh where an edge cuts into a face, and set contact.edges = true if it is off",
             e.clock.cycle,
             e.clock.time,
             first.edge,

@@ -1,150 +1,338 @@
 //! The time step: one cycle of the central-difference scheme. Start reading here.
+//!
+//! [`STAGES`] is the whole step. Every stage is a function of this file, and its time is booked for
+//! the phase in its row.
 
 use crate::constraints::ties::ContactExclusions;
 use crate::energy::Work;
-use crate::engine::{Engine, Phase, StepConsensus};
+use crate::engine::{Engine, StepConsensus};
 use crate::erosion;
+use crate::fem::blocks::Portion;
+use crate::fem::elements::PassTotals;
+use crate::math::rigid_motion::RigidMotion;
 use crate::parallel::reduction::{Limits, StepContribution};
+use crate::time::ElementSet;
+use crate::time::StepSizes;
+use crumple_proto::report::Phase;
 use crumple_proto::transport::{RankLost, Transport};
 
-/// Advances the model by one central-difference step from t to t + dt, with the same dt on every
-/// worker. Returns before positions change if any worker reports a failure; the last valid state
-/// is then kept.
+/// The stages of a step from t to t + dt, in their order.
+const STAGES: [Stage; 14] = [
+    always(Phase::Elements, element_forces),
+    always(Phase::Halo, exchange_element_forces),
+    always(Phase::Assemble, accelerate),
+    always(Phase::Constraints, constrain),
+    with_contact(Phase::Search, fit_motion),
+    with_contact(Phase::Halo, exchange_ghosts),
+    with_contact(Phase::Search, find_candidates),
+    with_contact(Phase::Local, project_pairs),
+    with_contact(Phase::Halo, exchange_pairs),
+    with_contact(Phase::Contact, enforce_contact),
+    always(Phase::Constraints, react),
+    always(Phase::Energy, balance_energy),
+    always(Phase::Halo, agree),
+    always(Phase::Advance, advance),
+];
+
+/// Advances the model by one step, with the same dt on every worker. Returns before positions
+/// change if any worker reports a failure; the last valid state is then kept.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsensus, RankLost> {
-    let steps = engine.clock.steps(engine.loads.damping);
-    engine.timer.recorder().iter_mut().for_each(|r| r.set_cycle(engine.clock.cycle));
-    let Engine {
-        settings,
-        clock,
-        nodes,
-        blocks,
-        halo,
-        contact,
-        walls,
-        ledger,
-        motion,
-        timer,
-        loads,
-        prescribed,
-        bodies,
-        ties,
-        ..
-    } = engine;
+    let mut cycle = Cycle::new(engine);
+    let has_contact = engine.contact.is_some();
+    for stage in STAGES.iter().filter(|stage| has_contact || !stage.needs_contact) {
+        (stage.run)(engine, comm, &mut cycle)?;
+        engine.timer.lap(stage.phase);
+    }
+    if cycle.agreed.eroded && cycle.agreed.failure.is_none() {
+        engine.erode(comm)?; // new surfaces without failed elements
+    }
+    Ok(cycle.agreed)
+}
 
-    // False in the cycles of an outer step that leave slow elements out.
-    let all = clock.starts_outer_step(settings);
-    // Elements at shared nodes come first. The other elements are computed while messages travel.
-    let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, all, true);
-    loads.add_pressures(blocks, nodes, clock.time, [all, true]);
-    halo.send_element_forces(comm, blocks, all)?;
-    totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, all, false));
-    loads.add_pressures(blocks, nodes, clock.time, [all, false]);
-    ledger.book_elements(&totals);
-    timer.lap(Phase::Elements);
+/// A stage of the step.
+struct Stage {
+    /// The phase for which its time is booked.
+    phase: Phase,
+    /// True if it does nothing in jobs without contact.
+    needs_contact: bool,
+    run: Run,
+}
+
+type Run = fn(&mut Engine, &mut dyn Transport, &mut Cycle) -> Result<(), RankLost>;
+
+const fn always(phase: Phase, run: Run) -> Stage {
+    Stage { phase, needs_contact: false, run }
+}
+
+const fn with_contact(phase: Phase, run: Run) -> Stage {
+    Stage { phase, needs_contact: true, run }
+}
+
+/// Values that one stage hands to a later one.
+struct Cycle {
+    /// Step sizes around t.
+    steps: StepSizes,
+    /// Elements that this cycle computes.
+    set: ElementSet,
+    /// Totals over own elements.
+    totals: PassTotals,
+    /// Motion of own nodes since the last renewal.
+    drift: RigidMotion,
+    /// True if contact needs rotational velocities of ghosts.
+    couples: bool,
+    /// Work of walls and rigid bodies: on walls, and by external forces.
+    on_walls: Work,
+    external: Work,
+    /// Result of the global reduction.
+    agreed: StepConsensus,
+}
+
+impl Cycle {
+    fn new(engine: &mut Engine) -> Self {
+        let clock = &engine.clock;
+        engine.timer.recorder().iter_mut().for_each(|r| r.set_cycle(clock.cycle));
+        Self {
+            steps: clock.steps(engine.loads.damping),
+            set: clock.element_set(&engine.settings),
+            totals: PassTotals::NONE,
+            drift: RigidMotion::none(),
+            couples: false,
+            on_walls: Work::default(),
+            external: Work::default(),
+            agreed: StepConsensus::default(),
+        }
+    }
+}
+
+/// Computes the element nodal forces of internal stress and pressure. Elements at shared nodes come
+/// first: the others are computed while messages travel.
+fn element_forces(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, blocks, halo, ledger, loads, .. } = engine;
+    for portion in [Portion::Shared, Portion::Interior] {
+        let dt = clock.last_dt;
+        cycle.totals.add(&blocks.add_internal_forces(nodes, dt, cycle.set, portion));
+        loads.add_pressures(blocks, nodes, clock.time, cycle.set, portion);
+        if portion == Portion::Shared {
+            halo.send_element_forces(comm, blocks, cycle.set)?;
+        }
+    }
+    ledger.book_elements(&cycle.totals);
+    Ok(())
+}
+
+/// Starts the global reduction of the step, and receives the element nodal forces of other workers
+/// at shared nodes.
+fn exchange_element_forces(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { settings, clock, nodes, blocks, halo, contact, agreement, .. } = engine;
     let eroded =
         clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
-    let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
-    let approach = contact.as_ref().map_or(0.0, |c| c.approach);
-    let known = StepContribution {
-        totals,
+    let contribution = StepContribution {
+        totals: cycle.totals,
         eroded,
         distant_fraction: halo.distant_fraction(),
-        velocities,
-        approach,
+        velocities: contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes)),
+        approach: contact.as_ref().map_or(0.0, |c| c.approach),
     };
-    engine.agreement.begin(comm, blocks, nodes, &known, clock, settings)?;
-    halo.recv_element_forces(comm, blocks, all)?;
-    timer.lap(Phase::Halo);
-    blocks.assemble(nodes, all); // ascending element id: same bits on any number of workers
-    loads.add_forces(nodes, clock.time, all);
-    ties.distribute_forces(comm, nodes)?;
-    nodes.accelerate(steps.dt_velocity); // without contact and walls
-    loads.apply_damping(nodes, steps.dt_velocity);
-    prescribed.apply(nodes, clock.time, steps.dt); // inverse mass is zero there
-    bodies.accelerate(comm, nodes, clock.time, steps)?;
-    walls.start_step(clock.time, steps.dt);
-    timer.lap(Phase::Assemble);
+    agreement.begin(comm, blocks, nodes, &contribution, clock, settings)?;
+    halo.recv_element_forces(comm, blocks, cycle.set)
+}
 
+/// Sums up the nodal forces in ascending element id, which gives the same bits on any number of
+/// workers, and computes the velocities that they cause, without constraints and contact.
+fn accelerate(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, blocks, loads, ties, .. } = engine;
+    blocks.assemble(nodes, cycle.set);
+    loads.add_forces(nodes, clock.time, cycle.set);
+    ties.distribute_forces(comm, nodes)?;
+    nodes.accelerate(cycle.steps.dt_velocity);
+    loads.apply_damping(nodes, cycle.steps.dt_velocity);
+    Ok(())
+}
+
+/// Imposes prescribed motions and rigid bodies on the velocities without contact. Contact also
+/// needs the velocities of tied slaves.
+fn constrain(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, contact, walls, prescribed, bodies, ties, .. } = engine;
+    prescribed.apply(nodes, clock.time, cycle.steps.dt); // inverse mass is zero there
+    bodies.accelerate(comm, nodes, clock.time, cycle.steps)?;
+    walls.start_step(clock.time, cycle.steps.dt);
     if let Some(contact) = contact {
-        // The contact search needs velocities of slaves without contact.
-        ties.update_slave_velocities(comm, nodes, steps.dt)?;
-        let spins = contact.has_couples(nodes);
-        if spins {
+        ties.update_slave_velocities(comm, nodes, cycle.steps.dt)?;
+        cycle.couples = contact.has_couples(nodes);
+        if cycle.couples {
             bodies.turn(nodes);
         }
-        if !halo.links.is_empty() {
-            let drift = motion.update(&nodes.x[..nodes.local_count]);
-            timer.lap(Phase::Search);
-            engine.agreement.urgency = halo.exchange_ghosts(comm, nodes, &drift, spins)?;
-            timer.lap(Phase::Halo);
-        }
-        contact.update_folds(nodes, clock.cycle);
-        let joined = ContactExclusions { bodies, ties };
-        contact.refresh_candidates(
-            nodes,
-            joined,
-            (clock.time, steps.dt),
-            engine.agreement.elements_dt,
-        );
-        timer.lap(Phase::Search);
-        contact.find_pairs(nodes, joined, clock.time, steps);
-        timer.lap(Phase::Local);
-        contact.share_pairs(comm, nodes, halo)?;
-        timer.lap(Phase::Halo);
-        contact.enforce(comm, nodes, walls, bodies, steps)?; // gap(t + dt) >= 0
-        timer.lap(Phase::Contact);
     }
+    Ok(())
+}
+
+/// Fits a rigid motion to the own nodes: it shows how long ghosts stay valid.
+fn fit_motion(
+    engine: &mut Engine,
+    _: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { nodes, halo, motion, .. } = engine;
+    if !halo.links.is_empty() {
+        cycle.drift = motion.update(&nodes.x[..nodes.local_count]);
+    }
+    Ok(())
+}
+
+/// Updates the ghosts: their coordinates, and velocities without contact.
+fn exchange_ghosts(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { nodes, halo, agreement, .. } = engine;
+    if !halo.links.is_empty() {
+        agreement.urgency = halo.exchange_ghosts(comm, nodes, &cycle.drift, cycle.couples)?;
+    }
+    Ok(())
+}
+
+/// Global contact search: finds the segments and edges that are near each slave.
+fn find_candidates(
+    engine: &mut Engine,
+    _: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, contact, bodies, ties, agreement, .. } = engine;
+    let Some(contact) = contact else { return Ok(()) };
+    contact.update_folds(nodes, clock.cycle);
+    let exclusions = ContactExclusions { bodies, ties };
+    let time = (clock.time, cycle.steps.dt);
+    contact.refresh_candidates(nodes, exclusions, time, agreement.elements_dt);
+    Ok(())
+}
+
+/// Local contact search: projects slaves onto the near segments and selects the contact pairs.
+fn project_pairs(
+    engine: &mut Engine,
+    _: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, contact, bodies, ties, .. } = engine;
+    let Some(contact) = contact else { return Ok(()) };
+    let exclusions = ContactExclusions { bodies, ties };
+    contact.find_pairs(nodes, exclusions, clock.time, cycle.steps);
+    Ok(())
+}
+
+/// Sends contact pairs to the other workers that own their nodes.
+fn exchange_pairs(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    _: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { nodes, halo, contact, .. } = engine;
+    let Some(contact) = contact else { return Ok(()) };
+    contact.share_pairs(comm, nodes, halo)
+}
+
+/// Applies the contact forces, with which gaps at t + dt are not negative.
+fn enforce_contact(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { nodes, contact, walls, bodies, .. } = engine;
+    let Some(contact) = contact else { return Ok(()) };
+    contact.enforce(comm, nodes, walls, bodies, cycle.steps)
+}
+
+/// Lets constraints react to contact: masters of ties, rigid walls, rigid bodies, and tied slaves,
+/// in this order. Masters reach walls with the forces of their slaves.
+fn react(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Result<(), RankLost> {
+    let Engine { clock, nodes, contact, walls, bodies, ties, .. } = engine;
+    let steps = cycle.steps;
     if let Some(contact) = contact {
-        // Masters reach walls with these forces.
         ties.distribute_contact_forces(comm, nodes, contact, steps)?;
     }
-    let mut on_walls = Work::default();
     if !walls.is_empty() {
         bodies.add_wall_impulses(walls);
         let mut pushed: Vec<_> =
             contact.iter().flat_map(|c| c.contact_forces(nodes, steps)).collect();
         ties.add_contact_forces(&mut pushed, nodes, steps);
-        on_walls = walls.enforce(comm, nodes, &pushed, steps)?;
-        timer.lap(Phase::Advance);
+        cycle.on_walls += walls.enforce(comm, nodes, &pushed, steps)?;
     }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
     ties.update_slave_velocities(comm, nodes, steps.dt)?;
     if nodes.me == 0 {
-        on_walls += walls.work_on_masses(); // all workers know it: count it once
+        cycle.on_walls += walls.work_on_masses(); // all workers know it: count it once
     }
-    ledger.book_wall(on_walls + on_bodies.wall);
+    cycle.on_walls += on_bodies.wall;
+    cycle.external = on_bodies.external;
+    Ok(())
+}
+
+/// Books the work of the step. The velocities at its end are final here.
+fn balance_energy(
+    engine: &mut Engine,
+    _: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { nodes, contact, ledger, loads, prescribed, ties, .. } = engine;
+    ledger.book_wall(cycle.on_walls);
     if let Some(contact) = contact {
-        ledger.book_contact(contact.finish_step(nodes, steps)); // velocities after walls
-        timer.lap(Phase::Contact);
+        ledger.book_contact(contact.finish_step(nodes, cycle.steps));
     }
+    let on_prescribed = prescribed.work(nodes, (contact.as_ref(), ties), cycle.steps);
+    let on_loads = loads.work(nodes, cycle.steps, cycle.set);
+    ledger.book_external(on_loads + on_prescribed + cycle.external);
+    Ok(())
+}
 
-    let led = prescribed.work(nodes, (contact.as_ref(), ties), steps);
-    ledger.book_external(loads.work(nodes, steps, all) + led + on_bodies.external);
-
+/// Ends the global reduction: all workers get the same next step, failures and requests.
+fn agree(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Result<(), RankLost> {
+    let Engine { settings, clock, halo, contact, agreement, .. } = engine;
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
     // In the first cycle the approach of near pairs is not known yet.
     let skin = settings.contact.as_ref().filter(|_| clock.cycle > 0).map_or(0.0, |c| c.skin);
-    let agreed = engine.agreement.finish(comm, Limits { thinnest, skin })?;
-    halo.track_approach(clock.last_dt * agreed.spread, agreed.sync_distant);
-    timer.lap(Phase::Halo);
-    if agreed.failure.is_none() {
-        // Here the velocities before and after the present time are both known.
-        engine.write_history(comm)?;
-        engine.nodes.advance(steps.dt);
-        if engine.settings.subcycles > 1 {
-            engine.nodes.accumulate_outer_means(engine.settings.subcycles, all);
-        }
-        engine.bodies.advance(&mut engine.nodes, steps.dt);
-        engine.walls.advance(steps.dt);
-        engine.clock.advance();
-        engine.clock.select_dt(&engine.settings, agreed.stable_dt);
-        engine.timer.lap(Phase::Advance);
-        if agreed.eroded {
-            engine.erode(comm)?; // new surfaces without failed elements
-        }
+    cycle.agreed = agreement.finish(comm, Limits { thinnest, skin })?;
+    halo.track_approach(clock.last_dt * cycle.agreed.spread, cycle.agreed.sync_distant);
+    Ok(())
+}
+
+/// Writes the history row if one is due, while the velocities before and after t are known, and
+/// moves nodes, rigid bodies, walls and the clock to t + dt. Does nothing after a failure.
+fn advance(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    if cycle.agreed.failure.is_some() {
+        return Ok(());
     }
-    Ok(agreed)
+    engine.write_history(comm)?;
+    let Engine { settings, clock, nodes, bodies, walls, .. } = engine;
+    nodes.advance(cycle.steps.dt);
+    if settings.subcycles > 1 {
+        nodes.accumulate_outer_means(settings.subcycles, cycle.set);
+    }
+    bodies.advance(nodes, cycle.steps.dt);
+    walls.advance(cycle.steps.dt);
+    clock.advance();
+    clock.select_dt(settings, cycle.agreed.stable_dt);
+    Ok(())
 }

@@ -1,8 +1,40 @@
 //! Time of a run: step sizes of the central-difference scheme with mid-step velocities, and the
 //! times at which output is due.
 
-use crate::contact::enforce::StepSizes;
 use crumple_proto::partition::Settings;
+
+/// Step sizes of the central difference scheme around the present time.
+#[derive(Clone, Copy, Debug)]
+pub struct StepSizes {
+    /// Step to the next time: positions move by `dt` times the mid-step velocity [time].
+    pub dt: f64,
+    /// Step from the last to the next mid-step: velocities change by `dt_velocity` times the
+    /// acceleration [time].
+    pub dt_velocity: f64,
+    /// Velocity step for the forces of contact and walls, which are computed after damping. With
+    /// the damping a they change velocities by `dt_velocity / (1 + a dt_velocity / 2)` times the
+    /// acceleration, so that bodies at rest need the same forces as without damping [time].
+    pub dt_damped: f64,
+    /// Stable step of elements and contact [time]. `dt` is smaller where a run comes to its end.
+    pub dt_stable: f64,
+}
+
+impl StepSizes {
+    /// Returns the impulse of a force over the change of momentum that it causes under damping,
+    /// `dt_velocity / dt_damped`.
+    pub fn given(&self) -> f64 {
+        self.dt_velocity / self.dt_damped
+    }
+}
+
+/// Elements that a cycle computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementSet {
+    /// All elements: an outer step begins, or the run has no subcycles.
+    All,
+    /// All but the slow elements: the other cycles of an outer step.
+    Fast,
+}
 
 /// Time, cycle and step sizes.
 #[derive(Clone, Debug)]
@@ -45,6 +77,11 @@ impl Clock {
     /// Returns true if an outer step begins: slow elements are computed, and the step may change.
     pub fn starts_outer_step(&self, settings: &Settings) -> bool {
         self.cycle.is_multiple_of(settings.subcycles)
+    }
+
+    /// Returns the elements that the present cycle computes.
+    pub fn element_set(&self, settings: &Settings) -> ElementSet {
+        if self.starts_outer_step(settings) { ElementSet::All } else { ElementSet::Fast }
     }
 
     /// Creates a clock at time 0. `stable_dt` is the first stable step, without the safety factor
@@ -174,7 +211,7 @@ mod tests {
             steps.push(c.dt);
         }
         assert!((c.time - 310.1).abs() < 1e-9, "{}", c.time);
-        assert_eq!(c.cycle, 1001, "310.1 / 0.31 and what is left");
+        assert_eq!(c.cycle, 1001, "310.1 / 0.31 and the remainder");
         assert!(steps[..1001].iter().all(|d| *d <= 0.31 && *d > 0.999 * 0.31), "{steps:?}");
         assert!(steps[2..1001].windows(2).all(|d| (d[0] - d[1]).abs() < 1e-12), "{steps:?}");
         assert!(c.has_collapsed(&settings, f64::NAN) && c.has_collapsed(&settings, 1e-9));
@@ -217,7 +254,7 @@ mod tests {
         assert!(!rows.is_empty() && !fields.is_empty());
         assert!(
             wholes[403] == wholes[0] && (wholes[404] - 0.2).abs() < 1e-9,
-            "a short step in an outer one is answered when the next begins, though it is over"
+            "a limit in an outer step takes effect when the next outer step begins"
         );
     }
 
@@ -240,7 +277,7 @@ mod tests {
             "{swing:?}"
         );
         assert!(swing[HELD as usize..].iter().all(|d| d / least < 1.0001), "{swing:?}");
-        assert_eq!(go(0.5), 0.5, "at once, and here every {HELD} cycles");
+        assert_eq!(go(0.5), 0.5, "immediately, and here every {HELD} cycles");
         let after: Vec<f64> = (0..2 * HELD).map(|_| go(2.0)).collect();
         assert!(after[..HELD as usize - 1].iter().all(|&d| d == 0.5), "{after:?}");
         assert_eq!(after[2 * HELD as usize - 1], 2.0);

@@ -1,7 +1,7 @@
 //! Records the time line of a worker for `crumple run --trace`. Other runs have no recorder and
 //! no cost.
 
-use crate::engine::Phase;
+use crumple_proto::report::Phase;
 use crumple_proto::trace::{Event, MAX_EVENTS, Moment, Recording, Span};
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, clock};
 use std::time::{Duration, Instant};

@@ -266,7 +266,7 @@ impl Piece<'_> {
         check_columns("cell", CELL_ARRAYS, self.cell_arrays, self.cells.len())?;
         let points = self.points.len() as i64;
         match self.cells.connectivity.iter().find(|&&corner| corner >= points) {
-            Some(corner) => Err(format!("a cell names point {corner} of {points}")),
+            Some(corner) => Err(format!("a cell uses point {corner}, but there are {points}")),
             None => Ok(()),
         }
     }
@@ -322,12 +322,12 @@ fn check_columns(
 ) -> Result<(), String> {
     if !columns.iter().map(|column| &column.array).eq(declared) {
         let names: Vec<_> = columns.iter().map(|column| column.array.name).collect();
-        return Err(format!("{place} arrays {names:?} are not the declared ones, in their order"));
+        return Err(format!("{place} arrays {names:?} differ from the declared arrays"));
     }
     for Column { array, values } in columns {
         if values.kind() != array.kind {
             return Err(format!(
-                "{place} array {}: {:?} values where {:?} is declared",
+                "{place} array {}: {:?} values, but {:?} is declared",
                 array.name,
                 values.kind(),
                 array.kind
@@ -336,7 +336,7 @@ fn check_columns(
         if values.len() != count * array.components {
             let (have, need) = (values.len(), count * array.components);
             return Err(format!(
-                "{place} array {}: {have} numbers where {need} are due",
+                "{place} array {}: {have} numbers, but {need} are expected",
                 array.name
             ));
         }
@@ -513,12 +513,12 @@ mod tests {
         };
         let error = piece.write(&path).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
-        assert!(error.to_string().contains("not the declared ones"), "{error}");
+        assert!(error.to_string().contains("differ from the declared arrays"), "{error}");
 
         let long = check_columns("cell", &[PART], &[PART.with(&vec![1_u32, 2])], 3).unwrap_err();
-        assert!(long.contains("part: 2 numbers where 3"), "{long}");
+        assert!(long.contains("part: 2 numbers, but 3"), "{long}");
         let kind = check_columns("cell", &[PART], &[PART.with(&vec![1_i64])], 1).unwrap_err();
-        assert!(kind.contains("I64 values where U32"), "{kind}");
+        assert!(kind.contains("I64 values, but U32"), "{kind}");
         assert!(!path.exists());
     }
 

@@ -1,12 +1,12 @@
 "use strict";
-// Colours of values and of kinds.
+// Colours of values and of categories.
 
-/** From bare metal to dark red, evenly spaced: darker is more, whatever colours one can tell apart. */
+/** From metal grey to dark red, evenly spaced: a darker colour is a larger value, also for colour-blind readers. */
 const SCALE = [
   [206, 212, 217], [236, 217, 160], [245, 180, 92], [235, 130, 62], [208, 78, 57], [165, 36, 62], [104, 12, 62],
 ];
 const NOTHING = [120, 130, 150];
-/** For the first kinds, told apart by all kinds of sight (M. Okabe and K. Ito, 2008). */
+/** For the first categories: distinct for all types of colour vision (M. Okabe and K. Ito, 2008). */
 const KINDS = [
   [0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66], [120, 120, 120],
 ];
@@ -19,7 +19,7 @@ function onScale(fraction) {
   return SCALE[low].map((c, i) => Math.round(c + (place - low) * (SCALE[low + 1][i] - c)));
 }
 
-/** A colour for each kind: beyond the eight, hues at the golden angle. */
+/** A colour for each category: after the first eight, hues at the golden angle. */
 function ofKind(number) {
   if (number < KINDS.length) return KINDS[number];
   const hue = (number * 137.508) % 360;
@@ -35,14 +35,14 @@ function css(colour) {
   return `rgb(${colour.join(",")})`;
 }
 
-/** So many digits, with an exponent where there would be many noughts. */
+/** A number with this many digits, with an exponent if there would be many zeros. */
 function digits(value, count = 4) {
   const short = Number(value.toPrecision(count));
   const size = Math.abs(short);
   return size > 0 && (size < 1e-4 || size >= 1e6) ? short.toExponential() : String(short);
 }
 
-/** The least of 1, 2, 2.5, 5 times a power of ten that is no less. */
+/** Rounds up to 1, 2, 2.5 or 5 times a power of ten. */
 function roundUp(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
@@ -50,8 +50,8 @@ function roundUp(value) {
 }
 
 /**
- * Ways to colour the model. Each has a title, `colour(frame, element)` for bytes, and either `top`, where its scale
- * ends, or `kinds`, the list for the legend.
+ * Ways to colour the model. Each has a title, `colour(frame, element)`, which returns bytes, and either `top`, the end
+ * of its scale, or `kinds`, the list for the legend.
  */
 function colourings(model, facts) {
   const ways = [];
@@ -85,7 +85,7 @@ function colourings(model, facts) {
   return ways;
 }
 
-/** What all but a twentieth of the elements have at most at the last time: a few that are torn do not spoil the scale. */
+/** 95th percentile of the elements at the last time, so that a few torn elements do not spoil the scale. */
 function usual(model, s, value) {
   const last = model.frames[model.frames.length - 1];
   const there = last.scalars[s].filter((number, e) => number !== NO_VALUE && last.state[e]).sort();

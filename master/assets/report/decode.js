@@ -1,5 +1,5 @@
 "use strict";
-// The picture's bytes: the other side of encode.rs, which says what lies where.
+// Decodes the bytes of the picture. encode.rs defines the format.
 
 /** Bytes of base64 text, decompressed (zlib). */
 async function unpacked(text) {
@@ -10,7 +10,7 @@ async function unpacked(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Numbers of a column, lowest bytes of all first. */
+/** Numbers of a column: first the lowest byte of each number. */
 class Columns {
   constructor(bytes) {
     this.bytes = bytes;
@@ -26,7 +26,7 @@ class Columns {
     return numbers;
   }
 
-  /** Each the difference from the one before it. */
+  /** Each number is stored as the difference from the previous one. */
   chain(count) {
     const numbers = this.plain(count, 4);
     let last = 0;
@@ -34,7 +34,7 @@ class Columns {
     return numbers;
   }
 
-  /** Differences from the same column at the time before. */
+  /** Differences from the same column at the previous time. */
   since(before) {
     const numbers = new Uint16Array(before.length);
     const change = this.plain(before.length, 2);
@@ -55,10 +55,10 @@ function signed(number) {
   return (number >>> 1) ^ -(number & 1);
 }
 
-/** A scalar that is no number. */
+/** A scalar that is not finite. */
 const NO_VALUE = 65535;
 
-/** The model: what does not change, and its frames. */
+/** The model: constant data and frames. */
 function decode(bytes, model) {
   const read = new Columns(bytes);
   const corners = read.chain(4 * model.faces);
@@ -84,6 +84,6 @@ function decode(bytes, model) {
     before = frame;
     return frame;
   });
-  if (read.at !== bytes.length) throw new Error(`the picture has ${bytes.length} bytes where ${read.at} are due`);
+  if (read.at !== bytes.length) throw new Error(`the picture has ${bytes.length} bytes, but needs ${read.at}`);
   return { ...model, corners, owners, part, frames };
 }

@@ -1,13 +1,13 @@
 "use strict";
-// The page at work: one time for the picture and the plots, and what the controls do to them.
+// Behaviour of the page: one time for the picture and the plots, and the actions of the controls.
 //
-// What follows `#` in the address sets up the page, joined by `&`: time=20, colour=worker (by its title), view=side,
-// edges=0, play, check (measures how much of the stage the model covers). `data-` attributes of the root say how it went:
-// state (ready, without-picture, failed), why, errors, frames-per-second, covered.
+// The fragment of the address (after `#`, joined by `&`) sets up the page: time=20, colour=worker (by its title),
+// view=side, edges=0, play, check (measures the share of the stage that the model covers). `data-` attributes of the
+// root report the result: state (ready, without-picture, failed), why, errors, frames-per-second, covered.
 
-/** A film takes so long at speed 1 [ms]. */
+/** Duration of the animation at speed 1 [ms]. */
 const FILM = 8000;
-/** Frames per second below which a film is drawn less sharply. */
+/** Frames per second below which the animation is drawn with a lower resolution. */
 const SMOOTH = 30;
 
 const root = document.documentElement;
@@ -21,7 +21,7 @@ function fail(why) {
   root.dataset.why = why;
 }
 
-/** Says on the stage why there is no picture. */
+/** Shows on the stage why there is no picture. */
 function withoutPicture(why) {
   root.dataset.why = why;
   byId("absent").textContent = why;
@@ -49,15 +49,15 @@ class Page {
     }
   }
 
-  /** Makes the picture; throws where it cannot be. */
+  /** Makes the picture. Throws if this is not possible. */
   async picture() {
     const { model } = this.facts;
     if (!model || !model.frames.length) {
       throw new Error(
-        "There is no picture: the run left no field files. With output.field_interval of 0 or more it writes some, and `crumple run` makes this page anew.",
+        "There is no picture: the run wrote no field files. Set output.field_interval to 0 or more and repeat `crumple run`, which makes this page again.",
       );
     }
-    if (typeof DecompressionStream === "undefined") throw new Error("This browser is too old for the picture: it cannot unpack it.");
+    if (typeof DecompressionStream === "undefined") throw new Error("This browser is too old for the picture: it cannot decompress it.");
     const packed = byId("packed");
     this.model = decode(await unpacked(packed.textContent), model);
     packed.remove();
@@ -67,7 +67,7 @@ class Page {
     try {
       this.view = new View(byId("canvas"), this.model, this.facts.walls);
     } catch (error) {
-      throw new Error(`This browser shows no WebGL, so there is no picture (${error.message}). Plots and tables are whole.`);
+      throw new Error(`This browser has no WebGL, so there is no picture (${error.message}). Plots and tables are complete.`);
     }
     this.times = this.model.frames.map((frame) => frame.time);
     this.begin = this.times[0];
@@ -146,7 +146,7 @@ class Page {
     this.redraw();
   }
 
-  /** Shows the time, which stops at the ends. */
+  /** Shows this time, limited to the first and last one. */
   go(time) {
     this.time = Math.min(Math.max(Number.isFinite(time) ? time : this.begin, this.begin ?? time), this.end ?? time);
     if (this.plots) this.plots.mark(this.time);
@@ -163,7 +163,7 @@ class Page {
     byId("slider").setAttribute("aria-valuetext", words);
   }
 
-  /** The same time, drawn from the beginning. */
+  /** Draws the same time completely again. */
   redraw() {
     this.frame = -1;
     this.view.edges(byId("edges").checked);
@@ -207,7 +207,7 @@ class Page {
     requestAnimationFrame(next);
   }
 
-  /** To the next or the previous time that was written. */
+  /** Selects the next or the previous output time. */
   step(by) {
     this.play(false);
     const frame = by > 0 ? this.times.find((t) => t > this.time) : this.times.findLast((t) => t < this.time);
@@ -236,19 +236,19 @@ class Page {
   }
 }
 
-/** Acts when an element has another size, once the page has been laid out. */
+/** Calls a function when the size of an element changes, after the layout of the page. */
 function resized(element, act) {
   new ResizeObserver(() => requestAnimationFrame(act)).observe(element);
 }
 
-/** A time with as many digits as its span needs. */
+/** A time with as many digits as the time span needs. */
 function clock(time, span) {
   if (!(span > 0)) return digits(time);
   const places = 3 - Math.floor(Math.log10(span));
   return places > 7 ? time.toExponential(3) : time.toFixed(Math.max(places, 0));
 }
 
-/** A scale with ticks, or a list of kinds; those of parts switch them off and on. */
+/** A scale with ticks, or a list of categories. The entries of parts hide and show them. */
 function legend(place, way, shown, changed) {
   const make = (name, className, text) => {
     const element = document.createElement(name);

@@ -3,7 +3,7 @@
 
 const PLOT_HEIGHT = 190;
 
-/** Labels with as many digits as tell the ticks apart. */
+/** Labels with as many digits as needed to distinguish the ticks. */
 function labels(ticks) {
   const largest = Math.max(...ticks.map((tick) => Math.abs(tick)));
   const step = Math.abs(ticks[1] - ticks[0]);
@@ -11,7 +11,7 @@ function labels(ticks) {
   return ticks.map((tick) => digits(tick, Math.min(count, 12)));
 }
 
-/** Room for the longest of the labels, of letters 7 pixels wide; the same for all plots where that is enough. */
+/** Room for the longest label, with letters 7 pixels wide; the same for all plots where that is enough. */
 function besideTicks(_, labels) {
   return Math.max(62, ...(labels || []).map((label) => 16 + 7 * label.length));
 }
@@ -26,7 +26,7 @@ class Plots {
     this.time = null;
   }
 
-  /** Draws all of them, in the colours that the page has now. */
+  /** Draws all plots in the present colours of the page. */
   draw(style) {
     this.charts.forEach((chart) => chart.plot.destroy());
     this.place.textContent = "";
@@ -95,7 +95,7 @@ class Plots {
     for (const { plot } of this.charts) if (plot.width !== width) plot.setSize({ width, height: PLOT_HEIGHT });
   }
 
-  /** Puts the line of the picture's time. */
+  /** Places the line at the time of the picture. */
   mark(time) {
     this.time = time;
     this.charts.forEach((chart) => this.put(chart));

@@ -17,8 +17,9 @@ void main() {
   gl_Position = projectionMatrix * at;
 }`;
 
-// A face is flat: its normal follows from how the place changes from pixel to pixel. Light comes from beside the eye.
-// `where` is the place in the face: for quads both coordinates run from 0 to 1, of triangles the third says 1.
+// Flat shading: the normal of a face follows from the derivatives of the position between pixels. The light is next to
+// the camera. `where` is the position in the face: for quads both coordinates run from 0 to 1; for triangles the third
+// one is 1.
 const FRAGMENT = `
 uniform float edges;
 uniform float lit;
@@ -40,7 +41,7 @@ void main() {
     float least = min(pixels.x, pixels.y);
     if (where.z > 0.5) least = min(least, pixels.z);
     else least = min(least, min((1.0 - where.x) / wide.x, (1.0 - where.y) / wide.y));
-    // Where faces are but a few pixels wide, edges would hide them.
+    // If faces are only a few pixels wide, edges would hide them.
     float room = smoothstep(3.0, 12.0, 1.0 / max(wide.x, wide.y));
     shade = mix(shade, edgeColour, 0.65 * room * (1.0 - smoothstep(0.35, 1.1, least)));
   }
@@ -64,7 +65,7 @@ class Surface {
     this.objects = this.all.map((patches) => patches.object);
   }
 
-  /** Shows the frame, going over into the next one; only parts for which `shown` is true. */
+  /** Shows the frame, interpolated to the next one; only parts for which `shown` is true. */
   show(frame, next, way, shown) {
     for (const patches of this.all) patches.show(frame, next, way, shown);
   }
@@ -80,7 +81,7 @@ class Surface {
   }
 }
 
-/** Faces with so many corners each, which no two of them share: every face has a colour of its own. */
+/** Faces with this number of corners. Faces share no corners, because every face has its own colour. */
 class Patches {
   constructor(model, faces, corners, object) {
     this.model = model;
@@ -161,7 +162,7 @@ class Patches {
   }
 }
 
-/** Lowest and highest corner of what is there in a frame. */
+/** Lowest and highest corner of the elements that exist in a frame. */
 function boxOf(model, frame) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];

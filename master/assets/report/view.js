@@ -1,13 +1,13 @@
 "use strict";
-// The stage: camera, walls, and what is drawn when.
+// The stage: camera, walls, and drawing on demand.
 
-/** From where each view looks. z is up; from above, where it cannot be, y is. */
+/** Direction to the camera of each view. z is up; in the view from above, y is up. */
 const VIEWS = { iso: [-0.75, -1.1, 0.7], front: [-1, 0, 0], side: [0, -1, 0], top: [0, -1e-4, 1] };
 /** Width of the legend [pixels]. */
 const LEGEND = 120;
 
 class View {
-  /** Throws where there is no WebGL. */
+  /** Throws if there is no WebGL. */
   constructor(canvas, model, walls) {
     this.software = drawnBySoftware();
     const options = { alpha: false, antialias: !this.software, powerPreference: "high-performance" };
@@ -30,7 +30,7 @@ class View {
     this.walls = drawn.map(([objects]) => objects);
     this.paths = drawn.map(([, path]) => path);
     this.walls.forEach((objects) => this.scene.add(...objects));
-    // The model is in front of its walls: a view from behind one of them would look through it.
+    // The model is in front of its walls. A camera behind a wall would look through it.
     this.mirrored = walls.some(({ normal }) => normal?.[0] > 0.5) && !walls.some(({ normal }) => normal?.[0] < -0.5);
     this.following = 0;
     this.moved = [0, 0, 0];
@@ -39,7 +39,7 @@ class View {
     this.free = 1;
   }
 
-  /** Takes colours of the page. */
+  /** Sets the colours of the page. */
   dress(style) {
     const parsed = (name) => rgb(style.getPropertyValue(name));
     this.renderer.setClearColor(toHex(parsed("--sky")), 1);
@@ -49,14 +49,14 @@ class View {
     }
   }
 
-  /** Looks from a named direction at all that the model sweeps. */
+  /** Looks from a named direction at the whole space that the model sweeps. */
   look(name) {
     const direction = new THREE.Vector3(...VIEWS[name]);
     if (name === "iso" && this.mirrored) direction.x = -direction.x;
     direction.normalize();
     const { low, high } = this.following ? this.boxes[0] : this.whole;
     const middle = new THREE.Vector3(...low.map((a, c) => 0.5 * (a + high[c])));
-    // Far enough that all corners of the box are seen.
+    // Far enough to see all corners of the box.
     const right = new THREE.Vector3().crossVectors(this.camera.up, direction).normalize();
     const above = new THREE.Vector3().crossVectors(direction, right);
     const slope = Math.tan((0.5 * this.camera.fov * Math.PI) / 180);
@@ -112,7 +112,7 @@ class View {
     this.renderer.setPixelRatio(this.sharpness * Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
-    // The legend stands on the right: the model's place is the middle of what is left of it.
+    // The legend is on the right. The model is in the middle of the remaining width.
     const legend = clientWidth > 4 * LEGEND ? LEGEND : 0;
     this.free = 1 - legend / clientWidth;
     this.camera.setViewOffset(clientWidth, clientHeight, 0.5 * legend, 0, clientWidth, clientHeight);
@@ -150,7 +150,7 @@ class View {
   }
 }
 
-/** Whether there is no graphics card: smoothing costs half of each frame then, and is left out. */
+/** True without a graphics card. Smoothing would then cost half of each frame, so it is omitted. */
 function drawnBySoftware() {
   const context = document.createElement("canvas").getContext("webgl2");
   if (!context) return false;
@@ -160,7 +160,7 @@ function drawnBySoftware() {
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
-/** The box around all boxes; the first one alone if a model that blows up would be a dot in it. */
+/** The box around all boxes; only the first box if an exploding model would make it too large. */
 function whole(boxes) {
   const size = ({ low, high }) => Math.hypot(...low.map((a, c) => high[c] - a));
   const all = {
@@ -170,7 +170,7 @@ function whole(boxes) {
   return size(all) > 8 * size(boxes[0]) ? boxes[0] : all;
 }
 
-/** Whether the model travels so far that the camera had better go with it. */
+/** True if the model travels so far that the camera must follow it. */
 function travels(view) {
   const { low, high } = view.boxes[0];
   const size = Math.hypot(...low.map((a, c) => high[c] - a));
@@ -178,7 +178,7 @@ function travels(view) {
   return Math.hypot(...last.map((a, c) => a - view.middles[0][c])) > size;
 }
 
-/** Bytes of a colour as style sheets write it (#rrggbb). */
+/** Bytes of a colour in style sheet notation (#rrggbb). */
 function rgb(text) {
   const number = parseInt(text.trim().slice(1), 16);
   return [(number >> 16) & 255, (number >> 8) & 255, number & 255];

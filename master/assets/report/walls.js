@@ -1,13 +1,13 @@
 "use strict";
-// Rigid walls: planes, rectangles and cylinders, with lines on them. What has no end is drawn as far as the model sweeps. Walls
-// that move have a path.
+// Rigid walls: planes, rectangles and cylinders, with lines on them. Infinite sides are drawn as far as the model sweeps.
+// Moving walls have a path.
 
-/** So much beyond the model, as a fraction of its size. */
+/** Margin around the model, as a fraction of its size. */
 const WALL_MARGIN = 0.12;
 const GRID_LINES = 10;
 const SIDES_OF_CYLINDER = 48;
 
-/** A surface and its lines; nothing of a wall without direction. */
+/** A surface and its lines; nothing for a wall without direction. */
 function wallObjects(wall, box) {
   const direction = wall.axis || wall.normal;
   if (!direction || !(Math.hypot(...direction) > 0)) return null;
@@ -38,14 +38,14 @@ function wallObjects(wall, box) {
   ];
 }
 
-/** Two directions square to a third, which is of length 1. */
+/** Two directions perpendicular to a third one of length 1. */
 function square(direction, edge) {
   const first = new THREE.Vector3(...(edge || (Math.abs(direction.z) < 0.9 ? [0, 0, 1] : [1, 0, 0])));
   first.addScaledVector(direction, -first.dot(direction)).normalize();
   return [first, new THREE.Vector3().crossVectors(direction, first)];
 }
 
-/** How far the model reaches along a direction, with the margin. */
+/** Extent of the model along a direction, with the margin. */
 function reach(box, axis) {
   const corners = Array.from({ length: 8 }, (_, k) => new THREE.Vector3(...box.low.map((a, c) => (k & (1 << c) ? box.high[c] : a))));
   const places = corners.map((corner) => corner.dot(axis));
@@ -84,7 +84,7 @@ function cylinder({ point, axis, radius, length }, box) {
   return { at, s, t: [0, 2 * Math.PI], steps: [GRID_LINES, SIDES_OF_CYLINDER] };
 }
 
-/** How far a wall has gone along its path at a time. */
+/** Displacement of a wall along its path at a time. */
 function gone({ times, moved }, time) {
   const later = times.findIndex((t) => t >= time);
   const next = later < 0 ? times.length - 1 : later;

@@ -8,7 +8,9 @@
 use super::engine;
 use crumple_proto::transport::thread_cpu;
 use crumple_worker::engine::Engine;
+use crumple_worker::fem::blocks::Portion;
 use crumple_worker::math::lanes::Lane;
+use crumple_worker::time::ElementSet;
 use std::hint::black_box;
 
 /// Shells over a side of the tube: in the first case all is in the cache at once, as a batch of
@@ -59,7 +61,12 @@ pub fn run(once: bool) {
 }
 
 fn kernels(e: &mut Engine) {
-    black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, false));
+    black_box(e.blocks.add_internal_forces(
+        &mut e.nodes,
+        e.clock.dt,
+        ElementSet::All,
+        Portion::Interior,
+    ));
 }
 
 /// Elements add to their nodes, which start from nought.

@@ -13,8 +13,10 @@ use crumple_proto::transport::{Tag, Transport, threads};
 use crumple_worker::constraints::ties::ContactExclusions;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::engine::Engine;
-use crumple_worker::nodes::xyz;
+use crumple_worker::fem::blocks::Portion;
+use crumple_worker::math::row::xyz;
 use crumple_worker::parallel::ghosts::Ghosts;
+use crumple_worker::time::ElementSet;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -79,7 +81,12 @@ fn elements(job: &str, sets: &[&str]) -> Work {
     let mut e = engine(job, sets);
     e.blocks.compute_all();
     Box::new(move || {
-        black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, false));
+        black_box(e.blocks.add_internal_forces(
+            &mut e.nodes,
+            e.clock.dt,
+            ElementSet::All,
+            Portion::Interior,
+        ));
     })
 }
 

@@ -70,11 +70,10 @@ fn read(dir: &Path) -> Result<Summary, String> {
     let text = std::fs::read_to_string(&path)
         .map_err(|e| format!("{shown}: {e}; name the folder of a run"))?;
     let read: Result<Summary, _> = serde_json::from_str(&text);
-    let summary =
-        read.map_err(|e| format!("{shown}: {e}; runs of older versions have to be run again"))?;
+    let summary = read.map_err(|e| format!("{shown}: {e}; repeat runs of older versions"))?;
     match summary.status.as_str() {
         "completed" => Ok(summary),
-        other => Err(format!("{shown}: the run was {other}; advice needs one that completed")),
+        other => Err(format!("{shown}: the run has {other}; advice needs a completed run")),
     }
 }
 
@@ -88,7 +87,8 @@ fn describe(s: &Summary) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         out,
-        "part                  elements  plastic strain  largest step to a neighbour  hourglass/internal  contact"
+        "part                  elements  plastic strain  largest jump to a neighbour  \
+         hourglass/internal  contact"
     );
     for p in &s.parts {
         let contact = match (p.contact_near, p.contact_pairs) {
@@ -111,8 +111,8 @@ fn describe(s: &Summary) -> String {
         let total = s.cpu_s.total;
         let share = if total > 0.0 { 100.0 * a.at_most / total } else { 0.0 };
         let saving = match a.at_most {
-            0.0 => "Saves nothing beside that".to_string(),
-            s => format!("Saves {s:.3} s of CPU time at most, {share:.0} % of the run"),
+            0.0 => "No further saving".to_string(),
+            s => format!("Saves at most {s:.3} s of CPU time, {share:.0} % of the run"),
         };
         let _ = writeln!(out, "\n# {}\n# {saving}. In the job:", a.why);
         for line in &a.settings {
@@ -120,11 +120,11 @@ fn describe(s: &Summary) -> String {
         }
     }
     if advice.is_empty() {
-        let _ = writeln!(out, "\nevery part needed what it was given");
+        let _ = writeln!(out, "\nno advice: every part needs its settings");
     }
     let _ = writeln!(
         out,
-        "\n# This holds for this run only: another load may need what this one did not."
+        "\n# This advice is valid for this run only. Another load may need these settings."
     );
     out
 }
@@ -186,8 +186,8 @@ fn rigid(s: &Summary) -> Vec<Advice> {
         let names: Vec<String> = group.iter().map(|p| called(p)).collect();
         let strain = group.iter().map(|p| p.plastic_strain_max).fold(0.0, f64::max);
         let why = format!(
-            "{}: plastic strain of {strain:.4} at most at the end, in one connected piece. As a rigid body it neither bends nor \
-             carries waves: compare a run with it",
+            "{}: one connected piece with a plastic strain of at most {strain:.4} at the end. A \
+             rigid body neither deforms nor carries waves: compare a run with it",
             names.join(", ")
         );
         let settings = vec![
@@ -212,12 +212,15 @@ fn mesh(s: &Summary) -> Option<Advice> {
             && resolved(p.strain_jump, p.plastic_strain_max)
     };
     let why = format!(
-        "{}: at the end, neighbouring elements differ in stress and in plastic strain by a tenth of the part's largest at \
-         most; elements twice as long might do. It may have been otherwise before",
+        "{}: at the end, stress and plastic strain of neighbouring elements differ by at most a \
+         tenth of the largest in the part; elements of twice the length may suffice. Earlier \
+         differences may have been larger",
         names(s, fine)
     );
     // At most a quarter of the shells is left.
-    let at_most = 0.75 * seconds(s, &["elements", "assemble", "local", "advance"]) * share(s, fine);
+    let at_most = 0.75
+        * seconds(s, &["elements", "assemble", "constraints", "local", "energy", "advance"])
+        * share(s, fine);
     s.parts.iter().any(fine).then(|| Advice {
         why,
         at_most,
@@ -244,7 +247,7 @@ fn besides(s: &Summary, bodies: &[u32], idle: impl Fn(&PartSummary) -> bool) -> 
     if also.is_empty() {
         also
     } else {
-        format!(". Not counted here, since a rigid body saves it too: {also}")
+        format!(". Not counted here, because a rigid body saves it too: {also}")
     }
 }
 
@@ -270,7 +273,8 @@ fn form(s: &Summary) -> Option<Advice> {
         .flat_map(|p| in_part(p, "element = \"belytschko_tsay\""))
         .collect();
     let why = format!(
-        "{}: the stabilisation did {NO_HOURGLASS} of the work of stresses at most, so its form made no difference to measure",
+        "{}: hourglass energy is at most {NO_HOURGLASS} of internal energy, so the form of \
+         stabilisation has no measurable effect",
         names(s, idle)
     );
     let at_most = (1.0 - 1.0 / STABILISED) * seconds(s, &["elements"]) * share(s, idle);
@@ -290,8 +294,8 @@ fn points(s: &Summary, bodies: &[u32]) -> Option<Advice> {
         .flat_map(|p| in_part(p, &format!("points = {ELASTIC_POINTS}")))
         .collect();
     let why = format!(
-        "{}: no plastic strain anywhere at the end, so stress is linear through the thickness and {ELASTIC_POINTS} \
-         points give the same resultants{}",
+        "{}: no plastic strain at the end, so stress is linear through the thickness and \
+         {ELASTIC_POINTS} points give the same resultants{}",
         names(s, idle),
         besides(s, bodies, idle)
     );
@@ -312,7 +316,7 @@ fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     materials.sort_unstable();
     materials.dedup();
     let line = |m: &&str| {
-        let what = "# of its parameters keep density, youngs_modulus and poisson".to_string();
+        let what = "# keep only its parameters density, youngs_modulus and poisson".to_string();
         [
             format!("# in the [[material]] with name = \"{m}\":"),
             "law = \"elastic\"".to_string(),
@@ -321,7 +325,7 @@ fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     };
     let settings: Vec<String> = materials.iter().flat_map(line).collect();
     let why = format!(
-        "{}: no part of the material yielded, so neither hardening nor rates mattered",
+        "{}: no part of the material yielded, so hardening and strain rates had no effect",
         materials.join(", ")
     ) + &besides(s, bodies, idle);
     let at_most = seconds(s, &["elements"]) * share(s, |p| idle(p) && !bodies.contains(&p.id));
@@ -335,12 +339,12 @@ fn contact(s: &Summary) -> Option<Advice> {
     }
     let far = |p: &PartSummary| p.contact_near == Some(false);
     if s.parts.iter().all(|p| p.contact_pairs == Some(false)) {
-        let why = "no contact pair was ever active: the job's [contact] had nothing to do".into();
+        let why = "no contact pair was ever active: [contact] had no effect".into();
         let at_most = seconds(s, &["search", "local", "contact"]);
         return Some(Advice {
             why,
             at_most,
-            settings: vec!["# leave out [contact]".into()],
+            settings: vec!["# remove [contact]".into()],
             parts: vec![],
         });
     }
@@ -348,7 +352,8 @@ fn contact(s: &Summary) -> Option<Advice> {
         return None;
     }
     let rest: Vec<String> = s.parts.iter().filter(|p| !far(p)).map(|p| p.id.to_string()).collect();
-    let why = format!("{}: never within contact reach of anything, itself included", names(s, far));
+    let why =
+        format!("{}: never within contact reach of any part, including itself", names(s, far));
     let settings = vec!["# in [contact]:".into(), format!("parts = [{}]", rest.join(", "))];
     Some(Advice {
         why,
@@ -408,7 +413,7 @@ mod tests {
     fn a_run_that_used_everything_gets_no_advice() {
         let s = summary(vec![part(1, 0.1, true, true), part(2, 0.2, true, false)]);
         assert!(points(&s, &[]).is_none() && law(&s, &[]).is_none() && contact(&s).is_none());
-        assert!(describe(&s).contains("every part needed what it was given"));
+        assert!(describe(&s).contains("every part needs its settings"));
     }
 
     /// Parts 2 and 3 are connected, part 4 has two pieces of which part 2 holds only one, and

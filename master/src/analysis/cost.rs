@@ -11,8 +11,9 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::report::Phase;
 use crumple_proto::transport::{RankLost, threads};
-use crumple_worker::engine::{Engine, Phase};
+use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::BlockBytes;
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
@@ -52,7 +53,7 @@ pub fn describe(model: &Model, workers: usize) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     if write(model, workers, &mut out).is_err() {
-        out.push_str("\nno costs: the sample could not be set up\n");
+        out.push_str("\nno costs: the sample cannot be set up\n");
     }
     out
 }
@@ -82,11 +83,12 @@ fn write(
         let of =
             [s.blocks.history, s.blocks.force, s.blocks.moment, s.blocks.connectivity].map(each);
         let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
-        let rigid = if rigid { "  rigid or a skin: no forces" } else { "" };
+        let rigid = if rigid { "  rigid or skin: no forces" } else { "" };
         let [history, force, moment, connectivity] = of;
         writeln!(
             rows,
-            "  {name:<20} {count:>9}  {history:>8.0} {force:>7.0} {moment:>8.0} {connectivity:>13.0}  {ns:>8.1}{rigid}"
+            "  {name:<20} {count:>9}  {history:>8.0} {force:>7.0} {moment:>8.0} \
+             {connectivity:>13.0}  {ns:>8.1}{rigid}"
         )?;
         bytes += of.iter().sum::<f64>() * count as f64;
         let cycles =
@@ -99,7 +101,8 @@ fn write(
     }
     writeln!(
         out,
-        "\ncost a cycle: bytes exact, times by {STEPS} steps of up to {SAMPLE} elements of each part; contact, bytes too, by up to {TOUCHING}"
+        "\ncost per cycle: bytes are exact, times are from {STEPS} steps of up to {SAMPLE} \
+         elements of each part; bytes and times of contact are from up to {TOUCHING}"
     )?;
     writeln!(
         out,
@@ -107,10 +110,11 @@ fn write(
     )?;
     out.push_str(&rows);
     let all = nodes.len() as f64;
-    let turning = if model.settings.rotations { "" } else { " (nothing can turn)" };
+    let turning = if model.settings.rotations { "" } else { " (no rotations)" };
     writeln!(
         out,
-        "  a node: {:.0} bytes to move, {:.0} to turn{turning}; {:.1} ns/cycle to gather, accelerate and advance",
+        "  per node: {:.0} bytes for translation, {:.0} for rotation{turning}; {:.1} ns/cycle \
+         for assembly, acceleration and motion",
         columns[0],
         columns[1],
         1e9 * node_s
@@ -126,7 +130,8 @@ fn write(
                 if c.each().any(|c| c.friction > 0.0) { "with friction" } else { "no friction" };
             writeln!(
                 out,
-                "  contact: {each:.0} bytes and {:.1} ns/cycle an element as the mesh is at the start, {friction}; a global search now and then, {:.0} ns an element",
+                "  contact: {each:.0} bytes and {:.1} ns/cycle per element for the initial mesh, \
+                 {friction}; a global search, not in every cycle, {:.0} ns per element",
                 1e9 * s.contact_s / s.elements as f64,
                 1e9 * s.search_s / s.elements as f64
             )?;
@@ -141,7 +146,7 @@ fn write(
     if !rates.is_empty() {
         writeln!(
             out,
-            "  rates: of {}; they cost where a point yields, which none does yet",
+            "  strain rates of {}: they cost time at points that yield, which is not included",
             rates.join(", ")
         )?;
     }
@@ -149,7 +154,7 @@ fn write(
         + size_of::<NodeRecord>() * nodes.len()) as f64;
     writeln!(
         out,
-        "  in all: {:.1} MB with {:.1} MB of the master, {:.1} MB a worker of {workers}",
+        "  total: {:.1} MB with {:.1} MB of the master, {:.1} MB per worker of {workers}",
         1e-6 * (bytes + master),
         1e-6 * master,
         1e-6 * bytes / workers as f64
@@ -157,7 +162,8 @@ fn write(
     let cycles = (model.settings.end_time / model.first_dt().0).ceil();
     writeln!(
         out,
-        "  a cycle takes about {:.3} ms of CPU time, the run of {cycles:.0} cycles or more {:.1} s, before anything yields or touches",
+        "  a cycle takes about {:.3} ms of CPU time, the run of at least {cycles:.0} cycles \
+         {:.1} s, without plasticity and later contact",
         1e3 * cycle_s,
         cycle_s * cycles
     )?;
@@ -259,7 +265,7 @@ fn try_out(
         let now = [
             &[Phase::Elements][..],
             &[Phase::Assemble],
-            &[Phase::Advance],
+            &[Phase::Constraints, Phase::Energy, Phase::Advance],
             &[Phase::Local, Phase::Contact],
         ];
         least.iter_mut().zip(now).for_each(|(l, phases)| *l = l.min(spent(phases)));

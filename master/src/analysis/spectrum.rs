@@ -25,7 +25,7 @@
 use crate::input::job::Model;
 use crate::run::embedded::Alone;
 use crumple_proto::ids::NodeId;
-use crumple_worker::nodes::Row;
+use crumple_worker::math::row::Row;
 use crumple_worker::step::step;
 use crumple_worker::time::Clock;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -94,7 +94,7 @@ struct Probe {
 pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
     if model.settings.subcycles > 1 {
         return Err(
-            "a job with time.subcycles has two steps: check it with `--set time.subcycles=1`"
+            "a job with time.subcycles has two step sizes: check it with `--set time.subcycles=1`"
                 .into(),
         );
     }
@@ -110,7 +110,7 @@ pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
         let round = probe.lanczos(&start)?;
         if !round.eigenvalue.is_finite() {
             return Err(
-                "the forces of the model are no numbers when its nodes move: no step can be given"
+                "the forces of the model are not finite when its nodes move: no stable step exists"
                     .into(),
             );
         }
@@ -154,7 +154,7 @@ impl Probe {
             alone.forward()?;
         }
         if early(&alone.engine) {
-            return Err(format!("the run is over at {}, before {at}", alone.engine.clock.time));
+            return Err(format!("the run ends at {}, before {at}", alone.engine.clock.time));
         }
         let engine = &mut alone.engine;
         engine.blocks.compute_all();
@@ -186,7 +186,9 @@ impl Probe {
         let side = model.quality.min_side.value;
         if side.is_nan() || side <= 0.0 {
             return Err(
-                "no element has a length by which nodes could be moved: springs of no length have no step".into()
+                "no element has a length to displace nodes by: springs of zero length have no \
+                 stable step"
+                    .into(),
             );
         }
         let angle = vec![[0.0; 4]; nodes.w.len()];
@@ -233,8 +235,9 @@ impl Probe {
         if let Some(element) = step(engine, comm).map_err(lost)?.failure {
             let (push, time) = (PUSH * self.side, self.clock.time);
             return Err(format!(
-                "element {element} cannot be computed at time {time:e} when its nodes move by {push:e}: it inverts or has no \
-                 size; mend it, or look at another time (`--step=T`)"
+                "element {element} cannot be computed at time {time:e} when its nodes move by \
+                 {push:e}: it inverts or has no size; correct it, or choose another time \
+                 (`--step=T`)"
             ));
         }
         let mid = self.clock.mid();
@@ -268,7 +271,7 @@ impl Probe {
         let mut vectors = vec![scaled(start, 1.0 / dot(start, start).sqrt())];
         let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         loop {
-            let last = vectors.last().expect("the first is there").clone();
+            let last = vectors.last().expect("there is a first vector").clone();
             let mut next = self.push(&last)?;
             diagonal.push(dot(&next, &last));
             // Two passes remove round-off.
@@ -281,7 +284,7 @@ impl Probe {
             let rest = dot(&next, &next).sqrt();
             let (eigenvalue, weights) = largest(&diagonal, &beside);
             let residual =
-                rest * weights.last().expect("as many as vectors").abs() / eigenvalue.abs();
+                rest * weights.last().expect("one weight per vector").abs() / eigenvalue.abs();
             let pushes = diagonal.len();
             // With zero remainder the vectors span all stiff modes. With zero eigenvalue there is
             // no stiffness.

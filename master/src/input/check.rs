@@ -40,8 +40,9 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         let (before, after) = (figure(r.before), figure(r.after));
         writeln!(
             out,
-            "numbering    anew inside, since nodes of an element lie far apart ({before} cache lines fetched for it, now {after}); the mesh's ids \
-             stay in all that is written"
+            "numbering    changed internally, because node numbers of an element are far apart \
+             ({before} cache lines fetched per element, now {after}); all output has the ids of \
+             the mesh"
         )?;
     }
     let bound = |pick: fn(f64, f64) -> f64, start: f64| {
@@ -187,7 +188,8 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
         let work = figure(classes.work(m));
         writeln!(
             out,
-            "subcycles    {m}: {} elements in each cycle, {} in one of {m}; {work} of the computations without",
+            "subcycles    {m}: {} elements in each cycle, {} in one of {m}; {work} of the \
+             computations without subcycles",
             classes.fast, classes.slow
         )?;
     } else if let Some((m, work)) =
@@ -196,7 +198,7 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
         let work = figure(work);
         writeln!(
             out,
-            "subcycles    none; time.subcycles = {m} would leave {work} of the computations of elements"
+            "subcycles    none; time.subcycles = {m} would leave {work} of the element computations"
         )?;
     }
     Ok(())
@@ -236,7 +238,8 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
     writeln!(
         out,
-        "start        fastest node at {}, {fixed} nodes held or moved, {} rigid walls",
+        "start        fastest node at {}, {fixed} nodes fixed or with prescribed motion, \
+         {} rigid walls",
         figure(fastest),
         model.settings.walls.len()
     )?;
@@ -246,7 +249,8 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
         let (gravity, forces, motions) = (l.gravity.len(), l.forces.len(), l.motions.len());
         writeln!(
             out,
-            "loads        {gravity} gravity, {forces} nodal, pressure on {faces} faces, {motions} motions"
+            "loads        {gravity} gravity, {forces} nodal, pressure on {faces} faces, \
+             {motions} motions"
         )?;
     }
     let ties = &model.settings.ties;
@@ -255,7 +259,7 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
         let away = ties.iter().filter(|t| t.offset).count();
         writeln!(
             out,
-            "tied         {} nodes, {turning} with rotations, {away} at the end of arms",
+            "tied         {} nodes, {turning} with rotations, {away} with offset",
             ties.len()
         )?;
     }
@@ -279,7 +283,7 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
             |p: &Part| Some(format!("part {} with radius {}", p.id, figure(beams::half(c, p)?)));
         let beams: Vec<String> = model.settings.parts.iter().filter_map(radius).collect();
         if !beams.is_empty() {
-            writeln!(out, "             beams meet as lines: {}", beams.join(", "))?;
+            writeln!(out, "             beams in contact as lines: {}", beams.join(", "))?;
         }
     }
     for c in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {
@@ -308,14 +312,14 @@ fn touching(c: &Contact) -> String {
         words += &format!(" without {}", list(&c.exclude));
     }
     if c.law == Contact::NO_LAW {
-        return words + ", which do not touch";
+        return words + ", without contact";
     }
     words += &format!(", {} with friction {}", c.law, figure(c.friction));
     if let Some(dynamic) = c.friction_dynamic.filter(|_| c.friction_decay > 0.0) {
-        words += &format!(" down to {} with the speed", figure(dynamic));
+        words += &format!(" decreasing to {} with the slip speed", figure(dynamic));
     }
     if let Some(limit) = c.friction_limit.filter(|&l| l > 0.0) {
-        words += &format!(", friction up to {}", figure(limit));
+        words += &format!(", friction stress up to {}", figure(limit));
     }
     if let Some(thickness) = c.thickness {
         words += &format!(", thickness {}", figure(thickness));
@@ -383,7 +387,8 @@ const UNSTABLE: u8 = 3;
 fn stability(found: &Estimate, safety: f64) -> String {
     let share = found.taken / found.limit;
     let mut text = format!(
-        "\nassembled    bears {} at time {} (from {} pushes, to {} %), most at node {}; the step taken is {} of it\n",
+        "\nassembled    stable step {} at time {} ({} force evaluations, error at most {} %), \
+         largest motion at node {}; the step of the run is {} of it\n",
         figure(found.limit),
         figure(found.time),
         found.pushes,
@@ -394,7 +399,7 @@ fn stability(found: &Estimate, safety: f64) -> String {
     if share > 1.0 {
         let bearable = figure(safety / share);
         text += &format!(
-            "warning: the run is not stable at this step: time.safety below {bearable} is\n"
+            "warning: the run is unstable at this step: set time.safety below {bearable}\n"
         );
     }
     text

@@ -49,7 +49,7 @@ pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
     let text = text(collection)?;
     let broken = |why: &str| format!("{}: {why}", collection.display());
     if !text.contains(r#"type="Collection""#) || !text.trim_end().ends_with("</VTKFile>") {
-        return Err(broken("is no whole collection of field files"));
+        return Err(broken("is not a complete collection of field files"));
     }
     let step = |line: &str| {
         let time = attribute(line, "timestep")
@@ -70,7 +70,7 @@ pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
     let text = text(step)?;
     let broken = |why: &str| format!("{}: {why}", step.display());
     if !text.contains(r#"type="PUnstructuredGrid""#) || !text.trim_end().ends_with("</VTKFile>") {
-        return Err(broken("is no whole list of field pieces"));
+        return Err(broken("is not a complete list of field pieces"));
     }
     let lines = text.lines().filter(|line| line.trim_start().starts_with("<Piece"));
     let piece = |line: &str| {
@@ -91,13 +91,13 @@ impl Piece {
     }
 
     fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, String> {
-        let foreign = "is no field file of this program";
+        let foreign = "is not a field file of this program";
         let head = bytes.windows(MARK.len()).position(|w| w == MARK).ok_or(foreign)?;
         let start = head + MARK.len();
         let head = std::str::from_utf8(&bytes[..head]).map_err(|_| foreign)?;
         let order = head.lines().find_map(|line| attribute(line, "byte_order")).ok_or(foreign)?;
         if order != BYTE_ORDER {
-            return Err(format!("is of a machine with another byte order, {order}"));
+            return Err(format!("is from a machine with another byte order, {order}"));
         }
         let time = head.lines().find(|line| attribute(line, "Name") == Some("TimeValue"));
         let time = time.and_then(|line| {
@@ -113,7 +113,7 @@ impl Piece {
             let numbers = stored.bytes.len() / size_of_kind(stored.kind);
             if numbers_due(&name, points, cells).is_some_and(|due| due != Some(numbers)) {
                 return Err(format!(
-                    "has {numbers} numbers in array `{name}`, for {points} points and {cells} cells"
+                    "has {numbers} numbers in array `{name}` for {points} points and {cells} cells"
                 ));
             }
             let bytes = start + stored.bytes.start..start + stored.bytes.end;
@@ -137,10 +137,12 @@ impl Piece {
             (self.raw::<i64>("connectivity", Kind::I64)?, self.raw::<i64>("offsets", Kind::I64)?);
         let in_order = ends.first().is_none_or(|&end| end > 0) && ends.is_sorted();
         if !in_order || ends.last().map_or(0, |&end| end) != corners.len() as i64 {
-            return Err("has cells whose corners are not where it says".into());
+            return Err("has wrong offsets to the corners of cells".into());
         }
         match corners.iter().find(|&&corner| corner < 0 || corner >= self.points as i64) {
-            Some(corner) => Err(format!("has a cell with point {corner} of {}", self.points)),
+            Some(corner) => {
+                Err(format!("has a cell with point {corner}, but {} points", self.points))
+            }
             None => Ok(()),
         }
     }
@@ -233,7 +235,7 @@ fn stored(line: &str, bytes: &[u8]) -> Result<(String, Stored), String> {
         .ok_or_else(unread)?;
     let at =
         attribute(line, "offset").and_then(|text| text.parse::<usize>().ok()).ok_or_else(unread)?;
-    let torn = || format!("ends within array `{name}`: it is not whole");
+    let torn = || format!("ends within array `{name}`: it is incomplete");
     let begin = at.checked_add(LENGTH).ok_or_else(unread)?;
     let length = bytes.get(at..begin).ok_or_else(torn)?;
     let length = u64::from_ne_bytes(length.try_into().map_err(|_| torn())?);
@@ -350,7 +352,7 @@ mod tests {
         fs::write(&path, &whole[..end - 1]).unwrap();
         let error = Piece::read(&path).err().unwrap();
         assert!(
-            error.ends_with("piece_000.vtu: ends within array `element_id`: it is not whole"),
+            error.ends_with("piece_000.vtu: ends within array `element_id`: it is incomplete"),
             "{error}"
         );
         let error = Piece::read(&dir.path().join("none.vtu")).err().unwrap();

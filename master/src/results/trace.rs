@@ -63,7 +63,8 @@ impl Trace {
         };
         write!(
             out,
-            "{{\"displayTimeUnit\":\"ms\",\"otherData\":{{\"program\":\"crumple {}\",\"clocks\":\"{clocks}\"}},\n\"traceEvents\":[\n",
+            "{{\"displayTimeUnit\":\"ms\",\"otherData\":{{\"program\":\"crumple {}\",\
+             \"clocks\":\"{clocks}\"}},\n\"traceEvents\":[\n",
             env!("CARGO_PKG_VERSION")
         )?;
         write!(
@@ -90,7 +91,7 @@ impl Trace {
             said += &format!("; it ends with cycle {cycle}, after {MAX_EVENTS} events of a worker");
         }
         if missing > 0 {
-            said += &format!("; nothing came from {missing} workers");
+            said += &format!("; {missing} workers sent no events");
         }
         Ok(said)
     }
@@ -108,16 +109,19 @@ fn write_track(
     let place = format!("\"pid\":0,\"tid\":{worker}");
     write!(
         out,
-        ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",{place},\"args\":{{\"name\":\"worker {worker}\"}}}}"
+        ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",{place},\
+         \"args\":{{\"name\":\"worker {worker}\"}}}}"
     )?;
     write!(
         out,
-        ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",{place},\"args\":{{\"sort_index\":{worker}}}}}"
+        ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",{place},\
+         \"args\":{{\"sort_index\":{worker}}}}}"
     )?;
     for s in &recording.spans {
         write!(
             out,
-            ",\n{{\"name\":\"{}\",\"cat\":\"phase\",\"ph\":\"X\",{place},\"ts\":{},\"dur\":{},\"args\":{{\"cycle\":{}}}}}",
+            ",\n{{\"name\":\"{}\",\"cat\":\"phase\",\"ph\":\"X\",{place},\"ts\":{},\"dur\":{},\
+             \"args\":{{\"cycle\":{}}}}}",
             PHASES[usize::from(s.phase)],
             at(s.start),
             us(s.duration),
@@ -127,7 +131,8 @@ fn write_track(
     for m in &recording.moments {
         write!(
             out,
-            ",\n{{\"name\":\"{}\",\"cat\":\"order\",\"ph\":\"i\",\"s\":\"t\",{place},\"ts\":{},\"args\":{{\"cycle\":{}}}}}",
+            ",\n{{\"name\":\"{}\",\"cat\":\"order\",\"ph\":\"i\",\"s\":\"t\",{place},\"ts\":{},\
+             \"args\":{{\"cycle\":{}}}}}",
             words(&m.event),
             at(m.at),
             m.cycle
@@ -136,7 +141,8 @@ fn write_track(
     if let Some(cycle) = recording.full {
         write!(
             out,
-            ",\n{{\"name\":\"recording_ended\",\"ph\":\"M\",{place},\"args\":{{\"cycle\":{cycle},\"events\":{MAX_EVENTS}}}}}"
+            ",\n{{\"name\":\"recording_ended\",\"ph\":\"M\",{place},\
+             \"args\":{{\"cycle\":{cycle},\"events\":{MAX_EVENTS}}}}}"
         )?;
     }
     Ok(())
@@ -149,7 +155,7 @@ fn words(event: &Event) -> String {
         Kind::Stop => "stop",
     };
     match event {
-        Event::Arrived(number, kind) => format!("order {number} has come: {}", of(kind)),
+        Event::Arrived(number, kind) => format!("order {number} received: {}", of(kind)),
         Event::Begun(number, kind) => format!("order {number}: {}", of(kind)),
         Event::Erosion => "renewal: failed elements leave the surface".into(),
     }
@@ -158,6 +164,7 @@ fn words(event: &Event) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_proto::report::Phase;
     use crumple_proto::trace::{Moment, Span};
 
     /// Times are shifted to the earliest origin if all workers read the same clock. A lost worker
@@ -166,7 +173,7 @@ mod tests {
     fn the_file_is_json_with_all_events_on_one_time_line() {
         let folder = tempfile::tempdir().unwrap();
         let mut trace = Trace::new(&folder.path().join("deep/trace.json"), 3).unwrap();
-        let span = Span { phase: 2, cycle: 7, start: 1500, duration: 20 };
+        let span = Span { phase: Phase::Halo as u8, cycle: 7, start: 1500, duration: 20 };
         let moment = Moment { event: Event::Begun(3, Kind::Low), cycle: 8, at: 2000 };
         let recording =
             |origin| Recording { origin, doubt: 900, spans: vec![span], ..Recording::default() };

@@ -180,7 +180,7 @@ impl Balance {
         let patient = cycle >= self.last_low + self.patience * self.limits.low_every_at_least;
         if judged && patient && imbalance > self.limits.imbalance && self.lost > self.low_cost {
             let why = format!(
-                "imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last",
+                "imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last repartition",
                 1e3 * self.lost
             );
             self.judged_imbalance = Some(imbalance);
@@ -189,9 +189,7 @@ impl Balance {
         if judged {
             self.begin_window();
         }
-        let why = || {
-            format!("{:.0} % of the motion that exterior copies cover is used up", 100.0 * urgency)
-        };
+        let why = || format!("{:.0} % of the ghost margin is used", 100.0 * urgency);
         (urgency >= URGENT).then(|| Due::High { why: why() })
     }
 
@@ -259,7 +257,7 @@ mod tests {
         let due = b.due().unwrap();
         assert!(matches!(due, Due::High { .. }));
         b.ordered(1, &due);
-        assert_eq!(b.due(), None, "the order is under way");
+        assert_eq!(b.due(), None, "the order is pending");
         b.add_report(0, report(200, 1e-3, 0.1, 1));
         b.add_report(1, report(200, 1e-3, 0.1, 1));
         assert_eq!(b.due(), None);

@@ -72,8 +72,8 @@ pub struct Control<'a> {
     /// Number of field pieces written, per output index.
     pieces: BTreeMap<usize, usize>,
     trouble: Option<Failure>,
-    /// True after the warning about a deep penetration, and after the one about energy that
-    /// contact creates.
+    /// True after the warning about a deep penetration, and after the warning about energy created
+    /// by contact.
     sunk_told: bool,
     created_told: bool,
     /// True after the warning that contact shortens the step.
@@ -244,7 +244,7 @@ impl<'a> Control<'a> {
             let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
             ids.sort_unstable();
             ids.dedup();
-            tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "dealt out");
+            tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "partition sent");
             let nodes = ids.iter().map(|id| *of_id[id]).collect();
             let trace = self.trace.is_some();
             let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
@@ -325,7 +325,7 @@ impl<'a> Control<'a> {
                 self.states.extend(states);
             }
             ToMaster::Extents(_) | ToMaster::Histograms(_) => {
-                tracing::warn!(worker, "answer to no question")
+                tracing::warn!(worker, "unexpected answer: no request is pending")
             }
         }
         Ok(())
@@ -338,9 +338,10 @@ impl<'a> Control<'a> {
         if depth > SUNK && !self.sunk_told {
             self.sunk_told = true;
             let message = format!(
-                "at time {time:.6e} a node is {depth:.2} of the contact thickness deep, and from a whole one on it may be lost on the \
-                 other side. If the mesh does not start so, contact does not keep up: see contact.iteration, contact.sweeps and \
-                 contact.penalty_scale, or take a shorter time.dt_max"
+                "at time {time:.6e} the largest penetration is {depth:.2} of the contact \
+                 thickness; from 1 on a node may pass through. Unless the mesh starts with this \
+                 penetration, increase contact.sweeps or contact.penalty_scale, change \
+                 contact.iteration, or reduce time.dt_max"
             );
             tracing::warn!(depth, time, message);
             self.progress.println(&format!("warning: {message}"));
@@ -352,9 +353,10 @@ impl<'a> Control<'a> {
         {
             self.short_told = true;
             let message = format!(
-                "at time {time:.6e} contact leaves a stable step of {contact:.3e} where elements leave {elements:.3e}: what is near moves \
-                 so fast that it would be through in one step. Thicker contact surfaces let it be longer; so does taking fast \
-                 fragments or thin foils out of contact"
+                "at time {time:.6e} the stable step of contact is {contact:.3e}, that of elements \
+                 {elements:.3e}: in a longer step, fast bodies could pass through others. \
+                 Increase the contact thickness, or exclude fast fragments and thin foils from \
+                 contact"
             );
             tracing::warn!(contact, elements, time, message);
             self.progress.println(&format!("warning: {message}"));
@@ -367,10 +369,11 @@ impl<'a> Control<'a> {
     fn watch_energy(&mut self) {
         let Some(row) = self.history.last.as_ref() else { return };
         let what = if row.error.abs() > MOST_ENERGY_ERROR {
-            format!("the balance of energy is off by {:.0} %", 100.0 * row.error)
+            format!("the error of the energy balance is {:.0} %", 100.0 * row.error)
         } else if self.history.swings_on(self.model.settings.safety > 1.0) {
             format!(
-                "velocities swing from step to step with {:.0} % of the energy: the step is unstable",
+                "the step is unstable: velocities oscillate from step to step with {:.0} % of the \
+                 energy",
                 100.0 * row.swing
             )
         } else {
@@ -379,12 +382,15 @@ impl<'a> Control<'a> {
         let sum = &row.sum;
         let element = sum
             .controlling
-            .map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
+            .map_or(String::new(), |id| format!("; element {id} has the smallest stable step"));
         let safety = self.model.settings.safety;
-        let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
+        let cure = if safety > 1.0 { "0.9 or less" } else { "a smaller value" };
         let subcycled = self.model.settings.subcycles > 1;
-        let or =
-            if subcycled { ", or fewer time.subcycles, or more time.subcycle_layers" } else { "" };
+        let or = if subcycled {
+            ", or reduce time.subcycles, or increase time.subcycle_layers"
+        } else {
+            ""
+        };
         let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
         self.fail(Failure { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
     }
@@ -397,12 +403,13 @@ impl<'a> Control<'a> {
         };
         let (created, time, cycle) = (row.created, row.sum.time, row.sum.cycle);
         let what = format!(
-            "contact has created {:.3e} of energy by itself, {:.1} % of the most that there was",
+            "contact has created an energy of {:.3e}, {:.1} % of the largest energy so far",
             row.sum.energies.contact,
             100.0 * created
         );
-        let cure = "look for parts that start within each other's thickness (`crumple check` names them) or are pressed through one \
-                    another, and try a shorter time.dt_max, more contact.sweeps or a lower contact.penalty_scale";
+        let cure = "look for parts that penetrate each other at the start (`crumple check` names \
+                    them) or are pressed through each other; try a smaller time.dt_max, more \
+                    contact.sweeps or a smaller contact.penalty_scale";
         if created > MOST_CREATED {
             self.fail(Failure { elem: None, cycle, time, why: format!("{what}; {cure}") });
         } else if !self.created_told {

@@ -85,9 +85,10 @@ impl Alone {
     pub fn forward(&mut self) -> Result<(), String> {
         let agreed = step(&mut self.engine, &mut self.comm).map_err(|lost| lost.to_string())?;
         match agreed.failure {
-            Some(element) => {
-                Err(format!("element {element} is in trouble at {}", self.engine.clock.time))
-            }
+            Some(element) => Err(format!(
+                "the run failed in element {element} at time {}",
+                self.engine.clock.time
+            )),
             None => Ok(()),
         }
     }
@@ -243,12 +244,12 @@ pub fn time_side_by_side(
             let agreed = step(&mut engine, comm).map_err(|lost| lost.to_string())?;
             if let Some(element) = agreed.failure {
                 return Err(format!(
-                    "element {element} is in trouble in cycle {}",
+                    "the run failed in element {element} in cycle {}",
                     engine.clock.cycle
                 ));
             }
             if engine.clock.is_over(&engine.settings) {
-                return Err(format!("it is over after {} cycles", engine.clock.cycle));
+                return Err(format!("the run ends too early: {} cycles", engine.clock.cycle));
             }
             if agreed.margin_used > RENEW_AT {
                 engine.renew(comm, tree.clone()).map_err(|lost| lost.to_string())?;

@@ -67,9 +67,10 @@ fn run_threads(args: &RunArgs) -> u8 {
 #[cfg(not(feature = "mpi"))]
 fn run_under_mpi(_: &RunArgs) -> u8 {
     eprintln!(
-        "error: this crumple was built without MPI; build it with `cargo build --release --features mpi`,"
+        "error: this crumple was built without MPI; build it with \
+         `cargo build --release --features mpi`,"
     );
-    eprintln!("  or run it without mpirun: workers are then threads");
+    eprintln!("  or run it without mpirun; workers are then threads");
     Report::EXIT_CODE
 }
 
@@ -173,7 +174,7 @@ fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 
     };
     match made.filter(|_| !args.quiet) {
         Some(Ok(made)) => say!("{made}"),
-        Some(Err(why)) => eprintln!("warning: there is no report: {why}"),
+        Some(Err(why)) => eprintln!("warning: no report was written: {why}"),
         None => {}
     }
     code
@@ -204,7 +205,8 @@ fn print_summary(s: &Summary, out: &Path) {
     );
     let e = &s.energy;
     say!(
-        "energy: kinetic {:.4e} internal {:.4e} hourglass {:.4e} contact work {:.4e} wall work {:.4e}, error {:.3} % (max {:.3} %)",
+        "energy: kinetic {:.4e} internal {:.4e} hourglass {:.4e} contact work {:.4e} \
+         wall work {:.4e}, error {:.3} % (max {:.3} %)",
         e.kinetic,
         e.internal,
         e.hourglass,
@@ -214,7 +216,8 @@ fn print_summary(s: &Summary, out: &Path) {
         100.0 * e.error_max
     );
     say!(
-        "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; {} low and {} high redecompositions, imbalance {:.2}",
+        "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; \
+         {} low and {} high redecompositions, imbalance {:.2}",
         s.workers,
         s.transport,
         s.wall_s,

@@ -59,7 +59,8 @@ impl Progress {
         let elapsed = self.began.elapsed().as_secs_f64();
         let left = if done > 0.0 { clock(elapsed * (1.0 - done) / done) } else { "?".into() };
         let line = format!(
-            "NC={:7} T={:10.4e} DT={:9.3e} ERR={:6.2}% pairs={} imbalance={:.2} elapsed {} remaining {left}",
+            "NC={:7} T={:10.4e} DT={:9.3e} ERR={:6.2}% pairs={} imbalance={:.2} \
+             elapsed {} remaining {left}",
             s.cycle,
             s.time,
             s.dt,

@@ -17,8 +17,9 @@ const THICKNESS: f64 = 3e-3;
 const V: f64 = 10.0;
 
 /// Reason why the penalty law deviates for bars.
-pub const SOFT: &str = "the penalty law at its default scale of 0.35 is a soft spring between the bars, of 0.13 of an \
-                        element's stiffness: it delays the front and is pressed in by (v/2c) L_e/beta";
+pub const SOFT: &str = "at its default scale of 0.35 the penalty law is a soft spring between the \
+                        bars, with 0.13 of the stiffness of an element: it delays the front and is \
+                        compressed by (v/2c) L_e/beta";
 /// Smallest and largest energy loss of end nodes that are stopped, over their kinetic energy. An
 /// impact within a step stops them in two steps, and the bar behind pushes them meanwhile.
 const STOPPED: [f64; 2] = [1.0, 1.405];
@@ -29,7 +30,8 @@ pub fn stopped(row: Row, share: f64) -> Row {
     row.near(
         0.5 * (least + most) * share,
         (most - least) / (most + least),
-        "[C] chains of masses and springs, tests/references/plastic.py: 1 to 1.405 times what the end nodes have, by where in a step they meet",
+        "[C] chains of masses and springs, tests/references/plastic.py: 1 to 1.405 times the \
+         energy of the end nodes, depending on the time of impact within a step",
     )
 }
 
@@ -140,7 +142,11 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match is_spring(law) {
                 true => lost
-                    .within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A")
+                    .within(
+                        0.0,
+                        1e-3,
+                        "[D] a spring returns the energy that it stores; limit of part A",
+                    )
                     .known(SOFT),
                 // 1/(2 N) of E0 at +-v/2, 1/(4 N) at v and 0.
                 false => stopped(lost, share),
@@ -168,7 +174,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = || format!("{law}, {SIZES:?} shells");
         all.push(
             Row::new("order of 1 - restitution", variant(), "", to_one)
-                .beside(1.0, "[D] first order, and what the front disperses"),
+                .beside(1.0, "[D] first order, plus dispersion of the front"),
         );
         if !is_spring(law) {
             let order = halving(met.each_ref().map(|m| -m.work));

@@ -50,7 +50,8 @@ fn beams(scene: &mut Scene, bars: &[(u32, &[u32])]) {
 
 fn tube(scene: &mut Scene, part: u32) {
     scene.add(&format!(
-        "[[part]]\nid = {part}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\nradius = {RADIUS:?}"
+        "[[part]]\nid = {part}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\n\
+         radius = {RADIUS:?}"
     ));
 }
 
@@ -63,9 +64,9 @@ fn given_off(off: f64) -> f64 {
 }
 
 const CLOSED: &str =
-    "[D] impulse and momentum of rigid bars; inertia of the sections themselves, below 1 %";
+    "[D] impulse and momentum of rigid bars; inertia of the cross-sections, below 1 %";
 const EXACT: &str = "exact; round-off of some thousand steps";
-const TURNED: &str = "exact; nodes of rigid bodies go along chords, by (w dt)^2 and so";
+const TURNED: &str = "exact; nodes of rigid bodies move along chords, an error of order (w dt)^2";
 
 /// Returns the changes of momentum and angular momentum, as fractions of `had` [kg m/s] and of
 /// `had` times the length; `angular` bounds the second one.
@@ -102,7 +103,10 @@ fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
             beams(&mut scene, &[(1, &above), (2, &below)]);
             scene.elastic("steel", STEEL);
             (1..=2).for_each(|part| tube(&mut scene, part));
-            scene.add("[[rigid]]\nname = \"above\"\nparts = [1]\n[[rigid]]\nname = \"below\"\nparts = [2]");
+            scene.add(
+                "[[rigid]]\nname = \"above\"\nparts = [1]\n\
+                 [[rigid]]\nname = \"below\"\nparts = [2]",
+            );
             scene.time("dt_max = 2e-7");
             scene.start(&above, [0.0, 0.0, -FAST], [0.0; 3]);
             scene.add(&law.undamped());
@@ -152,8 +156,10 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
             let sheared = 5.0 / 6.0 * area;
             for part in 1..=2 {
                 scene.add(&format!(
-                    "[[part]]\nid = {part}\nmaterial = \"steel\"\n[part.beam]\nsection = \"general\"\narea = {area:e}\n\
-                     second_moments = [{second:e}, {second:e}]\ntorsion = {second:e}\nshear_areas = [{sheared:e}, {sheared:e}]\n\
+                    "[[part]]\nid = {part}\nmaterial = \"steel\"\n[part.beam]\n\
+                     section = \"general\"\narea = {area:e}\n\
+                     second_moments = [{second:e}, {second:e}]\ntorsion = {second:e}\n\
+                     shear_areas = [{sheared:e}, {sheared:e}]\n\
                      contact_radius = {RADIUS:e}"
                 ));
             }
@@ -257,7 +263,7 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
             [f64::min, f64::max].map(|pick| beam.iter().map(far).fold(far(&beam[0]), pick));
         let variant = format!("{law}, a beam on a sheet");
         const PLACE: &str =
-            "[D] sum of radius and half thickness; the weight presses a spring by 1e-4 of it";
+            "[D] sum of radius and half thickness; the weight compresses a spring by 1e-4 of it";
         all.push(Row::new("least height / (r + t/2)", &variant, "", low).near(1.0, 0.005, PLACE));
         all.push(
             Row::new("largest height / (r + t/2)", &variant, "", high).near(1.0, 0.005, PLACE),
@@ -298,7 +304,8 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
         let low =
             cube.all().iter().map(|&n| position(&run.engine, n)[2]).fold(f64::INFINITY, f64::min);
         let variant = format!("{law}, a cube on three beams");
-        const HELD: &str = "[D] closed form of the place; a fiftieth of the radius for what the cube and springs give way";
+        const HELD: &str = "[D] closed form of the position; a fiftieth of the radius for the \
+                            elasticity of the cube and of springs";
         all.push(Row::new("corner below the beams / r", &variant, "", -low / RADIUS).within(
             -depth / RADIUS,
             0.02,

@@ -30,13 +30,16 @@ pub const SPINNING_BAR: Check = Check { name: "spinning bar", quick: false, run:
 pub const SPINNING_SHELL: Check =
     Check { name: "spinning shell", quick: true, run: spinning_shell };
 
-const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 a mass where nu = 0 (A/11.7 where nu = 0.3) for the sake \
-                       of the step. Eigenvalues of the assembled system (tests/references/plates.py) give each frequency to \
-                       0.04 %: of what a free beam lacks masses lumped on 20 cells are 0.8, 1.2 and 1.5 %, that inertia the \
-                       other 0.8, 1.7 and 2.8 %; of the plates' lumped masses are about half. Both vanish with the second order \
-                       of the mesh size. With softer shear (residual bending, MacNeal 1978), which lets a thin cell do with \
-                       2.6 times its own inertia, free beams still lacked 1.0, 1.9 and 2.8 %, and coarse plates gained 4 to \
-                       7 % of deflection (B08): left out";
+const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 per mass at nu = 0 \
+                       (A/11.7 at nu = 0.3) to keep a large stable step. Eigenvalues of the \
+                       assembled system (tests/references/plates.py) give each frequency to 0.04 \
+                       %. The error of a free beam has two parts: masses lumped on 20 cells cause \
+                       0.8, 1.2 and 1.5 %, the raised inertia causes 0.8, 1.7 and 2.8 %. In the \
+                       plates, lumped masses cause about half of the error. Both parts vanish with \
+                       the second order of the mesh size. Softer shear (residual bending, MacNeal \
+                       1978) is not used: with it, 2.6 times its own inertia is enough for a thin \
+                       cell. But frequencies of free beams were still 1.0, 1.9 and 2.8 % too low, \
+                       and deflections of coarse plates grew by 4 to 7 % (B08)";
 
 /// Initial velocity, small enough that no result depends on it [m/s].
 const SPEED: f64 = 1e-3;

@@ -113,7 +113,10 @@ impl Bench {
             ControlFlow::Continue(())
         })?;
         if run.trouble {
-            Err(format!("{name} ended in trouble at {:e} s", run.engine.clock.time))
+            Err(format!(
+                "{name}: the run stopped at {:e} s because an element failed",
+                run.engine.clock.time
+            ))
         } else {
             Ok(run)
         }
@@ -212,8 +215,8 @@ impl Finished {
         );
         // Springs start and end within a step; the catalogue allows them half a per cent (A29).
         match self.springs {
-            true => row.at_most(5e-3, "gate of A29 for springs"),
-            false => row.at_most(1e-3, "[D] they only take; gate of part A"),
+            true => row.at_most(5e-3, "limit of A29 for springs"),
+            false => row.at_most(1e-3, "[D] they only absorb energy; limit of part A"),
         }
     }
 
@@ -228,13 +231,13 @@ impl Finished {
         let [hourglass, internal] = self.stored;
         let share = hourglass / internal.max(0.01 * self.measure());
         Row::new("hourglass energy / internal energy, largest of each", variant, "", share)
-            .at_most(0.1, "gate of the catalogue, 5 to 10 %")
+            .at_most(0.1, "limit of the catalogue, 5 to 10 %")
     }
 
     /// Returns the error of the energy balance. With a constant step it is zero by construction;
     /// it is not if elements book other work than they do, or if the step is unstable.
     pub fn closing_row(&self, variant: &str, limit: f64) -> Row {
         Row::new("energy not accounted for, largest on the way", variant, "", self.energy_error)
-            .at_most(limit, "gate of the catalogue")
+            .at_most(limit, "limit of the catalogue")
     }
 }

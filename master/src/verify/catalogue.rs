@@ -50,7 +50,12 @@ pub const CATALOGUE: &[Entry] = &[
     ),
     entry("A08", "Stick-slip on a shaken base", &[sliding::SHAKEN], ""),
     entry("A09", "Block on an incline", &[sliding::INCLINE], ""),
-    entry("A10", "Hertz, quasi-static", &[hertz::CYLINDER], "spheres: (b) stands for (a) and (c)"),
+    entry(
+        "A10",
+        "Hertz, quasi-static",
+        &[hertz::CYLINDER],
+        "spheres: (b) is run instead of (a) and (c)",
+    ),
     entry("A11", "Hertz, bouncing sphere", &[taylor::BALL], "the stiff sphere"),
     entry("A13", "Free fall and bounce of a rigid body", &[rigid::FALL], ""),
     entry("A14", "Oblique impact of a sphere with friction", &[rigid::OBLIQUE], ""),
@@ -91,13 +96,13 @@ pub const CATALOGUE: &[Entry] = &[
         "A25",
         "Pinned beam, step pressure",
         &[solid_cells::PINNED],
-        "one cube through the depth: no node at mid-depth to pin",
+        "one cube through the depth: it has no node at mid-depth to pin",
     ),
     entry(
         "A26",
         "Large strain of a single element",
         &[elements::LARGE, materials::SQUASHED],
-        "(a) in its solid form: see C13",
+        "(a) for solids: see C13",
     ),
     entry(
         "A27",
@@ -109,7 +114,7 @@ pub const CATALOGUE: &[Entry] = &[
             materials::JOHNSON_COOK,
             materials::RATES,
         ],
-        "kinematic hardening: no law has it",
+        "kinematic hardening: no material law includes it",
     ),
     entry("A29", "Conservation", &[invariance::CONSERVATION, invariance::BOX], ""),
     entry(
@@ -129,7 +134,12 @@ pub const CATALOGUE: &[Entry] = &[
         &[invariance::WORKERS, invariance::SCENES],
         "B15 as a scene; MPI: tests/tests/mpi.rs",
     ),
-    entry("A32", "Ties", &[joints::WAVE, joints::FLIGHT], "ties that let go of a failed element"),
+    entry(
+        "A32",
+        "Ties",
+        &[joints::WAVE, joints::FLIGHT],
+        "ties that are released by a failed element",
+    ),
     entry("A33", "Spot welds that break", &[joints::WELD], "bending and torque"),
     entry("A34", "Beams", &[lines::SWING, lines::HINGE], ""),
     entry("A35", "Springs and dampers", &[lines::OSCILLATOR], ""),
@@ -138,11 +148,11 @@ pub const CATALOGUE: &[Entry] = &[
         "A37",
         "Elements that fail",
         &[sheets::EROSION],
-        "contact of what is left: tests/tests/erosion.rs",
+        "contact of the remaining elements: tests/tests/erosion.rs",
     ),
     entry("A38", "Triangles in motion", &[sheets::TRIANGLES], ""),
     entry("A39", "Mass scaling with contact", &[steps::SCALED], ""),
-    entry("A40", "Subcycles", &[steps::SUBCYCLES], "with contact, which the job has to ask for"),
+    entry("A40", "Subcycles", &[steps::SUBCYCLES], "with contact, which a job must request"),
     entry(
         "A41",
         "Thicknesses of single shells",
@@ -151,9 +161,9 @@ pub const CATALOGUE: &[Entry] = &[
     ),
     entry(
         "A42",
-        "Shells whose middle is beside their nodes",
+        "Shells with an offset middle surface",
         &[sections::PULLED],
-        "contact meets them about their nodes",
+        "contact: it places their surfaces about the nodes",
     ),
     entry(
         "B01",
@@ -165,13 +175,13 @@ pub const CATALOGUE: &[Entry] = &[
         "B02",
         "Taylor bar, Johnson-Cook",
         &[taylor::JOHNSON_COOK],
-        "temperature, which is not among the fields",
+        "temperature, which is not an output field",
     ),
     entry(
         "B03",
         "Taylor tests, experiments",
         &[experiments::COPPER, experiments::STEEL_4340],
-        "copper M1 at 316 m/s, whose rim folds over; a law of copper M1",
+        "copper M1 at 316 m/s, where the rim folds over; a material law of copper M1",
     ),
     entry("B04", "Impulsively loaded clamped beam", &[crush::BEAM], ""),
     entry("B06", "Spherical cap, step pressure", &[plates::CAP], ""),
@@ -193,7 +203,7 @@ pub const CATALOGUE: &[Entry] = &[
         "B12",
         "Square tubes, mean crush force",
         &[crush::MEAN_FORCE],
-        "the factor for the rate ([U] constants)",
+        "the strain-rate factor ([U] constants)",
     ),
     entry(
         "B13",
@@ -205,7 +215,7 @@ pub const CATALOGUE: &[Entry] = &[
         "B15",
         "S-beam crash",
         &[crashes::S_BEAM],
-        "the source gives no numbers: a finer mesh of our own stands for it",
+        "the source gives no numbers: the reference is a finer mesh of our own",
     ),
     entry(
         "B17",
@@ -219,7 +229,7 @@ pub const CATALOGUE: &[Entry] = &[
         "B20",
         "Jeep frame, first 10 ms (`cases/jeep-frame`)",
         &[crashes::FRAME, crashes::FRAME_FULL],
-        "later than 10 ms",
+        "times after 10 ms",
     ),
     entry("C01", "Penalty too stiff", &[contact::STIFF], ""),
     entry(
@@ -251,13 +261,14 @@ pub const CATALOGUE: &[Entry] = &[
         "C13",
         "Element inversion",
         &[solid_cells::CRUSHED],
-        "shells: tests/tests/exit_codes.rs tests that an inverted one ends the run",
+        "shells: tests/tests/exit_codes.rs checks that an inverted shell ends the run",
     ),
     entry(
         "C14",
         "Time step collapse",
         &[stability::SLIVER],
-        "the hex at a tenth of its height: see C13; a node squeezed to a hundredth of its gap: no law stiffens there",
+        "the solid at a tenth of its height: see C13; a node squeezed to a hundredth of its gap: \
+         no contact law becomes stiffer there",
     ),
     entry(
         "C15",
@@ -270,7 +281,7 @@ pub const CATALOGUE: &[Entry] = &[
         "C18",
         "Sliding across facets and off edges",
         &[facets::FLAT, facets::EDGE, facets::DRUM],
-        "a node that rests beside the free edge of a shell",
+        "a node that rests beyond the free edge of a shell",
     ),
     entry(
         "C20",
@@ -291,7 +302,7 @@ mod tests {
         for e in CATALOGUE {
             assert!(
                 !e.checks.is_empty() || !e.open.is_empty(),
-                "{}: neither run nor explained",
+                "{}: add a check or a reason",
                 e.id
             );
         }

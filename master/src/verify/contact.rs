@@ -108,14 +108,17 @@ pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cr
 /// Density of elements that only carry a mass [kg/m^3].
 const NEXT_TO_NOTHING: f64 = 1e-6;
 
-const INSIDE_A_STEP: &str = "the spring comes on and goes off inside a step and knows only its end: by where in the step that is, a node \
-                             leaves with 0.969 to 1.033 of its speed at the default scale, 1.001 in the mean";
-const SWEEPS: &str = "the default of 20 sweeps is too few for masses as 1 to 1000: they stop what closes over many steps, and overshoot a little";
+const INSIDE_A_STEP: &str = "contact begins and ends within a step, but the spring force is \
+                             computed only at the end of the step. Depending on the time of \
+                             contact within the step, a node leaves with 0.969 to 1.033 of its \
+                             speed at the default scale, 1.001 on average";
+const SWEEPS: &str = "the default of 20 sweeps is too few for a mass ratio of 1 to 1000: they stop \
+                      the approach over many steps, and overshoot";
 
 /// Fraction of the contact thickness that sweeps may leave of a gap in a step
 /// (`worker/src/contact/enforce/mod.rs`).
 const LEFT_OPEN: f64 = 1e-10;
-const AT_REST: &str = "0, but for 1e-10 of the thickness in a step, at which sweeps end";
+const AT_REST: &str = "0, except for 1e-10 of the thickness per step, at which sweeps stop";
 
 /// Returns a material for which an element with this smallest side has a stable step of about
 /// `dt`.
@@ -163,7 +166,7 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         let rest = 0.5 * v / BAR.c() * width / capped;
         all.push(Row::new("penetration", &variant, "um", -1e6 * deepest).at_most(
             1e6 * 1.3 * rest,
-            "[D] 1.3 (v/2c) L_e/beta: the spring of the plateau, and the front's overshoot",
+            "[D] 1.3 (v/2c) L_e/beta: compression at the plateau, and overshoot of the front",
         ));
     }
     Ok(all)
@@ -254,7 +257,8 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new("largest velocity of a node", &variant, "m/s", fastest)
                 .at_most(0.1, "limit of the catalogue")
                 .known(
-                    "an initial penetration is given back over some hundred steps: faster than the catalogue allows",
+                    "an initial penetration is released over some hundred steps: faster than the \
+                     catalogue allows",
                 ),
         );
         all.push(
@@ -311,7 +315,7 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             all.push(
                 Row::new("energy made / energy at the start", &variant, "", made)
-                    .at_most(1e-2, "gate of the catalogue"),
+                    .at_most(1e-2, "limit of the catalogue"),
             );
         }
     }
@@ -348,7 +352,7 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
         let fastest = b.abs().max(m.abs()).max(a.abs());
         let row = Row::new("largest velocity after", &variant, "m/s", fastest);
         all.push(match is_spring(law) {
-            true => row.beside(1.0, "[D] springs throw the plates back"),
+            true => row.beside(1.0, "[D] the plates rebound from springs"),
             false => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
         });
         all.push(run.given_row(&variant));
@@ -356,7 +360,7 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
             (run.energies.kinetic + run.energies.internal + run.energies.hourglass) / run.initial;
         all.push(
             Row::new("energy at the end / at the start", &variant, "", share)
-                .at_most(1.0 + 1e-3, "[D] no energy from nothing")
+                .at_most(1.0 + 1e-3, "[D] contact creates no energy")
                 .known(SWEEPS),
         );
     }

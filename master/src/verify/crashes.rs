@@ -96,7 +96,10 @@ impl Crash {
             }
         })?;
         if run.trouble || absorbed.len() < self.stations.len() {
-            return Err(format!("{variant} ended at {:e}, before {last:e}", run.engine.clock.time));
+            return Err(format!(
+                "{variant}: the run ended at {:e}, before the last station at {last:e}",
+                run.engine.clock.time
+            ));
         }
         let parts = &run.engine.blocks.by_part;
         let whole: f64 = parts.iter().map(|p| p[0]).sum();
@@ -107,9 +110,9 @@ impl Crash {
         let peak = (0..windows).map(over).fold(0.0, f64::max);
         let mut rows = vec![
             Row::new("hourglass energy / internal energy, worst part", variant, "", hourglass)
-                .at_most(HOURGLASS_OF_A_PART, "gate of the catalogue, 5 to 10 %"),
+                .at_most(HOURGLASS_OF_A_PART, "limit of the catalogue, 5 to 10 %"),
             Row::new("largest penetration", variant, "of the contact thickness", penetration)
-                .at_most(0.5, "gate of the catalogue"),
+                .at_most(0.5, "limit of the catalogue"),
         ];
         rows.extend(run.energy_rows(variant, 1e-2));
         Ok((Shown { mean: push.mean_force(0.0, last), peak, absorbed }, rows))
@@ -221,8 +224,8 @@ fn s_beam_scene(shell: &str, quads: usize) -> Scene {
         .map(|p| [p, 185.4e6 + 540e6 * p.powf(0.32)])
         .to_vec();
     scene.add(&format!(
-        "[[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = 7900.0\nyoungs_modulus = 199.355e9\npoisson = 0.3\n\
-         hardening = {curve:?}"
+        "[[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = 7900.0\n\
+         youngs_modulus = 199.355e9\npoisson = 0.3\nhardening = {curve:?}"
     ));
     scene.part(1, "steel", SHEET, &format!("points = 5\nelement = \"{shell}\""));
     let (foot, head) = (&nodes[..around], &nodes[rings * around..]);

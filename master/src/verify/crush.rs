@@ -192,7 +192,7 @@ impl Tube<'_> {
         })?;
         if run.trouble || absorbed.len() < at.len() {
             return Err(format!(
-                "{name} ended at {:e} s, before it was crushed by {depth} m",
+                "{name}: the run ended at {:e} s, before the tube was crushed by {depth} m",
                 run.engine.clock.time
             ));
         }
@@ -274,9 +274,9 @@ impl Crushed {
             ),
             Row::new("largest force, mean over 0.1 ms", variant, "kN", 1e-3 * self.peak),
             Row::new("hourglass energy over internal energy", variant, "", self.hourglass)
-                .at_most(HOURGLASS_LIMIT, "gate of the catalogue: 5 %"),
+                .at_most(HOURGLASS_LIMIT, "limit of the catalogue: 5 %"),
             Row::new("largest penetration", variant, "of the contact thickness", self.penetration)
-                .at_most(0.5, "gate of the catalogue"),
+                .at_most(0.5, "limit of the catalogue"),
             Row::new("energy not accounted for, largest", variant, "", self.error)
                 .at_most(0.01, "limit of the catalogue"),
         ]
@@ -339,7 +339,7 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         all.extend(crushed.rows(
             &variant,
             0.15,
-            (28.9e3, 0.08, "[C] OpenRadioss, QEPH 3.33 mm, its finest"),
+            (28.9e3, 0.08, "[C] OpenRadioss, QEPH 3.33 mm, its finest mesh"),
         ));
         // A crush of 150 mm consumes 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
         all.push(

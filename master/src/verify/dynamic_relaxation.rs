@@ -40,8 +40,9 @@ pub const FOLDED: Check = Check { name: "Z-section", quick: false, run: folded }
 const FORMULATIONS: [&str; 2] = ["belytschko_tsay", "stabilised_quad"];
 /// Upper limit of the time until rest, in radians of the lowest frequency.
 const LONGEST: f64 = 200.0;
-const SIDEWAYS: &str = "one shell across, nothing but the hourglass control resists part of the twist: at the default coefficient \
-                        the strip escapes sideways just short of the circle, at 0.2 it does not";
+const SIDEWAYS: &str = "with one shell across, only the hourglass control resists part of the \
+                        twist: at the default coefficient the strip deflects sideways just before \
+                        the circle closes, at 0.2 it does not";
 const CLAMPED: &str = "x y z rx ry rz";
 
 /// Runs a scene until it is at rest; returns the deflection there and the run.
@@ -76,7 +77,8 @@ fn rest(
     })?;
     if still < 3 {
         return Err(format!(
-            "{name} has not come to rest at {before:e} in {LONGEST} radians of its lowest frequency"
+            "{name}: deflection {before:e} is not at rest after {LONGEST} radians of the lowest \
+             frequency"
         ));
     }
     Ok((before, run))
@@ -190,7 +192,8 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
         let tip = scene.set(&grid.row(16));
         // The load rises to half a circle, rests, rises to the full circle and rests.
         scene.add(&format!(
-            "[[curve]]\nname = \"steps\"\npoints = [[0.0, 0.0], [{:?}, 0.5], [{:?}, 0.5], [{:?}, 1.0]]",
+            "[[curve]]\nname = \"steps\"\n\
+             points = [[0.0, 0.0], [{:?}, 0.5], [{:?}, 0.5], [{:?}, 1.0]]",
             0.25 * end,
             0.5 * end,
             0.75 * end
@@ -463,7 +466,7 @@ fn thin(bench: &Bench) -> Result<Vec<Row>, String> {
             let quantity = format!("thin, load along {axis}, deflection");
             all.push(Row::new(quantity, &variant, "", ours).beside(
                 1.0,
-                "target; [C] .003 at 24 by 4 where rigid rotation excites hourglass rates",
+                "target; [C] .003 at 24 by 4 if rigid rotation excites hourglass rates",
             ));
         }
     }

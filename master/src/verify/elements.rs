@@ -174,7 +174,8 @@ fn bending(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-const SHEARS: &str = "Belytschko-Tsay has no shear projection: on quads that are no parallelograms the catalogue expects it to fail [C]";
+const SHEARS: &str = "Belytschko-Tsay has no shear projection: the catalogue expects it to fail on \
+                      quads that are not parallelograms [C]";
 
 /// Bends a patch by prescribed motion of its rim, which `build` returns, and waits until it is
 /// at rest.
@@ -284,7 +285,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
             "[D] 1/sqrt(1+nu), with scaled rotary inertia",
         ));
         let taken = Row::new("our dt c_p/L with the usual safety of 0.9", &variant, "", 0.9 * unit);
-        all.push(taken.at_most(limit, "the limit measured"));
+        all.push(taken.at_most(limit, "the measured limit"));
     }
     Ok(all)
 }
@@ -434,9 +435,9 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
             "[D] E/(1-nu^2) ln of the stretch",
         ));
     }
-    // (b) e1 halves the angle between the sides: both stresses in closed form.
+    // (b) e1 bisects the angle between the sides: both stresses in closed form.
     let shear = STEEL.e / (2.0 * (1.0 + STEEL.nu));
-    const D: &str = "[D] hypoelastic in the frame that halves the angle of the sides";
+    const D: &str = "[D] hypoelastic in the frame that bisects the angle between the sides";
     let sheared = |gamma: f64, steps: f64| -> Result<[[f64; 2]; 2], String> {
         let mut last = [[0.0; 2]; 2];
         let path = |x: [f64; 3], s: f64| [x[0] + gamma * s * x[1], x[1], x[2]];

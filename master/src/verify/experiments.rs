@@ -46,17 +46,21 @@ fn fired(bench: &Bench, name: &str, shot: &Shot) -> Result<[f64; 2], String> {
 }
 
 /// OFHC copper of Johnson & Cook 1983.
-const OFHC: &str = "density = 8960.0\nyoungs_modulus = 124e9\npoisson = 0.34\na = 90e6\nb = 292e6\nn = 0.31\nc = 0.025\n\
-                    reference_rate = 1.0\nm = 1.09\nreference_temperature = 25.0\nmelting_temperature = 1083.0\n\
+const OFHC: &str = "density = 8960.0\nyoungs_modulus = 124e9\npoisson = 0.34\n\
+                    a = 90e6\nb = 292e6\nn = 0.31\nc = 0.025\nreference_rate = 1.0\nm = 1.09\n\
+                    reference_temperature = 25.0\nmelting_temperature = 1083.0\n\
                     specific_heat = 383.0\ntaylor_quinney = 0.9";
 /// 4340 steel, Rockwell C 30, of Johnson & Cook 1983.
-const RC30: &str = "density = 7830.0\nyoungs_modulus = 200e9\npoisson = 0.29\na = 792e6\nb = 510e6\nn = 0.26\nc = 0.014\n\
-                    reference_rate = 1.0\nm = 1.03\nreference_temperature = 25.0\nmelting_temperature = 1520.0\n\
+const RC30: &str = "density = 7830.0\nyoungs_modulus = 200e9\npoisson = 0.29\n\
+                    a = 792e6\nb = 510e6\nn = 0.26\nc = 0.014\nreference_rate = 1.0\nm = 1.03\n\
+                    reference_temperature = 25.0\nmelting_temperature = 1520.0\n\
                     specific_heat = 477.0\ntaylor_quinney = 0.9";
 
 fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
-    const WILKINS: &str = "experiment: Wilkins & Guinan 1973, as drawn in Zelepugin et al. 2023 [V:S4]; law of Johnson & Cook 1983";
-    const M1: &str = "experiment: Zelepugin et al. 2022, copper M1, as drawn in Zelepugin et al. 2023 [V:S4]; law of Johnson & Cook 1983 for another copper";
+    const WILKINS: &str = "experiment: Wilkins & Guinan 1973, as drawn in Zelepugin et al. 2023 \
+                           [V:S4]; law of Johnson & Cook 1983";
+    const M1: &str = "experiment: Zelepugin et al. 2022, copper M1, as drawn in Zelepugin et al. \
+                      2023 [V:S4]; law of Johnson & Cook 1983 for another copper";
     let mut all = Vec::new();
     for (what, length, diameter, velocity, [long, wide], gated) in [
         ("OFHC", 23.47e-3, 7.62e-3, 210.0, [0.630, 2.204], true),
@@ -108,7 +112,9 @@ fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
 /// Compares the mean deflection of the centre of a clamped square plate after the first peak,
 /// over its thickness. A quarter of the plate starts with a uniform velocity.
 fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
-    const LINE: &str = "experiment: Nurick & Martin 1989, Int. J. Impact Engng 8, 171-186, line through tests of quadrangular plates as others cite it, 0.471 phi + 0.001; most are within one thickness of it";
+    const LINE: &str = "experiment: Nurick & Martin 1989, Int. J. Impact Engng 8, 171-186, line \
+                        through tests of quadrangular plates as cited by others, 0.471 phi + \
+                        0.001; most tests are within one thickness of the line";
     const N: usize = 24;
     let (side, thickness, yield_stress) = (89e-3, 1.6e-3, 296e6);
     let steel = Elastic { e: 207e9, nu: 0.3, rho: 7850.0 };

@@ -37,7 +37,7 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             ("in the middle of a facet", [0.5, 0.5]),
             ("on an edge", [0.0, 0.5]),
             ("on a vertex", [0.0, 0.0]),
-            ("1e-9 m beside an edge", [1e-9 / facet, 0.5]),
+            ("1e-9 m beside an edge", [1e-9 / facet, 0.5]), // words: allow
         ] {
             let mut scene = Scene::new(120e-6);
             let plate = scene.grid(1, [6, 6], |s, t| {
@@ -68,7 +68,7 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(Row::new("impulse / m v", &variant, "", impulse / (whole * v)).near(
                     1.5,
                     1.0 / 3.0,
-                    "[D] neither missed nor doubled: 1 to 2",
+                    "[D] 1 to 2: contact is neither missed nor doubled",
                 ));
             } else {
                 let row = Row::new(
@@ -89,7 +89,7 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(run.given_row(&variant));
             // A corner that hits one node excites mainly the hourglass modes around it.
             all.push(
-                run.hourglass_row(&variant).beside(0.1, "gate of the catalogue for structures"),
+                run.hourglass_row(&variant).beside(0.1, "limit of the catalogue for structures"),
             );
             let aside = after[0].hypot(after[1]) * whole / impulse;
             all.push(
@@ -240,13 +240,13 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.push(
             Row::new("largest change of velocity along / v", &variant, "", along / v)
-                .at_most(1e-3, "[D] no sideways force; bound of C03"),
+                .at_most(1e-3, "[D] no force along the plate; bound of C03"),
         );
         let free = (g * run.engine.clock.time).max(1.0);
         let fell = -mean_velocity(&run.engine, &[node], 2);
         all.push(
             Row::new("falls at the end / g t", &variant, "", fell / free)
-                .beside(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2"),
+                .beside(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2 ms"),
         );
     }
     Ok(all)
@@ -254,7 +254,8 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
 
 fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
     const FACETS: usize = 72;
-    const POLYGON: &str = "[C] a rigid block in this polygon, plastic, tests/references/drum.py";
+    const POLYGON: &str =
+        "[C] rigid block in this polygon, plastic impacts, tests/references/drum.py";
     let (radius, side, v, half_turn) = (0.1, 8e-3, 10.0, PI);
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -289,7 +290,8 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             let set = scene.set(block.all());
             let spin = -v / centre;
             scene.add(&format!(
-                "[[initial_velocity]]\nnodes = \"{set}\"\nvelocity = [0.0, 0.0, 0.0]\nspin = [0.0, {spin:?}, 0.0]"
+                "[[initial_velocity]]\nnodes = \"{set}\"\nvelocity = [0.0, 0.0, 0.0]\n\
+                 spin = [0.0, {spin:?}, 0.0]"
             ));
             scene.start(drum.all(), [0.0; 3], [0.0; 3]);
             scene.add(&format!("{}friction = {friction:?}", law.table()));
@@ -330,8 +332,16 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                 let row = Row::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
                 all.push(match law.is_spring() {
                     // The block is thrown off at corners, turns over and flies.
-                    true => row.beside(0.904, "[C] a rigid block, nearly round, tests/references/drum.py"),
-                    false => row.within(0.8027, 0.1014, "[C] a rigid block, plastic: 0.7013 in this polygon, 0.9041 nearly round, tests/references/drum.py"),
+                    true => row.beside(
+                        0.904,
+                        "[C] rigid block in a nearly round drum, tests/references/drum.py",
+                    ),
+                    false => row.within(
+                        0.8027,
+                        0.1014,
+                        "[C] rigid block, plastic impacts: 0.7013 in this polygon, 0.9041 in a \
+                         nearly round drum, tests/references/drum.py",
+                    ),
                 });
             }
             let row = Row::new("facets crossed", &variant, "", crossed);
@@ -341,7 +351,7 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                 momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
             let row = Row::new("momentum along the axis / m v", &variant, "", aside);
             all.push(if friction > 0.0 {
-                row.beside(0.0, "[D] nought but for the 7 degrees")
+                row.beside(0.0, "[D] zero except for the 7 degrees")
             } else {
                 row.at_most(1e-3, "[D] no friction; bound of C03")
             });

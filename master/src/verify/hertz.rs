@@ -13,14 +13,14 @@ use std::f64::consts::PI;
 pub const CYLINDER: Check =
     Check { name: "cylinder on a rigid plane", quick: false, run: cylinder };
 
-const YIELDING: &str = "springs of a penalty yield beside the cells: the contact is wider and the pressure lower, less so on a finer \
-                        mesh";
+const YIELDING: &str = "penalty springs are compliant in addition to the cells: the contact is \
+                        wider and the pressure lower, less so on a finer mesh";
 const RADIUS: f64 = 0.01;
 /// Line load [N/m].
 const LOAD: f64 = 1e6;
 
 fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] Hertz, plane strain, at the load that is felt";
+    const D: &str = "[D] Hertz, plane strain, at the applied load";
     let stiff = STEEL.e / (1.0 - STEEL.nu * STEEL.nu);
     let width = (4.0 * LOAD * RADIUS / (PI * stiff)).sqrt();
     let peak = 2.0 * LOAD / (PI * width);

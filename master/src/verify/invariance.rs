@@ -50,11 +50,11 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
             let [p, l] = drifts(&run);
             all.push(
                 Row::new("change of linear momentum / sum of sizes", &variant, "", p)
-                    .at_most(1e-10, "gate of the catalogue"),
+                    .at_most(1e-10, "limit of the catalogue"),
             );
             all.push(
                 Row::new("change of angular momentum / its size", &variant, "", l)
-                    .at_most(1e-10, "gate of the catalogue"),
+                    .at_most(1e-10, "limit of the catalogue"),
             );
             let work = Row::new(
                 "contact work / energy at the start",
@@ -65,13 +65,20 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
             // Springs start and end within a step, see C02: without damping they give some
             // energy on average.
             all.push(match is_spring(law) {
-                true => work.at_most(5e-3, "gate of the catalogue: half a per cent for springs"),
+                true => work.at_most(5e-3, "limit of the catalogue: half a per cent for springs"),
                 false => work.at_most(0.0, "[D] contact gives no energy"),
             });
             all.push(
-                Row::new("friction work given back / energy at the start", &variant, "", rising / run.initial)
-                    .at_most(1e-6, "gate of the catalogue: friction only takes")
-                    .known("where it sticks, the friction of the penalty law is a spring, which gives back"),
+                Row::new(
+                    "friction work given back / energy at the start",
+                    &variant,
+                    "",
+                    rising / run.initial,
+                )
+                .at_most(1e-6, "limit of the catalogue: friction only absorbs energy")
+                .known(
+                    "in stick, the friction of the penalty law is a spring, which returns energy",
+                ),
             );
             all.extend(run.energy_rows(&variant, 1e-2));
             all.push(run.closing_row(&variant, 1e-2));
@@ -90,7 +97,7 @@ fn drifts(run: &Finished) -> [f64; 2] {
         |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
     let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let total: f64 = (0..nodes.local_count)
-        .map(|i| nodes.mass[i] * size(&crumple_worker::nodes::xyz(&nodes.v[i])))
+        .map(|i| nodes.mass[i] * size(&crumple_worker::math::row::xyz(&nodes.v[i])))
         .sum();
     [far(0) / total, far(1) / size(&run.momentum[1])]
 }
@@ -103,7 +110,7 @@ fn workers(bench: &Bench) -> Result<Vec<Row>, String> {
         let runs = [(1, 0), (2, 0), (4, 0), (3, 50)]
             .map(|(workers, every)| run_side_by_side(&model, workers, 1500, every));
         let digests: BTreeSet<String> = runs.iter().map(|r| r.digest()).collect();
-        let variant = format!("{law}, 1, 2, 4 workers, and 3 with boxes cut anew every 50 cycles");
+        let variant = format!("{law}, 1, 2, 4 workers, and 3 with boxes cut anew every 50 cycles"); // words: allow
         all.push(Row::new("different end states", &variant, "", digests.len() as f64).within(
             1.0,
             0.0,
@@ -118,7 +125,7 @@ fn workers(bench: &Bench) -> Result<Vec<Row>, String> {
         let most = runs[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
         all.push(
             Row::new("most contact pairs of a cycle", &variant, "", most as f64)
-                .at_least(5.0, "bodies do meet"),
+                .at_least(5.0, "bodies are in contact"),
         );
     }
     Ok(all)
@@ -143,7 +150,7 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
             let runs =
                 runs.map(|(workers, every)| run_side_by_side(&model, workers, cycles, every));
             let digests: BTreeSet<String> = runs.iter().map(|r| r.digest()).collect();
-            let variant = format!("{what}, {law}, 1, 2, 4, 8 workers, and 3 with boxes cut anew");
+            let variant = format!("{what}, {law}, 1, 2, 4, 8 workers, and 3 with boxes cut anew"); // words: allow
             let row = Row::new("different end states", &variant, "", digests.len() as f64);
             all.push(row.within(1.0, 0.0, "[D] the same bits"));
             let unlike = runs.iter().filter(|r| r.pairs != runs[0].pairs).count();
@@ -152,7 +159,7 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
             let most = runs[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
             all.push(
                 Row::new("most contact pairs of a cycle", &variant, "", most as f64)
-                    .at_least(1.0, "they do meet"),
+                    .at_least(1.0, "they are in contact"),
             );
         }
     }
@@ -223,7 +230,7 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         let off = if run.trouble { f64::INFINITY } else { off / sizes };
         let row =
             Row::new("change of momentum less the impulse of the box / m v", &variant, "", off);
-        all.push(row.at_most(1e-10, "gate of the catalogue"));
+        all.push(row.at_most(1e-10, "limit of the catalogue"));
         let energies = &run.energies;
         let kept = (energies.kinetic + energies.internal + energies.hourglass) / run.initial;
         let row = Row::new("energy at the end / at the start", &variant, "", kept);
@@ -231,23 +238,23 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(match keeps {
             // The walls take their share of the energy of nodes that hit them; the ledger books
             // it.
-            true => row.beside(1.0, "[D] but for what the walls take"),
-            false => row.at_most(1.0, "gate of the catalogue: never grows"),
+            true => row.beside(1.0, "[D] 1 less the energy that the walls absorb"),
+            false => row.at_most(1.0, "limit of the catalogue: never grows"),
         });
         let gained = energies.contact / run.initial;
         let row = Row::new("work of contact / energy at the start", &variant, "", gained);
         all.push(match keeps {
-            true => row.within(0.0, 5e-3, "gate of the catalogue"),
-            false => row.at_most(0.0, "gate of the catalogue: never grows"),
+            true => row.within(0.0, 5e-3, "limit of the catalogue"),
+            false => row.at_most(0.0, "limit of the catalogue: never grows"),
         });
         let drift = energies.balance(run.initial).abs() / run.initial;
         all.push(
             Row::new("energy not accounted for at the end", &variant, "", drift)
-                .at_most(5e-3, "gate of the catalogue"),
+                .at_most(5e-3, "limit of the catalogue"),
         );
         all.push(
             Row::new("cycles in contact", &variant, "", hit as f64)
-                .at_least(100.0, "bodies do meet"),
+                .at_least(100.0, "bodies are in contact"),
         );
     }
     Ok(all)

@@ -22,7 +22,7 @@ pub const WELD: Check =
 /// its end is tied to the first one.
 fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 50;
-    const D: &str = "[D] the same bar goes on behind the joint: nothing comes back";
+    const D: &str = "[D] the bar continues unchanged behind the joint: no reflection";
     let (length, stress) = (1.0, 1e6);
     let side = length / N as f64;
     let (time, pulse) = (length / BAR.c(), 0.2 * length / BAR.c());
@@ -117,7 +117,7 @@ fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Pulls a weld between a held node and one with a constant prescribed velocity.
 fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] elastic energy of the force that breaks it";
+    const D: &str = "[D] elastic energy at the force that breaks the weld";
     // A stud of 10 mm; it is slow compared with its waves, so that the force is uniform.
     let (length, side, speed) = (0.01f64, 5e-3f64, 0.05);
     let (normal, shear) = (20e3, 12e3);
@@ -138,13 +138,15 @@ fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.beam(1, nodes);
         scene.elastic("steel", stiff);
         scene.add(&format!(
-            "[[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\nsection = \"rectangle\"\nheight = {side:?}\nwidth = {side:?}\n\
+            "[[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\nsection = \"rectangle\"\n\
+             height = {side:?}\nwidth = {side:?}\n\
              [part.beam.weld]\nnormal = {normal:?}\nshear = {shear:?}"
         ));
         scene.fix(&nodes[..1], "x y z rx ry rz");
         let led = scene.set(&nodes[1..2]);
         scene.add(&format!(
-            "[[motion]]\nnodes = \"{led}\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\nvelocity = [{:?}, {:?}, 0.0]",
+            "[[motion]]\nnodes = \"{led}\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+             velocity = [{:?}, {:?}, 0.0]",
             speed * c,
             speed * s
         ));
@@ -171,7 +173,7 @@ fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(Row::new("work of the motion / the same", &variant, "", led).near(
             1.0,
             0.02,
-            "[D] it bears nothing once broken",
+            "[D] a broken weld carries no force",
         ));
     }
     Ok(all)

@@ -27,7 +27,8 @@ fn cantilever(scene: &mut Scene, n: usize, keys: &str) -> Vec<u32> {
     let up = scene.node([0.0, 0.0, length]);
     nodes.windows(2).for_each(|pair| scene.beam(1, [pair[0], pair[1], up]));
     scene.add(&format!(
-        "[[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\nsection = \"rectangle\"\nheight = {depth:?}\nwidth = {width:?}\n{keys}"
+        "[[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\nsection = \"rectangle\"\n\
+         height = {depth:?}\nwidth = {width:?}\n{keys}"
     ));
     scene.fix(&nodes[..1], "x y z rx ry rz");
     nodes
@@ -86,7 +87,8 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
     ));
     let speed = way / (0.9 * time);
     scene.add(&format!(
-        "[[motion]]\nnodes = \"{tip}\"\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, {:?}]\ncurve = \"start\"",
+        "[[motion]]\nnodes = \"{tip}\"\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, {:?}]\n\
+         curve = \"start\"",
         -speed
     ));
     let (mut first, mut last) = (None, (0.0, 0.0));
@@ -97,7 +99,7 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         last = at;
     })?;
-    let (from, until) = (first.ok_or("A34 hinge ended early")?, last);
+    let (from, until) = (first.ok_or("A34 hinge: the run ended too early")?, last);
     // The work is that of the time before the last step: the displacement of one step is far
     // below the tolerance.
     let force = (until.1 - from.1) / (until.0 - from.0);
@@ -111,7 +113,8 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
             .near(
                 1.0,
                 0.05,
-                "[D] sigma_y b h^2/4; one point of an element yields half an element from the root",
+                "[D] sigma_y b h^2/4; the one point of an element yields half an element from the \
+                 root",
             ),
     ];
     rows.push(run.closing_row(&variant, 1e-3));

@@ -99,7 +99,11 @@ fn led(
         }
         ControlFlow::Continue(())
     })?;
-    if run.trouble { Err(format!("{name} ended in trouble")) } else { Ok(end) }
+    if run.trouble {
+        Err(format!("{name}: the run stopped because an element failed"))
+    } else {
+        Ok(end)
+    }
 }
 
 /// Returns the J2 plasticity of the catalogue.
@@ -299,12 +303,13 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
     {
         let law = |scene: &mut Scene| {
             let thermal = format!(
-                "m = {M}\nreference_temperature = {cold:?}\nmelting_temperature = {melting:?}\nspecific_heat = {heat:?}\n\
-                 taylor_quinney = {share}"
+                "m = {M}\nreference_temperature = {cold:?}\nmelting_temperature = {melting:?}\n\
+                 specific_heat = {heat:?}\ntaylor_quinney = {share}"
             );
             scene.add(&format!(
-                "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = {:?}\nyoungs_modulus = {:?}\n\
-                 poisson = {:?}\na = {A:?}\nb = {B:?}\nn = {N}\nc = {C}\nreference_rate = 1e-3\n{}",
+                "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = {:?}\n\
+                 youngs_modulus = {:?}\npoisson = {:?}\na = {A:?}\nb = {B:?}\nn = {N}\nc = {C}\n\
+                 reference_rate = 1e-3\n{}",
                 STEEL.rho,
                 STEEL.e,
                 STEEL.nu,
@@ -349,12 +354,13 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(row.near(
             1e-6 * expected,
             if hot { 1e-4 } else { 1e-6 },
-            "[D] (a + b p^n)(1 + c ln rate*)(1 - T*^m), heat integrated apart; steps are of first order in T",
+            "[D] (a + b p^n)(1 + c ln rate*)(1 - T*^m), heat integrated separately; steps are of \
+             first order in T",
         ));
         let elastic =
             2.0 / 3f64.sqrt() * along - expected / (3.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)));
         let row = Row::new("plastic strain there", &variant, "", last.plastic_strain);
-        all.push(row.near(elastic, 1e-4, "[D] strain less sigma/3G, at the end less a step"));
+        all.push(row.near(elastic, 1e-4, "[D] strain less sigma/3G, one step before the end"));
     }
     Ok(all)
 }
@@ -370,8 +376,9 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
     };
     let johnson_cook = |scene: &mut Scene| {
         scene.add(&format!(
-            "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}\n\
-             a = {A:?}\nb = {B:?}\nn = {N}\nc = {C}\nreference_rate = 1.0",
+            "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = {:?}\n\
+             youngs_modulus = {:?}\npoisson = {:?}\na = {A:?}\nb = {B:?}\nn = {N}\nc = {C}\n\
+             reference_rate = 1.0",
             STEEL.rho, STEEL.e, STEEL.nu
         ));
     };

@@ -2,7 +2,7 @@
 
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::elements::ElementFields;
-use crumple_worker::nodes::{row, xyz};
+use crumple_worker::math::row::{row, xyz};
 
 /// Returns the index of a node in the columns: on one engine nodes are in ascending id, from 1.
 fn place(node: u32) -> usize {

@@ -125,11 +125,11 @@ pub fn run(args: &VerifyArgs) -> u8 {
         let near: Vec<String> = unknown.iter().filter_map(near).collect();
         let known: Vec<&str> = CATALOGUE.iter().map(|e| e.id).collect();
         eprintln!(
-            "error: the catalogue has no {}; did you mean {}?",
+            "error: the catalogue has no entry {}; did you mean {}?",
             unknown.join(", "),
             near.join(", ")
         );
-        eprintln!("  it has {}", known.join(", "));
+        eprintln!("  choose from {}", known.join(", "));
         return BAD_INPUT;
     }
     let wanted = |e: &&Entry| args.only.is_empty() || args.only.iter().any(|id| named(id, e));
@@ -143,7 +143,7 @@ pub fn run(args: &VerifyArgs) -> u8 {
     let jobs = args.out.join("jobs");
     if let Err(error) = std::fs::create_dir_all(&jobs) {
         eprintln!(
-            "error: {} cannot be made: {error}; choose another folder with --out",
+            "error: cannot create {}: {error}; choose another folder with --out",
             jobs.display()
         );
         return BAD_INPUT;
@@ -153,7 +153,10 @@ pub fn run(args: &VerifyArgs) -> u8 {
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
     crate::run::stdout::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
-        eprintln!("error: {}: {error}; choose another folder with --out", args.out.display());
+        eprintln!(
+            "error: cannot write to {}: {error}; choose another folder with --out",
+            args.out.display()
+        );
         return BAD_INPUT;
     }
     if outcomes.iter().all(Outcome::passes) { PASSED } else { OUTSIDE }
@@ -169,7 +172,8 @@ fn refuse_repeats(outcomes: &mut [Outcome]) {
             .map(|r| (&r.quantity, &r.variant));
         if let Some((quantity, variant)) = again.last() {
             o.rows = Err(format!(
-                "two rows of {} are called {quantity}, {variant}: name what differs",
+                "two rows of {} have the name {quantity}, {variant}: add their difference to the \
+                 variants",
                 o.id
             ));
         }

@@ -17,9 +17,10 @@ pub struct Report<'a> {
 
 const HEAD: &str = "# Verification
 
-Written by `crumple verify`: ours against exact, published and computed references, in SI units. A row is a quantity of a
-run; its variant names contact law, element and mesh. Marks of the sources: [V] read in the cited source, [D] derived,
-[C] computed with an independent program, [U] not verified. Rows without a tolerance are shown for orientation only.
+Written by `crumple verify`: computed values and exact, published or computed references, in SI
+units. A row is one quantity of a run. Its variant names contact law, element and mesh. Marks of the
+sources: [V] read in the cited source, [D] derived, [C] computed with an independent program, [U]
+not verified. Rows without a tolerance are shown for orientation only.
 ";
 
 impl Report<'_> {
@@ -35,8 +36,8 @@ impl Report<'_> {
         // Writing into a string cannot fail.
         let _ = writeln!(
             text,
-            "\n{run} of {} entries run{quick}; {gated} quantities with a bound, {failed} outside of it; {broken} checks \
-             could not be run.\n",
+            "\n{run} of {} entries run{quick}; {gated} quantities with a bound, \
+             {failed} outside it; {broken} checks could not be run.\n",
             self.entries.len()
         );
         text.push_str(

@@ -194,7 +194,7 @@ fn compare(
     build: impl Fn(&mut Scene),
 ) -> Result<Vec<Row>, String> {
     const EVERY: u64 = 5;
-    const TOUCH: &str = "sum of the half thicknesses; penalties sink in";
+    const TOUCH: &str = "sum of the half thicknesses; penalty laws penetrate";
     let mut all = Vec::new();
     for law in bench.laws() {
         let mut scene = Scene::new(END);
@@ -230,7 +230,7 @@ fn compare(
         all.push(row);
         all.push(
             Row::new("work of contact / energy at the start", &variant, "", created)
-                .at_most(1e-3, "contact gives no energy; gate of the catalogue for part A"),
+                .at_most(1e-3, "contact gives no energy; limit of the catalogue for part A"),
         );
         all.extend(run.energy_rows(&variant, 0.01));
     }

@@ -76,22 +76,23 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
             "[D] sqrt(2gh)",
         ));
         all.push(if law.is_some_and(Law::is_spring) {
-            rebound.near(1.0, 0.01, "[D] a spring gives back what it takes")
+            rebound.near(1.0, 0.01, "[D] a spring returns the energy that it stores")
         } else {
-            rebound.within(0.0, 0.01, "[D] plastic: v = 0 after, as documented")
+            rebound.within(0.0, 0.01, "[D] plastic: v = 0 afterwards, as documented")
         });
         all.push(run.given_row(&variant));
         let low = position(&run.engine, cube.at([0; 3]))[2];
         all.push(
             Row::new("sunk in at the end / side", &variant, "", -low / side)
-                .at_most(1e-3, "[D] not at all"),
+                .at_most(1e-3, "[D] no penetration"),
         );
     }
     Ok(all)
 }
 
-const FIRST: &str = "the slip of a new touch starts at nought after the force of its first step: that step has no friction, and \
-                     how much of the impulse is in it depends on where in the step the ball lands";
+const FIRST: &str = "the slip of a new contact starts at zero after the force of its first step: \
+                     that step has no friction, and its part of the impulse depends on the time of \
+                     impact within the step";
 
 /// Velocity along the plane and spin times radius after an impact with restitution 1 on springs
 /// with k_t = k_n, at v_t = 0.7 v_n (`tests/references/balls.txt`).
@@ -129,7 +130,8 @@ fn thrown(bench: &Bench, name: &str, law: &Law, vt: f64, air: f64) -> Result<Thr
     scene.elastic("steel", STEEL);
     scene.solid_part(1, "steel", "");
     scene.add(&format!(
-        "[[rigid]]\nname = \"ball\"\nparts = [1]\ninertia = [{inertia:?}, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]"
+        "[[rigid]]\nname = \"ball\"\nparts = [1]\n\
+         inertia = [{inertia:?}, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]"
     ));
     plate(&mut scene, 0.03);
     scene.start(cube.all(), [vt, 0.0, -NORMAL], [0.0; 3]);

@@ -203,7 +203,8 @@ impl Scene {
     /// Adds an elastic material.
     pub fn elastic(&mut self, name: &str, m: Elastic) {
         self.add(&format!(
-            "[[material]]\nname = \"{name}\"\nlaw = \"elastic\"\ndensity = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}",
+            "[[material]]\nname = \"{name}\"\nlaw = \"elastic\"\n\
+             density = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}",
             m.rho, m.e, m.nu
         ));
     }
@@ -211,7 +212,8 @@ impl Scene {
     /// Adds a material with J2 plasticity: yield stress and plastic modulus [Pa].
     pub fn plastic(&mut self, name: &str, m: Elastic, yield_stress: f64, modulus: f64) {
         self.add(&format!(
-            "[[material]]\nname = \"{name}\"\nlaw = \"j2\"\ndensity = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}\n\
+            "[[material]]\nname = \"{name}\"\nlaw = \"j2\"\n\
+             density = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}\n\
              yield_stress = {yield_stress:?}\nhardening_modulus = {modulus:?}",
             m.rho, m.e, m.nu
         ));
@@ -251,7 +253,8 @@ impl Scene {
         for &n in nodes {
             let (one, centre) = (self.set(&[n]), self.at(n));
             self.add(&format!(
-                "[[initial_velocity]]\nnodes = \"{one}\"\nvelocity = {velocity:?}\nspin = {spin:?}\ncentre = {centre:?}"
+                "[[initial_velocity]]\nnodes = \"{one}\"\nvelocity = {velocity:?}\n\
+                 spin = {spin:?}\ncentre = {centre:?}"
             ));
         }
     }

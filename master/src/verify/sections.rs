@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 pub const STEPPED: Check = Check { name: "bar of two thicknesses", quick: true, run: stepped };
 /// Check of A42.
 pub const PULLED: Check =
-    Check { name: "strip pulled beside its middle", quick: true, run: pulled };
+    Check { name: "strip pulled beside its middle", quick: true, run: pulled }; // words: allow
 
 const FORMULATIONS: [&str; 3] = ["stabilised_quad", "belytschko_tsay", "fully_integrated_quad"];
 
@@ -55,7 +55,7 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(Row::new("frequency 1", &variant, "kHz", 1e-3 * crossings.frequency()).near(
             1e-3 * wanted,
             1e-3,
-            "[D] tan^2(w a/c) = A1/A2; lumped masses on 20 shells a half",
+            "[D] tan^2(w a/c) = A1/A2; lumped masses on 20 shells per half",
         ));
         all.push(run.closing_row(&variant, 1e-3));
     }
@@ -90,8 +90,8 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
         let e = 0.5 * offset * thickness;
         let rise = e * (1.0 - 1.0 / kl.cosh());
         let found = displacement(&run.engine, grid.at(N, 0))[2];
-        const D: &str =
-            "[D] beam under an eccentric pull; one point an element sees the mean of its curvature";
+        const D: &str = "[D] beam under an eccentric tensile force; one point per element has the \
+                         mean curvature";
         all.push(Row::new("rise of the tip", &variant, "mm", 1e3 * found).near(
             1e3 * rise,
             0.005,

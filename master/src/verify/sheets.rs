@@ -33,7 +33,8 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
     scene.fix(&[grid.at(0, 0), grid.at(1, 0)], "y");
     // A velocity that rises and falls linearly; its integral is the displacement.
     scene.add(&format!(
-        "[[curve]]\nname = \"way\"\npoints = [[0.0, 0.0], [{:?}, 1.0], [{:?}, 1.0], [{time:?}, 0.0]]",
+        "[[curve]]\nname = \"way\"\n\
+         points = [[0.0, 0.0], [{:?}, 1.0], [{:?}, 1.0], [{time:?}, 0.0]]",
         0.2 * time,
         0.8 * time
     ));
@@ -43,7 +44,8 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
             std::array::from_fn(|c| if c == axis { way / (0.8 * time) } else { 0.0 });
         let dof = ["x", "y", "z"][axis];
         scene.add(&format!(
-            "[[motion]]\nnodes = \"{set}\"\ndofs = [\"{dof}\"]\nvelocity = {velocity:?}\ncurve = \"way\""
+            "[[motion]]\nnodes = \"{set}\"\ndofs = [\"{dof}\"]\n\
+             velocity = {velocity:?}\ncurve = \"way\""
         ));
     };
     lead(&grid.row(1), 0, (stretch - 1.0) * SIDE);
@@ -55,7 +57,7 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
 
 fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str =
-        "[D] plastic flow keeps the volume, the elastic part (1 - 2 nu) p/E is a thousandth";
+        "[D] plastic flow keeps the volume; the elastic part (1 - 2 nu) p/E is a thousandth";
     let mut all = Vec::new();
     for element in QUADS {
         for (how, stretch, across, thinner) in [
@@ -82,7 +84,8 @@ fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] work of a perfectly plastic sheet until it fails, in logarithmic strain; what fails keeps it in the ledger";
+    const D: &str = "[D] work of a perfectly plastic sheet until it fails, in logarithmic strain; \
+                     it stays in the ledger after failure";
     let fails = 0.1;
     let mut all = Vec::new();
     for element in QUADS {
@@ -103,7 +106,7 @@ fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(Row::new("elements that failed", &variant, "", failed as f64).within(
             1.0,
             0.0,
-            "[D] all there are",
+            "[D] all elements",
         ));
         all.push(
             Row::new("internal energy at the end", &variant, "J", run.energies.internal)

@@ -31,12 +31,16 @@ pub const INCLINE: Check = Check { name: "on an incline", quick: false, run: inc
 pub const REVERSAL: Check = Check { name: "reversing load", quick: false, run: reversal };
 
 const MU: f64 = 0.3;
-const CREEP: &str = "where it sticks, the friction of the penalty is a spring of its own stiffness";
-pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under friction through Poisson's coupling: nodes stick one by one, with less \
-                       than mu N in all. It stops on time with hourglass = \"stiffness\" (the other rows), or with poisson = 0 \
-                       (cases/slide: 2.672 ms for 2.667), whatever the bulk viscosity, the tolerance of the sweeps, or half the step";
-const PASSES: &str = "the kinematic law creeps where it should stick; not for want of passes, ten times as many at a tolerance of 1e-7 change it \
-                      by 3 %; why has not been found yet";
+const CREEP: &str = "in stick, the friction of the penalty law is a spring of its own stiffness";
+pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under friction through \
+                           Poisson's coupling: nodes stick one by one, and the total force is \
+                           below mu N. The block stops on time with hourglass = \"stiffness\" (the \
+                           other rows) or with poisson = 0 (cases/slide: 2.672 ms, theory 2.667 \
+                           ms). Bulk viscosity, the tolerance of the sweeps and half the step do \
+                           not change this";
+const PASSES: &str = "the kinematic law creeps where it should stick. The reason is not known; it \
+                      is not too few sweeps: ten times as many at a tolerance of 1e-7 change the \
+                      creep by 3 %";
 /// Hourglass controls of the block's bricks: the one that does not flutter under friction, and
 /// the default.
 const STIFF: &str = "stiffness";
@@ -230,8 +234,8 @@ const CYCLES: [Cycle; 5] = [
 ];
 
 fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str =
-        "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured alike in tests/references/slip.py";
+    const D: &str = "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured in the same way in \
+                     tests/references/slip.py";
     // Fewer points would make the steps in the base's acceleration noticeable.
     const POINTS: usize = 1000;
     // So slow that the penalty spring is stiff: with it, r = 1.8 slips longer by 0.06 of the
@@ -304,7 +308,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(
                     row.at_most(
                         1e-3,
-                        "[D] nought for a rigid block; bound of the vibration, as in C09",
+                        "[D] zero for a rigid block; bound of the vibration, as in C09",
                     )
                     .known(creep(law)),
                 );
@@ -359,7 +363,7 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
                 let free = 0.5 * g * s * time * time;
                 let row = Row::new("creep / way without friction", &variant, "", way.abs() / free);
                 all.push(
-                    row.at_most(1e-4, "[D] must not creep: far below what 1 % of a is")
+                    row.at_most(1e-4, "[D] must not creep: far below the effect of 1 % of a")
                         .known(creep(law)),
                 );
             } else {
@@ -414,7 +418,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                 slid += mean_velocity(e, &block.layer(2, 0), 0).abs() * e.clock.last_dt;
                 let cycle = (since as usize).min(CYCLES - 1);
                 means[cycle] = (means[cycle].0 + x, means[cycle].1 + 1);
-                // T| is below mu N until sin = 2/3.
+                // |T| is below mu N until sin = 2/3.
                 if since < (2.0f64 / 3.0).asin() / TAU {
                     early = early.max(x.abs());
                     let now = contact_force(e, block.all(), 0);
@@ -443,7 +447,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                 "",
                 early / amplitude,
             )
-            .at_most(1e-3, "[D] nought for a stiff block; 1e-3 for its own elasticity")
+            .at_most(1e-3, "[D] zero for a stiff block; 1e-3 for its own elasticity")
             .known(known),
         );
         let row = Row::new(
@@ -468,7 +472,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(match law.is_spring() {
             true => given.at_most(
                 1e-3 / 160.0,
-                "[D] what a stick spring holds; F/k_t is allowed by the catalogue",
+                "[D] energy that a stick spring stores; the catalogue allows F/k_t",
             ),
             false => given.at_most(1e-6, "[D] never negative; round-off").known(known),
         });

@@ -39,7 +39,8 @@ pub const STEP: Check = Check { name: "step traction, cubes", quick: true, run: 
 
 /// Setting without bulk viscosity.
 pub const INVISCID: &str = "bulk_viscosity = [0.0, 0.0]";
-const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: between what they lose by where in a step they meet, and 5 % (good)";
+const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: range of their \
+                     losses over the time of impact within a step, and 5 % (good)";
 const LENGTH: f64 = 1.0;
 const V: f64 = 10.0;
 /// Gap between the bars [m]: 1e-5 s of flight, so that the force is zero before.
@@ -97,7 +98,7 @@ fn collide(
 }
 
 fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] one-dimensional wave theory; bound of issue and catalogue";
+    const D: &str = "[D] one-dimensional wave theory; limits of the issue and the catalogue";
     let mut all = Vec::new();
     for law in laws {
         for n in [20, 50, 100] {
@@ -125,7 +126,7 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
             all.extend((0..2).map(|b| after(b).beside(v[1 - b], "[D] as the mesh is refined")));
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match (law.is_spring(), across) {
-                (true, _) => lost.beside(0.0, "[D] a spring gives back what it takes"),
+                (true, _) => lost.beside(0.0, "[D] a spring returns the energy that it stores"),
                 (false, 1) => stopped(lost, 0.25 / n as f64),
                 (false, _) => lost.beside(0.25 / n as f64, "[D] end nodes, 1/4N"),
             });
@@ -193,7 +194,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                     [between(chains[0][1], chains[2][0]), between(chains[0][0], chains[2][1])];
                 all.push(match law.is_spring() {
                     true => {
-                        row.beside(0.5 * (least + most), "[C] chains that meet without a spring")
+                        row.beside(0.5 * (least + most), "[C] chains that collide without a spring")
                     }
                     // Either loss may be off by the 5 % of its own row.
                     false => row.within(
@@ -250,10 +251,17 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
             force_row("mean force, rho c_d v a^2").beside(1.856, LINEAR),
             // The value tends to 1 as the mesh is refined; on a hundred cells the front of the
             // wave keeps some energy as oscillation.
-            Row::new("rebound velocity / v", variant, "", mean_velocity(&run.engine, bar.all(), 0) / v).within(
+            Row::new(
+                "rebound velocity / v",
+                variant,
+                "",
+                mean_velocity(&run.engine, bar.all(), 0) / v,
+            )
+            .within(
                 0.98865,
                 0.002,
-                "[C] chains of 100 cells at 0.5 to 0.9 of the stable limit, tests/references/strain.py",
+                "[C] chains of 100 cells at 0.5 to 0.9 of the stable limit, \
+                 tests/references/strain.py",
             ),
         ],
     ))
@@ -326,7 +334,7 @@ fn step_wave(bench: &Bench) -> Result<Vec<Row>, String> {
             sharp,
         );
         all.push(if safety == 1.0 {
-            row.at_most(0.01, "[D] nodally exact but for 0.05 % strain")
+            row.at_most(0.01, "[D] nodally exact, except for 0.05 % strain")
         } else {
             row.at_most(0.2, "catalogue: 20 % of the plateau")
         });

@@ -149,7 +149,11 @@ fn led_cube(
         }
         ControlFlow::Continue(())
     })?;
-    if run.trouble { Err(format!("{name} ended in trouble")) } else { Ok(()) }
+    if run.trouble {
+        Err(format!("{name}: the run stopped because an element failed"))
+    } else {
+        Ok(())
+    }
 }
 
 fn turned(bench: &Bench) -> Result<Vec<Row>, String> {

@@ -74,7 +74,8 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
     // L for the block, L for the rod.
     let scale = 0.25 * beta * deep / (layers as f64 * SIDE);
     scene.add(&format!(
-        "[contact]\nlaw = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = {scale:?}\npenalty_cap = {capped}\n{UNDAMPED}"
+        "[contact]\nlaw = \"penalty\"\npenalty_form = \"stiffness\"\n\
+         penalty_scale = {scale:?}\npenalty_cap = {capped}\n{UNDAMPED}"
     ));
     Sprung { scene, rod, support }
 }
@@ -159,7 +160,7 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(Row::new("force / depth / (E A/L)", &variant, "", measured).near(
                 beta,
                 0.01,
-                "[D] the stiffness that was asked for",
+                "[D] the requested stiffness",
             ));
         }
     }
@@ -170,14 +171,14 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
         let holds = f64::from(u8::from(!came.grew && came.capped));
         all.push(
             Row::new("stays bounded, and says that it lowers the stiffness", &variant, "", holds)
-                .within(1.0, 0.0, "the code reduces k or dt and says so"),
+                .within(1.0, 0.0, "the code reduces k or dt and reports it"),
         );
     }
     Ok(all)
 }
 
 const BREATHES: &str =
-    "[D] highest mode of a lone rectangle; the catalogue's 0.877 L/c_p is that of squares";
+    "[D] highest mode of a single rectangle; the 0.877 L/c_p of the catalogue is for squares";
 
 /// Returns the largest stable step of a single rectangle of sides a and b with lumped masses
 /// [s]. It stretches along both sides, with the stiffness `E' [1 nu; nu 1]` and the masses
@@ -227,7 +228,7 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
             BREATHES,
         ),
         Row::new("stable step with mass scaling", variant, "us", 1e6 * model.first_dt().0 / 0.9)
-            .near(1e6 * wanted, 0.01, "what the job asks for"),
+            .near(1e6 * wanted, 0.01, "the value in the job"),
         Row::new(
             "mass of the sliver, scaled / own",
             variant,
@@ -240,14 +241,14 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
             "[D] (dt/dt_natural)^2 of our own step, about 1e5",
         ),
         Row::new("mass added / mass of the plate, with mass_scaling_limit = 1", variant, "", share)
-            .beside(0.01, "limit of the catalogue, or refuse"),
+            .beside(0.01, "limit of the catalogue, or the job is refused"),
         Row::new(
             "refused at the default limit, 1 for yes",
             variant,
             "",
             f64::from(u8::from(refused)),
         )
-        .near(1.0, 0.01, "limit of the catalogue, or refuse"),
+        .near(1.0, 0.01, "limit of the catalogue, or the job is refused"),
         Row::new(
             "largest way of the sliver / way of free flight",
             variant,

@@ -21,7 +21,7 @@ pub const STACK: Check = Check { name: "stack of blocks", quick: true, run: stac
 /// Check of C15 (c).
 pub const CORNER: Check = Check { name: "corner of three walls", quick: true, run: corner };
 
-const SWINGS: &str = "the forces of a contact at rest go on swinging from step to step";
+const SWINGS: &str = "the forces of a contact at rest still oscillate from step to step";
 /// Damping rate [1/s]. Contact forces at rest are too small by half of this in a step, here by a
 /// few thousandths, because damping acts on the bodies but not on contact.
 const DAMPING: f64 = 2e3;
@@ -100,10 +100,11 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(run.given_row(&variant));
             let rest = run.energies.kinetic / run.energies.external.abs();
             all.push(
-                Row::new("kinetic energy / work of the pressure, at the end", &variant, "", rest).at_most(
-                    1e-3,
-                    "limit of the catalogue, there over internal energy, which shells have none of here",
-                ),
+                Row::new("kinetic energy / work of the pressure, at the end", &variant, "", rest)
+                    .at_most(
+                        1e-3,
+                        "limit of the catalogue, there over internal energy, which is zero here",
+                    ),
             );
         }
     }
@@ -139,7 +140,7 @@ fn long(bench: &Bench) -> Result<Vec<Row>, String> {
         let scale = PRESSURE * SIDE * SIDE / mass(&run.engine, grids[1].all()) * 0.3e-3;
         all.push(
             Row::new("largest speed of a plate afterwards / p A t/m", &variant, "", most / scale)
-                .at_most(1e-3, "[D] at rest; far below what one unbalanced ramp gives"),
+                .at_most(1e-3, "[D] at rest; far below the speed from one unbalanced ramp"),
         );
     }
     Ok(all)
@@ -184,7 +185,7 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
         let share =
             Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
         all.push(
-            share.beside(1.0, "[D] a bar without lateral strain, but for what stays in swings"),
+            share.beside(1.0, "[D] a bar without lateral strain, less the remaining vibration"),
         );
     }
     Ok(all)
@@ -288,7 +289,7 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
                     (0..3).fold(fastest, |m, c| m.max(mean_velocity(e, block.all(), c).abs()));
             }
         })?;
-        let (since, before) = from.ok_or("C15c ended early")?;
+        let (since, before) = from.ok_or("C15c: the run ended too early")?;
         let weight = STEEL.rho * side * side * side * g;
         let variant = format!("friction {friction}");
         let span = run.engine.clock.time - since;
@@ -308,7 +309,7 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let row =
             Row::new("largest speed at rest / (g period)", &variant, "", fastest / (g * period));
-        all.push(row.at_most(1e-3, "[D] momentum nought, no jitter"));
+        all.push(row.at_most(1e-3, "[D] zero momentum, no jitter"));
     }
     Ok(all)
 }

@@ -41,7 +41,7 @@ fn strip(
 
 fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 40;
-    const D: &str = "[D] two bars that are alike, each symmetric to the other";
+    const D: &str = "[D] two identical bars, mirror images of each other";
     let (v, width) = (10.0, LENGTH / 40.0);
     let mut all = Vec::new();
     for law in bench.laws() {
@@ -76,7 +76,7 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new("step / that without", &variant, "", model.first_dt().0 / 0.9 / natural).near(
                 2.0,
                 0.01,
-                "what the job asks for",
+                "the value in the job",
             ),
         );
         all.push(
@@ -89,7 +89,7 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
             .near(1.0, 1e-9, "exact"),
         );
         all.push(
-            Row::new("mass added / mass", &variant, "", said / own).at_least(1e-3, "there is some"),
+            Row::new("mass added / mass", &variant, "", said / own).at_least(1e-3, "mass is added"),
         );
         let scale = mass(&run.engine, bars[0].all()) * v;
         all.push(
@@ -118,7 +118,8 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
 /// one end, under a step traction at the other, as in A05.
 fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 60;
-    const D: &str = "[D] one-dimensional wave theory; 1 % is what the front disperses on 60 cells, of which the return sees twice as much";
+    const D: &str = "[D] one-dimensional wave theory; 1 % for the dispersion of the front on 60 \
+                     cells, twice as much for the return";
     let (stress, width) = (100e6, LENGTH / 60.0);
     let time = LENGTH / BAR.c();
     let mut all = Vec::new();
@@ -168,7 +169,7 @@ fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
         let open = run.energies.balance(run.initial).abs() / run.came_in;
         all.push(
             Row::new("energy not accounted for at the end", &variant, "", open)
-                .at_most(1e-2, "gate of the catalogue"),
+                .at_most(1e-2, "limit of the catalogue"),
         );
         peaks.push([far / peak, sum / samples / (0.5 * peak)]);
     }
@@ -179,7 +180,7 @@ fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
             "",
             peaks[1][k] / peaks[0][k],
         );
-        all.push(row.near(1.0, 5e-3, "[D] the same bar; half of the mesh's own bound"));
+        all.push(row.near(1.0, 5e-3, "[D] the same bar; half of the bound for the mesh"));
     }
     Ok(all)
 }

@@ -70,7 +70,7 @@ impl Mushroom {
     fn with_energy(self, variant: &str, mut rows: Vec<Row>) -> Vec<Row> {
         let share = self.run.energies.hourglass / self.run.energies.internal;
         let row = Row::new("hourglass energy / internal energy", variant, "", share);
-        rows.push(row.at_most(0.05, "gate of the catalogue, 5 to 10 %"));
+        rows.push(row.at_most(0.05, "limit of the catalogue, 5 to 10 %"));
         rows.extend(self.run.energy_rows(variant, 1e-2));
         let closing = self.run.closing_row(variant, 1e-2);
         // Without a wall this row is among them already.
@@ -182,10 +182,11 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = end.variant(8);
         let m = hit(bench, &format!("B02 {variant}"), (8, end), 287.0, |scene| {
             scene.add(
-                "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = 7830.0\nyoungs_modulus = 206.9e9\n\
-                 poisson = 0.3\na = 806e6\nb = 614e6\nn = 0.168\nc = 0.0089\nreference_rate = 1.0\nm = 1.1\n\
-                 reference_temperature = 20.0\nmelting_temperature = 1540.0\nspecific_heat = 460.0\n\
-                 taylor_quinney = 0.9",
+                "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = 7830.0\n\
+                 youngs_modulus = 206.9e9\npoisson = 0.3\n\
+                 a = 806e6\nb = 614e6\nn = 0.168\nc = 0.0089\nreference_rate = 1.0\nm = 1.1\n\
+                 reference_temperature = 20.0\nmelting_temperature = 1540.0\n\
+                 specific_heat = 460.0\ntaylor_quinney = 0.9",
             );
         })?;
         let [radius, length] = m.at(80e-6);
@@ -203,7 +204,7 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-const SPRINGS: &str = "springs of a penalty yield beside the cells, as in A10";
+const SPRINGS: &str = "penalty springs are compliant in addition to the cells, as in A10";
 /// Largest force of the reference on A11 [N].
 const FORCE: f64 = 344.8;
 

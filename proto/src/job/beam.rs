@@ -1,15 +1,15 @@
-//! Cross sections of beams as they are written in a job.
+//! Cross sections of beams in a job.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Cross section of a part of beams, whose elements are the rows of `mesh.beams`. Its second axis
-/// lies in the plane of the three nodes of an element, square to the beam; its third axis is square
-/// to both.
+/// Cross section of a part of beams; its elements are the rows of `mesh.beams`. The second axis of
+/// the section lies in the plane of the three nodes of an element, normal to the beam. The third
+/// axis is normal to both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Beam {
-    /// Form of the section.
+    /// Shape of the section.
     pub section: BeamSection,
     /// Height of a rectangle or an I along the second axis [length].
     #[serde(default)]
@@ -26,54 +26,54 @@ pub struct Beam {
     /// Outer radius of a tube [length].
     #[serde(default)]
     pub radius: f64,
-    /// Wall of a tube, 0 for a solid round bar [length].
+    /// Wall thickness of a tube [length]; 0 for a solid round bar.
     #[serde(default)]
     pub wall: f64,
     /// Area of a general section [length^2].
     #[serde(default)]
     pub area: f64,
-    /// Second moments of area of a general section, for bending about the second and the third
-    /// axis; 0 and 0 for a truss, which bears no moments [length^4].
+    /// Second moments of area of a general section, for bending about the second and the third axis
+    /// [length^4]. 0 and 0 for a truss, which has no moments.
     #[serde(default)]
     pub second_moments: [f64; 2],
     /// Torsion constant of a general section [length^4].
     #[serde(default)]
     pub torsion: f64,
-    /// Areas that bear the shear forces along the second and the third axis; 0 for a beam so thin
-    /// that shear does not deform it, as it is without this [length^2].
+    /// Shear areas along the second and the third axis [length^2]. 0 (default) for a thin beam
+    /// without shear deformation.
     #[serde(default)]
     pub shear_areas: [f64; 2],
-    /// Makes beams welds that break.
+    /// Makes the beams spot welds that break.
     #[serde(default)]
     pub weld: Option<Weld>,
-    /// Radius with which its beams are met in contact [length]. Without it the outer radius of a
-    /// tube, for a rectangle and a general section that of the circle of the same area, for an I
-    /// that of the rectangle around it; welds take no part without it. `contact.thickness_limit`
-    /// bounds it by the beam's length.
+    /// Contact radius of its beams [length]. Default for a tube: its outer radius. For a rectangle
+    /// and a general section: the radius of the circle with the same area. For an I: that of the
+    /// rectangle around it. Welds are in contact only if this is given. `contact.thickness_limit`
+    /// bounds it by the length of the beam.
     #[serde(default)]
     pub contact_radius: Option<f64>,
 }
 
-/// When a beam breaks as a spot weld does: once `(N/normal)^n + (V/shear)^m + (M/bending)^2 +
-/// (T/torsion)^2 >= 1`, with the tension N along it, the shear force V across it, the larger
-/// bending moment M of its ends and the torque T. From then on it bears nothing. A limit of 0 is
-/// none.
+/// Failure of a spot weld. It breaks when `(N/normal)^n + (V/shear)^m + (M/bending)^2 +
+/// (T/torsion)^2 >= 1`, with the tension N, the shear force V, the larger bending moment M of its
+/// ends and the torque T. From then on its forces are zero. With a limit of 0, its term is left
+/// out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Weld {
-    /// Tension that breaks it alone [force].
+    /// Tension at which it breaks without other loads [force].
     #[serde(default)]
     pub normal: f64,
-    /// Shear force that breaks it alone [force].
+    /// Shear force at which it breaks without other loads [force].
     #[serde(default)]
     pub shear: f64,
-    /// Bending moment that breaks it alone [force length].
+    /// Bending moment at which it breaks without other loads [force length].
     #[serde(default)]
     pub bending: f64,
-    /// Torque that breaks it alone [force length].
+    /// Torque at which it breaks without other loads [force length].
     #[serde(default)]
     pub torsion: f64,
-    /// Exponents n and m; 2 and 2 without them.
+    /// Exponents n and m; default 2 and 2.
     #[serde(default = "squares")]
     pub exponents: [f64; 2],
 }
@@ -82,7 +82,7 @@ fn squares() -> [f64; 2] {
     [2.0; 2]
 }
 
-/// Form of a beam's cross section.
+/// Shape of the cross section of a beam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BeamSection {
@@ -90,9 +90,9 @@ pub enum BeamSection {
     Rectangle,
     /// `radius` and `wall`.
     Tube,
-    /// Two flanges of `width` by `flange`, and a `web`; `height` over all.
+    /// Two flanges of `width` by `flange`, and a `web`; `height` is the total height.
     I,
-    /// `area`, `second_moments` and `torsion` alone: four fibres at the radii of gyration. Elastic
-    /// beams need no more; a truss yields as one fibre does, a beam that bends as four flanges.
+    /// `area`, `second_moments` and `torsion` alone: four fibres at the radii of gyration. This is
+    /// exact for elastic beams. A truss yields like one fibre, a beam in bending like four flanges.
     General,
 }

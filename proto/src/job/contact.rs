@@ -3,133 +3,135 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Automatic single-surface contact of all parts, or of some, and interfaces with numbers of their
-/// own.
+/// Automatic single-surface contact of all parts or of some parts, and interfaces with their own
+/// settings.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Name for people.
+    /// Name in messages.
     pub name: String,
-    /// Name of the law in the worker's table: `lagrange`, `kinematic`, `penalty` or `mortar`. The
-    /// first three hold where contact is strong (`cases/studies/README.md`, tube, corner, tumble);
-    /// for contact stresses take one of the first two (hertz), or `mortar` where the meshes of two
-    /// faces do not match (`tests/VERIFICATION.md`, A22). With `none` only the parts of interfaces
-    /// touch.
+    /// Contact law: `lagrange`, `kinematic`, `penalty`, `mortar` or `none`. The first three are
+    /// robust in severe contact (`cases/studies/README.md`, tube, corner, tumble). For contact
+    /// stresses use `lagrange` or `kinematic` (hertz), or `mortar` if the meshes of two faces do
+    /// not match (`tests/VERIFICATION.md`, A22). With `none` only the parts of interfaces are in
+    /// contact.
     pub law: String,
     /// Static coefficient of Coulomb friction.
     pub friction: f64,
-    /// Dynamic coefficient of friction: at the sliding speed v it is `d + (friction - d)
-    /// exp(-friction_decay v)`; as `friction` if left out.
+    /// Dynamic coefficient d of friction: at the sliding speed v the coefficient is
+    /// `d + (friction - d) exp(-friction_decay v)`. Without it, as `friction`.
     pub friction_dynamic: Option<f64>,
-    /// How fast friction decays with the sliding speed [time/length].
+    /// Decay constant of friction with the sliding speed [time/length].
     pub friction_decay: f64,
-    /// Largest shear stress of friction [force/length^2]; none if left out or 0. Where the normal
-    /// pressure on a node, the mean of about ten steps, is above this by the coefficient of
-    /// friction, the coefficient is this by the pressure. Edges on edges and lines of beams have no
-    /// area and are not limited.
+    /// Largest shear stress of friction [force/length^2]; without it, or with 0, no limit. It is
+    /// compared with the coefficient of friction times the normal pressure on a node, a mean over
+    /// about ten steps. If this product is larger, the coefficient becomes the limit over the
+    /// pressure. Pairs of edges and pairs with beams have no area and are not limited.
     pub friction_limit: Option<f64>,
-    /// Time from which there is contact [time].
+    /// Time at which contact starts [time].
     pub birth: f64,
-    /// Time at which contact ends [time]; never if left out. Before birth and after death its parts
-    /// do not touch, not by an earlier interface either.
+    /// Time at which contact ends [time]; without it, never. Before `birth` and after `death` the
+    /// parts are not in contact, not even by an earlier interface.
     pub death: Option<f64>,
-    /// Thickness with which all shells and beams are met, in place of their own [length];
-    /// `thickness_limit` does not bound it.
+    /// Contact thickness of all shells and beams, in place of their own [length]. `thickness_limit`
+    /// does not bound it.
     pub thickness: Option<f64>,
-    /// Factor of the thickness with which shells and beams are met.
+    /// Factor on the thickness of shells and beams in contact.
     pub thickness_scale: f64,
     /// Global search: `cells` (linked cells) or `boxes` (point in box by sorted lists).
     pub search: String,
-    /// Distance that candidates reach beyond contact, so that the search need not run every step
-    /// [length]; 0 for a quarter of the median element side, or 0.4 of the largest thickness if
-    /// that is more, but a side at most. It changes how long a search takes and how often one is
-    /// made, no bit of the motion, and which parts count as near.
+    /// Distance that the global search looks beyond the reach, so that it need not run in every
+    /// step [length]. 0 for a quarter of the median element side, or 0.4 of the largest thickness
+    /// if that is more, at most one median side. It changes the number and duration of searches and
+    /// which parts count as near, but no bit of the motion.
     pub skin: f64,
-    /// How the forces of pairs that feel each other are brought into agreement (Lagrange):
-    /// `gauss_seidel`, one after the other in ascending order of their names, the default
-    /// (`cases/studies/README.md`, sandwich); `split`, all from the same state with nodal masses
-    /// split among their pairs, which needs more sweeps.
+    /// Iteration for coupled pairs (Lagrange). `gauss_seidel` (default) updates one pair after the
+    /// other in ascending order of their keys (`cases/studies/README.md`, sandwich). `split`
+    /// updates all pairs from the same state, with nodal masses split among their pairs; it needs
+    /// more sweeps.
     pub iteration: String,
-    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in
-    /// PRONTO3D) before `accelerated` ones.
+    /// Largest number of plain sweeps over all pairs in a step (Lagrange), or of passes (kinematic;
+    /// 1 in PRONTO3D).
     pub sweeps: usize,
-    /// Most accelerated sweeps after these in steps for which they are too few (they leave more
-    /// than 1e-4 of what a force is there to do), as with layers below a hundredth of their
-    /// neighbours' mass; 0 for none. None follow a single sweep (Lagrange); see
-    /// `cases/studies/README.md`, sandwich.
+    /// Largest number of accelerated sweeps in a step (Lagrange); 0 for none. They follow the plain
+    /// sweeps if these leave more than 1e-4 of the velocity that a force has to change. This
+    /// happens with layers of less than a hundredth of the mass of their neighbours. With
+    /// `sweeps = 1` none follow. See `cases/studies/README.md`, sandwich.
     pub accelerated: usize,
-    /// Velocity that a pair's force may leave unchanged, over the velocity that it is there to
-    /// change (Lagrange); relative change below which the force is left as it is (kinematic); see
+    /// Velocity that a force leaves to be changed, over the velocity that it has to change
+    /// (Lagrange). Relative change below which a force stays as it is (kinematic). See
     /// `cases/studies/README.md`, bars.
     pub tolerance: f64,
-    /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of
-    /// Wang 2007, eq. 7), which keeps no angular momentum where the masses of a segment differ
-    /// (Lagrange); see `cases/studies/README.md`, hertz and tumble.
+    /// Distribution of a contact force to the nodes of a segment: `shape` (N_k) or `mass` (m_k/M2
+    /// of Wang 2007, eq. 7). `mass` does not conserve angular momentum if the nodal masses of a
+    /// segment differ (Lagrange). See `cases/studies/README.md`, hertz and tumble.
     pub weighting: String,
-    /// Fraction beta of the correction that the surface of the lower part (within a part, of the
-    /// lower element) takes as slave of the other, which takes the rest as slave of the first;
-    /// pairs whose surfaces are not slaves of each other are not partitioned (kinematic). See
-    /// `cases/studies/README.md`, bars-solids.
+    /// Partition factor beta (kinematic): fraction of the correction that one surface takes as
+    /// slave of the other. It is the surface of the lower part, or within a part of the lower
+    /// element. The other surface takes the rest as slave of the first. Pairs whose surfaces are
+    /// not slaves of each other are not partitioned. See `cases/studies/README.md`, bars-solids.
     pub partition: f64,
-    /// Stiffness of the penalty (penalty; mortar, where it is that of a pressure): `soft`, from
-    /// nodal masses and the step; `stiffness`, from the segment's Young's modulus and area, E A / d
-    /// with a solid's shortest edge or a shell's longest diagonal d. See `cases/studies/README.md`,
-    /// reversal and hertz.
+    /// Form of the penalty stiffness (penalty, mortar): `soft`, from nodal masses and the step, or
+    /// `stiffness`. `stiffness` is E A / d with Young's modulus E and area A of the segment, and d
+    /// the shortest edge of a solid or the longest diagonal of a shell. With the law `mortar` it is
+    /// the stiffness of a pressure. See `cases/studies/README.md`, reversal and hertz.
     pub penalty_form: String,
-    /// Scale of the penalty stiffness, of either form (penalty, mortar); see
+    /// Factor on the penalty stiffness of either form (penalty, mortar). See
     /// `cases/studies/README.md`, bars, reversal and penalty-map.
     pub penalty_scale: f64,
-    /// Normal damping of the penalty, as a fraction of the critical damping of the masses that meet
-    /// (penalty, mortar). Without it what slides on springs chatters and feels too little friction
-    /// (`cases/studies/README.md`, slide); an impact of bars loses as much with 0.1 as with the
-    /// Lagrange law.
+    /// Normal damping of the penalty, as a fraction of the critical damping of the masses in
+    /// contact (penalty, mortar). Without damping, a sliding body bounces on the contact springs,
+    /// and its friction is too small (`cases/studies/README.md`, slide). With 0.1 an impact of bars
+    /// loses as much as with the Lagrange law.
     pub penalty_damping: f64,
-    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty, mortar).
-    /// Without it a run may blow up (`cases/studies/README.md`, penalty-map).
+    /// Reduce the penalty stiffness where it would make the step unstable, with a warning (penalty,
+    /// mortar). Without it a run may become unstable (`cases/studies/README.md`, penalty-map).
     pub penalty_cap: bool,
-    /// Whether edges meet edges too: free ones of shells, folds, and sharp ones of solids. Without
-    /// it they pass each other between their nodes (`tests/VERIFICATION.md`, C04).
+    /// Contact between edges: free edges of shells, folds, and sharp edges of solids. Without it
+    /// edges pass through each other between their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
-    /// Whether beams take part, as lines with a radius (`part.beam.contact_radius`): they meet each
-    /// other and the edges of shells and solids along their length, and nodes meet them all along.
-    /// As `edges` if left out. Without it other things pass through them.
+    /// Contact of beams, as lines with a radius (`part.beam.contact_radius`): with each other, with
+    /// edges of shells and solids, and with nodes, along their whole length. Without this key as
+    /// `edges`. If false, other bodies pass through beams.
     pub beams: Option<bool>,
-    /// Largest thickness with which a shell is met, as a multiple of its shortest side, or a beam,
-    /// as a multiple of its length; 0 for no limit. Shells finer than they are thick would touch
-    /// what stands at an angle to them round a corner, from the start and at great cost
-    /// (`cases/bench/RESULTS.md`).
+    /// Largest contact thickness of a shell as a multiple of its shortest side, and of a beam as a
+    /// multiple of its length; 0 for no limit. Without a limit, shells with sides shorter than
+    /// their thickness would touch the shells at an angle to them around a corner. They would do so
+    /// from the start and at great cost (`cases/bench/RESULTS.md`).
     pub thickness_limit: f64,
-    /// Parts that meet those of `against`, or each other and themselves without it; all parts if
-    /// empty.
+    /// Parts in contact with those of `against`; without `against`, with each other and with
+    /// themselves. All parts if empty.
     pub parts: Vec<u32>,
-    /// Parts that those of `parts` meet; they do not meet each other here.
+    /// Parts in contact with those of `parts`. They are not in contact with each other by this
+    /// table.
     pub against: Vec<u32>,
-    /// Parts that touch none but by an interface.
+    /// Parts that are in contact by interfaces only.
     pub exclude: Vec<u32>,
-    /// Interfaces: which parts touch otherwise than said above, or not at all. The last one that
-    /// names a pair of parts holds for it.
+    /// Interfaces: pairs of parts with other settings than above, or without contact. The last
+    /// interface that names a pair of parts applies to it.
     pub interface: Vec<Interface>,
 }
 
-/// An interface: contact between some parts, with numbers of its own. What it does not say is as in
+/// Interface: contact between some parts, with its own settings. A key that is not given is as in
 /// `[contact]`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interface {
-    /// Name for people and for `--set contact.interface.NAME.key`.
+    /// Name in messages and for `--set contact.interface.NAME.key`.
     pub name: String,
-    /// Parts that meet those of `against`, or each other and themselves without it; all parts if
-    /// empty.
+    /// Parts in contact with those of `against`; without `against`, with each other and with
+    /// themselves. All parts if empty.
     pub parts: Vec<u32>,
-    /// Parts that those of `parts` meet; they do not meet each other here.
+    /// Parts in contact with those of `parts`. They are not in contact with each other by this
+    /// table.
     pub against: Vec<u32>,
-    /// Parts that have nothing to do with this interface.
+    /// Parts that do not belong to this interface.
     pub exclude: Vec<u32>,
-    /// As in `[contact]`, `lagrange` where that says `none`; `none` keeps these parts from
-    /// touching.
+    /// As in `[contact]`, or `lagrange` if the law there is `none`. With `none` these parts are not
+    /// in contact.
     pub law: Option<String>,
-    /// As in `[contact]`. With another `friction` and neither this nor `friction_dynamic`, friction
-    /// is the same at all speeds.
+    /// As in `[contact]`. If this is given without `friction_dynamic`, friction is the same at all
+    /// speeds.
     pub friction: Option<f64>,
     /// As in `[contact]`.
     pub friction_dynamic: Option<f64>,
@@ -161,16 +163,16 @@ pub struct Interface {
     pub penalty_damping: Option<f64>,
     /// As in `[contact]`.
     pub penalty_cap: Option<bool>,
-    /// As in `[contact]`. An interface without beams says nothing of them: what an earlier one says
-    /// holds.
+    /// As in `[contact]`. If false, this interface does not apply to beams, and an earlier
+    /// interface remains in effect for them.
     pub beams: Option<bool>,
 }
 
 impl Contact {
-    /// Law that lets nothing touch.
+    /// Name of the law for no contact.
     pub const NO_LAW: &str = "none";
 
-    /// The numbers of one of its interfaces.
+    /// Returns the settings of one of its interfaces.
     pub fn of(&self, interface: &Interface) -> Self {
         let Interface {
             name,
@@ -236,14 +238,14 @@ impl Contact {
         }
     }
 
-    /// What it says itself, and its interfaces, in their order.
+    /// Returns its own settings and those of its interfaces, in their order.
     pub fn each(&self) -> impl Iterator<Item = Self> + '_ {
         let own = Self { interface: Vec::new(), ..self.clone() };
         std::iter::once(own).chain(self.interface.iter().map(|i| self.of(i)))
     }
 
-    /// Which parts, by their places in `ids`, meet which others by what it says itself, its
-    /// interfaces left out.
+    /// Returns the parts on both sides, as indices into `ids`, by its own settings without its
+    /// interfaces.
     pub fn sides(&self, ids: &[u32]) -> [Vec<usize>; 2] {
         let named = |list: &[u32], id: u32| list.is_empty() || list.contains(&id);
         let against = if self.against.is_empty() { &self.parts } else { &self.against };
@@ -254,12 +256,12 @@ impl Contact {
         [side(&self.parts), side(against)]
     }
 
-    /// Whether beams take part by what it says itself.
+    /// Returns true if its own settings include beams.
     pub fn has_beams(&self) -> bool {
         self.beams.unwrap_or(self.edges)
     }
 
-    /// Whether a part takes part, by itself or by one of its interfaces.
+    /// Returns true if a part is in contact by its own settings or by an interface.
     pub fn takes_part(&self, part: u32) -> bool {
         let named =
             |c: &Self| c.parts.is_empty() || c.parts.contains(&part) || c.against.contains(&part);

@@ -1,35 +1,35 @@
-//! What a job asks to be written.
+//! Output that a job requests.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What is written, how often.
+/// Files that are written, and their intervals.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Time between rows of the histories [time]; 0 for a two-hundredth of the run.
+    /// Time between rows of the histories [time]; 0 for 1/200 of the run.
     pub history_interval: f64,
-    /// Time between field files [time]; 0 for a twentieth of the run, negative for none.
+    /// Time between field files [time]; 0 for 1/20 of the run, negative for none.
     pub field_interval: f64,
-    /// Further times of field files [time].
+    /// Additional times of field files [time].
     pub field_times: Vec<f64>,
     /// Write `parts.csv`: energies, mass and momentum of each part.
     pub parts: bool,
-    /// Write `walls.csv`, where there are rigid walls: impulse and force of each.
+    /// Write `walls.csv` if there are rigid walls: impulse and force of each wall.
     pub walls: bool,
-    /// Write `contacts.csv` and `contact_pairs.csv`, where there is contact between parts: the
-    /// force on each part, and between each two.
+    /// Write `contacts.csv` and `contact_pairs.csv` if there is contact between parts: the force on
+    /// each part, and between each pair of parts.
     pub contacts: bool,
-    /// Write the fields as a d3plot database too, when the run is over.
+    /// Also write the fields as a d3plot database, at the end of the run.
     pub d3plot: bool,
-    /// Write the fields as one temporal VTKHDF file too, when the run is over; needs a build with
+    /// Also write the fields as one temporal VTKHDF file, at the end of the run. Needs a build with
     /// the feature `vtkhdf`.
     pub vtkhdf: bool,
     /// Nodes whose motion is written to `nodes.csv`.
     pub node: Vec<NodeHistory>,
     /// Sections whose force and moment are written to `sections.csv`.
     pub section: Vec<SectionHistory>,
-    /// Force transducers, whose contact forces are written to `transducers.csv`.
+    /// Force transducers: contact forces that are written to `transducers.csv`.
     pub transducer: Vec<TransducerHistory>,
 }
 
@@ -55,7 +55,7 @@ impl Default for Output {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NodeHistory {
-    /// Name for people; the node set's without it.
+    /// Name in the output; without it that of the node set.
     #[serde(default)]
     pub name: String,
     /// Node set.
@@ -66,37 +66,38 @@ pub struct NodeHistory {
     pub ids: Vec<u64>,
 }
 
-/// A section whose force and moment are written to `sections.csv`: what elements on one side of a
-/// node set put on these nodes. The elements are those of `parts` and `elements`, or of any part;
-/// `side` takes those of one side of them.
+/// Section whose force and moment are written to `sections.csv`: the forces that the elements on
+/// one side of a node set exert on these nodes. The elements are those of `parts` and `elements`,
+/// or those of all parts if both are empty. `side` selects those on one side.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectionHistory {
-    /// Name for people; the node set's without it.
+    /// Name in the output; without it that of the node set.
     #[serde(default)]
     pub name: String,
     /// Node set.
     pub nodes: String,
-    /// Parts whose elements count.
+    /// Parts whose elements are included.
     #[serde(default)]
     pub parts: Vec<u32>,
-    /// Ids of elements that count.
+    /// Ids of elements that are included.
     #[serde(default)]
     pub elements: Vec<u64>,
-    /// Direction from the middle of the nodes: only elements whose centre lies to this side of it
-    /// at the start count.
+    /// Direction from the mean position of the nodes. Only elements whose centre is on this side at
+    /// the start are included.
     #[serde(default)]
     pub side: Option<[f64; 3]>,
 }
 
-/// A force transducer: the contact force on a surface A, from a surface B or from all that touches
-/// it, is written to `transducers.csv`. A surface is the faces and nodes of some parts, or of a
-/// node set (its nodes, and the faces all of whose nodes are in it), or what both have in common.
-/// What a surface exerts on itself cancels. Rigid walls are in `walls.csv`.
+/// Force transducer: the contact force on a surface A, from a surface B or from all bodies in
+/// contact with A, is written to `transducers.csv`. A surface consists of the faces and nodes of
+/// some parts, or of a node set (its nodes, and the faces whose nodes are all in it), or of the
+/// intersection of both. The forces of a surface on itself cancel. For forces of rigid walls see
+/// `walls.csv`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TransducerHistory {
-    /// Name for people.
+    /// Name in the output.
     #[serde(default)]
     pub name: String,
     /// Parts of surface A.
@@ -105,7 +106,7 @@ pub struct TransducerHistory {
     /// Node set of surface A.
     #[serde(default)]
     pub nodes: Option<String>,
-    /// Parts of surface B; without these and `from_nodes` all that touches A counts.
+    /// Parts of surface B. Without these and `from_nodes`, all contact forces on A are included.
     #[serde(default)]
     pub from_parts: Vec<u32>,
     /// Node set of surface B.

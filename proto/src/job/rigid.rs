@@ -1,31 +1,31 @@
-//! Rigid bodies as they are written in a job.
+//! Rigid bodies in a job.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A rigid body: all nodes of its parts, and those of a set. Elements of the parts compute no
-/// forces and do not limit the time step; they carry mass and take part in contact.
+/// Rigid body: all nodes of its parts, and those of a node set. Elements of the parts compute no
+/// forces and do not limit the time step. They have mass and take part in contact.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rigid {
-    /// Name for people and for motions.
+    /// Name in messages and for motions.
     pub name: String,
     /// Parts.
     #[serde(default)]
     pub parts: Vec<u32>,
-    /// Node set, in addition.
+    /// Additional node set.
     #[serde(default)]
     pub nodes: Option<String>,
-    /// Any of x, y, z, rx, ry, rz: translations of the centre and rotations about the axes of space
-    /// that are held.
+    /// Fixed degrees of freedom: any of x, y, z, rx, ry, rz, translations of the centre and
+    /// rotations about the axes of space.
     #[serde(default)]
     pub fixed: Vec<String>,
-    /// Mass of the elements of its parts [mass]; theirs by density and thickness if left out. What
-    /// else its nodes carry comes on top.
+    /// Mass of the elements of its parts [mass]; without it their mass by density and thickness.
+    /// Other masses of its nodes are added.
     #[serde(default)]
     pub mass: Option<f64>,
-    /// Inertia about the centre, xx, yy, zz, xy, yz, zx [mass length^2]; that of the nodal masses
-    /// if left out.
+    /// Inertia about the centre, xx, yy, zz, xy, yz, zx [mass length^2]; without it that of the
+    /// nodal masses.
     #[serde(default)]
     pub inertia: Option<[f64; 6]>,
 }

@@ -1,33 +1,34 @@
-//! Discrete springs and dampers as they are written in a job.
+//! Discrete springs and dampers in a job.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What makes a part one of springs and dampers: its elements are the rows of `mesh.springs`. The
-/// force is that of the elongation plus that of its rate, tension positive, along the line between
-/// the two nodes.
+/// Properties of a part of springs and dampers; its elements are the rows of `mesh.springs`. The
+/// force is the sum of a function of the elongation and a function of its rate. It acts along the
+/// line between the two nodes; tension is positive.
 ///
-/// Springs have no mass: what is free at their ends needs some. To tie a node to the ground, let
-/// the other node be one that a `[[fix]]` holds in x, y and z; it needs no mass.
+/// Springs have no mass, so a free node at their end needs some mass. To connect a node to the
+/// ground, use as second node one that a `[[fix]]` fixes in x, y and z; it needs no mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
     /// Stiffness [force/length].
     #[serde(default)]
     pub stiffness: f64,
-    /// Force over elongation against the start instead of `stiffness`: `[elongation, force]` with
-    /// ascending elongations; beyond its ends it goes on with its first and last slope [length,
-    /// force].
+    /// Force as a function of the elongation since the start, instead of `stiffness`: points
+    /// `[elongation, force]` with ascending elongations. Outside its range it continues with its
+    /// first and last slope [length, force].
     #[serde(default)]
     pub force_elongation: Vec<[f64; 2]>,
     /// Damping [force time/length].
     #[serde(default)]
     pub damping: f64,
-    /// Force over the rate of elongation instead of `damping`, likewise [length/time, force].
+    /// Force as a function of the rate of elongation, instead of `damping`, in the same form
+    /// [length/time, force].
     #[serde(default)]
     pub force_rate: Vec<[f64; 2]>,
-    /// A direction that stays: elongation is the relative displacement along it, from the first
-    /// node to the second, and so is the force. Springs without length need one.
+    /// Fixed direction of the force. The elongation is then the relative displacement in this
+    /// direction, of the second node against the first. Springs of zero length need it.
     #[serde(default)]
     pub direction: Option<[f64; 3]>,
 }

@@ -1,50 +1,51 @@
-//! Ties as they are written in a job.
+//! Ties in a job.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Nodes tied to a surface where they are at the start: each is moved onto the face that is nearest
-/// to it, and from then on is carried by that face's nodes. Its mass and what acts on it go to them
-/// by the shape functions, and its velocity is theirs; so neither momentum nor energy is lost, and
-/// no stable step becomes shorter.
+/// Nodes tied to the surface on which they are at the start. Each node is moved onto the nearest
+/// face and then follows the nodes of this face. The shape functions distribute its mass and the
+/// forces on it to these nodes and give its velocity. So momentum and energy are conserved, and no
+/// stable step becomes shorter.
 ///
-/// A face that a rigid body moves makes its nodes members of the body. Walls let tied nodes be and
-/// stop what carries them. A node that starts with another velocity than its face gives it the
-/// difference of momentum. When the element of its face fails a node is let go.
+/// Nodes tied to a face of a rigid body become members of the body. Walls do not act on tied nodes,
+/// only on the nodes that they follow. If the initial velocity of a node differs from that of its
+/// face, the difference of momentum goes to the face. If the element of its face fails, the node is
+/// released.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tie {
-    /// Name for people.
+    /// Name in messages.
     #[serde(default)]
     pub name: String,
-    /// Node set that is tied.
+    /// Node set that is tied (slaves).
     pub nodes: String,
-    /// Parts whose shells and outer faces of solids carry.
+    /// Parts whose shells and outer faces of solids are the surface.
     #[serde(default)]
     pub parts: Vec<u32>,
-    /// Node set: the faces all of whose nodes are in it carry, of `parts` only if these are given
-    /// too.
+    /// Node set: the faces whose nodes are all in it are the surface; with `parts`, only those of
+    /// these parts.
     #[serde(default)]
     pub faces: Option<String>,
-    /// Id of a node that carries instead of a surface: the others have its displacements, wherever
-    /// they stand, so that angular momentum is not kept.
+    /// Id of a single master node, instead of a surface. The slaves have its displacements at any
+    /// distance, so that angular momentum is not conserved.
     #[serde(default)]
     pub node: Option<u64>,
-    /// How far a node may be from a face [length]; without it 0.6 of the thicknesses of both, or a
-    /// twentieth of the face's shorter diagonal, whichever is more, as LS-DYNA does. What is
-    /// farther off is not tied, which is told.
+    /// Largest distance of a node from a face [length]. Without it the larger of 0.6 of the
+    /// thicknesses of both and a twentieth of the shorter diagonal of the face, as in LS-DYNA.
+    /// Nodes at a larger distance are not tied, and a warning names them.
     #[serde(default)]
     pub tolerance: f64,
-    /// Thicknesses of the nodes' side and of the faces' side that the default `tolerance` goes by;
-    /// 0 for those of the parts [length].
+    /// Thicknesses of the side of the nodes and of the side of the faces for the default
+    /// `tolerance` [length]; 0 for those of the parts.
     #[serde(default)]
     pub thicknesses: [f64; 2],
-    /// Tie rotations too, to faces whose nodes turn.
+    /// Also tie rotations, to faces whose nodes have rotations.
     #[serde(default)]
     pub rotations: bool,
-    /// Leave nodes where they are, at the end of arms that turn with the face, if its nodes turn;
-    /// the faces of solids have them moved all the same. What acts on a node acts on the face with
-    /// its moment.
+    /// Keep nodes at their initial positions, at the end of arms that rotate with the face. Only
+    /// for faces whose nodes have rotations; nodes on faces of solids are moved in any case. A
+    /// force on a node acts on the face with its moment.
     #[serde(default)]
     pub offset: bool,
 }

@@ -1,30 +1,30 @@
-//! Rigid walls as they are written in a job.
+//! Rigid walls in a job.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A rigid wall that nodes do not pass: a plane, a rectangle of one, or the mantle of a cylinder.
-/// It stands still, goes where a curve leads it, or has a mass and gives way along its normal.
+/// Rigid wall that nodes may not enter: a plane, a rectangle, or the lateral surface of a cylinder.
+/// It is at rest, has a prescribed motion, or has a mass and moves along its normal.
 ///
-/// A rectangle or a cylinder stops what comes from outside, and lets be what is behind it. Degrees
-/// of freedom that are fixed or prescribed feel no wall: nothing pushes them, and a wall with a
-/// mass is not stopped by them.
+/// A rectangle or a cylinder stops nodes that come from outside and ignores nodes behind it. A wall
+/// does not act on fixed or prescribed degrees of freedom, and these do not stop a wall with a
+/// mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
-    /// Name for histories.
+    /// Name in histories.
     #[serde(default)]
     pub name: String,
-    /// A point of the wall: of a rectangle a corner, of a cylinder the start of its axis [length].
+    /// Point on the wall [length]: a corner of a rectangle, the start of the axis of a cylinder.
     pub point: [f64; 3],
-    /// Normal of a plane or a rectangle, towards the side where the model is (made a unit vector).
+    /// Normal of a plane or a rectangle, towards the model; it is normalised.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<[f64; 3]>,
-    /// Makes the plane a rectangle: direction of its first side from `point`, made square to the
-    /// normal. The second side has the direction normal x edge.
+    /// Makes the plane a rectangle: direction of its first side from `point`, made perpendicular to
+    /// the normal. The second side has the direction normal x edge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge: Option<[f64; 3]>,
-    /// Lengths of the two sides of a rectangle, 0 for one without end [length].
+    /// Lengths of the two sides of a rectangle [length]; 0 for an infinite side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lengths: Option<[f64; 2]>,
     /// Direction of the axis of a cylinder, instead of `normal`.
@@ -33,32 +33,33 @@ pub struct Wall {
     /// Radius of a cylinder [length].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
-    /// Length of a cylinder, 0 for one without end. Its ends are open [length].
+    /// Length of a cylinder [length]; 0 for an infinite one. Its ends are open.
     #[serde(default)]
     pub length: f64,
-    /// Coulomb friction coefficient.
+    /// Coefficient of Coulomb friction.
     #[serde(default)]
     pub friction: f64,
-    /// Node set that meets the wall; all nodes without it.
+    /// Node set that the wall acts on; without it all nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nodes: Option<String>,
-    /// Node set that passes through the wall all the same.
+    /// Node set that the wall ignores.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub except: Option<String>,
-    /// Mass of a plane or rectangle that moves freely along its normal and not otherwise [mass].
+    /// Mass of a plane or rectangle that moves freely along its normal, and only along it [mass].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Velocity at the start along its normal, of a wall with mass [length/time].
+    /// Initial velocity along its normal, of a wall with a mass [length/time].
     #[serde(default)]
     pub speed: f64,
     /// Prescribed velocity of the wall [length/time].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
-    /// Prescribed displacement of the wall, instead of a velocity; its curve has to start at 0
-    /// [length].
+    /// Prescribed displacement of the wall, instead of a velocity [length]. Its curve must start at
+    /// 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<[f64; 3]>,
-    /// Factor on the prescribed velocity or displacement over time; 1 without it.
+    /// Name of a curve, the factor over time of the prescribed velocity or displacement; without it
+    /// 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<String>,
 }

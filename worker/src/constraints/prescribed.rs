@@ -7,10 +7,11 @@
 
 use crate::constraints::ties::Ties;
 use crate::contact::Contact;
-use crate::contact::enforce::StepSizes;
 use crate::curve::Curve;
 use crate::energy::Work;
-use crate::nodes::{Nodes, xyz};
+use crate::math::row::xyz;
+use crate::nodes::Nodes;
+use crate::time::StepSizes;
 use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
 use nalgebra::{Rotation3, Vector3};
 
@@ -214,7 +215,7 @@ mod tests {
         let (nodes, _) =
             moved(MotionForm::Spin { centre }, (axis * rate).into(), &[[0.0, 1.0]], 95);
         let off = (0..3).map(|c| (nodes.x[0][c] - nodes.x0[0][c]).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-13, "63 radians times eps times a radius of 3: {off}");
+        assert!(off < 1e-13, "round-off: 63 radians times eps times a radius of 3: {off}");
         assert!((Vector3::from(xyz(&nodes.w[0])) - axis * rate).norm() < 1e-12);
     }
 }

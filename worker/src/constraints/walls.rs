@@ -12,10 +12,11 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::contact::enforce::StepSizes;
 use crate::contact::geometry::V3;
 use crate::energy::Work;
-use crate::nodes::{Nodes, Row, row, xyz};
+use crate::math::row::{Row, row, xyz};
+use crate::nodes::Nodes;
+use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};

@@ -11,7 +11,8 @@
 use crate::contact::geometry::V3;
 use crate::contact::local_search::REACH;
 use crate::contact::surface::Segment;
-use crate::nodes::{Nodes, Row, xyz};
+use crate::math::row::{Row, xyz};
+use crate::nodes::Nodes;
 
 /// Number of steps for which approaching slaves must be known: until the end of the step that a
 /// rate limits, and one more for velocities that grow in that time.

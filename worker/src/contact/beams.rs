@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn the_radius_is_that_of_the_section_unless_it_is_given() {
         let of = |section| radius(&beam(section)).unwrap();
-        assert_eq!(of(BeamSection::Tube), 2.0, "whatever its wall");
+        assert_eq!(of(BeamSection::Tube), 2.0, "for any wall thickness");
         for (section, area) in
             [(BeamSection::Rectangle, 12.0), (BeamSection::I, 12.0), (BeamSection::General, 5.0)]
         {

@@ -3,7 +3,7 @@
 use crate::contact::kernels::Vector;
 use crate::contact::surface::{Segment, Surface};
 use crate::math::lanes::{LANES, Lane, Lanes, Real};
-use crate::nodes::Row;
+use crate::math::row::Row;
 
 /// A slave and a segment that it may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]

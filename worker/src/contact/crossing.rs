@@ -7,7 +7,8 @@ use crate::contact::folds::{Edge, EdgeTable};
 use crate::contact::geometry::{V3, project_edges};
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
-use crate::nodes::{Nodes, Row};
+use crate::math::row::Row;
+use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
 
@@ -39,7 +40,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
     let through = |s: &Segment, e: &Edge, x: &[Row]| {
         let ([p, q], [a, b, c, d]) = (e.ends(x), s.corners(x));
-        // An edge that lies on a face, or sinks in as far as contact permits, is no crossing.
+        // An edge on a face, or with a penetration that contact permits, is no crossing.
         let deep = |(at, normal): (V3, V3)| {
             let [above, below] = [p - at, q - at].map(|end| end.dot(&normal).abs());
             above.min(below) > THROUGH * s.scale
@@ -49,7 +50,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         }
         pierces_patch(&p, &q, [&a, &b, &c, &d]).into_iter().flatten().any(deep)
     };
-    // Edges in contact sink in as nodes do. An edge that touches an edge of the segment is no
+    // Edges in contact penetrate as nodes do. An edge that touches an edge of the segment is no
     // crossing.
     let meets = |e: &Edge| lines.is_exposed(e, surface, &nodes.x);
     let held = |s: &Segment, e: &Edge| {
@@ -148,9 +149,9 @@ mod tests {
         let (a, b, c) = (V3::zeros(), V3::x(), V3::y());
         let hits = |p: V3, q: V3| pierces(&p, &q, [&a, &b, &c]).is_some();
         assert!(hits(V3::new(0.2, 0.2, -1.0), V3::new(0.3, 0.3, 2.0)));
-        assert!(!hits(V3::new(0.2, 0.2, 0.5), V3::new(0.3, 0.3, 2.0)), "ends before it");
-        assert!(!hits(V3::new(0.8, 0.8, -1.0), V3::new(0.8, 0.8, 1.0)), "beside it");
-        assert!(!hits(V3::new(0.2, 0.2, 0.0), V3::new(0.4, 0.2, 0.0)), "within its plane");
+        assert!(!hits(V3::new(0.2, 0.2, 0.5), V3::new(0.3, 0.3, 2.0)), "ends before the face");
+        assert!(!hits(V3::new(0.8, 0.8, -1.0), V3::new(0.8, 0.8, 1.0)), "outside the face");
+        assert!(!hits(V3::new(0.2, 0.2, 0.0), V3::new(0.4, 0.2, 0.0)), "in the plane of the face");
     }
 
     /// A quad with two opposite corners up and two down is the saddle `z = x y`: its diagonals
@@ -186,7 +187,7 @@ mod tests {
         );
         assert!(
             found(hits(V3::new(1.2, 0.3, -2.0), V3::new(1.2, 0.3, 2.0))).is_empty(),
-            "beside it"
+            "outside the face"
         );
     }
 }

@@ -33,7 +33,8 @@ use crate::contact::local_search::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerat
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
-use crate::nodes::{Nodes, xyz};
+use crate::math::row::xyz;
+use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
@@ -49,8 +50,8 @@ const END: f64 = 0.1;
 /// Product of normals above which the histories of successive edges belong to the same contact.
 const ALIKE: f64 = 0.7;
 /// Depth of two edges behind each other, as a fraction of the thickness, up to which they count
-/// as sunk in before they became exposed. This applies if each is in front of the other by the
-/// direction in which both are folded. A fold that is not exposed lets edges sink in that far.
+/// as a penetration from before they became exposed. This applies if each is in front of the other
+/// in the direction in which both are folded. A fold that is not exposed permits this penetration.
 const SUNK: f64 = 0.5;
 
 /// Fraction of the angle of an exposed fold from which on edges are included in the search.
@@ -379,9 +380,9 @@ impl Edges {
         }
         let folds = if old.is_none() { self.folds(nodes, edges)? } else { Folds { of: [None; 2] } };
         if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
-            // Edges that are only just in contact are on their correct sides, whatever else
-            // keeps them apart. If nodes had to keep them apart until the fold turns, they would
-            // sink in before that.
+            // Edges at the start of contact are on their correct sides, even if other pairs keep
+            // them apart. If nodes had to keep them apart until the fold turns, they would
+            // penetrate before that.
             let touches = met.height * side - thickness >= -ACTIVE * scale;
             if !touches || lines.are_neighbours(edges, surface) {
                 // They may have touched before they became exposed.

@@ -1,4 +1,4 @@
-//! Edges: which folds meet others, and what is remembered of a pair.
+//! Tests of edges in contact: which folds are used, and the history of their pairs.
 
 use super::*;
 use crate::constraints::rigid::Bodies;
@@ -8,11 +8,11 @@ use crate::contact::surface::Segment;
 use crate::testing::nodes_at;
 use crumple_proto::ids::SegmentId;
 
-/// Half thickness of what a roof and a plate are made of.
+/// Half thickness of the roof and of the plate.
 const HALF: f64 = 0.2;
 
-/// A ridge along y with flanks that go off at these angles [degree] from x towards z, and the rim
-/// of a plate across it at this height.
+/// A ridge along y with flanks at these angles [degree] from x towards z, and the rim of a plate
+/// across it at this height.
 fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
     let mut points = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for angle in angles {
@@ -46,14 +46,14 @@ fn pairs(edges: &Edges, surface: &Surface, nodes: &Nodes) -> Vec<PairKey> {
     pairs.iter().map(|p| p.key).collect()
 }
 
-/// The name of the ridge on the rim.
+/// Returns the key of the pair of ridge and rim.
 fn ridge_on_rim() -> PairKey {
     PairKey::of_edges([NodeId(1), NodeId(2)], [NodeId(7), NodeId(8)])
 }
 
-/// A fold of 7.5 degrees does not stand out, but comes near to it (6.4 on 9.2): it is searched for
-/// beforehand, and meets the rim without another search as soon as it does. One of 5.5 degrees has
-/// to be searched for then.
+/// A fold of 7.5 degrees is too flat for contact, but close to the limit (6.4 of 9.2). The search
+/// includes it in advance, so that it touches the rim without another search when it becomes sharp.
+/// A fold of 5.5 degrees needs another search.
 #[test]
 fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
     let flanks = |fold: f64| [-0.5 * fold, 180.0 + 0.5 * fold];
@@ -63,7 +63,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
         search(&mut edges, &surface, &nodes);
         assert!(
             !edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(),
-            "it does not stand out"
+            "the fold is too flat"
         );
         let (folded, _) = ridge_and_rim(flanks(10.0), 2.0 * HALF);
         nodes.x.clone_from(&folded.x);
@@ -82,9 +82,9 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
     }
 }
 
-/// An edge above a flank that goes up from the ridge: the nodes are to keep it off that flank. As
-/// soon as it is as near to the ridge as it may come it is met there; what is already below that is
-/// not.
+/// An edge above a flank that rises from the ridge. Nodes must keep it off that flank. The pair
+/// with the ridge is found as soon as the distance is the contact thickness; an edge that is
+/// already deeper is not found.
 #[test]
 fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
     let met_at = |height: f64| {
@@ -95,11 +95,10 @@ fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
     };
     assert!(!met_at(1.03), "not yet");
     assert!(met_at(1.01) && met_at(0.99));
-    assert!(!met_at(0.9), "it is on no side that is known");
+    assert!(!met_at(0.9), "its side is not known");
 }
 
-/// An edge that follows on another one, as slave or as the one that is met, takes over what that
-/// had, but for its slip.
+/// An edge that follows another one, as slave or as target, gets its history except the slip.
 #[test]
 fn what_an_edge_had_goes_to_the_next_one() {
     let name =
@@ -111,7 +110,7 @@ fn what_an_edge_had_goes_to_the_next_one() {
         slip: V3::x(),
         ..Pair::new(name([5, 6], [8, 9]), SegmentId(1), [0; 5])
     };
-    // With a lower name, and across: another contact of the same edge.
+    // With a lower key, and across: another contact of the same edge.
     let other = Pair { key: name([4, 6], [8, 9]), normal: V3::x(), ..pair };
     let mut edges = Edges::default();
     edges.store_history([other, pair].iter());
@@ -122,16 +121,16 @@ fn what_an_edge_had_goes_to_the_next_one() {
     assert_eq!(
         recall([5, 6], [9, 12], &-V3::z()),
         Some(next),
-        "along the other row, which may run the other way"
+        "along the other row, in either direction"
     );
     let turned = PairHistory { normal: -next.normal, force: -next.force, ..next };
-    assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other change places");
-    assert_eq!(recall([6, 7], [8, 9], &V3::y()), None, "another contact by its normal");
+    assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other edge exchanged");
+    assert_eq!(recall([6, 7], [8, 9], &V3::y()), None, "another contact, with another normal");
     assert_eq!(recall([5, 6], [10, 11], &V3::z()), None, "an edge elsewhere");
 }
 
-/// A pair that is lost while it is deep comes back on its side with what was let be, if it is soon;
-/// one that only touched is new.
+/// A pair that is lost with a deep penetration returns on its side with its tolerated gap, if this
+/// is soon enough. A pair that only touched is new.
 #[test]
 fn what_is_lost_while_it_is_deep_is_remembered_for_some_steps() {
     let name = PairKey::of_edges([NodeId(5), NodeId(6)], [NodeId(8), NodeId(9)]);
@@ -151,11 +150,8 @@ fn what_is_lost_while_it_is_deep_is_remembered_for_some_steps() {
     };
     let back = after(deep, 3).unwrap();
     assert_eq!((back.age, back.normal, back.depth, back.tolerated), (3, V3::z(), 0.5, -0.25));
-    assert_eq!(back.force, V3::zeros(), "nothing presses on what is lost");
+    assert_eq!(back.force, V3::zeros(), "a lost pair has no force");
     assert!(after(deep, 50).is_some() && after(deep, 51).is_none());
     assert!(after(Pair { penetration: 0.005, ..deep }, 1).is_none());
-    assert!(
-        back.is_fresh(0.1, 1.0) && !back.is_fresh(0.2, 1.0),
-        "three steps of a fifth are too far"
-    );
+    assert!(back.is_fresh(0.1, 1.0) && !back.is_fresh(0.2, 1.0), "three steps of 0.2 are too far");
 }

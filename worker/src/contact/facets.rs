@@ -25,7 +25,8 @@ use crate::contact::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::contact::pairs::{Pair, PairHistory, PairKey};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
-use crate::nodes::{Nodes, xyz};
+use crate::math::row::xyz;
+use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{NodeId, SegmentId};
 

@@ -10,13 +10,14 @@
 
 use crate::contact::geometry::V3;
 use crate::contact::surface::{Segment, Surface};
-use crate::nodes::{Nodes, Row, xyz};
+use crate::math::row::{Row, xyz};
+use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// Depth by which another edge would sink in before nodes touch segments, as a fraction of the
-/// thickness. A fold of shells is exposed if this depth is larger. The depth is half the width
-/// of a segment times the tangent of half the fold angle.
+/// Penetration of another edge before nodes touch segments, as a fraction of the thickness. A fold
+/// of shells is exposed if this depth is larger. The depth is half the width of a segment times
+/// the tangent of half the fold angle.
 const SINKS: f64 = 0.1;
 /// Limits of the fold angle of shells. From 20 degrees on a fold is exposed, however narrow its
 /// segments are. Below 5 degrees it is not, however wide they are [rad].
@@ -331,10 +332,10 @@ mod tests {
     fn a_fold_stands_out_from_twenty_degrees_on_or_where_it_would_sink_in() {
         assert!(stands_out(&[30.0], 0.2), "a rim");
         assert!(!stands_out(&[0.0, 180.0], 0.5), "flat");
-        assert!(!stands_out(&[0.0, 162.0], 0.5), "by 18 degrees");
+        assert!(!stands_out(&[0.0, 162.0], 0.5), "folded by 18 degrees");
         assert!(
             stands_out(&[0.0, 158.0], 0.5) && stands_out(&[0.0, 202.0], 0.5),
-            "by 22, either way"
+            "folded by 22 degrees, in both directions"
         );
         assert!(stands_out(&[0.0, 0.0], 0.5), "folded up");
         // Half the width of 1 times the tangent of half of 9 degrees is 0.039, a tenth of a
@@ -344,9 +345,12 @@ mod tests {
 
     #[test]
     fn an_edge_of_three_stands_out_where_it_has_an_outside() {
-        assert!(!stands_out(&[0.0, 180.0, 270.0], 0.2), "a T has none but its flat back");
-        assert!(stands_out(&[-30.0, 210.0, 270.0], 0.2), "its flange bent back by 60 degrees");
-        assert!(stands_out(&[-30.0, 270.0, 210.0], 0.2), "in whatever order");
+        assert!(!stands_out(&[0.0, 180.0, 270.0], 0.2), "a T has only its flat back");
+        assert!(
+            stands_out(&[-30.0, 210.0, 270.0], 0.2),
+            "a T with a flange bent back by 60 degrees"
+        );
+        assert!(stands_out(&[-30.0, 270.0, 210.0], 0.2), "in another order");
         assert!(!stands_out(&[0.0, 120.0, 240.0], 0.2), "a Y");
         assert!(stands_out(&[0.0, 10.0, 90.0, 100.0], 0.2), "four to one side");
     }

@@ -162,7 +162,7 @@ mod tests {
         let best = grid.map(|(a, b)| (at(&p, a) - at(&q, b)).norm()).fold(f64::INFINITY, f64::min);
         assert!(
             offset.norm() <= best + 1e-15 && offset.norm() > best - 1e-4,
-            "{} and {best} on a grid",
+            "{}, on a grid {best}",
             offset.norm()
         );
         let back = project_edges(&q, &p).unwrap();
@@ -185,7 +185,10 @@ mod tests {
             let found = separation(&one, &other).sqrt();
             let at = |e: &[V3; 2], a: usize| e[0] + (e[1] - e[0]) * (a as f64 / 100.0);
             let of = |(a, b): (usize, usize)| (at(&one, a) - at(&other, b)).norm();
-            let best = (0..=100).flat_map(|a| (0..=100).map(move |b| (a, b))).map(of).fold(f64::INFINITY, f64::min);
+            let best = (0..=100)
+                .flat_map(|a| (0..=100).map(move |b| (a, b)))
+                .map(of)
+                .fold(f64::INFINITY, f64::min);
             // The grid's points are up to 0.035 apart.
             prop_assert!(found <= best + 1e-12 && found > best - 0.04, "{found}, on a grid {best}");
         }
@@ -199,11 +202,11 @@ mod tests {
             (project_edges(&p, &over(0.3, -0.5)).unwrap().height + 1.0).abs() < 1e-15,
             "along x cross y, it is below"
         );
-        assert!(project_edges(&p, &over(1.1, -0.5)).is_none(), "beside the end of the first");
+        assert!(project_edges(&p, &over(1.1, -0.5)).is_none(), "beyond the end of the first");
         assert!(project_edges(&p, &over(0.3, 0.1)).is_none(), "before the start of the second");
         assert!(
             project_edges(&p, &[V3::z(), V3::new(1.0, 0.02, 1.0)]).is_none(),
-            "parallel, but for a fiftieth"
+            "parallel except for a slope of 0.02"
         );
         assert!(project_edges(&p, &[V3::z(), V3::z()]).is_none(), "no length");
     }
@@ -239,7 +242,7 @@ mod tests {
             let best =
                 grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
             let d = (found.point - p).norm();
-            assert!(d <= best + 1e-12 && d > best - 1e-4, "{d} against {best} on a grid of 0.005");
+            assert!(d <= best + 1e-12 && d > best - 1e-4, "{d}, on a grid of 0.005 {best}");
             assert!((found.shape.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         }
     }
@@ -309,8 +312,11 @@ mod tests {
             }
             let p = V3::from([p[0], p[1], 0.5 * p[2]]);
             let found = nearest(&p, &q, triangle).unwrap();
-            let grid = (0..=40).flat_map(|i| (0..=40).map(move |j| (f64::from(i) / 20.0 - 1.0, f64::from(j) / 20.0 - 1.0)));
-            let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
+            let grid = (0..=40).flat_map(|i| {
+                (0..=40).map(move |j| (f64::from(i) / 20.0 - 1.0, f64::from(j) / 20.0 - 1.0))
+            });
+            let best =
+                grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
             let (d, sum) = ((found.point - p).norm(), found.shape.iter().sum::<f64>());
             prop_assert!(d <= best + 1e-12, "{d}, on the grid {best}");
             prop_assert!((sum - 1.0).abs() < 1e-12 && (found.normal.norm() - 1.0).abs() < 1e-12);
@@ -338,7 +344,9 @@ mod tests {
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
             let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
-            let beside = |at: V3, q: &[V3; 4], skin| kernels::projects_outside(at.into(), &q.map(Into::into), skin);
+            let beside = |at: V3, q: &[V3; 4], skin| {
+                kernels::projects_outside(at.into(), &q.map(Into::into), skin)
+            };
             let is_apart = kernels::are_separated(at.into(), &q.map(Into::into), reach + skin);
             if Sphere::around(&q).is_farther(&at, reach + skin) || is_apart {
                 prop_assert!((then - near.point).norm() > reach);
@@ -367,7 +375,7 @@ mod tests {
         assert_eq!(
             (near(4.0, 0.0).point, near(4.0, 0.0).normal),
             (to, V3::x()),
-            "beyond an end, all around it"
+            "beyond an end the contact surface is a sphere"
         );
         let on = near(2.0, 0.0);
         assert!(on.normal.x == 0.0 && (on.normal.norm() - 1.0).abs() < 1e-15, "{}", on.normal);

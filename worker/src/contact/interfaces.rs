@@ -244,7 +244,11 @@ mod tests {
         let earlier = Interfaces::new(&contact("lagrange", vec![pair, off]), &PARTS);
         assert_eq!([between(&earlier, 0, 1), between(&earlier, 1, 2)], [None, Some(0)]);
         let of_two = earlier.for_pair([0, 1].into_iter(), [2].into_iter());
-        assert_eq!(of_two, Some(0), "a node of two parts touches by the one that does");
+        assert_eq!(
+            of_two,
+            Some(0),
+            "a node of two parts has the interface of the part with contact"
+        );
     }
 
     #[test]
@@ -282,7 +286,7 @@ mod tests {
         assert_eq!(
             [between(&i, 0, 1), between(&i, 1, 2)],
             [Some(1), None],
-            "beams of this one alone"
+            "only interface 1 has beams"
         );
         assert!(i.takes_part(1));
     }
@@ -295,8 +299,8 @@ mod tests {
         assert_eq!(i.measure(0, (0.5, 0.5)), (0.5, 0.5));
         assert_eq!(i.measure(1, (0.5, 0.5)), (4.0, 4.0));
         assert_eq!(i.measure(2, (0.5, 0.5)), (0.25, 0.25));
-        assert_eq!(i.measure(1, (0.0, 0.7)), (0.0, 0.7), "solids have none");
-        assert_eq!(i.measure(2, (0.5, 0.7)), (0.25, 0.7), "a solid's scale is left");
+        assert_eq!(i.measure(1, (0.0, 0.7)), (0.0, 0.7), "solids have no thickness");
+        assert_eq!(i.measure(2, (0.5, 0.7)), (0.25, 0.7), "the scale of a solid is unchanged");
         assert_eq!((i.most(0.5), i.least(3.0), i.least(9.0)), (0.5 + 8.0, 1.5, 4.0));
     }
 
@@ -316,7 +320,7 @@ mod tests {
         assert_eq!(
             Interfaces::new(&job, &PARTS).friction(0, || 1e9),
             0.4,
-            "without decay it is the static one"
+            "without decay, the static coefficient"
         );
     }
 

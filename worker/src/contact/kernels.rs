@@ -469,16 +469,27 @@ mod tests {
             for lane in 0..LANES {
                 let one = project(at[lane], &q[lane], triangle[lane]);
                 prop_assert_eq!(is_in::<Lane>(all.found, lane), one.found);
-                prop_assert_eq!(is_in::<Lane>(beside, lane), projects_outside(at[lane], &q[lane], skin));
-                prop_assert_eq!(is_in::<Lane>(apart, lane), are_separated(at[lane], &q[lane], limit));
-                prop_assert_eq!(is_in::<Lane>(within, lane), is_within(&plane_bound(at[lane], &q[lane]), limit));
+                prop_assert_eq!(
+                    is_in::<Lane>(beside, lane),
+                    projects_outside(at[lane], &q[lane], skin)
+                );
+                prop_assert_eq!(
+                    is_in::<Lane>(apart, lane),
+                    are_separated(at[lane], &q[lane], limit)
+                );
+                prop_assert_eq!(
+                    is_in::<Lane>(within, lane),
+                    is_within(&plane_bound(at[lane], &q[lane]), limit)
+                );
                 if one.found {
                     prop_assert_eq!(is_in::<Lane>(all.rim, lane), one.rim);
                     let numbers = |shape: [f64; 4], point: [f64; 3], normal: [f64; 3]| {
-                        shape.into_iter().chain(point).chain(normal).map(f64::to_bits).collect::<Vec<_>>()
+                        let all = shape.into_iter().chain(point).chain(normal);
+                        all.map(f64::to_bits).collect::<Vec<_>>()
                     };
                     let of = |v: Vector<Lane>| v.0.map(|c| c.lane(lane));
-                    let ours = numbers(all.shape.map(|n| n.lane(lane)), of(all.point), of(all.normal));
+                    let ours =
+                        numbers(all.shape.map(|n| n.lane(lane)), of(all.point), of(all.normal));
                     prop_assert_eq!(ours, numbers(one.shape, one.point.0, one.normal.0));
                 }
             }

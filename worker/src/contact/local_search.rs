@@ -18,7 +18,8 @@ use crate::contact::geometry::{Nearest, V3, nearest};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::projections::ProjectedPair;
 use crate::contact::surface::{Segment, Surface};
-use crate::nodes::{Nodes, Row};
+use crate::math::row::Row;
+use crate::nodes::Nodes;
 
 /// Largest distance of a candidate that is examined, as a multiple of the contact thickness (of
 /// the scale where solids take part). The global search must reach as far; its reach is computed
@@ -499,9 +500,9 @@ mod tests {
         let memory = pair.with_history(None, -0.25, 0.0).to_history();
         let tolerated =
             |old: Option<&PairHistory>, gap, moved| tolerated(old, gap, moved, 1e-3, 2.0);
-        assert_eq!(tolerated(None, -0.5, 0.125), -0.5, "a pair that begins inside");
-        assert_eq!(tolerated(Some(&memory), -0.375, 0.125), 0.0, "it has moved that far");
-        assert_eq!(tolerated(Some(&memory), -0.5, 0.125), -0.125, "and no farther");
+        assert_eq!(tolerated(None, -0.5, 0.125), -0.5, "a pair with initial penetration");
+        assert_eq!(tolerated(Some(&memory), -0.375, 0.125), 0.0, "released by the distance moved");
+        assert_eq!(tolerated(Some(&memory), -0.5, 0.125), -0.125, "released by no more than that");
         assert_eq!(tolerated(Some(&memory), 0.5, 0.125), 0.0, "open");
     }
 
@@ -523,7 +524,7 @@ mod tests {
         assert_eq!(
             tolerated(Some(&memory), -depth, 0.0, 1e-3, speed),
             0.0,
-            "and no more than there is"
+            "not more than the tolerated gap"
         );
     }
 
@@ -599,7 +600,7 @@ mod tests {
             0.0,
             &mut found,
         );
-        let [pair] = found[..] else { panic!("one pair, not {}", found.len()) };
+        let [pair] = found[..] else { panic!("expected one pair, found {}", found.len()) };
         assert!((pair.penetration - 0.05).abs() < 1e-15 && pair.normal == V3::z());
         (pair.force.z, pair.tolerated_gap)
     }
@@ -622,17 +623,17 @@ mod tests {
         let lost =
             |segment: u64, tolerated: f64| pair(segment, 0.0, tolerated).after_loss().unwrap();
         // With a step size of zero nothing is given back.
-        assert_eq!(on_the_second_of_two(&[lost(16, -0.04)]), (0.0, -0.04), "its own, lost");
+        assert_eq!(on_the_second_of_two(&[lost(16, -0.04)]), (0.0, -0.04), "its own lost pair");
         assert_eq!(on_the_second_of_two(&[pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own");
         assert_eq!(
             on_the_second_of_two(&[pair(8, 2.0, -0.01)]),
             (2.0, -0.01),
-            "from where it slid"
+            "from the segment it slid from"
         );
         assert_eq!(
             on_the_second_of_two(&[pair(8, 2.0, -0.01), lost(16, -0.04)]),
             (2.0, -0.01),
-            "not its own, lost"
+            "not its own lost pair"
         );
         assert_eq!(
             on_the_second_of_two(&[pair(8, 2.0, -0.01), pair(16, 3.0, -0.03)]),
@@ -642,7 +643,7 @@ mod tests {
         assert_eq!(
             on_the_second_of_two(&[lost(8, -0.02), lost(16, -0.04)]),
             (0.0, -0.04),
-            "of lost ones its own"
+            "of two lost pairs its own"
         );
     }
 
@@ -660,8 +661,8 @@ mod tests {
             picker.finish(&mut near);
             near.len()
         };
-        assert_eq!(picked(&[]), 0, "new to it, and too far for a step without motion");
-        assert_eq!(picked(&[pair.to_history()]), 1, "within 1.5 of the scales");
+        assert_eq!(picked(&[]), 0, "a new pair, too far for a step without motion");
+        assert_eq!(picked(&[pair.to_history()]), 1, "within 1.5 times the scales");
     }
 
     proptest! {
@@ -680,14 +681,19 @@ mod tests {
             let step = segment.nodes.iter().map(|&n| (v(n) - v(4)).norm()).fold(0.0, f64::max);
             let (at, scale) = (V3::from(at), 2.0 * SCALE);
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
-            let of = CandidatePair { slave_index: 0, segment: 0, shared_node_mask: 0, has_no_history: true };
+            let of = CandidatePair {
+                slave_index: 0,
+                segment: 0,
+                shared_node_mask: 0,
+                has_no_history: true,
+            };
             let meeting = ProjectedPair { of, step, near };
             let visit = PairGeometry::new(&surface, 0, &meeting, 1.0).expect("all touch");
             let Some(place) = solid_frame(&nodes, &visit, &at, false) else { return Ok(()) };
             let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
             if place.reached + (v(4) - moving).dot(&place.normal) < ACTIVE * scale {
                 let (far, reach) = ((at - near.point).norm(), reach(&surface, 4, segment, step));
-                prop_assert!(far <= reach, "met at {far}, looked for within {reach}");
+                prop_assert!(far <= reach, "contact at {far}, reach {reach}");
             }
         }
     }

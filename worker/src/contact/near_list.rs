@@ -11,7 +11,8 @@ use crate::contact::local_search::{has_history, reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
-use crate::nodes::{Nodes, xyz};
+use crate::math::row::xyz;
+use crate::nodes::Nodes;
 
 /// Skin of the near list as a fraction of the skin of the search. It is at most [`THIN`] of the
 /// scale of the thinnest segment and [`SHORT`] of the length of a short edge: with a larger

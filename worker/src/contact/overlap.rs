@@ -309,7 +309,7 @@ mod tests {
         found
     }
 
-    /// A square that has sunk in by 0.1 over half of its length: area, depth and nodal forces
+    /// A square with a penetration of 0.1 over half of its length: area, depth and nodal forces
     /// are those of the integrals.
     #[test]
     fn uniform_depth_gives_the_nodal_forces_of_uniform_pressure() {
@@ -334,8 +334,8 @@ mod tests {
         }
     }
 
-    /// A tilted square that sinks in with its edge only: force and moment of the linear pressure
-    /// over the part that is in.
+    /// A tilted square that penetrates with its edge only: force and moment of the linear pressure
+    /// over the penetrating part.
     #[test]
     fn what_is_tilted_presses_where_it_is_in() {
         let (slope, depth) = (0.5, 0.1);
@@ -354,7 +354,7 @@ mod tests {
         assert!((turn / force - length / 3.0).abs() < 1e-14, "{turn}");
         for (_, f) in pressed {
             let off = at(&above, &f.shape[0]) - at(&below, &f.shape[1]);
-            assert!(off.xy().norm() < 1e-14, "both act at one place: {off}");
+            assert!(off.xy().norm() < 1e-14, "both forces act at one point: {off}");
         }
     }
 

@@ -17,7 +17,8 @@ use crate::constraints::rigid::Bodies;
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
-use crate::nodes::{Nodes, Row, row};
+use crate::math::row::{Row, row};
+use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 

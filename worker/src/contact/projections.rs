@@ -8,7 +8,8 @@ use crate::contact::local_search::{reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
-use crate::nodes::{Nodes, xyz};
+use crate::math::row::xyz;
+use crate::nodes::Nodes;
 
 /// A candidate pair that may touch in the step, with its projection.
 #[derive(Debug)]
@@ -187,10 +188,14 @@ mod tests {
             meetings.all.iter().map(told).collect::<Vec<_>>()
         };
         let alone: Vec<_> = asked.iter().flat_map(|n| meet(std::slice::from_ref(n))).collect();
-        assert!((4..asked.len()).contains(&alone.len()), "some meet, some do not: {}", alone.len());
+        assert!(
+            (4..asked.len()).contains(&alone.len()),
+            "only some candidates touch: {}",
+            alone.len()
+        );
         for company in [1, 3, 5, 7, 12] {
             let together: Vec<_> = asked.chunks(company).flat_map(&meet).collect();
-            assert_eq!(together, alone, "in groups of {company}");
+            assert_eq!(together, alone, "in batches of {company}");
         }
     }
 }

@@ -146,11 +146,18 @@ mod tests {
         #[test]
         fn both_methods_find_what_looking_at_all_pairs_finds(
             points in prop::collection::vec(prop::array::uniform3(-50.0..50.0f64), 0..200),
-            boxes in prop::collection::vec((prop::array::uniform3(-60.0..60.0f64), prop::array::uniform3(0.0..30.0f64)), 0..60),
+            boxes in prop::collection::vec(
+                (prop::array::uniform3(-60.0..60.0f64), prop::array::uniform3(0.0..30.0f64)),
+                0..60,
+            ),
             flat in any::<bool>(),
         ) {
-            let points: Vec<[f64; 3]> = points.into_iter().map(|p| if flat { [p[0], p[1], 1.0] } else { p }).collect();
-            let boxes: Vec<Aabb> = boxes.into_iter().map(|(a, d)| Aabb { min: a, max: std::array::from_fn(|c| a[c] + d[c]) }).collect();
+            let points: Vec<[f64; 3]> =
+                points.into_iter().map(|p| if flat { [p[0], p[1], 1.0] } else { p }).collect();
+            let boxes: Vec<Aabb> = boxes
+                .into_iter()
+                .map(|(a, d)| Aabb { min: a, max: std::array::from_fn(|c| a[c] + d[c]) })
+                .collect();
             let expected = brute(&boxes, &points);
             for method in SEARCHES {
                 let mut found = Vec::new();

@@ -5,10 +5,12 @@
 use crate::constraints::rigid::Bodies;
 use crate::constraints::walls::Walls;
 use crate::contact::acceleration::{Acceleration, Forces};
-use crate::contact::enforce::{ContactLaw, Iteration, Laws, StepSizes, demand};
+use crate::contact::enforce::{ContactLaw, Iteration, Laws, demand};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
-use crate::nodes::{Nodes, Row};
+use crate::math::row::Row;
+use crate::nodes::Nodes;
+use crate::time::StepSizes;
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 
 /// State of the contact iteration: everything that the forces of pairs depend on and act on.

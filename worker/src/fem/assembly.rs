@@ -1,7 +1,7 @@
 //! Assembly plans: the element nodal forces that each local node sums, and when. There is one
 //! plan for steps with all elements and one for steps without slow elements.
 
-use crate::nodes::Row;
+use crate::math::row::Row;
 use std::ops::Range;
 
 /// Order in which elements are computed and nodal forces are assembled.

@@ -6,10 +6,11 @@
 
 use crate::fem::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::fem::columns::{HistoryColumns, State};
-use crate::fem::elements::{
-    Element, ElementNodalForces, ElementPass, NodeView, PassTotals, build_block,
-};
-use crate::nodes::{Nodes, Row, xyz};
+use crate::fem::elements::{Element, ElementNodalForces, ElementPass, PassTotals, build_block};
+use crate::math::row::{Row, xyz};
+use crate::nodes::NodeView;
+use crate::nodes::Nodes;
+use crate::time::ElementSet;
 use crumple_proto::ids::ElemId;
 use crumple_proto::job::Precision;
 use crumple_proto::mesh::Shape;
@@ -87,6 +88,15 @@ pub struct Blocks {
     between: Vec<u32>,
     /// Assembly in steps with all elements, and in steps without slow elements.
     plans: [AssemblyPlan; 2],
+}
+
+/// Part of the own elements, by the workers that use their forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Portion {
+    /// Groups with elements at shared nodes: other workers wait for their forces.
+    Shared,
+    /// The other groups.
+    Interior,
 }
 
 /// Number of elements in a batch: their forces and history fit into the second-level cache with
@@ -271,17 +281,19 @@ impl Blocks {
         let is_slow = |i: usize| {
             self.elements.get(i).map_or_else(|| foreign[i - count].slow, |e| e.record.slow)
         };
-        let of = |all: bool| {
-            let picked = order.iter().map(|o| o.1 as usize).filter(|&i| all || !is_slow(i));
+        let of = |set: ElementSet| {
+            let is_in = |i: &usize| set == ElementSet::All || !is_slow(*i);
+            let picked = order.iter().map(|o| o.1 as usize).filter(is_in);
             let mut plan = AssemblyPlan::new(held, picked.map(corners));
-            let batches = [true, false].map(|front| self.batches(front, all));
+            let batches =
+                [Portion::Shared, Portion::Interior].map(|portion| self.batches(portion, set));
             plan.build_batches(batches, own, &loaded, |batch| {
                 self.blocks[batch.block].slots_of(&batch.groups)
             });
             plan
         };
-        self.plans =
-            [of(true), if self.subcycles > 1 { of(false) } else { AssemblyPlan::default() }];
+        let fast = if self.subcycles > 1 { of(ElementSet::Fast) } else { AssemblyPlan::default() };
+        self.plans = [of(ElementSet::All), fast];
         if self.subcycles > 1 {
             let corners = |i: usize| self.plans.each_ref().map(|plan| plan.slots_of(i).len());
             let is_between =
@@ -294,16 +306,13 @@ impl Blocks {
         }
     }
 
-    /// Returns batches of the groups for which other workers wait (`front`), or of the others.
-    /// `all` includes slow elements.
-    fn batches(&self, front: bool, all: bool) -> Vec<AssemblyBatch> {
+    /// Returns the batches of the groups of a portion.
+    fn batches(&self, portion: Portion, set: ElementSet) -> Vec<AssemblyBatch> {
         let cut = |(block, b): (usize, &Block)| {
-            let groups = if b.idle || b.slow && !all {
-                0..0
-            } else if front {
-                0..b.front
-            } else {
-                b.front..b.group_count()
+            let groups = match portion {
+                _ if b.idle || b.slow && set == ElementSet::Fast => 0..0,
+                Portion::Shared => 0..b.front,
+                Portion::Interior => b.front..b.group_count(),
             };
             let (end, size) = (groups.end, BATCH / b.lanes());
             groups
@@ -314,25 +323,24 @@ impl Blocks {
         self.blocks.iter().enumerate().flat_map(cut).collect()
     }
 
-    /// Computes internal forces, batch by batch, and assembles the nodes that are complete after
-    /// a batch. `front` selects the groups for which other workers wait, or the others. A failure
-    /// is returned as an index into `elements`.
+    /// Computes internal forces of a portion, batch by batch, and assembles the nodes that are
+    /// complete after a batch. A failure is returned as an index into `elements`.
     ///
-    /// `all` is true if an outer step begins. Slow elements then use the mean motion of the
-    /// previous outer step. Their forces act in one cycle for all cycles of the outer step.
+    /// With [`ElementSet::All`] slow elements use the mean motion of the previous outer step. Their
+    /// forces act in one cycle for all cycles of the outer step.
     pub fn add_internal_forces(
         &mut self,
         nodes: &mut Nodes,
         dt: f64,
-        all: bool,
-        front: bool,
+        set: ElementSet,
+        portion: Portion,
     ) -> PassTotals {
         let mut totals = PassTotals { stable_dt: self.massless_dt, ..PassTotals::NONE };
-        if all && front {
+        if set == ElementSet::All && portion == Portion::Shared {
             self.slow_dt = f64::INFINITY;
         }
-        let plan = std::mem::take(&mut self.plans[usize::from(!all)]);
-        for batch in &plan.batches[usize::from(!front)] {
+        let plan = std::mem::take(&mut self.plans[set as usize]);
+        for batch in &plan.batches[portion as usize] {
             let b = &mut self.blocks[batch.block];
             let slots = b.base..b.base + b.corner_slots();
             let moment =
@@ -360,7 +368,7 @@ impl Blocks {
             totals.add(&pass);
             self.assemble_nodal(&plan, nodes, &plan.early[batch.nodes.clone()]);
         }
-        self.plans[usize::from(!all)] = plan;
+        self.plans[set as usize] = plan;
         totals.stable_dt = totals.stable_dt.min(self.slow_dt);
         totals
     }
@@ -396,9 +404,9 @@ impl Blocks {
         self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_owned(i)).map(of).sum()
     }
 
-    /// Assembles the local nodes that are not assembled yet. `all` includes slow elements.
-    pub fn assemble(&self, nodes: &mut Nodes, all: bool) {
-        let plan = &self.plans[usize::from(!all)];
+    /// Assembles the local nodes that are not assembled yet.
+    pub fn assemble(&self, nodes: &mut Nodes, set: ElementSet) {
+        let plan = &self.plans[set as usize];
         self.assemble_nodal(plan, nodes, &plan.late);
     }
 
@@ -516,16 +524,17 @@ impl Blocks {
         let dt = dt * (e.record.mass_factor * e.record.share).sqrt()
             / cycles_of(&e.record, self.subcycles);
         let what = if dt.is_nan() {
-            "is inverted, or its coordinates are no numbers".to_string()
+            "is inverted, or its coordinates are not finite".to_string()
         } else if safety * dt < 0.5 * first_dt {
-            format!("needs a step of {:.3e}, against {first_dt:.3e} at the start", safety * dt)
+            format!("needs a step of {:.3e}; the first step was {first_dt:.3e}", safety * dt)
         } else {
-            "was strained by more than a half in one step, or its forces are no numbers".to_string()
+            "was strained by more than 0.5 in one step, or its forces are not finite".to_string()
         };
         let try_this = if safety > 1.0 {
             format!("time.safety = {safety} is above the stability limit: use 0.9 or less")
         } else {
-            "look at the last fields around it; a finer mesh, a lower time.safety or another hourglass form may help"
+            "inspect the last fields around it; try a finer mesh, a lower time.safety or another \
+             hourglass form"
                 .into()
         };
         Some(format!("element {id} {what}; {try_this}"))
@@ -551,7 +560,10 @@ impl Block {
     ) -> Self {
         let (part, shape): (usize, Shape) = (run[0].record.part as usize, run[0].record.shape);
         let element = build_block(settings, part, shape).unwrap_or_else(|problems| {
-            panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so")
+            panic!(
+                "part {part} cannot be built: {problems:?}; `crumple check` should have \
+                 reported it"
+            )
         });
         let precision =
             if element.any_precision() { settings.precision } else { Precision::Double };

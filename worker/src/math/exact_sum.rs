@@ -111,7 +111,8 @@ mod tests {
             powers in prop::collection::vec(-300i32..300, 40),
             cut in 0usize..40,
         ) {
-            let terms: Vec<f64> = terms.iter().zip(&powers).map(|(m, &p)| m * 2f64.powi(p)).collect();
+            let terms: Vec<f64> =
+                terms.iter().zip(&powers).map(|(m, &p)| m * 2f64.powi(p)).collect();
             let mut reversed = terms.clone();
             reversed.reverse();
             let whole = sum(&terms);
@@ -122,7 +123,8 @@ mod tests {
                 part.iter().for_each(|&t| sum.add(t));
                 sum
             });
-            let added: Vec<i64> = halves[0].words().iter().zip(halves[1].words()).map(|(a, b)| a + b).collect();
+            let added: Vec<i64> =
+                halves[0].words().iter().zip(halves[1].words()).map(|(a, b)| a + b).collect();
             prop_assert_eq!(whole.to_bits(), ExactSum::value(&added).to_bits());
             let plain: f64 = terms.iter().sum();
             let size: f64 = terms.iter().map(|t| t.abs()).sum();

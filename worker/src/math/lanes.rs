@@ -10,7 +10,6 @@
 //! forces are sums of modes in `f64`, so that the forces of an element sum to zero as well as in
 //! double precision.
 
-use crate::fem::materials::PointReal;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::f32x4;
@@ -34,8 +33,8 @@ pub fn vectors() -> String {
         _ if cfg!(target_feature = "neon") => "NEON",
         _ => "no vectors",
     };
-    let fused = if cfg!(target_feature = "fma") { " with fused products" } else { "" };
-    format!("{LANES} f64 or {LANES32} f32 side by side, {set}{fused}")
+    let fused = if cfg!(target_feature = "fma") { " with fused multiply-add" } else { "" };
+    format!("lanes of {LANES} f64 or {LANES32} f32, {set}{fused}")
 }
 
 /// The scalar of kernels.
@@ -302,7 +301,7 @@ lanes!(wide::f64x4, f64);
 lanes!(wide::f32x8, f32);
 
 /// Values of `W` elements in a vector.
-pub trait Lanes<const W: usize>: PointReal {
+pub trait Lanes<const W: usize>: Real {
     /// A row of a node, x, y, z and padding, in this precision.
     type Row: Copy;
 
@@ -343,6 +342,31 @@ impl Lanes<LANES> for Lane {
         Lane::new(numbers)
     }
 }
+
+/// `map` of short arrays that is inlined in every case: `[T; N]::map` becomes a call in large
+/// kernels, with its lanes in memory.
+pub trait Each<T> {
+    /// The array with elements of another type.
+    type Of<U>;
+
+    /// Returns the array of `f` of each element.
+    fn each<U>(self, f: impl Fn(T) -> U) -> Self::Of<U>;
+}
+
+macro_rules! each {
+    ($($count:literal: $($name:ident)*;)*) => {$(
+        impl<T> Each<T> for [T; $count] {
+            type Of<U> = [U; $count];
+
+            #[inline(always)]
+            fn each<U>(self, f: impl Fn(T) -> U) -> [U; $count] {
+                let [$($name),*] = self;
+                [$(f($name)),*]
+            }
+        }
+    )*};
+}
+each! { 2: a b; 3: a b c; 4: a b c d; 7: a b c d e f g; }
 
 /// Returns a row in single precision, by the machine's instruction if there is one: from arrays,
 /// compilers convert one number at a time.
@@ -452,10 +476,10 @@ mod tests {
                 // exponent multiplies it by less than one.
                 assert!(
                     (ours / library - 1.0).abs() < 1e-14,
-                    "{base}^{exponent}: {ours} against {library}"
+                    "{base}^{exponent}: {ours}, library {library}"
                 );
             }
-            assert_eq!(0.0f64.powf_where(exponent, true), 0.0, "no rate, no factor");
+            assert_eq!(0.0f64.powf_where(exponent, true), 0.0, "zero for a zero rate");
         }
     }
 

@@ -3,3 +3,4 @@
 pub mod exact_sum;
 pub mod lanes;
 pub mod rigid_motion;
+pub mod row;

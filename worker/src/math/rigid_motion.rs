@@ -4,7 +4,7 @@
 //! stays valid while the residual is small: a frame that flies and rotates needs neither a new
 //! search nor a new decomposition.
 
-use crate::nodes::Row;
+use crate::math::row::Row;
 use crumple_proto::boxes::Aabb;
 use nalgebra::{Matrix3, Vector3};
 

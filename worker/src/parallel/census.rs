@@ -15,7 +15,7 @@ use crate::contact::pairs::convergence::distances;
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;
 use crate::fem::blocks::LocalElement;
-use crate::nodes::xyz;
+use crate::math::row::xyz;
 use crate::parallel::ghosts;
 use crate::parallel::migrate::centre;
 use crate::parallel::partition::{are_near, covered, seeking};
@@ -94,7 +94,7 @@ impl Census {
     /// # Panics
     /// If the engine is one of several.
     pub fn new(engine: &Engine, tree: &CutTree) -> Self {
-        assert!(engine.halo.links.is_empty(), "the engine holds the whole mesh");
+        assert!(engine.halo.links.is_empty(), "the engine has the whole mesh");
         let (nodes, blocks) = (&engine.nodes, &engine.blocks);
         let workers = tree.workers();
         let of = |e: &LocalElement| tree.worker_of(centre(nodes, e.nodes, e.record.shape)) as u32;
@@ -259,7 +259,7 @@ impl Census {
         let nodes = &engine.nodes;
         let of_element = self.workers_of_elements(engine);
         let worker = |s: &Segment| {
-            worker_of(&of_element, s.id.elem()).expect("segments are of own elements")
+            worker_of(&of_element, s.id.elem()).expect("segments belong to own elements")
         };
         let of_segment: Vec<u32> = surface.segments.iter().map(worker).collect();
         let mut parts: Vec<Surface> = self.counts.iter().map(|_| Surface::default()).collect();

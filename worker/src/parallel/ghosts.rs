@@ -3,6 +3,7 @@
 use crate::fem::blocks::Blocks;
 use crate::math::rigid_motion::RigidMotion;
 use crate::nodes::Nodes;
+use crate::time::ElementSet;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 
@@ -100,7 +101,7 @@ impl Ghosts {
     }
 
     /// Sends the element nodal forces, and moments if there are any, of own elements at shared
-    /// nodes; with `all` also those of slow elements.
+    /// nodes.
     ///
     /// # Errors
     /// A worker is gone.
@@ -108,10 +109,13 @@ impl Ghosts {
         &mut self,
         comm: &mut dyn Transport,
         blocks: &Blocks,
-        all: bool,
+        set: ElementSet,
     ) -> Result<(), RankLost> {
         for link in &self.links {
-            let slots = if all { &link.element_forces_out } else { &link.fast_out };
+            let slots = match set {
+                ElementSet::All => &link.element_forces_out,
+                ElementSet::Fast => &link.fast_out,
+            };
             if slots.is_empty() {
                 continue;
             }
@@ -127,8 +131,7 @@ impl Ghosts {
         Ok(())
     }
 
-    /// Receives the element nodal forces of other workers' elements at shared nodes; with `all`
-    /// also those of slow elements.
+    /// Receives the element nodal forces of other workers' elements at shared nodes.
     ///
     /// # Errors
     /// A worker is gone.
@@ -136,7 +139,7 @@ impl Ghosts {
         &mut self,
         comm: &mut dyn Transport,
         blocks: &mut Blocks,
-        all: bool,
+        set: ElementSet,
     ) -> Result<(), RankLost> {
         let width = if blocks.moment.is_empty() { 3 } else { 6 };
         let mut take = |slot: usize, words: &[u64]| {
@@ -148,15 +151,24 @@ impl Ghosts {
         };
         for link in &self.links {
             let (first, count) = link.element_forces_in;
-            if if all { count == 0 } else { link.fast_in.is_empty() } {
+            let expected = match set {
+                ElementSet::All => count as usize,
+                ElementSet::Fast => link.fast_in.len(),
+            };
+            if expected == 0 {
                 continue;
             }
             comm.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
             let corners = self.words.chunks_exact(width);
-            if all {
-                corners.zip(first..first + count).for_each(|(words, slot)| take(slot, words));
-            } else {
-                corners.zip(&link.fast_in).for_each(|(words, &slot)| take(slot as usize, words));
+            match set {
+                ElementSet::All => {
+                    corners.zip(first..first + count).for_each(|(words, slot)| take(slot, words));
+                }
+                ElementSet::Fast => {
+                    corners
+                        .zip(&link.fast_in)
+                        .for_each(|(words, &slot)| take(slot as usize, words));
+                }
             }
         }
         Ok(())
@@ -192,8 +204,9 @@ impl Ghosts {
             for (i, words) in
                 link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(width))
             {
-                let three =
-                    |k: usize| crate::nodes::row([0, 1, 2].map(|c| f64::from_bits(words[k + c])));
+                let three = |k: usize| {
+                    crate::math::row::row([0, 1, 2].map(|c| f64::from_bits(words[k + c])))
+                };
                 (nodes.x[i], nodes.v[i]) = (three(0), three(3));
                 if nodes.rotations {
                     nodes.w[i] = three(6);

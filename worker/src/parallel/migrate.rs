@@ -270,10 +270,6 @@ mod tests {
         assert_eq!(bits(&arrived), bits(&sent), "-0 stays -0");
         assert_eq!((known, nodes.len()), (remembered, 0));
         assert_eq!(bytemuck::cast_slice::<u64, OuterStepMean>(&means), [mean]);
-        assert_eq!(
-            unpack(&[]).map(<[u64]>::len),
-            [0; 4],
-            "nothing comes from a worker that sends nothing"
-        );
+        assert_eq!(unpack(&[]).map(<[u64]>::len), [0; 4], "an empty message has no items");
     }
 }

@@ -11,8 +11,10 @@ use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
 use crate::fem::blocks::{Blocks, LocalElement, RemoteCorner};
-use crate::nodes::{Nodes, OuterStepMean, xyz};
+use crate::math::row::xyz;
+use crate::nodes::{Nodes, OuterStepMean};
 use crate::parallel::ghosts::{GhostLink, Ghosts};
+use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
@@ -118,7 +120,7 @@ pub fn build_local_mesh(
     let elements = share.elements.into_iter().map(|(record, history)| {
         let local = record
             .nodes
-            .map(|n| nodes.local_index(n).expect("a share holds all nodes of its elements"));
+            .map(|n| nodes.local_index(n).expect("a partition has all nodes of its elements"));
         (
             LocalElement {
                 record,
@@ -138,8 +140,8 @@ pub fn build_local_mesh(
     if fresh {
         blocks.measure(&nodes);
         blocks.set_corner_masses(&nodes);
-        halo.send_element_forces(comm, &blocks, true)?;
-        halo.recv_element_forces(comm, &mut blocks, true)?;
+        halo.send_element_forces(comm, &blocks, ElementSet::All)?;
+        halo.recv_element_forces(comm, &mut blocks, ElementSet::All)?;
         blocks.assemble_masses(&mut nodes);
     }
     if let Some(surface) = &mut surface {
@@ -236,7 +238,7 @@ fn link_element_forces(
         let theirs: &[WireCorner] = items(parcel);
         link.element_forces_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
-            let node = nodes.local_index(c.node).expect("shared nodes are held");
+            let node = nodes.local_index(c.node).expect("shared nodes are local");
             let slow = c.slow != 0;
             if settings.subcycles > 1 && !slow {
                 link.fast_in.push((blocks.own_slots() + foreign.len()) as u32);
@@ -351,7 +353,8 @@ fn copy_ghosts(
     copies.dedup_by_key(|c| c.record.id);
     copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
     for s in segments.iter().flat_map(|w| items::<WireSegment>(w)) {
-        let local = s.nodes.map(|n| nodes.index_of(n).expect("a segment comes with its nodes"));
+        let local =
+            s.nodes.map(|n| nodes.index_of(n).expect("a worker has all nodes of a segment"));
         surface.segments.push(Segment {
             id: s.id,
             nodes: local,
@@ -369,7 +372,7 @@ fn copy_ghosts(
     };
     let requests = exchange_all(comm, (0..workers).map(wanted).collect())?;
     for link in &mut halo.links {
-        let number = |id: &u64| nodes.index_of(NodeId(*id)).expect("requests name local nodes");
+        let number = |id: &u64| nodes.index_of(NodeId(*id)).expect("requested nodes are local");
         link.export = requests[link.worker].iter().map(number).collect();
         link.import = wanted(link.worker).iter().map(number).collect();
         // A segment may come from one worker while its far corner belongs to another one, which
@@ -412,7 +415,7 @@ fn send_users(
             let (list, after) = tail.split_at(*count as usize);
             let i = nodes
                 .index_of(NodeId(*id))
-                .unwrap_or_else(|| panic!("worker {from} speaks of a node not local here"));
+                .unwrap_or_else(|| panic!("worker {from} names a node that is not local"));
             users[i as usize] = list.iter().map(|&u| u as u32).collect();
             users[i as usize].sort_unstable();
             rest = after;

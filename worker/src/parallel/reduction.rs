@@ -16,7 +16,7 @@ use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 use std::ops::Range;
 
 /// Result of the reduction of a cycle, equal on all workers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct StepConsensus {
     /// Smallest stable step of all elements, or less if contact surfaces would pass through
     /// each other in it [time].
@@ -239,13 +239,13 @@ mod tests {
             |spread: f64, approach: f64, limits: Limits| contact_dt(spread, approach, limits);
         assert_eq!(step(0.0, 0.0, limits), f64::INFINITY);
         assert_eq!(step(2.0, 0.0, Limits { skin: 0.0, ..limits }), 0.01, "before the first search");
-        assert_eq!(step(2.0, 0.0, limits), 0.5 * OF_SKIN, "nothing near");
+        assert_eq!(step(2.0, 0.0, limits), 0.5 * OF_SKIN, "no near pair");
         assert_eq!(step(2.0, 50.0, limits), 0.02, "a near pair");
-        assert_eq!(step(2.0, 100.0, limits), 0.01, "the fastest and the thinnest are that pair");
+        assert_eq!(step(2.0, 100.0, limits), 0.01, "the fastest and thinnest pair");
         assert_eq!(
             step(2.0, 0.0, Limits { thinnest: 0.5, ..limits }),
             0.5,
-            "a skin that is little beside the scales"
+            "a skin that is small against the scales"
         );
     }
 

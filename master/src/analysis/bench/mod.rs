@@ -75,7 +75,7 @@ pub fn run(args: &BenchArgs) -> u8 {
     if !unknown.is_empty() {
         let names: Vec<&str> = SCENES.iter().map(|s| s.name).collect();
         eprintln!("error: there is no scene '{}'", unknown.join("', '"));
-        eprintln!("  there are '{}'", names.join("', '"));
+        eprintln!("  known: '{}'", names.join("', '"));
         return BAD_INPUT;
     }
     let wanted: Vec<&Scene> = SCENES
@@ -122,11 +122,7 @@ fn measure(scenes: &[&Scene], args: &BenchArgs) -> Result<Results, String> {
             }
             let [skip, cycles] = if args.tiny { TINY } else { scene.cycles };
             timings.push(time_side_by_side(model, scene.workers, skip, cycles).map_err(|why| {
-                format!(
-                    "scene '{}' did not come through its {} cycles: {why}",
-                    scene.name,
-                    skip + cycles
-                )
+                format!("scene '{}' failed within its {} cycles: {why}", scene.name, skip + cycles)
             })?);
             bar.iter().for_each(|bar| bar.inc(1));
         }
@@ -201,10 +197,13 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
 fn table(results: &Results) -> String {
     let Calibration { fma_gflops, triad_gb_s } = results.calibration;
     let mut out = format!(
-        "One core: {fma_gflops:.1} GFLOP/s fused products, {triad_gb_s:.1} GB/s triad; kernels use {}. {} rounds.\n\n\
-         CPU time per element and cycle, median, least and most of the rounds; operations that the core could have done\n\
-         meanwhile at its peak, and that over the goal (a fifth of the established open solver's time, as such operations).\n\n\
-         | scene | elements | workers | ns | least..most | wall | operations | of the goal | phases [ns] |\n\
+        "One core: {fma_gflops:.1} GFLOP/s fused multiply-add, {triad_gb_s:.1} GB/s triad; \
+         kernels use {}. {} rounds.\n\n\
+         CPU time per element and cycle: median, minimum and maximum of the rounds.\n\
+         Operations: those that the core can do in this time at its peak rate.\n\
+         Over goal: operations over a fifth of those of the established open solver.\n\n\
+         | scene | elements | workers | ns | min..max | wall | operations | over goal \
+         | phases [ns] |\n\
          |---|---|---|---|---|---|---|---|---|\n",
         results.vectors, results.rounds
     );

@@ -6,9 +6,10 @@
 use crate::analysis::bench::median;
 use crate::analysis::cost::element_seconds;
 use crate::input::job::Model;
+use crumple_proto::report::Phase;
 use crumple_proto::report::PhaseSeconds;
 use crumple_proto::transport::{RankLost, thread_cpu};
-use crumple_worker::engine::{Engine, Phase};
+use crumple_worker::engine::Engine;
 use crumple_worker::math::rigid_motion::MotionTracker;
 use crumple_worker::parallel::census::Count;
 use std::time::Duration;
@@ -108,7 +109,13 @@ impl Watch {
             |s: f64, n: u64| if n > 0 { [0.0, per(s, n)] } else { [per(s, whole.slaves), 0.0] };
         Ok(Kernels {
             element: tried.into_iter().map(|s| s * as_measured).collect(),
-            node: per(phase(Phase::Assemble) + phase(Phase::Advance), whole.held),
+            node: per(
+                [Phase::Assemble, Phase::Constraints, Phase::Energy, Phase::Advance]
+                    .into_iter()
+                    .map(phase)
+                    .sum::<f64>(),
+                whole.held,
+            ),
             motion: if engine.contact.is_some() { per(fit(engine), whole.held) } else { 0.0 },
             watch: per(phase(Phase::Search), whole.held),
             search: per(often * search, whole.segments + whole.slaves),

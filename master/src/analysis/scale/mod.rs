@@ -121,7 +121,8 @@ pub fn run(args: &ScaleArgs) -> u8 {
     }
     if let count @ 1.. = model.settings.ties.len() {
         say!(
-            "not in the figures: what {count} tied nodes cost, up to five messages a step between workers that share a tie"
+            "not included: the cost of {count} tied nodes, up to five messages per step between \
+             workers that share a tie"
         );
     }
     match report::write(&model.job.title, &samples, &out) {
@@ -138,16 +139,19 @@ fn refuse(model: &Model, workers: &[usize], times: &[f64]) -> Option<String> {
     let (elements, end) = (model.mesh.elements.len(), model.settings.end_time);
     if model.settings.subcycles > 1 {
         return Some(
-            "time.subcycles: the model of costs has all elements in each cycle; add --set time.subcycles=1".into(),
+            "time.subcycles: the cost model computes all elements in each cycle; add --set \
+             time.subcycles=1"
+                .into(),
         );
     }
     if let Some(n) = workers.iter().find(|&&n| n > elements) {
         return Some(format!(
-            "{n} workers are more than the {elements} elements of the job; give fewer with --workers"
+            "{n} workers are more than the {elements} elements of the job; give fewer with \
+             --workers"
         ));
     }
     if workers.is_empty() {
-        return Some("the job has one element: there is nothing to cut up".into());
+        return Some("the job has one element: it cannot be decomposed".into());
     }
     let late = times.iter().find(|&&t| t >= end)?;
     Some(format!(
@@ -197,7 +201,7 @@ fn samples(
     match (failed, ended.trouble) {
         (Some(why), _) => Err(why),
         (None, Some(element)) => Err(format!(
-            "element {element} is in trouble at time {:.6e}; see `crumple run`",
+            "element {element} fails at time {:.6e}; see `crumple run`",
             ended.engine.clock.time
         )),
         (None, None) => Ok(samples),
@@ -312,15 +316,17 @@ fn check(model: &Model, sample: &Sample) -> Result<String, String> {
     let (cpu, wall) = (each(most(|t| t.cpu_s)), each(most(|t| t.wall_s)));
     let alone = 1e6 * sample.alone.total();
     let busy = if wall > 1.25 * cpu {
-        " The wall clock is far above the CPU time: two cores were not free, or waiting takes long here; rely on the CPU time."
+        " Wall time is much longer than CPU time: two cores were not free, or waiting is slow \
+         on this machine; use the CPU time."
     } else {
         ""
     };
     Ok(format!(
-        "two workers in fact, as threads without a network, {cycles} steps from the start: predicted {:.1} us of own work for \
-         the slower one, {:.0} messages and {:.1} kB for the one that sends most; measured {cpu:.1} us of CPU time, {wall:.1} us \
-         by the wall clock, {:.1} messages and {:.1} kB (mean). Efficiency: {:.1} % by own work as predicted, {:.1} % by CPU time, \
-         {:.1} % by wall clock.{busy}",
+        "measured with two workers, as threads without a network, {cycles} steps from the start: \
+         predicted {:.1} us of own work for the slower one, {:.0} messages and {:.1} kB for the \
+         one that sends most; measured {cpu:.1} us of CPU time, {wall:.1} us of wall time, \
+         {:.1} messages and {:.1} kB (mean). Efficiency: {:.1} % from the predicted own work, \
+         {:.1} % from CPU time, {:.1} % from wall time.{busy}",
         1e6 * p.step.own,
         p.step.messages,
         1e-3 * p.step.bytes,

@@ -16,10 +16,12 @@ const MEASURED: usize = 2;
 pub fn table(sample: &Sample, network: Network) -> String {
     let w = &sample.whole;
     let mut out = format!(
-        "T={}, counted after cycle {}: {} elements, {} nodes, {} near candidates, {} contact pairs; one worker takes {:.1} us a step.\n\
-         Modelled with {:.2} us a message and {:.1} GB/s; more than {MEASURED} workers are not measured at all. Renewals and caches \
-         are left out. Scaled: {:.0} elements for each worker.\n\n\
-         | workers | elements | at shared nodes | copied nodes | neighbours | messages | kB | step [us] | efficiency | scaled |\n\
+        "T={}, counted after cycle {}: {} elements, {} nodes, {} near candidates, {} contact \
+         pairs; one worker takes {:.1} us per step.\n\
+         Model: {:.2} us per message and {:.1} GB/s; more than {MEASURED} workers are not \
+         measured. Renewals and caches are not included. Scaled: {:.0} elements per worker.\n\n\
+         | workers | elements | at shared nodes | copied nodes | neighbours | messages | kB \
+         | step [us] | efficiency | scaled |\n\
          |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
         sample.at,
         sample.cycle,
@@ -50,7 +52,7 @@ pub fn table(sample: &Sample, network: Network) -> String {
             100.0 * p.scaled
         );
     }
-    out += "\nCounts, messages and kB are those of the worker with most.\n";
+    out += "\nCounts, messages and kB are the largest of all workers.\n";
     out + &sentence(sample)
 }
 
@@ -62,8 +64,10 @@ fn most(p: &Prediction, of: fn(&Count) -> u64) -> u64 {
 fn sentence(sample: &Sample) -> String {
     let worth = sample.predictions.iter().rfind(|p| p.step.efficiency() > WORTHWHILE);
     let (p, lead) = match (worth, sample.predictions.first()) {
-        (Some(p), _) => (p, "is the largest of these numbers of workers with more than 50 %"),
-        (None, Some(p)) => (p, "has less than 50 % already"),
+        (Some(p), _) => {
+            (p, "is the largest of these numbers of workers with an efficiency above 50 %")
+        }
+        (None, Some(p)) => (p, "workers already have an efficiency below 50 %"),
         (None, None) => return String::new(),
     };
     let share = |i: usize| 100.0 * p.step.lost[i] / p.step.total;
@@ -75,14 +79,15 @@ fn sentence(sample: &Sample) -> String {
     let to_all = match LOSSES[first] {
         "latency" if p.to_all > 0.0 => {
             format!(
-                " ({:.0} messages of the worker with most, {:.0} of them to all others)",
+                " ({:.0} messages of the worker that sends most, {:.0} of them to all others)",
                 p.step.messages, p.to_all
             )
         }
         _ => String::new(),
     };
     format!(
-        "{} {lead} ({:.1} %); what breaks first there is {}{to_all}, with {:.1} % of the processor time; {}.\n",
+        "{} {lead} ({:.1} %); the largest loss there is {}{to_all}, {:.1} % of the processor \
+         time; {}.\n",
         p.workers,
         100.0 * p.step.efficiency(),
         LOSSES[first],
@@ -109,7 +114,7 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
             colour,
             points: points(|p| p.step.efficiency()),
         };
-        let scaled = format!("scaled, {:.0} elements for each worker", s.grows_by);
+        let scaled = format!("scaled, {:.0} elements per worker", s.grows_by);
         curves.extend([
             fixed,
             Curve { name: scaled, dashed: true, colour, points: points(|p| p.scaled) },
@@ -122,8 +127,9 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
 
 fn csv(samples: &[Sample]) -> String {
     let mut out = String::from(
-        "time,cycle,workers,elements least,elements most,elements at shared nodes most,held nodes most,copied nodes most,\
-         copied segments most,neighbours most,workers near most,workers told of pairs most,near candidates most,pairs most,\
+        "time,cycle,workers,elements least,elements most,elements at shared nodes most,\
+         held nodes most,copied nodes most,copied segments most,neighbours most,\
+         workers near most,workers told of pairs most,near candidates most,pairs most,\
          messages most,messages to all others,bytes most,\
          step [us],own work of the slowest [us],efficiency [%],scaled efficiency [%]",
     );

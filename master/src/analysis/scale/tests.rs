@@ -164,14 +164,14 @@ fn predictions_are_written_and_name_their_limit() {
             assert_eq!(p.counts.iter().map(|c| c.elements).sum::<u64>(), s.whole.elements);
             assert!(
                 p.step.efficiency() > 0.0 && p.step.efficiency() < 0.5,
-                "a message takes longer than the step"
+                "a message takes longer than a step"
             );
         }
         assert!(
             (s.predictions[1].scaled - s.predictions[1].step.efficiency()).abs() < 1e-12,
-            "8 is the typical number"
+            "8 is the typical number of workers"
         );
-        assert!(report::table(s, network).contains("what breaks first there is latency"));
+        assert!(report::table(s, network).contains("the largest loss there is latency"));
     }
     let out = tempfile::tempdir().unwrap();
     let said = report::write("bars", &samples, out.path()).unwrap();

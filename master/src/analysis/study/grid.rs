@@ -168,7 +168,7 @@ fn zipped(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
         let list = values(key, list)?;
         if list.len() != length {
             return Err(format!(
-                "zip: `{key}` has {} values and `{first}` {length}; they go side by side",
+                "zip: `{key}` has {} values and `{first}` {length}; give lists of equal length",
                 list.len()
             ));
         }

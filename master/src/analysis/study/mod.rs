@@ -58,7 +58,7 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
         runs::open(&plan, &out)
     );
     if runs::run_all(&study, &plan, &out, args.jobs, &StopFlag::listen(false))? == Ending::Stopped {
-        eprintln!("stopped: the same command goes on where it stopped");
+        eprintln!("stopped: repeat the command to continue");
         return Ok(STOPPED);
     }
     let table = Table::of(&study, &plan, &out)?;

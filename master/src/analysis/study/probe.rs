@@ -101,7 +101,7 @@ fn picker(
 fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
     let fields = folder.join("fields");
     let cannot = |error: std::io::Error| {
-        format!("{}: {error}; does the job write fields?", fields.display())
+        format!("{}: {error}; check that the job writes fields", fields.display())
     };
     let mut steps = Vec::new();
     for entry in std::fs::read_dir(&fields).map_err(cannot)? {
@@ -112,5 +112,7 @@ fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
     }
     let distance = |time: f64| at.map_or(-time, |at| (time - at).abs());
     let nearest = steps.into_iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
-    nearest.map(|step| step.1).ok_or_else(|| format!("{} holds no output step", fields.display()))
+    nearest
+        .map(|step| step.1)
+        .ok_or_else(|| format!("{} contains no output step", fields.display()))
 }

@@ -134,8 +134,8 @@ impl Run {
         }
         let inside = || value.as_object().map(|m| m.keys().cloned().collect::<Vec<_>>().join(", "));
         value.as_f64().ok_or_else(|| match inside() {
-            Some(keys) => format!("`{path}` in summary.json is no number; it holds: {keys}"),
-            None => format!("`{path}` in summary.json is no number: {value}"),
+            Some(keys) => format!("`{path}` in summary.json is not a number; it contains: {keys}"),
+            None => format!("`{path}` in summary.json is not a number: {value}"),
         })
     }
 
@@ -345,7 +345,10 @@ mod tests {
     fn run() -> Run {
         let header = ["time [ms]", "kinetic [J]"].map(String::from).to_vec();
         let rows = [[0.0, 4.0], [1.0, 2.0], [2.0, -2.0], [4.0, 10.0]].map(Vec::from).to_vec();
-        let summary = serde_json::json!({ "energy": { "error": 0.25, "list": [1.0, 7.0] }, "reason": "end_time" });
+        let summary = serde_json::json!({
+            "energy": { "error": 0.25, "list": [1.0, 7.0] },
+            "reason": "end_time"
+        });
         Run { summary, header, rows, folder: PathBuf::new() }
     }
 
@@ -362,7 +365,8 @@ mod tests {
             ("history = \"kinetic\"\nstat = \"growth\"", 2.5),
             ("history = \"kinetic\"\ncrossing = 1.0", 1.25),
             (
-                "history = \"kinetic\"\nstat = \"first\"\nminus = { summary = \"energy.error\" }\nscale = 2.0",
+                "history = \"kinetic\"\nstat = \"first\"\nminus = { summary = \"energy.error\" }\n\
+                 scale = 2.0",
                 7.5,
             ),
             ("summary = \"energy.error\"\nover = { history = \"kinetic\" }", 0.025),
@@ -378,8 +382,8 @@ mod tests {
     fn a_typo_is_answered_with_what_there_is() {
         let why = |text: &str| quantity(text).value(&run()).unwrap_err();
         assert!(why("summary = \"energy.eror\"").contains("did you mean `error`?"));
-        assert!(why("summary = \"energy\"").contains("it holds: error, list"));
-        assert!(why("summary = \"reason\"").contains("no number"));
+        assert!(why("summary = \"energy\"").contains("it contains: error, list"));
+        assert!(why("summary = \"reason\"").contains("not a number"));
         assert!(
             why("history = \"kinetik\"")
                 .contains("did you mean `kinetic`? there are: time, kinetic")

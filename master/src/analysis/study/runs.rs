@@ -149,7 +149,7 @@ fn one(
     };
     let wall_s = began.elapsed().as_secs_f64();
     let (code, reason) = match status {
-        Waited::Late => (-1, format!("not done after {wall_s:.0} s of wall time")),
+        Waited::Late => (-1, format!("not finished after {wall_s:.0} s of wall time")),
         Waited::Ended(status) => match status.code() {
             Some(STOPPED) => return Ok(None),
             Some(code) => (code, reason(&folder, &words, code)),

@@ -197,7 +197,7 @@ impl Study {
             wrong.push("a study needs at least one [[series]] and one [[measure]]".into());
         }
         if !self.job.exists() {
-            wrong.push(format!("job: {} is not there", self.job.display()));
+            wrong.push(format!("job: {} does not exist", self.job.display()));
         }
         if self.time_limit.is_some_and(|limit| limit.is_nan() || limit <= 0.0) {
             wrong.push("time_limit has to be above 0 [s]".into());
@@ -206,7 +206,9 @@ impl Study {
         let measures: Vec<&str> = self.measure.iter().map(|m| m.name.as_str()).collect();
         for (what, names) in [("series", &names), ("measure", &measures)] {
             let twice = names.iter().enumerate().filter(|(i, n)| names[..*i].contains(n));
-            wrong.extend(twice.map(|(_, n)| format!("two entries of [[{what}]] are called `{n}`")));
+            wrong.extend(
+                twice.map(|(_, n)| format!("two entries of [[{what}]] have the name `{n}`")),
+            );
         }
         for m in &self.measure {
             wrong.extend(m.quantity.wrong().map(|why| format!("measure `{}`: {why}", m.name)));
@@ -237,7 +239,7 @@ impl Study {
             return Some(format!("there is no series `{s}`; there are: {}", names.join(", ")));
         }
         if let Some(l) = c.log.iter().find(|l| !["x", "y", "colour"].contains(&l.as_str())) {
-            return Some(format!("log = [\"{l}\"]: give any of x, y, colour"));
+            return Some(format!("log = [\"{l}\"]: use x, y or colour"));
         }
         let asked = match c.kind {
             ChartKind::Pareto => vec![],
@@ -250,7 +252,7 @@ impl Study {
                 None => return Some(format!("give the setting along {axis}: {axis} = \"...\"")),
                 Some(s) if !settings.contains(s) => {
                     return Some(format!(
-                        "no series varies `{s}`; varied are: {}",
+                        "no series varies `{s}`; varied settings: {}",
                         settings.join(", ")
                     ));
                 }
@@ -294,11 +296,14 @@ pub const ENDED: &str = "ended";
 pub fn formula(text: &str) -> Result<impl Fn(f64) -> f64 + use<>, String> {
     use exmex::Express;
     let read = exmex::FlatEx::<f64>::parse(text).map_err(|_| {
-        format!("formula `{text}` cannot be read: it has to be an expression of x, such as 2 / sqrt(1 + x)")
+        format!(
+            "formula `{text}` cannot be read: it has to be an expression of x, such as \
+             2 / sqrt(1 + x)"
+        )
     })?;
     let strange = read.var_names().iter().find(|name| *name != "x").cloned();
     if let Some(name) = strange {
-        return Err(format!("formula `{text}`: `{name}` is not known, the only variable is x"));
+        return Err(format!("formula `{text}`: `{name}` is unknown; the only variable is x"));
     }
     let variables = read.var_names().len();
     Ok(move |x: f64| read.eval(&[x][..variables]).unwrap_or(f64::NAN))

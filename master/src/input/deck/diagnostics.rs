@@ -25,7 +25,12 @@ pub struct Trouble {
 impl Trouble {
     /// Adds an error, which prevents the run.
     pub fn error(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
-        let within = |&(of, from, to): &(u32, u32, u32)| matches!(place, Place::Deck { file, start, end } if file == of && start >= from && end <= to);
+        let within = |&(of, from, to): &(u32, u32, u32)| {
+            matches!(
+                place,
+                Place::Deck { file, start, end } if file == of && start >= from && end <= to
+            )
+        };
         if self.misread.iter().any(within) {
             return;
         }
@@ -97,10 +102,7 @@ impl Trouble {
     pub(crate) fn into_findings(mut self) -> Vec<Finding> {
         if self.more > 0 {
             let message = format!("{} more errors in the deck are not listed", self.more);
-            self.add(
-                Problem::error("", message, "correct those that are listed first"),
-                Place::Whole,
-            );
+            self.add(Problem::error("", message, "correct the listed errors first"), Place::Whole);
         }
         self.list
     }

@@ -92,7 +92,7 @@ impl Deck {
             env!("CARGO_PKG_VERSION")
         );
         if !self.rest.is_empty() {
-            head += "$ what has no card, for crumple alone:\n";
+            head += "$ keys without a card, read by crumple only:\n";
             let text = toml::to_string(&self.rest).unwrap_or_default();
             text.lines().for_each(|l| head += &format!("$crumple: {l}\n"));
         }
@@ -130,7 +130,7 @@ pub fn export(model: &Model) -> Result<String, String> {
     let beams = model.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).count();
     if beams > 0 {
         return Err(format!(
-            "{beams} beams cannot be written as a deck yet: take them out of the mesh"
+            "{beams} beams cannot be written as a deck yet: remove them from the mesh"
         ));
     }
     let job = &model.job;
@@ -233,7 +233,7 @@ fn materials(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>) {
                 deck.card(&[]);
                 deck.card(&[]);
                 if h > 0.0 {
-                    // The tangent modulus alone does not give it back to the last bit.
+                    // The tangent modulus alone does not reproduce it to the last bit.
                     deck.entry(
                         "material",
                         Table::from_iter([
@@ -337,7 +337,7 @@ fn parts(
         let of = shapes.get(&part.id).cloned().unwrap_or_default();
         if of.len() > 1 {
             return Err(format!(
-                "part {} has shells and solids: a deck needs a part for each",
+                "part {} has shells and solids: give each its own part, as a deck requires",
                 part.id
             ));
         }
@@ -387,7 +387,7 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
         Some(HourglassForm::AssumedStrain) => 6,
     };
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
-    // Cards cannot hold a coefficient without a form, or one of a form without coefficient.
+    // Cards cannot hold a coefficient without a form, or for a form that has none.
     let given = part.hourglass_coefficient.or((shells && by_card).then_some(HOURGLASS_COEFFICIENT));
     let coefficient = given.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
     if let (Some(given), None) = (part.hourglass_coefficient, coefficient) {

@@ -30,7 +30,7 @@ pub fn evaluate(
     let mut parser = Parser { rest: text.trim(), names, depth: 0 };
     let value = parser.sum()?;
     if !parser.rest.is_empty() {
-        return Err(format!("`{}` is left over", parser.rest));
+        return Err(format!("unexpected `{}`", parser.rest));
     }
     match value {
         Number::Whole(i) => Ok(Parameter::Integer(i)),
@@ -61,7 +61,7 @@ impl<'t> Parser<'t> {
     fn sum(&mut self) -> Parsed {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err("too many brackets within brackets".into());
+            return Err("brackets are nested too deeply".into());
         }
         let mut value = self.product()?;
         loop {
@@ -84,7 +84,7 @@ impl<'t> Parser<'t> {
             } else if self.take("/") {
                 let by = self.signed()?;
                 if by.real() == 0.0 {
-                    return Err("a division by nought".into());
+                    return Err("division by zero".into());
                 }
                 value = apply(value, by, i64::checked_div, |a, b| a / b);
             } else {
@@ -119,7 +119,7 @@ impl<'t> Parser<'t> {
         }
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err("too many powers of powers".into());
+            return Err("powers are nested too deeply".into());
         }
         let exponent = self.signed()?;
         self.depth -= 1;

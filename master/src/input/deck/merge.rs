@@ -65,10 +65,11 @@ mod tests {
 
     #[test]
     fn the_jobs_own_keys_win_and_add() {
-        let base = "end_time = 1.0\n[time]\nsafety = 0.8\ndamping = 2.0\n[[part]]\nid = 1\nname = \"a\"\nthickness = 1.0\n\
-                    [[fix]]\nnodes = \"x\"\n[contact]\nparts = [1, 2]\n";
-        let over = "[time]\nsafety = 0.5\n[[part]]\nid = 1\nthickness = 3.0\n[[part]]\nid = 2\n[[fix]]\nnodes = \"y\"\n\
-                    [contact]\nparts = []\n";
+        let base = "end_time = 1.0\n[time]\nsafety = 0.8\ndamping = 2.0\n[[part]]\nid = 1\n\
+                    name = \"a\"\nthickness = 1.0\n[[fix]]\nnodes = \"x\"\n[contact]\n\
+                    parts = [1, 2]\n";
+        let over = "[time]\nsafety = 0.5\n[[part]]\nid = 1\nthickness = 3.0\n[[part]]\nid = 2\n\
+                    [[fix]]\nnodes = \"y\"\n[contact]\nparts = []\n";
         let merged = merge(Node::parse(base).unwrap(), Node::parse(over).unwrap()).to_value();
         assert_eq!(merged["time"]["safety"].as_float(), Some(0.5));
         assert_eq!(merged["time"]["damping"].as_float(), Some(2.0));

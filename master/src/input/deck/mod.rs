@@ -150,10 +150,11 @@ fn report_unsupported(
             trouble.warning(
                 one.place,
                 message,
-                "the run goes on without it, as --allow-unsupported says",
+                "the run continues without it because of --allow-unsupported",
             );
         } else {
-            let help = "it would change the answer: take it out, or go on without it by --allow-unsupported";
+            let help =
+                "it would change the result: remove it, or ignore it with --allow-unsupported";
             trouble.error(one.place, message, help);
         }
     }
@@ -189,7 +190,7 @@ fn fragment(number: usize, file: &Text, trouble: &mut Trouble) -> Option<Node> {
                     Place::File { start, end } => Place::Deck { file, start, end },
                     other => other,
                 };
-                trouble.error(place, format!("behind $crumple: {message}"), help);
+                trouble.error(place, format!("after $crumple: {message}"), help);
             }
             None
         }

@@ -47,7 +47,7 @@ impl Parameters {
                 "define it above this line: *PARAMETER, and a line `R {name}` with its value"
             ),
             false => format!(
-                "define it above this line by *PARAMETER; {}",
+                "define it above this line with *PARAMETER; {}",
                 crate::input::job::nearest(name, &known)
             ),
         }
@@ -115,7 +115,8 @@ impl Parameters {
                     trouble.error(
                         place,
                         message,
-                        "R takes a number, I a whole number, C text; ten columns each, or commas",
+                        "give a number for R, a whole number for I, text for C; ten columns each, \
+                         or with commas",
                     );
                     self.set(&name, Parameter::Integer(0));
                 }
@@ -153,8 +154,8 @@ fn declared(text: &str, place: Place, trouble: &mut Trouble) -> Option<(char, St
     let name = letters.as_str().trim();
     let sound = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
     if !matches!(kind, 'R' | 'I' | 'C') || !sound {
-        let help = "write R, I or C and then the name, such as `R dt`";
-        trouble.error(place, format!("`{}` is no name of a parameter", text.trim()), help);
+        let help = "write R, I or C, then the name, such as `R dt`";
+        trouble.error(place, format!("`{}` is not a parameter name", text.trim()), help);
         return None;
     }
     Some((kind, name.to_string()))

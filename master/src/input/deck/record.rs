@@ -228,9 +228,10 @@ impl Cards<'_> {
                     });
                     let help = match headed {
                         true => {
-                            "add the line; its first one is a heading, which has to be there even if it is blank"
+                            "add the line; the first line is a heading, which is required even if \
+                             blank"
                         }
-                        false => "add the line; a blank one stands for its defaults",
+                        false => "add the line; a blank line means the defaults",
                     };
                     self.trouble.error(place, message, help);
                     self.trouble.unsure();
@@ -260,7 +261,7 @@ impl Cards<'_> {
                 block.name, at
             );
             let place = block.span(span, 0, (span.1 - span.0) as usize);
-            self.trouble.warning(place, message, "take it out, or check the keyword above it");
+            self.trouble.warning(place, message, "remove it, or check the keyword above it");
         }
         records
     }
@@ -335,7 +336,7 @@ impl Cards<'_> {
                     (Kind::Real, Parameter::Real(x)) => Given::Real(if minus { -x } else { x }),
                     _ => {
                         let message = format!(
-                            "*{}: parameter `{name}` does not suit `{}`",
+                            "*{}: parameter `{name}` has the wrong type for `{}`",
                             block.name, field.name
                         );
                         let help = format!("it has to be {}", wanted(field.kind));
@@ -359,7 +360,7 @@ impl Cards<'_> {
         given.unwrap_or_else(|| {
             let what = match word.split_whitespace().count() {
                 0 | 1 => format!("not `{word}`"),
-                n => format!("not `{word}`, which is {n} words: are the columns right?"),
+                n => format!("not `{word}`, which has {n} words: check the columns"),
             };
             let message = format!(
                 "*{}: `{}` has to be {}, {what}",
@@ -397,6 +398,6 @@ pub fn layout(card: &Card, format: Format) -> String {
         ),
     };
     let ids =
-        if widths.first() == Some(&8) { "; longer ids take *KEYWORD I10=Y, or commas" } else { "" };
+        if widths.first() == Some(&8) { "; longer ids need *KEYWORD I10=Y, or commas" } else { "" };
     format!("the fields are {}, {columns} or with commas between them{ids}", names.join(" "))
 }

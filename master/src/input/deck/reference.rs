@@ -19,7 +19,7 @@ fn write(page: &mut String) -> std::fmt::Result {
     for (family, keywords) in FAMILIES {
         writeln!(
             page,
-            "\n### {family}\n\n| keyword | what becomes of it | fields that are read |\n|---|---|---|"
+            "\n### {family}\n\n| keyword | result | fields that are read |\n|---|---|---|"
         )?;
         for keyword in *keywords {
             let mut names: Vec<String> = vec![format!("`{}`", keyword.name)];
@@ -47,12 +47,13 @@ fn write(page: &mut String) -> std::fmt::Result {
     let output: Vec<String> = OUTPUT.iter().map(|o| format!("`{o}`")).collect();
     writeln!(
         page,
-        "\nOther keywords that begin with {} ask for output and give a warning each.",
+        "\nOther keywords that begin with {} request output;\neach gives a warning.",
         output.join(", ")
     )?;
     writeln!(
         page,
-        "Every other keyword is an error that names its line, or is left out with `--allow-unsupported`."
+        "Every other keyword is an error that names its line; `--allow-unsupported` ignores it \
+         with a\nwarning."
     )
 }
 

@@ -67,7 +67,7 @@ impl Card {
                 "r" => Kind::Real,
                 "a" => Kind::Word,
                 "l" => Kind::Line,
-                _ => panic!("no kind of field: {word}"),
+                _ => panic!("unknown kind of field: {word}"),
             };
             let width = if width.is_empty() { 10 } else { width.parse().expect("a width") };
             fields.extend((0..times).map(|_| Field {

@@ -107,12 +107,12 @@ impl Reader<'_> {
         let place = from.unwrap_or(Place::Whole);
         if self.texts.files.len() >= MOST_FILES {
             let message = format!("the deck includes more than {MOST_FILES} files");
-            return self.trouble.error(place, message, "join some of them");
+            return self.trouble.error(place, message, "combine some of them");
         }
         let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         if self.open.contains(&whole) {
             let message = format!("{shown} includes itself, directly or through another file");
-            return self.trouble.error(place, message, "take one *INCLUDE of the circle out");
+            return self.trouble.error(place, message, "remove one *INCLUDE of the cycle");
         }
         let text = match load(path) {
             Ok(text) => text,
@@ -120,8 +120,8 @@ impl Reader<'_> {
                 let alike = self.folders.iter().find_map(|folder| alike(folder, &shown));
                 let near = alike.map_or(String::new(), |name| format!("there is {name}; "));
                 let help = format!(
-                    "{near}check its name and rights; names are relative to the main deck's folder, the including file's, or an \
-                     *INCLUDE_PATH"
+                    "{near}check its name and permissions; names are relative to the folder of the \
+                     main deck, the folder of the including file, or an *INCLUDE_PATH"
                 );
                 return self.trouble.error(place, format!("{shown} {what}"), help);
             }
@@ -142,7 +142,7 @@ impl Reader<'_> {
             Some(at) => at,
             None => {
                 if main && !bytes.is_empty() {
-                    let help = "a deck begins with *KEYWORD; what stands before it is not read";
+                    let help = "begin the deck with *KEYWORD; text before it is not read";
                     self.trouble.warning(
                         Place::Deck { file, start: 0, end: 0 },
                         "the deck has no *KEYWORD",
@@ -212,14 +212,14 @@ impl Reader<'_> {
             self.trouble.warning(
                 last,
                 "the deck has no *END",
-                "add it as the last line, if the file is whole",
+                "if the file is complete, add *END as its last line",
             );
         }
         if let Some((start, end)) = stray {
-            let help = "a card belongs to the keyword above it, a line that begins with *";
+            let help = "write its keyword, a line that begins with *, above it";
             self.trouble.error(
                 Place::Deck { file, start, end },
-                "a card stands before the first keyword",
+                "a card precedes the first keyword",
                 help,
             );
         }
@@ -364,7 +364,7 @@ fn load(path: &Path) -> Result<String, String> {
     let cannot = |error: std::io::Error| format!("cannot be read: {error}");
     let about = std::fs::metadata(path).map_err(cannot)?;
     if !about.is_file() {
-        return Err("is no file".into());
+        return Err("is not a file".into());
     }
     if about.len() > LARGEST_FILE {
         return Err("is larger than 4 GiB".into());

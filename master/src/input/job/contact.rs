@@ -60,13 +60,14 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         && job.time.safety >= 1.0
     {
         let message =
-            format!("safety = {} leaves springs no room below the stable step", job.time.safety);
-        let help = "0.9 is usual; or take contact.law lagrange or kinematic, which need none";
+            format!("safety = {} leaves penalty springs no margin of stability", job.time.safety);
+        let help = "reduce it (0.9 is usual), or use contact.law lagrange or kinematic, which need \
+                    no margin";
         numbers.findings.add(Problem::error("time.safety", message, help));
     }
     if contact.interface.len() >= usize::from(u16::MAX) {
-        let message = format!("{} interfaces", contact.interface.len());
-        numbers.findings.add(Problem::error("contact.interface", message, "65534 are the most"));
+        let message = format!("{} interfaces are too many", contact.interface.len());
+        numbers.findings.add(Problem::error("contact.interface", message, "give at most 65534"));
     }
     if numbers.findings.any_faulty_below("part") {
         return;
@@ -113,8 +114,9 @@ fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'
         if !last.contains(&i) {
             let what =
                 if all[i].name.is_empty() { String::new() } else { format!(" `{}`", all[i].name) };
-            let message = format!("no two parts are in the interface{what}");
-            let help = "of several interfaces that name two parts the last one holds: put it after the others, or take it out";
+            let message = format!("no pair of parts uses the interface{what}");
+            let help = "the last interface that names two parts applies to them: put it after the \
+                        others, or remove it";
             numbers.findings.add(Problem::warning(path.clone(), message, help));
         }
     }

@@ -49,7 +49,7 @@ fn group(
 ) -> Option<NodeGroup> {
     let path = format!("output.node.{i}");
     if asked.nodes.is_none() && asked.ids.is_empty() {
-        let help = "name a node set as `nodes`, list node `ids`, or take the entry out";
+        let help = "name a node set as `nodes`, list node `ids`, or remove the entry";
         findings.add(Problem::error(path, "a history of nodes has no nodes", help));
         return None;
     }
@@ -64,7 +64,7 @@ fn group(
     for (k, &id) in asked.ids.iter().enumerate() {
         let Some(node) = sets.labelled(id) else {
             let message = format!("a history of node {id}, which no element has");
-            let help = "list ids of nodes that elements have, or take this one out";
+            let help = "list ids of nodes that elements have, or remove this one";
             findings.add(Problem::error(format!("{path}.ids.{k}"), message, help));
             whole = false;
             continue;
@@ -108,23 +108,24 @@ fn transducer(
 ) -> Option<Transducer> {
     let path = format!("output.transducer.{i}");
     if asked.parts.is_empty() && asked.nodes.is_none() {
-        let help = "name its `parts`, its `nodes`, or both: what all exerts on all is nothing";
+        let help =
+            "name its `parts`, its `nodes`, or both: all contact forces together sum to zero";
         findings.add(Problem::error(path, "a force transducer has no surface", help));
         return None;
     }
     let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
     if settings.contact.is_none() {
-        let help = "give the job a [contact] table, or take the transducer out";
+        let help = "give the job a [contact] table, or remove the transducer";
         findings.add(Problem::warning(
             path.clone(),
-            "a force transducer, but nothing is in contact",
+            "a force transducer in a job without contact",
             help,
         ));
     } else if !asked.parts.is_empty() && !asked.parts.iter().any(|&p| touches(p)) {
-        let help = "name parts of `contact.parts`, or take the transducer out";
+        let help = "name parts of `contact.parts`, or remove the transducer";
         findings.add(Problem::warning(
             path.clone(),
-            "a force transducer on parts that are in no contact",
+            "a force transducer on parts that are not in contact",
             help,
         ));
     }
@@ -175,7 +176,8 @@ fn section(
         }
     }
     if asked.parts.is_empty() && asked.elements.is_empty() && asked.side.is_none() {
-        let help = "name `parts`, `elements` or a `side`: the forces of all elements around a node sum to what drives it";
+        let help = "name `parts`, `elements` or a `side`: the forces of all elements at a node sum \
+                    to the force that accelerates it";
         findings.add(Problem::error(path, "a section has no elements", help));
         return None;
     }
@@ -210,7 +212,7 @@ fn section(
         mesh.elements.iter().filter(|e| listed(e) && ends(e) && of_side(e)).collect();
     if found.is_empty() {
         let message = format!(
-            "a section has no elements: none of those asked for has a node of `{}`",
+            "a section has no elements: none of the requested elements has a node of `{}`",
             asked.nodes
         );
         findings.add(Problem::error(
@@ -221,7 +223,7 @@ fn section(
         return None;
     }
     if found.iter().all(|e| rigid(e.part)) {
-        let help = "take elements of a part that deforms";
+        let help = "take elements of a deformable part";
         findings.add(Problem::error(
             path,
             "a section has rigid elements only, in which no forces are computed",

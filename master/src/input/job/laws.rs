@@ -117,11 +117,12 @@ pub fn thinned(settings: &Settings, initial: &InitialPenetrations) -> Option<Pro
     let (count, least) = initial.thinned?;
     let limit = settings.contact.as_ref()?.thickness_limit;
     let message = format!(
-        "{count} shells or beams are thicker than {limit} times their shortest side: contact takes them for thinner, the worst for \
-         {:.0} % of it",
+        "{count} shells or beams are thicker than {limit} times their shortest side: contact \
+         reduces their thickness, at worst to {:.0} % of it",
         100.0 * least
     );
-    let help = "mesh no finer than the sheet or beam is thick, or set contact.thickness_limit (0 for no limit)";
+    let help = "use elements at least as long as the sheet or beam is thick, or set \
+                contact.thickness_limit (0 for no limit)";
     Some(Problem::warning("contact.thickness_limit", message, help))
 }
 
@@ -135,13 +136,15 @@ pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
         let Penetration { node, depth, elem, .. } = deepest;
         let count = found.len();
         let message = format!(
-            "{count} nodes start inside {what}; the deepest is node {node}, {depth:.3e} into element {elem}"
+            "{count} nodes start inside {what}; the deepest is node {node}, {depth:.3e} into \
+             element {elem}"
         );
         Some(Problem::warning("contact", message, help))
     };
-    let kept = "they are let be, without force, and are met at that depth from there on; move the parts apart to be rid of them";
-    let never = "parts pass through each other there; move them apart";
+    let kept = "move the parts apart; otherwise these penetrations are tolerated without force, \
+                and contact acts from that depth on";
+    let never = "move the parts apart; otherwise they pass through each other there";
     let seen = tell(&seen, "the thickness of shells, beams, or other solids", kept);
-    let unseen = tell(&unseen, "other solids, too deep for contact to see", never);
+    let unseen = tell(&unseen, "other solids, too deep for contact to detect", never);
     seen.into_iter().chain(unseen).collect()
 }

@@ -26,7 +26,7 @@ pub fn dof_bits(dofs: &[String], path: &str, findings: &mut Findings) -> u64 {
         match DOFS.iter().position(|known| known == dof) {
             Some(bit) => bits |= 1 << bit,
             None => {
-                let message = format!("`{dof}` is no degree of freedom");
+                let message = format!("`{dof}` is not a degree of freedom");
                 findings.add(Problem::error(
                     format!("{path}.{place}"),
                     message,
@@ -112,7 +112,7 @@ impl<'j> Curves<'j> {
                 findings.add(Problem::error(
                     path,
                     "a curve has no name",
-                    "loads refer to it by name",
+                    "give it a name: loads refer to it by name",
                 ));
             } else if !seen.insert(&curve.name) {
                 let message = format!("two entries of [[curve]] have the name `{}`", curve.name);
@@ -128,9 +128,10 @@ impl<'j> Curves<'j> {
                 findings.add(Problem::error(path, message, "give points = [[time, factor], ...]"));
             } else if let Some(k) = curve.points.windows(2).position(|p| p[1][0] <= p[0][0]) {
                 let (from, to) = (curve.points[k][0], curve.points[k + 1][0]);
-                let message = format!("curve `{}`: time {to:?} comes after {from:?}", curve.name);
+                let message =
+                    format!("curve `{}`: time {to:?} is listed after {from:?}", curve.name);
                 let help =
-                    "give times in ascending order; a jump takes two points a short time apart";
+                    "give times in ascending order; for a jump, give two points a short time apart";
                 findings.add(Problem::error(format!("{path}.{}", k + 1), message, help));
             }
         }
@@ -215,7 +216,7 @@ fn loaded_faces(
         .map(|(e, f)| (mesh.elements[e].id, f as u8))
         .collect();
     if faces.is_empty() {
-        let message = "a pressure acts on no face: no element has all nodes of a face there";
+        let message = "a pressure acts on no face: no element face has all its nodes there";
         let help = "name a part that has elements, or a set that holds all nodes of each face";
         findings.add(Problem::error(format!("pressure.{i}"), message, help));
         return None;
@@ -325,12 +326,13 @@ fn motion(
             DOFS.iter().enumerate().filter(|(bit, _)| start.fixed[first] & dofs & (1 << bit) != 0);
         let twice: Vec<&str> = twice.map(|(_, name)| *name).collect();
         let message = format!(
-            "motion of {} nodes that are not free to follow it; the first is node {} in {}",
+            "{} nodes are not free to follow a motion; the first is node {} in {}",
             clashes.len(),
             mesh.nodes[first].id,
             twice.join(", ")
         );
-        let help = "another motion, a [[fix]] or a [[symmetry]] holds them: take them out there, or name other `dofs` here";
+        let help = "another motion, a [[fix]] or a [[symmetry]] constrains them: remove them \
+                    there, or name other `dofs` here";
         findings.add(Problem::error(&path, message, help));
     }
     nodes.iter().for_each(|&n| start.fixed[n] |= dofs);
@@ -345,9 +347,11 @@ fn symmetry(job: &Job, mesh: &Mesh, smallest: f64, start: &mut NodeStart, findin
         let small = |c: f64| c.abs() <= ALONG * largest;
         let axis = (0..3).find(|&c| !small(plane.normal[c]));
         let Some(axis) = axis.filter(|&a| (0..3).all(|c| c == a || small(plane.normal[c]))) else {
-            let message =
-                format!("the normal {:?} of a plane of symmetry lies along no axis", plane.normal);
-            let help = "only [1, 0, 0], [0, 1, 0] and [0, 0, 1] are possible: turn the model";
+            let message = format!(
+                "the normal {:?} of a plane of symmetry is parallel to no axis",
+                plane.normal
+            );
+            let help = "only [1, 0, 0], [0, 1, 0] and [0, 0, 1] are possible: rotate the model";
             findings.add(Problem::error(path, message, help));
             continue;
         };

@@ -77,7 +77,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
             few.error(
                 "node id",
                 format!("mesh.nodes.{index}"),
-                format!("{id} is no id of a node"),
+                format!("{id} is not a valid node id"),
                 "give a whole number from 0: a node is [id, x, y, z]",
             );
         }
@@ -153,8 +153,8 @@ fn thicken(mesh: &mut Mesh, rows: &[[f64; 2]], few: &mut Few<'_>) {
         };
         let element = &mut mesh.elements[place];
         if !element.shape.is_shell() {
-            let message = format!("element {id} is no shell: it has no thickness");
-            few.error("no shell", path(), message, "take it out");
+            let message = format!("element {id} is not a shell and has no thickness");
+            few.error("no shell", path(), message, "remove this row");
         }
         if !(thickness > 0.0 && thickness.is_finite()) {
             let message = format!("element {id}: its thickness is {thickness:?}");
@@ -162,19 +162,20 @@ fn thicken(mesh: &mut Mesh, rows: &[[f64; 2]], few: &mut Few<'_>) {
                 "thickness",
                 path(),
                 message,
-                "it has to be above 0; without a row a shell has that of its part",
+                "it has to be above 0; without a row a shell has the thickness of its part",
             );
         }
         if !given.insert(place) {
             let message = format!("element {id} is given a thickness twice");
-            few.error("thickness twice", path(), message, "take one of the two rows out");
+            few.error("thickness twice", path(), message, "remove one of the two rows");
         }
         element.thickness = thickness;
     }
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
-const SOLID_ROW: &str = "write [id, part id, n1, ..., n8]: a face's nodes, then those opposite";
+const SOLID_ROW: &str =
+    "write [id, part id, n1, ..., n8]: the nodes of a face, then those of the opposite face";
 
 /// A list of elements, with its names in messages.
 struct Kind {
@@ -200,8 +201,8 @@ fn element(
         return None;
     };
     let Ok(part) = u32::try_from(part) else {
-        let message = format!("element {id}: {part} is no id of a part");
-        few.error("part id", path(), message, "part ids go up to 4294967295");
+        let message = format!("element {id}: {part} is not a valid part id");
+        few.error("part id", path(), message, "part ids are at most 4294967295");
         return None;
     };
     let given = if shape == Shape::Beam2 { corners } else { &corners[..shape.corners()] };
@@ -227,7 +228,7 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mes
             let message = match unknown.len() {
                 1 => format!("node set `{name}`: there is no node {}", first.0),
                 n => format!(
-                    "node set `{name}`: {n} of its nodes do not exist, the first is node {}",
+                    "node set `{name}`: {n} of its nodes do not exist; the first is node {}",
                     first.0
                 ),
             };
@@ -235,7 +236,7 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mes
                 "set",
                 read.set_path(name),
                 message,
-                "add the node or take it out of the set",
+                "add the node or remove it from the set",
             );
         }
     }
@@ -261,7 +262,7 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mes
         few.findings.add(Problem::warning(
             read.node_path(index),
             message,
-            "take them out of the mesh, or connect them",
+            "remove them from the mesh, or connect them",
         ));
     }
     let mut mesh = read.mesh;
@@ -287,10 +288,10 @@ fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
     for (index, node) in read.mesh.nodes.iter().enumerate() {
         if node.id > NodeId::LARGEST {
             let message = format!("node id {} is too large", node.id.0);
-            few.error("node id", read.node_path(index), message, "number nodes below 9e15");
+            few.error("node id", read.node_path(index), message, "use node ids below 9e15");
         }
         if !node.x.iter().all(|c| c.is_finite()) {
-            let message = format!("node {} is at {:?}", node.id, node.x);
+            let message = format!("node {} has the coordinates {:?}", node.id, node.x);
             few.error(
                 "not finite",
                 read.node_path(index),
@@ -299,13 +300,8 @@ fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
             );
         }
         if at.insert(node.id, node.x).is_some() {
-            let message = format!("node {} is there twice", node.id);
-            few.error(
-                "node twice",
-                read.node_path(index),
-                message,
-                "give each node an id of its own",
-            );
+            let message = format!("node {} is defined twice", node.id);
+            few.error("node twice", read.node_path(index), message, "give each node a unique id");
         }
     }
     at
@@ -337,15 +333,15 @@ fn check_elements(
                 "element id",
                 path(),
                 format!("element id {} is too large", id.0),
-                "number elements below 9e15",
+                "use element ids below 9e15",
             );
         }
         if !seen.insert(id) {
             few.error(
                 "element twice",
                 path(),
-                format!("element {id} is there twice"),
-                "give each element an id of its own",
+                format!("element {id} is defined twice"),
+                "give each element a unique id",
             );
         }
         if parts.is_some_and(|parts| !parts.contains(&element.part)) {
@@ -356,10 +352,12 @@ fn check_elements(
             let message = format!("element {id} uses node {} twice", corners[twice]);
             let help = match element.shape {
                 Shape::Hex8 => {
-                    "a solid needs eight nodes, all different: wedges and tetrahedra are not there, mesh it with hexahedra"
+                    "a solid needs eight different nodes: wedges and tetrahedra are not supported, \
+                     mesh it with hexahedra"
                 }
                 Shape::Line2 => {
-                    "a spring has two ends; for one to the ground hold its other node by a [[fix]]"
+                    "a spring needs two different nodes; for a spring to the ground, fix its other \
+                     node by a [[fix]]"
                 }
                 _ => "a triangle repeats its last node only; correct or remove the element",
             };
@@ -380,19 +378,19 @@ fn check_elements(
             continue;
         }
         if element.shape == Shape::Line2 {
-            continue; // its part defines if it needs a length
+            continue; // its part determines if it needs a length
         }
         if element.shape == Shape::Beam2 {
             match at.get(&element.nodes[2]) {
                 Some(third) if matches!(outline(&[x[0], x[1], *third]), Outline::Good) => {}
                 Some(_) => {
                     let message =
-                        format!("beam {id}: its third node stands on the line of the first two");
+                        format!("beam {id}: its third node lies on the line through the first two");
                     few.error(
                         "third node",
                         path(),
                         message,
-                        "give one that shows where the second axis points",
+                        "give a third node off this line, in the direction of the second axis",
                     );
                 }
                 None => {
@@ -412,9 +410,8 @@ fn check_elements(
                 concave = Some((concave.map_or(index, |c| c.0), concave.map_or(1, |c| c.1 + 1)))
             }
             Outline::NoArea => {
-                let message = format!(
-                    "element {id} has no area: its nodes stand on one line or in one place"
-                );
+                let message =
+                    format!("element {id} has no area: its nodes lie on one line or at one point");
                 few.error(
                     "no area",
                     path(),
@@ -423,7 +420,7 @@ fn check_elements(
                 );
             }
             Outline::NoSide => {
-                let message = format!("element {id} has two corners in one place");
+                let message = format!("element {id} has two corners at one point");
                 few.error(
                     "no side",
                     path(),
@@ -452,14 +449,16 @@ fn check_elements(
             1 => format!("element {first} belongs to part {part}, which the job does not have"),
             n => {
                 format!(
-                    "{n} elements belong to part {part}, which the job does not have; the first is element {first}"
+                    "{n} elements belong to part {part}, which the job does not have; \
+                     the first is element {first}"
                 )
             }
         };
         let known: BTreeSet<u32> = parts.unwrap_or_default().iter().copied().collect();
         let known: Vec<String> = known.iter().map(u32::to_string).collect();
         let help = format!(
-            "add a [[part]] with id = {part} (a *PART in a deck), or correct the element; there are parts: {}",
+            "add a [[part]] with id = {part} (a *PART in a deck), or correct the element; \
+             there are parts: {}",
             known.join(", ")
         );
         few.error("orphan", read.element_path(index), message, &help);
@@ -471,7 +470,7 @@ fn check_elements(
         few.findings.add(Problem::warning(
             read.element_path(index),
             message,
-            "results there are poor: mesh it anew",
+            "results there are poor: remesh these quads",
         ));
     }
 }
@@ -487,12 +486,13 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
     let id = element.id;
     if !figures.zero_area.is_empty() && figures.min_jacobian.value > f64::NEG_INFINITY {
         let message = format!(
-            "solid {id} has no volume: its nodes lie in one plane, on one line or in one place"
+            "solid {id} has no volume: its nodes lie in one plane, on one line or at one point"
         );
         few.error("no volume", path, message, "move its nodes apart, or remove the element");
     } else if figures.min_jacobian.value <= 0.0 {
         let message = format!("solid {id} is inverted or twisted at a corner");
-        let help = "give the nodes of one face so that its right-hand normal points into the solid, then those opposite";
+        let help = "give the nodes of one face so that its right-hand normal points into the \
+                    solid, then those of the opposite face";
         few.error("inverted", path, message, help);
     }
 }

@@ -370,17 +370,21 @@ fn read_mesh(
     }
     match (generator, file, rows) {
         (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
-            let help = "a generator or a mesh file makes its own node sets; take these out";
+            let help = "remove them: a generator or a mesh file defines its own node sets";
             findings.add(Problem::error(
                 "mesh.node_sets",
-                "mesh.node_sets belongs to mesh.nodes",
+                "mesh.node_sets is for mesh.nodes or a deck only",
                 help,
             ));
             None
         }
         (None, Some(_), false) if !thicknesses.is_empty() => {
-            let message = "mesh.thicknesses belongs to mesh.nodes, a generator or a deck";
-            findings.add(Problem::error("mesh.thicknesses", message, "write it in the mesh file"));
+            let message = "mesh.thicknesses is for mesh.nodes, a generator or a deck only";
+            findings.add(Problem::error(
+                "mesh.thicknesses",
+                message,
+                "write them in the mesh file",
+            ));
             None
         }
         (Some(generator), None, false) => {
@@ -393,12 +397,14 @@ fn read_mesh(
         }
         (None, None, true) => mesh::from_rows(&job.mesh, findings),
         (None, None, false) => {
-            let help = "give mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells or mesh.solids";
+            let help = "give mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells \
+                        or mesh.solids";
             findings.add(Problem::error("mesh", "the job has no mesh", help));
             None
         }
         _ => {
-            let help = "give one of mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells or mesh.solids";
+            let help = "give one of mesh.generator, mesh.file, mesh.deck, or mesh.nodes with \
+                        mesh.shells or mesh.solids";
             findings.add(Problem::error("mesh", "the job has more than one mesh", help));
             None
         }
@@ -464,8 +470,8 @@ fn job_file(path: &Path) -> Result<PathBuf, Problem> {
         "toml" | "k" | "key" | "dyn" => Ok(path.to_path_buf()),
         _ => Err(Problem::error(
             "",
-            format!("{shown} is no .toml file"),
-            "a job is a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
+            format!("{shown} is not a .toml file"),
+            "name a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
         )),
     }
 }
@@ -473,7 +479,11 @@ fn job_file(path: &Path) -> Result<PathBuf, Problem> {
 fn load(path: &Path) -> Result<String, Problem> {
     let shown = path.display();
     let cannot = |error: std::io::Error| {
-        Problem::error("", format!("{shown} cannot be read: {error}"), "check its name and rights")
+        Problem::error(
+            "",
+            format!("{shown} cannot be read: {error}"),
+            "check its name and permissions",
+        )
     };
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > LARGEST_FILE {
@@ -538,7 +548,7 @@ impl Model {
     /// `dt_max` [time], and the index of the element that controls it.
     pub fn first_dt(&self) -> (f64, usize) {
         let (at, dt) =
-            state::smallest(&self.elements.stable_dt).expect("a sound model has elements");
+            state::smallest(&self.elements.stable_dt).expect("a valid model has elements");
         let most = if self.settings.dt_max > 0.0 { self.settings.dt_max } else { f64::INFINITY };
         ((self.settings.safety * dt).min(most), at)
     }
@@ -578,7 +588,7 @@ impl Model {
             0 => Problem::error(
                 path,
                 "0 workers cannot run anything",
-                "give at least 1, or none for one per core",
+                "give at least 1, or omit the number for one per core",
             ),
             n if n > elements => {
                 let message =

@@ -36,8 +36,8 @@ pub struct Renumbered {
     pub after: f64,
 }
 
-/// Renumbers a mesh if that brings its nodes together. `mesh` and `axes` are sorted by id, before
-/// and after. Warns if the ids are too large for new numbers.
+/// Renumbers a mesh if this brings the nodes of its elements closer together. `mesh` and `axes`
+/// are sorted by id, before and after. Warns if the ids are too large for new numbers.
 pub fn renumber(
     mesh: &mut Mesh,
     axes: &mut [(ElemId, [f64; 3])],
@@ -62,10 +62,10 @@ pub fn renumber(
     }
     let Some((nodes, elements)) = placed(mesh, &place, &order) else {
         let message = format!(
-            "nodes of an element are numbered far apart ({before:.1} cache lines fetched for it)"
+            "node numbers of an element are far apart ({before:.1} cache lines fetched per element)"
         );
-        let help =
-            "it costs time only; with ids up to 4294967295 Crumple numbers such a mesh anew inside";
+        let help = "use ids up to 4294967295, for which Crumple renumbers such a mesh internally; \
+                    otherwise the run only takes longer";
         findings.add(Problem::warning("mesh", message, help));
         return None;
     };
@@ -366,6 +366,6 @@ mod tests {
         let mut findings = Findings::default();
         assert_eq!(renumber(&mut mesh, &mut [], &mut findings), None);
         assert_eq!(mesh, given);
-        assert_eq!(findings.list.len(), 1, "and the user is told");
+        assert_eq!(findings.list.len(), 1, "and the user gets a warning");
     }
 }

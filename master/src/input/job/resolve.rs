@@ -23,7 +23,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     numbers.need(time.safety > 0.0, "time.safety", time.safety, "above 0; 0.9 is usual");
     if time.safety > 1.0 {
         let message = format!("safety = {} is above 1: the run will become unstable", time.safety);
-        numbers.findings.add(Problem::warning("time.safety", message, "0.9 is usual"));
+        numbers.findings.add(Problem::warning("time.safety", message, "reduce it; 0.9 is usual"));
     }
     numbers.need(
         (0.0..1.0).contains(&time.dt_min_ratio),
@@ -46,8 +46,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     );
 
     if time.subcycles == 0 {
-        let help =
-            "take 1 (all elements in each cycle), or so many cycles for the slow elements' step";
+        let help = "take 1 (all elements in each cycle), or the number of cycles in an outer step";
         numbers.findings.add(Problem::error(
             "time.subcycles",
             "subcycles is 0: an outer step has no cycle",
@@ -68,21 +67,17 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         let path = format!("output.field_times.{index}");
         if job.end_time > 0.0 && (t < 0.0 || t > job.end_time) {
             let message = format!(
-                "no field file can be written at {t}: the run goes from 0 to {}",
+                "no field file can be written at {t}: the run is from time 0 to {}",
                 job.end_time
             );
-            numbers.findings.add(Problem::warning(
-                path,
-                message,
-                "take it out, or change end_time",
-            ));
+            numbers.findings.add(Problem::warning(path, message, "remove it, or change end_time"));
         }
     }
     if output.vtkhdf && !vtkhdf::BUILT {
         numbers.findings.add(Problem::error(
             "output.vtkhdf",
             vtkhdf::MISSING,
-            format!("{}, or take the key out", vtkhdf::HELP),
+            format!("{}, or remove the key", vtkhdf::HELP),
         ));
     }
     let files = job.end_time / output.field_interval;
@@ -122,8 +117,8 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         contact::check(contact, job, &mut Numbers { findings });
     }
     if job.mesh.generator.is_none() && !job.scene.is_empty() {
-        let message = "[scene] holds options of a mesh generator, and the job names none";
-        findings.add(Problem::warning("scene", message, "add mesh.generator or take [scene] out"));
+        let message = "[scene] holds options of a mesh generator, but the job names none";
+        findings.add(Problem::warning("scene", message, "add mesh.generator or remove [scene]"));
     }
     if job.part.is_empty() {
         findings.add(Problem::error(
@@ -162,7 +157,7 @@ fn parts_and_materials(job: &Job, findings: &mut Findings) {
             findings.add(Problem::error(
                 format!("material.{index}.name"),
                 "a material has no name",
-                "parts refer to it by name",
+                "give it a name: parts refer to it by name",
             ));
         }
     }
@@ -177,7 +172,7 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
             let path = format!("fix.{index}.dofs");
             numbers.findings.add(Problem::warning(
                 path,
-                "nothing is held fixed here",
+                "a [[fix]] with empty `dofs` fixes nothing",
                 "name dofs, such as [\"x\", \"rz\"]",
             ));
         }

@@ -43,7 +43,7 @@ pub fn resolve(
             findings.add(Problem::error(
                 &path,
                 message,
-                "join them to one body, or leave a row of elements between",
+                "merge them into one body, or leave a row of elements between them",
             ));
         }
         owner.extend(nodes.iter().map(|id| (*id, i)));
@@ -54,12 +54,14 @@ pub fn resolve(
             .collect();
         if let Some(first) = held.first() {
             let message = format!(
-                "{} nodes of rigid body `{}` are held or moved by something else; the first is node {first}",
+                "{} nodes of rigid body `{}` have another constraint or motion; \
+                 the first is node {first}",
                 held.len(),
                 rigid.name
             );
-            let help = "take them out of [[fix]], [[symmetry]] and [[motion]]; hold or move the body: `fixed`, or a [[motion]] with \
-                        `rigid` (in a deck cmo, con1 and con2 of its *MAT_RIGID, or *BOUNDARY_PRESCRIBED_MOTION_RIGID)";
+            let help = "remove them from [[fix]], [[symmetry]] and [[motion]]; constrain the body \
+                        by `fixed`, or move it by a [[motion]] with `rigid` (in a deck: cmo, con1 \
+                        and con2 of its *MAT_RIGID, or *BOUNDARY_PRESCRIBED_MOTION_RIGID)";
             findings.add(Problem::error(&path, message, help));
         }
         let parts = (0u32..)
@@ -83,7 +85,7 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
         findings.add(Problem::error(
             path("name"),
             "a rigid body has no name",
-            "motions refer to it by name",
+            "give it a name: motions refer to it by name",
         ));
     } else if job.rigid[..i].iter().any(|r| r.name == rigid.name) {
         let message = format!("two entries of [[rigid]] have the name `{}`", rigid.name);
@@ -109,10 +111,10 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
                 "it has to be above 0",
             ));
         } else if rigid.parts.is_empty() {
-            let help = "give a set of nodes mass with a [[mass]], or name the parts";
+            let help = "name its `parts`, or give its nodes a mass by a [[mass]]";
             findings.add(Problem::error(
                 path("mass"),
-                "`mass` is that of the body's parts, and it has none",
+                "`mass` is the mass of the body's parts, but the body has none",
                 help,
             ));
         }
@@ -124,7 +126,8 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
         let whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
         let triangle = xx <= yy + zz && yy <= zz + xx && zz <= xx + yy;
         if !(xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle) {
-            let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix with no moment above the sum of the others";
+            let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix in which no \
+                        moment exceeds the sum of the other two";
             findings.add(Problem::error(path("inertia"), "no body has this inertia", help));
         }
     }
@@ -174,11 +177,11 @@ fn members(rigid: &Rigid, path: &str, ground: &Ground<'_>, findings: &mut Findin
     let points: Vec<[f64; 3]> = nodes.iter().filter_map(at).collect();
     let turns = nodes.iter().any(|n| turning.contains(n));
     if !points.is_empty() && on_a_line(&points) && !turns {
-        let message = format!("the nodes of rigid body `{}` stand on one line", rigid.name);
+        let message = format!("the nodes of rigid body `{}` lie on one line", rigid.name);
         findings.add(Problem::error(
             path,
             message,
-            "give it at least three that do not, or a node of a shell or beam",
+            "give it at least three nodes off one line, or a node of a shell or beam",
         ));
     }
     nodes.into_iter().collect()
@@ -200,7 +203,7 @@ fn on_a_line(points: &[[f64; 3]]) -> bool {
         ])
     };
     let far = square(along);
-    // 1e-9 of the length: a straight line to the digits of mesh files.
+    // 1e-9 of the length is below the precision of coordinates in mesh files.
     points.iter().map(from).all(|d| off(d) <= 1e-18 * far * far)
 }
 
@@ -217,7 +220,7 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
             continue;
         };
         if m.nodes.is_some() {
-            let help = "give one of `nodes` and `rigid`";
+            let help = "give either `nodes` or `rigid`";
             findings.add(Problem::error(
                 &path,
                 "a motion has both a node set and a rigid body",
@@ -225,10 +228,10 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
             ));
         }
         if m.centre != [0.0; 3] {
-            let help = "take `centre` out: a rigid body turns about its own";
+            let help = "remove `centre`: a rigid body rotates about its own centre";
             findings.add(Problem::error(
                 format!("{path}.centre"),
-                "a rigid body cannot turn about a given point",
+                "a rigid body cannot rotate about a given point",
                 help,
             ));
         }
@@ -245,7 +248,7 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
                 names.join(", ")
             );
             let help =
-                "take them out of its `fixed` or of the other motion, or name other `dofs` here";
+                "remove them from its `fixed` or from the other motion, or name other `dofs` here";
             findings.add(Problem::error(&path, message, help));
         }
         body.motions.push(crumple_proto::loads::Motion { dofs, ..motion });

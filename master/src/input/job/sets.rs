@@ -37,21 +37,24 @@ fn apply_one(
     };
     let (path, value) = (path.trim(), value.trim());
     if path.is_empty() || path.split('.').any(|key| key.trim().is_empty()) {
-        return Err((format!("`{path}` is no key"), "write --set section.key=value".into()));
+        return Err((
+            format!("`{path}` is not a valid key"),
+            "write --set section.key=value".into(),
+        ));
     }
     let value = match Node::parse_value(value, place) {
         Some(node) => node,
         None if value.starts_with(['[', '{', '"', '\'']) => {
             return Err((
                 format!("the value `{value}` cannot be read"),
-                "write it as it would stand in a job file".into(),
+                "write it as in a job file".into(),
             ));
         }
         None => Node { kind: Kind::String(value.into()), place },
     };
     if path.starts_with("contact.") && tree.get("contact").is_none() {
-        let message = "--set turns contact on: the job itself has no [contact]";
-        findings.add(Problem::warning("contact", message, "leave it out to run without contact"));
+        let message = "--set turns contact on: the job has no [contact]";
+        findings.add(Problem::warning("contact", message, "remove it to run without contact"));
     }
     put(tree, path, path, value, place)
 }
@@ -73,7 +76,7 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
                     if before.is_empty() && !tail.is_empty() && is_list_of_tables(key) {
                         return Err((
                             format!("the job has no [[{key}]]"),
-                            format!("add one to the job: `{whole}` has nothing to change"),
+                            format!("add one to the job: `{whole}` has no entry to change"),
                         ));
                     }
                     entries.insert(key.to_string(), Entry { key: place, node: Node::table(place) });
@@ -88,7 +91,7 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
             put(&mut items[index], tail, whole, value, place)
         }
         _ => Err((
-            format!("`{before}` is a single value and has no `{rest}` in it"),
+            format!("`{before}` is a single value and contains no `{rest}`"),
             format!("write --set {before}=..."),
         )),
     }
@@ -127,8 +130,11 @@ fn find_entry<'p>(items: &[Node], rest: &'p str, list: &str) -> Result<(usize, &
 mod tests {
     use super::*;
 
-    const JOB: &str = "end_time = 1.0\n[[part]]\nid = 7\nname = \"rail\"\nthickness = 2.0\n[[part]]\nid = 1\n\
-                       thickness = 3.0\n[[wall]]\npoint = [0, 0, 0]\n[[material]]\nname = \"AA6061.T6\"\ndensity = 1.0\n";
+    const JOB: &str = "end_time = 1.0\n\
+                       [[part]]\nid = 7\nname = \"rail\"\nthickness = 2.0\n\
+                       [[part]]\nid = 1\nthickness = 3.0\n\
+                       [[wall]]\npoint = [0, 0, 0]\n\
+                       [[material]]\nname = \"AA6061.T6\"\ndensity = 1.0\n";
 
     fn set(argument: &str) -> (Node, Findings) {
         let (mut tree, mut findings) = (Node::parse(JOB).unwrap(), Findings::default());
@@ -182,8 +188,8 @@ mod tests {
             ("fix.0.dofs=[]", "no [[fix]]"),
             ("end_time.x=1", "single value"),
             ("end_time", "has no value"),
-            ("=3", "is no key"),
-            ("part..x=3", "is no key"),
+            ("=3", "is not a valid key"),
+            ("part..x=3", "is not a valid key"),
             ("wall.0.point=[1,", "cannot be read"),
         ] {
             let (_, findings) = set(argument);

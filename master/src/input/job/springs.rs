@@ -202,7 +202,8 @@ fn massless(mesh: &Mesh, ends: &[End], findings: &mut Findings) {
             found.len(),
             mesh.nodes[first].id
         );
-        let help = "springs have none: add a [[mass]], or hold the node in x, y and z by a [[fix]]";
+        let help =
+            "springs have no mass: add a [[mass]], or fix the node in x, y and z by a [[fix]]";
         findings.add(Problem::error("mesh", message, help));
     }
 }

@@ -96,11 +96,7 @@ impl<'m> NodeSets<'m> {
                 0 => format!("node set `{name}` is empty"),
                 _ => format!("no node of node set `{name}` belongs to an element"),
             };
-            findings.add(Problem::error(
-                path,
-                message,
-                "put nodes into it, or take this entry out",
-            ));
+            findings.add(Problem::error(path, message, "add nodes to it, or remove this entry"));
             return None;
         }
         Some(nodes)
@@ -161,7 +157,7 @@ pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Finding
             findings.add(Problem::error(
                 path,
                 message,
-                "connect them, or take them out of the set",
+                "connect them, or remove them from the set",
             ));
         }
         let each = mass.mass / nodes.len() as f64;
@@ -262,14 +258,14 @@ pub fn elements(
         let message =
             format!("mass scaling would add {:.1} % of the structure's mass", 100.0 * added);
         let help = format!(
-            "ask for a shorter step, mesh the small elements anew, or raise time.mass_scaling_limit (it is {limit}) if that much \
-             is meant"
+            "use a shorter step, remesh the small elements, or increase \
+             time.mass_scaling_limit (now {limit}) if so much mass is acceptable"
         );
         findings.add(Problem::error("time.mass_scaling_dt", message, help));
     }
     if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
-        let help = "add dt_max to [time]: rigid bodies and skins set no time step";
-        findings.add(Problem::error("time", "all elements are rigid or skins", help));
+        let help = "add dt_max to [time]: rigid bodies and parts with skin = true set no time step";
+        findings.add(Problem::error("time", "all elements are rigid or have skin = true", help));
     }
     if let (count, Some(first)) = unsound {
         let message = match count {
@@ -279,7 +275,7 @@ pub fn elements(
         findings.add(Problem::error(
             "mesh",
             message,
-            "it is inverted, or its size, density or stiffness is out of all range",
+            "correct it: it is inverted, or its size, density or stiffness is out of range",
         ));
     }
     start
@@ -314,9 +310,11 @@ pub fn warnings(
         .fold(0.0, f64::max);
     if fastest > 0.0 && speed > fastest {
         let message = format!(
-            "a node starts with {speed:.4e}, faster than any wave in the materials ({fastest:.4e})"
+            "a node starts with the speed {speed:.4e}, faster than any wave in the materials \
+             ({fastest:.4e})"
         );
-        let help = "check its units: velocities are in lengths by time of the coordinates and times of the job";
+        let help = "check its units: velocities are in the length unit of the coordinates per time \
+                    unit of the job";
         let place =
             if job.initial_velocity.len() == 1 { "initial_velocity.0" } else { "initial_velocity" };
         warnings.push(Problem::warning(place, message, help));
@@ -328,7 +326,7 @@ pub fn warnings(
             warnings.push(Problem::warning(
                 format!("part.{place}.id"),
                 message,
-                "take it out, or check the part ids of the mesh",
+                "remove it, or check the part ids of the mesh",
             ));
         }
     }
@@ -336,9 +334,12 @@ pub fn warnings(
         .extend(settings.contact.as_ref().and_then(|c| beams_without_contact(c, settings, mesh)));
     let meets = |t: &Tie| settings.walls.iter().any(|w| w.allows(t.node));
     if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
-        let message =
-            format!("{count} tied nodes do not meet rigid walls, which see only what carries them");
-        let help = "tie the side that is away from the wall, or leave the tied nodes out by the wall's `except`";
+        let message = format!(
+            "{count} tied nodes do not touch rigid walls: walls act on the masters of tied nodes \
+             only"
+        );
+        let help =
+            "tie the side away from the wall, or exclude the tied nodes by the wall's `except`";
         warnings.push(Problem::warning("wall", message, help));
     }
     let structure = deformable_mass(elements);
@@ -349,7 +350,7 @@ pub fn warnings(
         warnings.push(Problem::warning(
             "time.mass_scaling_dt",
             message,
-            "take a smaller step, or a mesh without tiny elements",
+            "use a smaller step, or a mesh without tiny elements",
         ));
     }
     // Rigid bodies and skins have no stable step.
@@ -363,11 +364,11 @@ pub fn warnings(
     };
     if let Some((at, dt)) = smallest(&elements.stable_dt).filter(|&(_, dt)| dt < 0.1 * median) {
         let message = format!(
-            "element {} alone sets the time step: it is {:.0} times below the median",
+            "element {} alone sets the time step: its stable step is {:.0} times below the median",
             mesh.elements[at].id,
             median / dt
         );
-        let help = "mesh it anew, or see time.subcycles and time.mass_scaling_dt";
+        let help = "remesh it, or use time.subcycles or time.mass_scaling_dt";
         warnings.push(Problem::warning("", message, help));
     }
     warnings
@@ -383,10 +384,10 @@ fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) ->
     let ids: Vec<String> =
         settings.parts.iter().filter(without).map(|p| p.id.to_string()).collect();
     let message = format!(
-        "beams take no part in contact: other things pass through them (parts {})",
+        "beams are not in contact: other parts pass through them (parts {})",
         ids.join(", ")
     );
-    let help = "contact.beams = true lets them, or put shells around them where that matters";
+    let help = "set contact.beams = true, or put shells around them where their contact matters";
     (!ids.is_empty()).then(|| Problem::warning("contact.beams", message, help))
 }
 

@@ -126,21 +126,22 @@ pub fn divide(
     elements.slow = neighbours.slow(settings.subcycles, time.subcycle_layers, &elements.stable_dt);
     if !elements.slow.contains(&true) {
         let message = format!(
-            "subcycles = {} leaves no slow element, that bears so many of the smallest step, is not next to a small one and in no \
-             contact: all are computed in each cycle",
+            "subcycles = {} leaves no slow element: a slow element is stable at the outer step, is \
+             not near a small one and is not in contact; all elements are computed in each cycle",
             settings.subcycles
         );
-        let help = "take fewer, name the parts that touch in contact.parts, or take the key out";
+        let help =
+            "use fewer subcycles, name the parts that touch in contact.parts, or remove the key";
         findings.add(Problem::warning("time.subcycles", message, help));
         settings.subcycles = 1;
         elements.slow.clear();
     } else if time.subcycle_contact && settings.contact.is_some() {
-        let message = "elements of parts in contact act once in so many cycles: friction and the balance of energy suffer where \
-                       something rests or slides under load";
+        let message = "slow elements of parts in contact act once per outer step: friction and the \
+                       energy balance are less accurate where a part rests or slides under load";
         findings.add(Problem::warning(
             "time.subcycle_contact",
             message,
-            "compare with a run without it",
+            "compare with a run without this key",
         ));
     }
 }

@@ -28,7 +28,7 @@ const TOLD_MOVE: f64 = 1e-3;
 const TOLD_VELOCITY: f64 = 0.01;
 /// Maximum number of node ids in a message.
 const NAMED: usize = 5;
-/// Length of a chain of ties from which it is a circle.
+/// Number of ties in a chain from which the chain is taken for a circle.
 const LONGEST_CHAIN: usize = 100;
 
 /// A tied node with its entry in the job, its index in the mesh, and its position on the face.
@@ -99,7 +99,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> 
             name(job, pair[0].entry),
             name(job, pair[1].entry)
         );
-        let help = "take it out of one of the sets";
+        let help = "remove it from one of the sets";
         findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
     }
     for s in &stands {
@@ -154,7 +154,7 @@ fn of_entry(
         findings.add(Problem::error(
             path(&format!("thicknesses.{k}")),
             message,
-            "give a length, or 0 for that of the parts",
+            "give a length, or 0 for the thickness of the parts",
         ));
     }
     if let Some(node) = spec.node {
@@ -212,7 +212,7 @@ fn of_entry(
         |f: usize, p: usize| if corners[f].contains(&id(p)) { -1.0 } else { reach(f, of_node(p)) };
     let found = feet(&places, &points, |f| reach(f, thickest), tolerance);
     tell_lost(job, entry, &found, id, findings);
-    // A rigid body takes its members at their positions.
+    // Members of a rigid body keep their positions.
     let rigid = |f: usize| ground.rigid.contains(&mesh.elements[surface[f].0].part);
     let stand = |(p, foot): (usize, Option<Foot>)| {
         let foot = foot?;
@@ -262,7 +262,8 @@ fn tell_unlike<'t>(
     let nodes: Vec<NodeId> = ties.filter(unlike).map(|t| t.node).collect();
     if !nodes.is_empty() {
         let message = format!(
-            "{} tied nodes start with other velocities than what carries them, and share their momentum with it: {}",
+            "{} tied nodes have other initial velocities than their masters, and share their \
+             momentum with them: {}",
             nodes.len(),
             named(&nodes)
         );
@@ -290,14 +291,14 @@ fn to_node(
         wrong(
             "node",
             "a tie to a node has no surface and no offset".into(),
-            "take `parts`, `faces` and `offset` out",
+            "remove `parts`, `faces` and `offset`",
         );
     }
     if !mesh.nodes.iter().any(|n| n.id == carrier) {
         wrong("node", format!("no element has node {carrier}"), "name a node of the mesh");
     }
     if nodes.iter().any(|&n| mesh.nodes[n].id == carrier) {
-        wrong("nodes", format!("node {carrier} is tied to itself"), "take it out of the set");
+        wrong("nodes", format!("node {carrier} is tied to itself"), "remove it from the set");
     }
     let stand = |node: usize| Stand {
         tie: Tie {
@@ -316,7 +317,7 @@ fn to_node(
     nodes.into_iter().map(stand).collect()
 }
 
-/// Notes which nodes of a surface project onto faces between tied nodes. `reaches` holds the
+/// Records which nodes of a surface project onto faces between tied nodes. `reaches` holds the
 /// surface's nodes, each with its faces' tolerances [length].
 fn face_back(
     ground: &Ground<'_>,
@@ -413,7 +414,7 @@ fn tell_lost(
 ) {
     let lost: Vec<NodeId> = (0..found.len()).filter(|&p| found[p].is_none()).map(id).collect();
     let path = format!("tie.{entry}.nodes");
-    let help = "give a larger `tolerance`, or take them out of the set";
+    let help = "give a larger `tolerance`, or remove them from the set";
     if lost.len() == found.len() {
         let message = format!(
             "{}: none of its {} nodes is near enough to its surface",
@@ -438,7 +439,8 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
         stands.iter().filter(|s| s.entry == entry && s.moved > TOLD_MOVE).collect();
     let Some(most) = moved.iter().max_by(|a, b| a.moved.total_cmp(&b.moved)) else { return };
     let message = format!(
-        "{}: {} nodes are moved onto its surface; node {} by most, {:.1} % of its face's diagonal",
+        "{}: {} nodes are moved onto its surface; node {} most, by {:.1} % of the diagonal of its \
+         face",
         name(job, entry),
         moved.len(),
         most.tie.node,
@@ -447,7 +449,7 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
     findings.add(Problem::warning(
         format!("tie.{entry}.nodes"),
         message,
-        "mesh them there to be rid of this",
+        "place these nodes on the surface in the mesh",
     ));
 }
 
@@ -467,11 +469,12 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
         let wrong = tie.masters.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
         if let Some((carrier, _)) = wrong {
             let message = format!(
-                "{}: node {} stands on node {carrier}, which is tied itself",
+                "{}: node {} is tied to node {carrier}, which is itself tied",
                 name(job, entry),
                 tie.node
             );
-            let help = "that may be without offsets only, and with rotations on what has its own tied; leave a row of elements between";
+            let help = "use no offsets in a chain of ties, and tie rotations only to masters with \
+                        tied rotations; or leave a row of elements between the ties";
             findings.add(Problem::error(format!("tie.{entry}"), message, help));
             continue;
         }
@@ -491,11 +494,11 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
         }
         if rounds == LONGEST_CHAIN {
             let message = format!(
-                "{}: node {} is tied in a circle, to what is tied to it",
+                "{}: node {} is tied in a circle: its masters are tied to it",
                 name(job, entry),
                 tie.node
             );
-            let help = "tie one side to the other only";
+            let help = "tie only one side to the other";
             findings.add(Problem::error(format!("tie.{entry}"), message, help));
             break;
         }
@@ -537,15 +540,15 @@ pub fn join(
         ties.iter().filter(|t| of(t)).map(|t| t.node).collect::<Vec<_>>()
     };
     let rigid = nodes(&|t| body_of.contains_key(&t.node));
-    list(rigid, "belong to rigid bodies", "tie the other side's nodes to the body instead");
+    list(rigid, "belong to rigid bodies", "tie the nodes of the other side to the body");
     // A constraint of all masters also constrains their node.
     let held = nodes(&|t| {
         let all = t.masters.iter().fold(u64::MAX, |bits, c| bits & fixed(c.0));
         let tied = if t.rotations { 0b11_1111 } else { 0b111 };
         !body_of.contains_key(&t.node) && fixed(t.node) & tied & !all != 0
     });
-    let help = "take them out of the tie's nodes, or out of [[fix]], [[symmetry]] and [[motion]]";
-    list(held, "are held or moved by something else", help);
+    let help = "remove them from the tie's nodes, or from [[fix]], [[symmetry]] and [[motion]]";
+    list(held, "have another constraint or motion", help);
     let body = |t: &Tie| {
         let mut all = t.masters.iter().map(|c| body_of.get(&c.0).copied());
         let first = all.next().flatten();
@@ -557,8 +560,8 @@ pub fn join(
     });
     list(
         split,
-        "stand on faces that are rigid in part",
-        "leave a row of elements between, or make the face rigid",
+        "are on faces that are only partly rigid",
+        "leave a row of elements between, or make the whole face rigid",
     );
     tell_unlike(ties.iter().filter(|t| body(t).0.is_none()), sets, start, findings);
     ties.retain(|tie| match body(tie) {

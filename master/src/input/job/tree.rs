@@ -237,9 +237,10 @@ fn syntax_help(message: &str) -> &'static str {
     if message.contains("duplicate") {
         "write each key and each [section] once; [[section]] adds an entry to a list"
     } else if message.contains("string") {
-        "text stands in quotes: key = \"text\""
+        "write text in quotes: key = \"text\""
     } else {
-        "a job is TOML: key = value, [section], [[entry of a list]]; text in quotes, lists in brackets with commas"
+        "write TOML: key = value, [section], [[entry of a list]]; text in quotes, lists in \
+         brackets with commas"
     }
 }
 
@@ -270,7 +271,7 @@ fn from_value(value: &DeValue<'_>, place: Place, errors: &mut Vec<SyntaxError>) 
             Err(_) => {
                 errors.push((
                     "the number does not fit in 64 bits".into(),
-                    "write a smaller one",
+                    "write a smaller number",
                     place,
                 ));
                 Kind::Integer(0)

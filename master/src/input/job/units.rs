@@ -39,18 +39,24 @@ pub fn check(job: &Job) -> Vec<Problem> {
                 material.name, job.units
             );
             let steel = 7850.0 * units.length.powi(3) / units.mass;
-            let help = format!("no solid has that; steel has {steel:.3e} in these units");
+            let help = format!(
+                "check it and `units`: no solid has this density; steel has {steel:.3e} in these \
+                 units"
+            );
             problems.push(Problem::warning(format!("material.{index}.density"), message, help));
         }
         let Some(modulus) = youngs_modulus(material) else { continue };
         let speed = (modulus / material.density).sqrt() * units.length / units.time;
         if speed.is_finite() && speed > 0.0 && !wave_speeds(density).contains(&speed) {
             let message = format!(
-                "material `{}`: in {} its waves run at {speed:.3e} m/s, sqrt(E/rho)",
+                "material `{}`: in {} its wave speed sqrt(E/rho) is {speed:.3e} m/s",
                 material.name, job.units
             );
             let steel = 207e9 * units.length * units.time * units.time / units.mass;
-            let help = format!("no solid has that; steel has E = {steel:.3e} in these units");
+            let help = format!(
+                "check it and `units`: no solid has this wave speed; steel has E = {steel:.3e} in \
+                 these units"
+            );
             problems.push(Problem::warning(
                 format!("material.{index}.youngs_modulus"),
                 message,
@@ -113,8 +119,8 @@ fn read(text: &str) -> Option<Units> {
 mod tests {
     use super::*;
 
-    /// 7850 and 207 are steel in no system of units: in the only ones with such a density, a
-    /// metal is stiffer.
+    /// 7850 and 207 describe steel in no system of units. Where the density fits, a metal is
+    /// stiffer.
     #[test]
     fn metals_are_not_as_soft_as_rubber() {
         assert!(fit("m, ms, kg", 7850.0, 207e3) && !fit("m, ms, kg", 7850.0, 207.0));

@@ -75,7 +75,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             findings.add(Problem::warning(
                 path,
                 message,
-                format!("it belongs to law {}", laws.join(" and ")),
+                format!("remove it: it belongs to law {}", laws.join(" and ")),
             ));
         };
         let all: Vec<Contact> = contact.each().collect();
@@ -109,7 +109,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
                 findings.add(Problem::warning(
                     format!("{path}.{key}"),
                     message,
-                    format!("it is for {users}"),
+                    format!("remove it: it is for {users}"),
                 ));
             }
         }

@@ -71,7 +71,11 @@ pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
     for key in ["file", "generator"].into_iter().filter(|key| tree.get(key).is_some()) {
         let message = format!("a mesh file cannot have a `{key}`");
         findings.add_faulty(
-            Problem::error(join("mesh", key), message, "it holds nodes, shells and node_sets"),
+            Problem::error(
+                join("mesh", key),
+                message,
+                "remove it: a mesh file holds nodes, elements and node sets",
+            ),
             None,
         );
     }
@@ -130,7 +134,7 @@ fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
         }
     }
     for key in unknown {
-        let entry = entries.remove(&key).expect("it was there a moment ago");
+        let entry = entries.remove(&key).expect("the key was found above");
         let known: Vec<&str> =
             properties.map(|p| p.keys().map(String::as_str).collect()).unwrap_or_default();
         let problem = Problem::error(
@@ -347,7 +351,7 @@ fn expected(schema: &Value) -> String {
                 None => format!("a list of {items}"),
             }
         }
-        _ => "something else".into(),
+        _ => "of another type".into(),
     }
 }
 
@@ -416,7 +420,7 @@ fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
                 } else {
                     format!("[{name}]")
                 };
-                return format!("`{key}` belongs into {brackets}; keys here: {}", known.join(", "));
+                return format!("`{key}` belongs in {brackets}; keys here: {}", known.join(", "));
             }
         }
         if !path.is_empty() && SCHEMA["properties"].get(key).is_some() {

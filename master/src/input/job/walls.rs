@@ -29,8 +29,9 @@ pub fn check(job: &Job, findings: &mut Findings) {
             findings.add(Problem::error(join(i, key), message, help));
         }
         if wall.mass.is_some() && job.time.damping > 0.0 {
-            let message = "damping and a wall with a mass do not go together: the wall would not feel all that it gives to nodes";
-            let help = "leave out time.damping, or lead the wall by `velocity`";
+            let message = "damping cannot be combined with a wall that has a mass: the wall would \
+                           not receive all the momentum that it gives to nodes";
+            let help = "remove time.damping, or prescribe the motion of the wall by `velocity`";
             findings.add(Problem::error(join(i, "mass"), message, help));
         }
     }
@@ -49,7 +50,7 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
     let flat = wall.normal.is_some();
     let round = wall.axis.is_some();
     let led = wall.velocity.is_some() || wall.displacement.is_some();
-    let normal = "it points from the wall to where the model is, such as [1, 0, 0]";
+    let normal = "give the direction from the wall to the model, such as [1, 0, 0]";
     say(
         !flat && !round,
         "",
@@ -60,7 +61,7 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
         flat && round,
         "axis",
         "a wall has both a normal and an axis",
-        "take one out: a cylinder has no `normal`",
+        "remove one: a cylinder has no `normal`",
     );
     let no_way = |given: Option<[f64; 3]>| given.is_some_and(|v| unit(v).is_none());
     let message =
@@ -68,8 +69,13 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
     say(no_way(wall.normal), "normal", &message, normal);
     let message =
         format!("the axis {:?} of a wall has no direction", wall.axis.unwrap_or_default());
-    say(no_way(wall.axis), "axis", &message, "it points along the cylinder, such as [0, 0, 1]");
-    let radius = "a cylinder has `axis` and a `radius` above 0";
+    say(
+        no_way(wall.axis),
+        "axis",
+        &message,
+        "give the direction along the cylinder, such as [0, 0, 1]",
+    );
+    let radius = "give a cylinder an `axis` and a `radius` above 0";
     say(
         round != wall.radius.is_some(),
         "",
@@ -82,7 +88,7 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
         "the radius of a wall is not above 0",
         radius,
     );
-    let length = "it has to be 0 (without end) or above, and belongs to a cylinder";
+    let length = "it has to be 0 (infinite) or above, and only a cylinder has one";
     say(
         wall.length < 0.0 || wall.length > 0.0 && !round,
         "length",
@@ -91,7 +97,7 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
     );
 
     let sides =
-        "a rectangle has `edge`, the direction of its first side, and `lengths` of both sides";
+        "give a rectangle `edge`, the direction of its first side, and `lengths` of both sides";
     let rectangle = wall.edge.is_some() || wall.lengths.is_some();
     let half = wall.edge.is_some() != wall.lengths.is_some();
     say(half, "", "a wall has one of edge and lengths without the other", sides);
@@ -101,44 +107,44 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
         short,
         "lengths",
         "the lengths of a wall are below 0",
-        "they have to be above 0, or 0 for a side without end",
+        "they have to be above 0, or 0 for an infinite side",
     );
     let lost = wall.edge.is_some()
         && wall.normal.and_then(unit).is_some_and(|n| square(wall, &n).is_none());
     say(
         lost,
         "edge",
-        "the edge of a wall lies along its normal",
-        "give the direction of a side, across the normal",
+        "the edge of a wall is parallel to its normal",
+        "give the direction of a side, at an angle to the normal",
     );
 
     let message = format!("`friction` is {:?}", wall.friction);
     say(wall.friction < 0.0, "friction", &message, "it has to be 0 or above");
-    let mass = "it has to be above 0; leave it out for a wall that stands still or is led";
+    let mass = "it has to be above 0; remove it for a fixed wall or one with prescribed motion";
     say(wall.mass.is_some_and(|m| m <= 0.0), "mass", "the mass of a wall is not above 0", mass);
-    let guide = "only planes and rectangles have a mass: they move along their normal";
+    let guide = "remove it: only planes and rectangles have a mass, and move along their normal";
     say(wall.mass.is_some() && round, "mass", "a cylinder cannot have a mass", guide);
     say(
         wall.mass.is_some() && led,
         "mass",
-        "a wall with a mass cannot be led",
-        "take out its mass, or what leads it",
+        "a wall with a mass cannot have a prescribed motion",
+        "remove its mass, or its velocity or displacement",
     );
     let idle = wall.speed != 0.0 && wall.mass.is_none();
     say(
         idle,
         "speed",
         "a wall has a speed but no mass",
-        "give it a `mass`, or lead it by `velocity`",
+        "give it a `mass`, or prescribe its `velocity`",
     );
     let both = wall.velocity.is_some() && wall.displacement.is_some();
-    say(both, "displacement", "a wall is led by velocity and displacement", "give one of them");
+    say(both, "displacement", "a wall has both a velocity and a displacement", "give one of them");
     let unused = wall.curve.is_some() && !led;
     say(
         unused,
         "curve",
-        "the curve of a wall leads nothing",
-        "give it a `velocity` or a `displacement`",
+        "the curve of a wall has no effect",
+        "give the wall a `velocity` or a `displacement`",
     );
     found
 }
@@ -238,11 +244,13 @@ pub fn behind(
             continue;
         }
         let message = format!(
-            "{count} nodes start behind wall `{}`, node {id} by {most:.3e}: the first step would throw it out with {:.3e}",
+            "{count} nodes start behind wall `{}`, node {id} by {most:.3e}: \
+             the first step would expel it with the speed {:.3e}",
             wall.name,
             most / dt
         );
-        let help = "move the wall, turn its normal round (it points to where the model is), or leave them out by `nodes` or `except`";
+        let help = "move the wall, reverse its normal (it points to the model), or exclude these \
+                    nodes by `nodes` or `except`";
         let path = format!("wall.{w}");
         findings.add(match most / dt > THROWN * wave {
             true => Problem::error(path, message, help),

@@ -14,12 +14,13 @@ const DIMENSIONS: [&str; 6] = ["length", "time", "mass", "force", "energy", "tem
 const INTRODUCTION: &str = "\
 # Job reference
 
-Every key of a job file, made by the program itself from the types that it reads jobs into and from its tables of laws,
-elements and generators: `crumple schema --reference > cases/REFERENCE.md`. A test compares the two.
+Every key of a job file. The program generates this page from the types of a job and from its
+tables of laws, elements and generators: `crumple schema --reference > cases/REFERENCE.md`. A test
+compares this file with the output of the program.
 
-The engine is unit-free: a job takes one consistent set of units, and the dimension says of what a number is one. A
-dimension of - is a pure number. `[name]` is a table that may stand once, `[[name]]` one that may stand several times.
-A key without which there is no job, or no such table, is *needed*.
+The engine is unit-free: all numbers of a job are in one consistent set of units. The dimension `-`
+marks a pure number. A job has a table `[name]` at most once, and may have a table `[[name]]`
+several times. A *required* key has no default and must be in its table.
 
 Editors know these keys too, see [the README](../README.md#job-files-in-an-editor).
 ";
@@ -55,7 +56,7 @@ impl Page<'_> {
             let dimension =
                 dimension.unwrap_or_else(|| if numeric { "-".into() } else { String::new() });
             let default =
-                if needed(key) { "*needed*".into() } else { default(&property["default"]) };
+                if needed(key) { "*required*".into() } else { default(&property["default"]) };
             self.row(&[&format!("`{key}`"), &self.form(property), &dimension, &default, &meaning]);
         }
         for (key, property) in tables {
@@ -164,7 +165,7 @@ impl Page<'_> {
     }
 
     fn laws(&mut self) {
-        let _ = write!(self.text, "\nEvery law has\n\n");
+        let _ = write!(self.text, "\nEvery law has these keys:\n\n");
         self.parameters(ELASTIC);
         for law in LAWS {
             let _ = write!(self.text, "\n### `law = \"{}\"`\n\n{}\n", law.name, law.meaning);
@@ -181,7 +182,7 @@ impl Page<'_> {
             let (meaning, dimension) = split(row.meaning);
             let dimension = dimension.unwrap_or_else(|| "-".into());
             let default = match row.otherwise {
-                DefaultValue::Needed => "*needed*".into(),
+                DefaultValue::Needed => "*required*".into(),
                 DefaultValue::Absent => "none".into(),
                 DefaultValue::Number(n) => n.to_string(),
                 DefaultValue::Depends(words) => words.into(),
@@ -193,7 +194,7 @@ impl Page<'_> {
     }
 
     fn elements(&mut self) {
-        self.head(&["`element`", "of", "what it is"]);
+        self.head(&["`element`", "shape", "meaning"]);
         for row in ELEMENTS {
             let shape = format!("{} nodes", row.shape.corners());
             self.row(&[&format!("`{}`", row.name), &shape, row.meaning]);
@@ -201,7 +202,7 @@ impl Page<'_> {
     }
 
     fn contact_laws(&mut self) {
-        self.head(&["`law`", "what it is"]);
+        self.head(&["`law`", "meaning"]);
         for row in CONTACT_LAWS {
             self.row(&[&format!("`{}`", row.name), row.meaning]);
         }

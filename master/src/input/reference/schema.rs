@@ -74,7 +74,13 @@ fn of_generator(generator: &crumple_cases::Generator) -> Value {
     };
     let options: Map<String, Value> = generator.options.iter().map(entry).collect();
     json!({
-        "if": { "properties": { "mesh": { "properties": { "generator": { "const": generator.name } }, "required": ["generator"] } } },
-        "then": { "properties": { "scene": { "properties": options, "additionalProperties": false } } }
+        "if": { "properties": { "mesh": {
+            "properties": { "generator": { "const": generator.name } },
+            "required": ["generator"]
+        } } },
+        "then": { "properties": { "scene": {
+            "properties": options,
+            "additionalProperties": false
+        } } }
     })
 }

@@ -115,7 +115,7 @@ impl Source {
         let steps: Vec<_> =
             text.lines().filter(|l| l.starts_with("<DataSet")).filter_map(step).collect();
         if steps.is_empty() {
-            return Err(format!("{shown} names no step; run the job with fields"));
+            return Err(format!("{shown} lists no step; run the job with fields"));
         }
         let energies = energies(&dir.join("history.csv"));
         let (nodes, elements, state) = (HashMap::new(), HashMap::new(), State::default());
@@ -134,7 +134,7 @@ impl Source {
             .take_while(|path| path.is_file());
         let pieces: Vec<Piece> = paths.map(|path| Piece::read(&path)).collect::<Result<_, _>>()?;
         if pieces.is_empty() {
-            Err(format!("{} holds no pieces", folder.display()))
+            Err(format!("{} contains no pieces", folder.display()))
         } else {
             Ok(pieces)
         }

@@ -106,7 +106,7 @@ pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
             missing.push(format!("{}: there is no such file", collection.display()));
         }
         return Err(format!(
-            "{} holds nothing of a run:\n  {}",
+            "{} contains no results of a run:\n  {}",
             dir.display(),
             missing.join("\n  ")
         ));
@@ -177,7 +177,8 @@ fn make(
     if description.nowhere > 0 {
         let count = description.nowhere;
         warnings.push(format!(
-            "{count} elements are hidden at some time: a node of theirs has no finite coordinates."
+            "{count} elements are hidden at times when one of their nodes has non-finite \
+             coordinates."
         ));
     }
     left_out.extend(left_out_of(series, &scene, &description, sources));
@@ -219,22 +220,25 @@ fn left_out_of(
     let mut out = Vec::new();
     let (shown, written) = (scene.frames.len(), series.written);
     if shown < written {
-        out.push(format!("The picture shows {shown} of the {written} times that were written."));
+        out.push(format!("The picture shows {shown} of the {written} output times."));
     }
     if scene.faces.len() < scene.faces_seen {
         let (have, had) = (scene.faces.len(), scene.faces_seen);
-        out.push(format!("The mesh was made coarser: {have} faces are left of {had}, by merging neighbouring nodes."));
+        out.push(format!(
+            "The mesh was coarsened by merging neighbouring nodes: {have} faces remain of {had}."
+        ));
     }
     if scene.elements.len() < series.elements.len() && scene.faces.len() == scene.faces_seen {
         let inside = series.elements.len() - scene.elements.len();
-        out.push(format!("{inside} solids inside others are never seen, and left out."));
+        out.push(format!("{inside} solids in the interior are never visible and are omitted."));
     }
     if series.unknown_shapes > 0 {
-        out.push("Elements of a shape that this program does not draw were left out.".into());
+        out.push("Elements of shapes that this page cannot draw are omitted.".into());
     }
     if sources.walls_move_unseen() {
         out.push(
-            "Rigid walls that move are drawn where they are at first: there is no `walls.csv` that says where they go."
+            "Moving rigid walls are drawn at their initial position: there is no `walls.csv` \
+             with their displacements."
                 .into(),
         );
     }
@@ -242,11 +246,11 @@ fn left_out_of(
     let [length, _] = sources.length_and_stress();
     let unit = format!("{} {length}", tables::short(unit));
     out.push(format!(
-        "Coordinates are whole multiples of at most {}, values have 16 bits; between the times that were written positions are \
-         interpolated, colours are those of the time before.",
+        "Coordinates are rounded to multiples of at most {}, values have 16 bits. Positions are \
+         interpolated between output times, colours are those of the previous output time.",
         unit.trim_end()
     ));
-    out.push("Stress components, velocities and copies of elements on other workers are in fields/ only.".into());
+    out.push("Stress components, velocities and ghost elements are in fields/ only.".into());
     out
 }
 
@@ -294,26 +298,26 @@ mod tests {
         series.written = series.frames.len();
         let sources = Sources::default();
         let whole = make(&sources, &series, MOST_BYTES, &mut |_| {}).0;
-        assert!(!whole.contains("times that were written.") && !whole.contains("coarser"));
+        assert!(!whole.contains("output times.") && !whole.contains("coarsened"));
         let bare = make(&sources, &Series::default(), MOST_BYTES, &mut |_| {}).0.len();
         let picture = whole.len() - bare;
         let room = bare + DESCRIPTION + picture * 6 / 10;
         let fewer = make(&sources, &series, room, &mut |_| {}).0;
         assert!(
             fewer.len() <= room
-                && fewer.contains("of the 40 times that were written.")
-                && !fewer.contains("coarser")
+                && fewer.contains("of the 40 output times.")
+                && !fewer.contains("coarsened")
         );
         let room = bare + DESCRIPTION + picture / 10;
         let coarser = make(&sources, &series, room, &mut |_| {}).0;
         assert!(
             coarser.len() <= room
-                && coarser.contains("shows 12 of the 40 times")
-                && coarser.contains("made coarser")
+                && coarser.contains("shows 12 of the 40 output times")
+                && coarser.contains("was coarsened")
         );
         assert!(
             make(&sources, &series, 0, &mut |_| {}).0.len() < bare + DESCRIPTION,
-            "room for nothing ends all the same"
+            "the loop also ends without room"
         );
     }
 

@@ -120,7 +120,7 @@ mod tests {
             ..Content::default()
         };
         let page = page(&content);
-        assert!(!page.contains("alert(1)</script> &"), "a string has ended a script");
+        assert!(!page.contains("alert(1)</script> &"), "a string ends a script");
         assert_eq!(
             page.matches("&lt;script&gt;alert(1)").count(),
             4,
@@ -137,7 +137,7 @@ mod tests {
             "title", "subtitle", "kind", "warnings", "left_out", "tables", "facts", "picture",
             "style", "scripts",
         ] {
-            assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name} is nowhere on the page");
+            assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name} is missing on the page");
         }
     }
 
@@ -149,7 +149,7 @@ mod tests {
             assert!(!page.contains(word), "{word}");
         }
         for script in SCRIPTS {
-            assert!(!script.contains("</script"), "a script ends itself");
+            assert!(!script.contains("</script"), "a script contains its end tag");
         }
         assert!(page.contains("three.js authors, MIT"), "the licence is named");
     }

@@ -70,9 +70,9 @@ mod tests {
     fn walls_have_the_places_of_their_rows() {
         let dir = tempfile::tempdir().unwrap();
         let file = dir.path().join("walls.csv");
-        let mut text =
-            "time [ms],wall,impulse x [kg mm/ms],displacement x [mm],displacement y [mm],displacement z [mm]\n"
-                .to_string();
+        let mut text = "time [ms],wall,impulse x [kg mm/ms],\
+             displacement x [mm],displacement y [mm],displacement z [mm]\n"
+            .to_string();
         for row in 0..=2500 {
             text += &format!("{row}.0,a,1.0,{row}.5,0,0\n{row}.0,a,1.0,0,0,0\n");
         }

@@ -86,7 +86,7 @@ impl History {
                     path.display()
                 )
             }
-            _ => format!("{}: is no table", path.display()),
+            _ => format!("{}: is not a table", path.display()),
         };
         let mut reader = csv::Reader::from_path(path).map_err(cannot)?;
         let mut columns: Vec<Column> =
@@ -117,7 +117,7 @@ impl History {
         }
         match columns.iter().any(|c| c.name == "time") {
             true => Ok(Self { columns, rows, damage }),
-            false => Err(format!("{}: has no column of times", path.display())),
+            false => Err(format!("{}: has no time column", path.display())),
         }
     }
 
@@ -176,8 +176,8 @@ impl History {
         // Lines that are zero everywhere are omitted.
         lines.retain(|line| line.values.iter().any(|v| *v != 0.0));
         lines.insert(0, Line { label: TOTAL.into(), values: total, steps: false });
-        let note = "total = kinetic + internal + hourglass, less the work of contact, walls and loads: it should not change. \
-                    Friction is part of the work of contact.";
+        let note = "total = kinetic + internal + hourglass, minus the work of contact, walls and \
+                    loads. It should be constant. The work of contact includes friction.";
         Some(Plot {
             title: "Energies".into(),
             unit: self.unit("kinetic").into(),
@@ -187,9 +187,9 @@ impl History {
     }
 
     fn error(&self) -> Option<Plot> {
-        let mut line = self.line("energy error", "error of the balance")?;
+        let mut line = self.line("energy error", "balance error")?;
         line.values.iter_mut().for_each(|v| *v *= 100.0);
-        let note = "The change of the total, as a fraction of the energy that came in.";
+        let note = "Change of the total as a fraction of the supplied energy.";
         Some(Plot {
             title: "Energy balance".into(),
             unit: "%".into(),
@@ -226,7 +226,7 @@ impl History {
             }
         }
         let unit = self.unit(&format!("{} force x", of.first()?)).to_owned();
-        let note = "On the model; the mean since the row before.";
+        let note = "Forces on the model, means since the previous row.";
         Some(Plot { title: "Forces of rigid walls".into(), unit, note: note.into(), lines })
     }
 
@@ -248,7 +248,8 @@ impl History {
         };
         let values = (0..all.len()).map(of_row).collect();
         let lines = vec![Line { label: "slowest over mean".into(), values, steps: true }];
-        let note = "CPU time of the slowest worker of each cycle over the mean of all workers, since the row before; 1 is even.";
+        let note = "CPU time of the slowest worker of each cycle over the mean of all workers, \
+                    since the previous row. 1 is perfect balance.";
         Some(Plot {
             title: "Imbalance of workers".into(),
             unit: String::new(),
@@ -263,7 +264,7 @@ impl History {
             line("low redecompositions", "low (new boxes)")?,
             line("high redecompositions", "high (membership)")?,
         ];
-        let note = "So far.";
+        let note = "Total since the start.";
         Some(Plot {
             title: "Redecompositions".into(),
             unit: String::new(),
@@ -319,8 +320,9 @@ mod tests {
 
     #[test]
     fn plots_follow_from_the_columns() {
-        let text = "time [ms],dt [ms],kinetic [J],internal [J],hourglass [J],contact work [J],friction work [J],\
-                    wall work [J],external work [J],energy error [-],\"a, b mean force x [kN]\",\
+        let text = "time [ms],dt [ms],kinetic [J],internal [J],hourglass [J],contact work [J],\
+                    friction work [J],wall work [J],external work [J],energy error [-],\
+                    \"a, b mean force x [kN]\",\
                     \"a, b mean force y [kN]\",\"a, b mean force z [kN]\",cpu of all workers [s],\
                     cpu of the critical path [s],low redecompositions,high redecompositions\n\
                     0,1e-3,100,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n\
@@ -344,7 +346,7 @@ mod tests {
         assert_eq!(line(0, TOTAL), [100.0, 70.0 + 25.0 + 1.0 + 1.0 + 2.0]);
         assert!(
             plots.plots[0].lines.iter().all(|l| l.label != "external work"),
-            "nought throughout"
+            "zero in all rows"
         );
         assert_eq!((line(2, "a, b"), plots.plots[2].unit.as_str()), (vec![0.0, 5.0], "kN"));
         assert_eq!(line(2, "a, b z"), [0.0, -4.0]);
@@ -355,7 +357,7 @@ mod tests {
         assert_eq!(
             history(text).unwrap().plots(None).plots.len(),
             5,
-            "without the number of workers no imbalance"
+            "no imbalance without the number of workers"
         );
     }
 
@@ -363,7 +365,7 @@ mod tests {
     fn a_history_without_rows_or_torn_is_no_trouble() {
         let empty = history("time [ms],dt [ms],kinetic [J]\n").unwrap();
         assert_eq!((empty.rows, empty.plots(None).time.len()), (0, 0));
-        assert!(history("").unwrap_err().ends_with("history.csv: has no column of times"));
+        assert!(history("").unwrap_err().ends_with("history.csv: has no time column"));
         let torn = history("time [ms],dt [ms]\n1,2\n2").unwrap();
         assert_eq!(torn.plots(None).time, [1.0]);
         let damage = torn.damage.unwrap();

@@ -156,12 +156,12 @@ mod tests {
             "nodes are nodes of the model"
         );
         let length = extent(&series, &coarse.nodes).1;
-        assert!((14.0..=16.0).contains(&length), "each end moves by less than a cube: {length}");
+        assert!((14.0..=16.0).contains(&length), "each end moves by less than one cube: {length}");
         assert_eq!(fine.coarser(&series, 1000).faces.len(), fine.faces.len());
         assert_eq!(
             fine.coarser(&series, 1).faces.len(),
             1,
-            "nodes on the far sides are cubes of their own"
+            "nodes on the far sides have their own cubes"
         );
     }
 

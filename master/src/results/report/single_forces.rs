@@ -11,14 +11,14 @@ const KINDS: [[&str; 3]; 3] = [
     [
         "contacts.csv",
         "Contact forces on parts",
-        "The length of the force on each part, in that cycle.",
+        "Magnitude of the force on each part, in that cycle.",
     ],
     [
         "transducers.csv",
         "Force transducers",
-        "The length of the contact force on each surface, in that cycle.",
+        "Magnitude of the contact force on each surface, in that cycle.",
     ],
-    ["sections.csv", "Forces of sections", "The length of the force on one side of each section."],
+    ["sections.csv", "Forces of sections", "Magnitude of the force on one side of each section."],
 ];
 /// Maximum number of lines of a plot. If there are more objects, those with the largest forces
 /// are shown.
@@ -58,7 +58,7 @@ fn read(path: &Path, time: &[f64]) -> Result<(String, Vec<Line>), String> {
     let header: Vec<[String; 2]> =
         reader.headers().map_err(|e| e.to_string())?.iter().map(named).collect();
     let first = header.iter().position(|[name, _]| name == "force x").filter(|&first| first > 1);
-    let first = first.ok_or("has no forces of named things")?;
+    let first = first.ok_or("has no forces of named objects")?;
     // Times are written alike in all files, so equal times have equal bits.
     let row_of: HashMap<u64, usize> =
         time.iter().enumerate().map(|(row, t)| (t.to_bits(), row)).collect();
@@ -112,7 +112,7 @@ mod tests {
             plots[0].lines[0].values[2].is_nan() && plots[0].note.ends_with("The 8 largest of 11.")
         );
         assert!(
-            problems[0].ends_with("sections.csv: has no forces of named things"),
+            problems[0].ends_with("sections.csv: has no forces of named objects"),
             "{problems:?}"
         );
     }

@@ -82,7 +82,7 @@ impl Sources {
     fn of_summary(&self) -> Vec<String> {
         let Some(summary) = &self.summary else {
             return vec![
-                "The run left no summary: it was killed, has lost a worker, or is still under way."
+                "The run has no summary: it was killed, it lost a worker, or it is still running."
                     .into(),
             ];
         };
@@ -102,7 +102,7 @@ impl Sources {
             .unwrap_or(0.0);
         if error > ACCEPTED_ERROR {
             warnings.push(format!(
-                "The balance of energy is off by up to {:.1} %; 1 % is usually accepted.",
+                "The energy balance has an error of up to {:.1} %; 1 % is usually acceptable.",
                 100.0 * error
             ));
         }
@@ -236,21 +236,25 @@ mod tests {
         let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
         write(
             "summary.json",
-            r#"{"status": "failed", "reason": "cycle 3: an element inverts", "energy": {"error_max": 0.25}, "end_time": 0.5,
-                "cycles": 3, "units": "mm, ms, kg", "workers": 2, "parts": [{"id": 4, "name": "a<b"}],
-                "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]}, {"point": "nowhere", "mass": null}]}"#,
+            r#"{"status": "failed", "reason": "cycle 3: an element inverts",
+                "energy": {"error_max": 0.25}, "end_time": 0.5, "cycles": 3,
+                "units": "mm, ms, kg", "workers": 2, "parts": [{"id": 4, "name": "a<b"}],
+                "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]},
+                          {"point": "nowhere", "mass": null}]}"#,
         );
         write(
             "log.jsonl",
             "{\"level\":\"INFO\",\"fields\":{\"message\":\"dealt out\"}}\n\
-             {\"level\":\"WARN\",\"fields\":{\"worker\":1,\"warning\":\"an edge has gone through\"}}\n\
+             {\"level\":\"WARN\",\
+             \"fields\":{\"worker\":1,\"warning\":\"an edge has gone through\"}}\n\
              {\"level\":\"ERROR\",\"fields\":{\"message\":\"trouble\",\"worker\":0}}\n\
-             {\"level\":\"ERROR\",\"fields\":{\"message\":\"worker ends\",\"worker\":0,\"lost\":\"rank 2\"}}\n{\"lev",
+             {\"level\":\"ERROR\",\
+             \"fields\":{\"message\":\"worker ends\",\"worker\":0,\"lost\":\"rank 2\"}}\n{\"lev",
         );
         let s = Sources::read(dir.path());
         let wanted = [
             "The run failed: cycle 3: an element inverts",
-            "The balance of energy is off by up to 25.0 %; 1 % is usually accepted.",
+            "The energy balance has an error of up to 25.0 %; 1 % is usually acceptable.",
             "worker 1: an edge has gone through",
             "worker 0: worker ends, lost \"rank 2\"",
         ];
@@ -273,7 +277,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let s = Sources::read(dir.path());
         assert_eq!(s.problems.len(), 2);
-        assert!(s.warnings[0].starts_with("The run left no summary"), "{:?}", s.warnings);
+        assert!(s.warnings[0].starts_with("The run has no summary"), "{:?}", s.warnings);
     }
 
     #[test]

@@ -60,7 +60,8 @@ fn ordered(map: &Map<String, Value>) -> Vec<&str> {
 
 fn table(title: &str, body: &str) -> String {
     format!(
-        "<section class=\"table\"><h3>{}</h3><div class=\"wide\"><table>{body}</table></div></section>\n",
+        "<section class=\"table\"><h3>{}</h3>\
+         <div class=\"wide\"><table>{body}</table></div></section>\n",
         escape(title)
     )
 }
@@ -156,9 +157,15 @@ mod tests {
         let summary = json!({
             "zeta": 1.0, "status": "failed", "reason": "element <7> & \"more\"", "title": "twice",
             "energy": { "kinetic": 1234567.0, "error": 0.0001 },
-            "phase_s": { "elements": { "max": 2.0, "mean": 1.5 }, "halo": { "max": 0.25, "mean": 0.125 } },
+            "phase_s": {
+                "elements": { "max": 2.0, "mean": 1.5 },
+                "halo": { "max": 0.25, "mean": 0.125 }
+            },
             "parts": [
-                { "law": "j2", "name": "<b>A&B</b>", "id": 1, "pieces": [{ "elements": 3 }], "contact_near": null },
+                {
+                    "law": "j2", "name": "<b>A&B</b>", "id": 1, "pieces": [{ "elements": 3 }],
+                    "contact_near": null
+                },
                 { "id": 2, "name": "x", "law": "elastic", "rigid": true }
             ],
             "elements": { "quad4": 3 }
@@ -169,7 +176,8 @@ mod tests {
              <td>element &lt;7&gt; &amp; &quot;more&quot;</td></tr>",
             "<td class=\"number\">1.2346e6</td>",
             "<h3>phase [s]</h3>",
-            "<tr><th scope=\"row\">halo</th><td class=\"number\">0.125</td><td class=\"number\">0.25</td></tr>",
+            "<tr><th scope=\"row\">halo</th><td class=\"number\">0.125</td>\
+             <td class=\"number\">0.25</td></tr>",
             "<td class=\"number\">1</td><td>&lt;b&gt;A&amp;B&lt;/b&gt;</td><td>j2</td>",
             "<th scope=\"row\">quad4</th><td class=\"number\">3</td>",
         ] {

@@ -54,7 +54,7 @@ pub fn export(dir: &Path) -> Result<String, String> {
     let collection = dir.join("fields").join(crate::results::fields::COLLECTION);
     let steps = crate::results::field_file::steps(&collection)?;
     if steps.is_empty() {
-        return Err(format!("{} names no step; run the job with fields", collection.display()));
+        return Err(format!("{} lists no step; run the job with fields", collection.display()));
     }
     let path = dir.join(NAME);
     let unfinished = dir.join(format!("{NAME}.part"));

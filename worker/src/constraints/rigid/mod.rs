@@ -14,10 +14,11 @@ mod tests;
 mod walls;
 
 use crate::constraints::walls::Walls;
-use crate::contact::enforce::StepSizes;
 use crate::contact::geometry::V3;
 use crate::energy::Work;
-use crate::nodes::{Nodes, Row, row, xyz};
+use crate::math::row::{Row, row, xyz};
+use crate::nodes::Nodes;
+use crate::time::StepSizes;
 use body::{Body, Momentum};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;

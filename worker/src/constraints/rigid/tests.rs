@@ -51,9 +51,9 @@ fn a_free_body_keeps_energy_and_momentum() {
     assert!(
         (body.centre - V3::new(1.0, 2.0, 3.0) - moves.velocity * 3000.0).norm()
             < 1e5 * 1e3 * f64::EPSILON,
-        "1e5 sums near 1e3"
+        "round-off of 1e5 sums near 1e3"
     );
-    assert!(most - least > 1.0, "it does tumble: {least} to {most}");
+    assert!(most - least > 1.0, "the body tumbles: {least} to {most}");
     eprintln!("energy drifts by {worst:e}");
     assert!(worst < 1e-12, "{worst:e}");
 }

@@ -30,9 +30,10 @@ pub mod project;
 
 use crate::constraints::rigid::Bodies;
 use crate::contact::Contact;
-use crate::contact::enforce::StepSizes;
 use crate::contact::geometry::V3;
-use crate::nodes::{Nodes, Row, xyz};
+use crate::math::row::{Row, xyz};
+use crate::nodes::Nodes;
+use crate::time::StepSizes;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::Settings;

@@ -90,15 +90,15 @@ mod tests {
             one.shape.iter().zip([0.375, 0.125, 0.125, 0.375]).all(|(a, b)| (a - b).abs() < 1e-15),
             "{one:?}"
         );
-        assert_eq!(found[1].map(|f| f.face), Some(0), "the first of two");
+        assert_eq!(found[1].map(|f| f.face), Some(0), "the first of two faces");
         assert_eq!(found[2].map(|f| (f.face, f.shape)), Some((2, [0.5, 0.25, 0.25, 0.0])));
         assert_eq!(found[3], None, "too far off");
         let beside = found[4].unwrap();
         assert_eq!(
             (beside.point, beside.shape),
             ([0.0, 0.5, 0.0], [0.5, 0.0, 0.0, 0.5]),
-            "a twentieth of the diagonal is 0.07"
+            "the tolerance is a twentieth of the diagonal, 0.07"
         );
-        assert_eq!(found[5], None, "and not beyond");
+        assert_eq!(found[5], None, "beyond the tolerance");
     }
 }

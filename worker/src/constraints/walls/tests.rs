@@ -92,14 +92,17 @@ fn coulomb_friction_slows_holds_and_lets_go() {
     assert_eq!(v[0], 0.0, "rests");
     assert!(
         (x[0] / (100.0 / (2.0 * slowing)) - 1.0).abs() < 1e-3,
-        "stopping way, to a step: {x:?}"
+        "stopping distance, within one step: {x:?}"
     );
-    assert!((work / (-0.5 * m * 100.0) - 1.0).abs() < 1e-3, "friction took all of it: {work}");
+    assert!(
+        (work / (-0.5 * m * 100.0) - 1.0).abs() < 1e-3,
+        "friction dissipates all kinetic energy: {work}"
+    );
 
     let (v, x, _) = slide(&mut wall(mu), [0.0; 3], [0.9 * mu * n, 0.0, -n], 1000);
     assert_eq!([v[0], x[0]], [0.0, 0.0], "held");
     let (v, ..) = slide(&mut wall(mu), [0.0; 3], [1.1 * mu * n, 0.0, -n], 1000);
-    assert!((v[0] - 0.1 * slowing).abs() < 1e-10, "let go: {v:?}");
+    assert!((v[0] - 0.1 * slowing).abs() < 1e-10, "released: {v:?}");
 }
 
 /// The impact on the wall is plastic: the whole normal part of the energy is lost. Friction
@@ -168,7 +171,10 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
             step(&mut walls, &mut nodes, i as f64 * dt, dt).iter().map(Work::total).sum::<f64>();
         if nodes.v[2][2] == 0.0 {
             let v = walls.walls[0].next.z;
-            assert!((v - at_first).abs() < 1e-12 * at_first, "step {i}, two met: {v} {at_first}");
+            assert!(
+                (v - at_first).abs() < 1e-12 * at_first,
+                "step {i}, after two impacts: {v} {at_first}"
+            );
         }
     }
     let v = walls.walls[0].next.z;
@@ -191,7 +197,7 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
         "{given}"
     );
     let lost = before - kinetic(&nodes, &walls);
-    assert!((work + lost).abs() < 1e-12 * before && lost > 0.0, "booked {work}, lost {lost}");
+    assert!((work + lost).abs() < 1e-12 * before && lost > 0.0, "work {work}, energy loss {lost}");
 }
 
 /// A wall with prescribed motion accelerates a node to its own velocity, tangentially within
@@ -231,7 +237,7 @@ fn a_led_wall_takes_along_what_it_meets() {
     let (v, x, _) = at(100, 300);
     assert!(
         (v[2] - 3.0).abs() < 1e-9 && (v[0] - 1.5).abs() < 1e-9,
-        "half of the normal change of 2 more: {v:?}"
+        "further slip by half of the normal change of 2: {v:?}"
     );
     assert!((x[2] - 0.55).abs() < 1e-9, "the integral of the curve: {x:?}");
 }
@@ -256,14 +262,14 @@ fn a_rectangle_ends_where_it_ends() {
     }
     let z = [0, 1, 2, 3, 4].map(|i| nodes.x[i][2]);
     assert!(z[..2].iter().all(|z| z.abs() < 1e-12), "stopped: {z:?}");
-    assert!(z[2..4].iter().all(|z| (z + 1.9).abs() < 1e-12), "passed beside: {z:?}");
-    assert_eq!((nodes.v[4], z[4]), ([10.0, 0.0, 0.0, 0.0], -0.2), "behind all the while");
+    assert!(z[2..4].iter().all(|z| (z + 1.9).abs() < 1e-12), "passed outside: {z:?}");
+    assert_eq!((nodes.v[4], z[4]), ([10.0, 0.0, 0.0, 0.0], -0.2), "always behind the wall");
     let ends = WallForm::Rectangle { edge: [1.0, 0.0, 0.0], lengths: [0.0, 1.0] };
     let long = Walls::new(
         &[WallJob { form: ends, ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }],
         &[],
     );
-    assert_eq!(stop(&long, [-1e6, 0.5, 0.0], down, 0.1)[2], 0.0, "a side without end");
+    assert_eq!(stop(&long, [-1e6, 0.5, 0.0], down, 0.1)[2], 0.0, "an infinite side");
 }
 
 /// A cylinder stops nodes from all sides within its length. A mass on it moves around it
@@ -287,13 +293,13 @@ fn a_cylinder_catches() {
     let off = |i: usize| (nodes.x[i][0].powi(2) + nodes.x[i][2].powi(2)).sqrt();
     // The normal part of 5 is lost at the impact, the rest remains along the tangent.
     let v = nodes.v[0];
-    assert!((v[0].hypot(v[2]) - 5.0 * 0.6).abs() < 0.02 && off(0) > 1.0, "to a step: {v:?}");
+    assert!((v[0].hypot(v[2]) - 5.0 * 0.6).abs() < 0.02 && off(0) > 1.0, "within one step: {v:?}");
     assert!(
         nodes.v[1][0].abs() < 1e-9 && (nodes.x[1][0] + 1.0).abs() < 1e-9,
-        "head on: {:?}",
+        "head-on impact: {:?}",
         nodes.x[1]
     );
-    assert_eq!((nodes.v[2][0], nodes.v[3][1]), (5.0, 1.0), "beside its end, and inside");
+    assert_eq!((nodes.v[2][0], nodes.v[3][1]), (5.0, 1.0), "outside its end, and inside it");
 
     let mut nodes = masses(&[([1e-3, 0.0, 1.0], [0.0; 3], 1.0)]);
     nodes.force[0] = row([0.0, 0.0, -1.0]);
@@ -301,7 +307,7 @@ fn a_cylinder_catches() {
     for i in 0..200_000 {
         step(&mut walls, &mut nodes, i as f64 * 1e-4, 1e-4);
         let off = nodes.x[0][0].hypot(nodes.x[0][2]);
-        assert!(off > 1.0 - 1e-9, "it never sinks in: {off}");
+        assert!(off > 1.0 - 1e-9, "no penetration: {off}");
         if off > 1.0 + 1e-6 {
             left = Some(nodes.x[0][2] / off);
             break;

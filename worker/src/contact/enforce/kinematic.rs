@@ -25,7 +25,7 @@
 //! node at mid-face of a coarse mesh whose corners touch nothing closes its gap in the first
 //! pass. If corners do touch elsewhere, a pair at mid-face gets its fraction only, and each
 //! further pass leaves 1 - beta or beta of the residual: gaps are never closed twice. With one
-//! pass per step such pairs sink in while the bodies decelerate. Where one surface is fixed, the
+//! pass per step such pairs penetrate while the bodies decelerate. Where one surface is fixed, the
 //! free one takes the whole correction: fixed nodes with a share of the load would let a block
 //! creep on them under a pull below mu N.
 //!
@@ -33,11 +33,10 @@
 //! its total within the cone. Where friction turns nodes, the slave's mass is that of its
 //! translation and its rotation together, `1 / (1/m_s + a^2/I_s)` with the lever arm a.
 
-use super::{
-    ContactLaw, GAP, Iteration, LawRow, StepSizes, no_longer, overlap, split, stuck, within_cone,
-};
+use super::{ContactLaw, GAP, Iteration, LawRow, no_longer, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::time::StepSizes;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "kinematic",

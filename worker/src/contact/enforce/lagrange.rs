@@ -8,13 +8,15 @@
 //! the stick point within the cone mu f_n. [`Iteration`] defines the order of the pairs and the
 //! masses in c.
 
-use super::{ContactLaw, GAP, Iteration, LawRow, StepSizes, overlap, split, stuck, within_cone};
+use super::{ContactLaw, GAP, Iteration, LawRow, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::time::StepSizes;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "lagrange",
-    meaning: "Local Lagrange multipliers: the forces that close the gaps by the end of the step, iterated over all pairs.",
+    meaning: "Local Lagrange multipliers: forces that close the gaps by the end of the step, \
+              iterated over all pairs.",
     build: |c, _| {
         let iteration = ITERATIONS.iter().find(|i| i.0 == c.iteration);
         let iteration = iteration.unwrap_or_else(|| panic!("no iteration {}", c.iteration)).1;

@@ -13,32 +13,9 @@ pub use penalty::FORMS as PENALTY_FORMS;
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
-use crate::nodes::Row;
+use crate::math::row::Row;
+use crate::time::StepSizes;
 use crumple_proto::job::Contact;
-
-/// Step sizes of the central difference scheme around the present time.
-#[derive(Clone, Copy, Debug)]
-pub struct StepSizes {
-    /// Step to the next time: positions move by `dt` times the mid-step velocity [time].
-    pub dt: f64,
-    /// Step from the last to the next mid-step: velocities change by `dt_velocity` times the
-    /// acceleration [time].
-    pub dt_velocity: f64,
-    /// Velocity step for the forces of contact and walls, which are computed after damping. With
-    /// the damping a they change velocities by `dt_velocity / (1 + a dt_velocity / 2)` times the
-    /// acceleration, so that bodies at rest need the same forces as without damping [time].
-    pub dt_damped: f64,
-    /// Stable step of elements and contact [time]. `dt` is smaller where a run comes to its end.
-    pub dt_stable: f64,
-}
-
-impl StepSizes {
-    /// Returns the impulse of a force over the change of momentum that it causes under damping,
-    /// `dt_velocity / dt_damped`.
-    pub fn given(&self) -> f64 {
-        self.dt_velocity / self.dt_damped
-    }
-}
 
 /// Data of the parts for the contact laws.
 #[derive(Clone, Debug, Default)]
@@ -201,7 +178,7 @@ impl Laws {
     /// # Panics
     /// If nothing touches in its interface: there are no such pairs.
     pub fn of_pair(&self, pair: &Pair) -> &dyn ContactLaw {
-        self.of[pair.interface as usize].as_deref().expect("what touches has a law")
+        self.of[pair.interface as usize].as_deref().expect("an interface with pairs has a law")
     }
 
     /// Returns the methods of iteration of the laws, each once, in the order of the interfaces.

@@ -29,15 +29,17 @@
 //! edge while it is pressed down would release the energy of its springs.
 
 use super::penalty::Penalty;
-use super::{ContactLaw, Iteration, LawRow, StepSizes};
+use super::{ContactLaw, Iteration, LawRow};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
-use crate::nodes::Row;
+use crate::math::row::Row;
+use crate::time::StepSizes;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "mortar",
-    meaning: "Pressure by penetration over the area that segments have in common, whatever the meshes.",
+    meaning: "Segment to segment penalty: pressure from penetration over the common area of two \
+              segments, for any meshes.",
     build: |c, parts| Box::new(Mortar(Penalty::new(c, parts))),
 };
 

@@ -30,16 +30,17 @@
 //! no stiffness above half of it is used unless the job requests it (`cases/studies/README.md`,
 //! penalty-map).
 
-use super::{ContactLaw, Elasticity, Iteration, LawRow, StepSizes, split, within_cone};
+use super::{ContactLaw, Elasticity, Iteration, LawRow, split, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
-use crate::nodes::Row;
+use crate::math::row::Row;
+use crate::time::StepSizes;
 use crumple_proto::job::Contact;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "penalty",
-    meaning: "Springs between nodes and what they sink into.",
+    meaning: "Penalty springs between slaves and the segments that they penetrate.",
     build: |c, parts| Box::new(Penalty::new(c, parts)),
 };
 

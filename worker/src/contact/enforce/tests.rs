@@ -8,7 +8,7 @@ mod penalty;
 mod rubbing;
 mod sweeps;
 
-use super::{CONTACT_LAWS, Elasticity, StepSizes};
+use super::{CONTACT_LAWS, Elasticity};
 use crate::constraints::rigid::Bodies;
 use crate::constraints::ties::{ContactExclusions, Ties};
 use crate::constraints::walls::Walls;
@@ -19,8 +19,10 @@ use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::energy::ContactWork;
-use crate::nodes::{Nodes, row, xyz};
+use crate::math::row::{row, xyz};
+use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
+use crate::time::StepSizes;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::partition::NodeRecord;
@@ -153,7 +155,7 @@ impl Scene {
             let at_rest = |p: &Pair| update(p).is_none();
             assert!(
                 contact.table.pairs.iter().filter(|p| p.is_owned && in_order(p)).all(at_rest),
-                "a pair still has something to do"
+                "an update would still change a pair"
             );
         }
         let work = contact.finish_step(nodes, *steps);
@@ -231,7 +233,7 @@ fn coupled_system(iteration: &str) {
     scene.step();
 
     let pairs = scene.pairs();
-    assert_eq!(pairs.len(), 5, "one segment each");
+    assert_eq!(pairs.len(), 5, "one segment for each node");
     let share = |p: &Pair, n: u32| -> f64 {
         let of = |r: usize| if r == 0 { 1.0 } else { -p.shape[r] };
         (0..5).filter(|&r| p.nodes[r] == n).map(of).sum()
@@ -245,7 +247,7 @@ fn coupled_system(iteration: &str) {
     for (p, f) in pairs.iter().zip(exact.iter()) {
         // Residual: 1e-4 of the thickness per step is 1e-3 of the approach. It is largest for
         // the light node.
-        assert!((p.force.z / f - 1.0).abs() < 5e-3, "{} and not {f}", p.force.z);
+        assert!((p.force.z / f - 1.0).abs() < 5e-3, "{}, expected {f}", p.force.z);
     }
     assert!(
         (scene.momentum() - before.0).norm() < 1e-12 * before.0.norm(),
@@ -255,10 +257,10 @@ fn coupled_system(iteration: &str) {
         (scene.spin() - before.1).norm() < 1e-12 * before.1.norm(),
         "angular momentum to round-off"
     );
-    assert!(scene.energy() < before.2, "an impact takes energy");
+    assert!(scene.energy() < before.2, "an impact dissipates energy");
     assert!(
         (scene.energy() - before.2 - scene.work).abs() < 1e-12 * before.2,
-        "and the books say how much"
+        "the loss is in the ledger"
     );
 }
 
@@ -289,12 +291,13 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
     assert!(p < 1e-13 && l < 1e-13, "round-off: {p:e} {l:e}");
     let (p, l, off) = change("mass", differ);
     eprintln!(
-        "mass weights: an impulse P changes angular momentum by {l:.3} P, lever {off:.3}, on a square of side 2"
+        "mass weights: an impulse P changes angular momentum by {l:.3} P, lever {off:.3}, on a \
+         square of side 2"
     );
     assert!(p < 1e-13, "round-off: {p:e}");
     assert!(
         l > 0.1 && (l - off).abs() < 1e-12,
-        "the lever from the contact point to where the shares act: {l} {off}"
+        "the lever is from the contact point to the centre of the shares: {l} {off}"
     );
     let (p, l, _) = change("mass", [2.0; 4]);
     assert!(p < 1e-13 && l < 1e-13, "equal masses, equal shares: {p:e} {l:e}");
@@ -316,7 +319,7 @@ fn an_impact_loses_what_a_plastic_one_loses() {
         let lost = before - scene.energy();
         // The residual velocity is 1e-3 of the approach at most; energy has its square.
         assert!((lost / (0.5 * reduced * v * v) - 1.0).abs() < 1e-5, "open {open}: {lost}");
-        assert!((lost + scene.work).abs() < 1e-12 * before, "as booked");
+        assert!((lost + scene.work).abs() < 1e-12 * before, "energy balance");
         assert!(scene.pairs().is_empty() || scene.pairs()[0].penetration < 1e-3 * THICK);
     }
 }
@@ -334,7 +337,7 @@ fn light_on_heavy_and_heavy_on_light_keep_momentum() {
         (0..50).for_each(|_| _ = scene.step());
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off of 50 steps");
         assert!((scene.spin() - l).norm() < 1e-12 * l.norm(), "round-off of 50 steps");
-        assert!(scene.energy() < 0.5 * m * v * v * (1.0 + 1e-12), "no energy from nothing");
+        assert!(scene.energy() < 0.5 * m * v * v * (1.0 + 1e-12), "no energy gain");
         let n = [0.6 * 0.8, 1.4 * 0.8, 1.4 * 1.2, 0.6 * 1.2].map(|n| 0.25 * n);
         let point: V3 = (0..4).map(|k| scene.v(k) * n[k]).sum();
         // The segment turns a little, so that the contact point moves over it.
@@ -371,8 +374,8 @@ fn a_node_between_two_plates_ends_at_rest() {
         let before = scene.energy();
         (0..40).for_each(|_| _ = scene.step());
         assert!(scene.momentum().norm() < 1e-12 * v, "by symmetry");
-        assert!(scene.energy() <= before * (1.0 + 1e-12), "no energy from nothing");
-        assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
+        assert!(scene.energy() <= before * (1.0 + 1e-12), "no energy gain");
+        assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "energy balance");
         ((0..9).map(|i| scene.v(i).norm()).fold(0.0, f64::max) / v, scene.x(8).norm() / THICK)
     };
     for m in [0.01, 0.3, 1.0, 100.0] {
@@ -383,9 +386,12 @@ fn a_node_between_two_plates_ends_at_rest() {
         assert!(left[2].0 < 1e-3 && left[2].1 < 1e-3, "node of {m}: {left:?}");
         assert!(
             left.iter().all(|l| l.0 < 0.1),
-            "the plates are not thrown back, whatever the sweeps: {left:?}"
+            "the plates do not rebound, for any number of sweeps: {left:?}"
         );
-        assert!(left[0].1 < 0.5, "the node stays between the plates' middles: {left:?}");
+        assert!(
+            left[0].1 < 0.5,
+            "the node stays between the middle planes of the plates: {left:?}"
+        );
     }
 }
 
@@ -428,14 +434,14 @@ fn an_impact_does_not_feel_where_on_the_patch_it_is() {
                 if law == "penalty" { (2.0 * m * v, 0.05) } else { (m * v, 0.01) };
             assert!(
                 (pressed / expected - 1.0).abs() < within,
-                "{law} at {x}, {y}: {pressed} and not {expected}"
+                "{law} at {x}, {y}: {pressed}, expected {expected}"
             );
             let first = *first.get_or_insert(pressed);
             assert!(
                 (pressed / first - 1.0).abs() < 0.01,
-                "{law} at {x}, {y}: {pressed} and not {first}"
+                "{law} at {x}, {y}: {pressed}, expected {first}"
             );
-            assert!(sideways.norm() < 1e-3 * expected, "{law} at {x}, {y}: sideways {sideways}");
+            assert!(sideways.norm() < 1e-3 * expected, "{law} at {x}, {y}: tangential {sideways}");
         }
     }
 }
@@ -469,7 +475,7 @@ fn the_normal_turns_continuously_over_a_ridge() {
             let force: V3 = scene.pairs().iter().map(|p| p.force).sum();
             assert!(
                 force.norm() > 0.0,
-                "slope {slope}: contact broke in step {step} at {}",
+                "slope {slope}: contact is lost in step {step} at {}",
                 scene.x(6)
             );
             let now = force.normalize();
@@ -488,7 +494,7 @@ fn the_normal_turns_continuously_over_a_ridge() {
         // The value is 1 in the limit of small steps; the secant of a step and the residual gap
         // add to it.
         eprintln!("slope {slope}: the normal turns by at most {worst:.3} v dt / thickness");
-        assert!(worst < 1.1, "slope {slope}: turned by {worst} times what the motion explains");
+        assert!(worst < 1.1, "slope {slope}: turned by {worst} times the rotation due to motion");
     }
 }
 
@@ -513,13 +519,13 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
             scene.pairs().first().map(|p| p.normal.z)
         };
         assert!(go(&mut scene, 0.9, 0.2 * HALF).unwrap() > 0.0, "from above");
-        assert!(go(&mut scene, 0.9, deep).unwrap() > 0.0, "past the middle");
+        assert!(go(&mut scene, 0.9, deep).unwrap() > 0.0, "beyond the middle plane");
         (0..leave).for_each(|_| assert_eq!(go(&mut scene, 0.9, 10.0), None, "away"));
         go(&mut scene, back, deep).unwrap()
     };
     assert!(side(0, 1.1) > 0.0, "on the next segment");
     assert!(side(5, 0.9) > 0.0, "lost for five steps");
-    assert!(side(60, 0.9) < 0.0, "for sixty: it is new, and below");
+    assert!(side(60, 0.9) < 0.0, "lost for sixty steps: a new pair, below");
 }
 
 /// The table has the name of each law once.

@@ -149,7 +149,7 @@ mod tests {
                 .collect();
             for w in 0..workers {
                 of(w).into_iter().for_each(|o| {
-                    assert_eq!(quiet[w].read(&sent[o]), [77], "what follows is left")
+                    assert_eq!(quiet[w].read(&sent[o]), [77], "the rest of the message remains")
                 });
                 quiet[w].end_round();
                 if quiet[w].has_converged() {

@@ -3,7 +3,8 @@
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
 use crate::energy::Work;
-use crate::nodes::{Nodes, Row, row, xyz};
+use crate::math::row::{Row, row, xyz};
+use crate::nodes::Nodes;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 

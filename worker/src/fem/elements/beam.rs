@@ -43,7 +43,7 @@ use super::{
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
-use crate::nodes::xyz;
+use crate::math::row::xyz;
 use crumple_proto::job::{BeamSection, Part, Weld};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
@@ -53,7 +53,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 pub const ROW: ElementEntry = ElementEntry {
     name: "beam",
     shape: Shape::Beam2,
-    meaning: "two-node beam in a corotating frame, its cross section cut into fibres.",
+    meaning: "Two-node beam in a corotating frame, with a cross section of fibres.",
     build: Constructor::Shell(build),
 };
 
@@ -116,15 +116,11 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
         problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
     };
     let Some(beam) = &part.beam else {
-        say(
-            "beam",
-            "it has beams, and no cross section for them".into(),
-            "add [part.beam] with a section",
-        );
+        say("beam", "it has beams but no cross section".into(), "add [part.beam] with a section");
         return Err(problems);
     };
     if part.element.is_some() {
-        say("element", "beams have one formulation".into(), "take `element` out");
+        say("element", "beams have one formulation".into(), "remove `element`");
     }
     let [about_y, about_z] = beam.second_moments;
     let all = [
@@ -162,7 +158,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
                 "it has to be from 0 (a solid bar) to the radius",
             );
         } else if !needed.contains(&key) && !may && value != 0.0 {
-            say(&format!("beam.{key}"), format!("its section has no {key}"), "take it out");
+            say(&format!("beam.{key}"), format!("its section has no {key}"), "remove it");
         }
     }
     if beam.section == BeamSection::I
@@ -178,7 +174,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
         say(
             &format!("beam.shear_areas.{k}"),
             format!("a shear area is {area}"),
-            "give an area, or 0 for no shear",
+            "give an area above 0, or 0 for no shear deformation",
         );
     }
     if let Some(radius) =
@@ -213,7 +209,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     }
     let history = law.history();
     if STRESS + history.len() > MOST {
-        say("material", "beams cannot keep the history of its law".into(), "take another law");
+        say("material", "beams cannot store the history of its law".into(), "use another law");
     }
     if !problems.is_empty() {
         return Err(problems);

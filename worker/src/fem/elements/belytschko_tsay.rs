@@ -24,14 +24,14 @@ use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::{BuildResult, Constructor, ElementEntry, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
-use crate::math::lanes::Real;
+use crate::math::lanes::{Each, Real};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "belytschko_tsay",
-    meaning: "Belytschko-Lin-Tsay: one point in its plane, hourglass control with a coefficient.",
+    meaning: "Belytschko-Lin-Tsay: one in-plane point, hourglass control with a coefficient.",
     shape: Shape::Quad4,
     build: Constructor::Shell(build),
 };
@@ -138,29 +138,30 @@ impl Kernel for BelytschkoTsay {
 
         // 2. Stress.
         let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
-        let Resultants { n, m, q, work, thickness } =
+        let Resultants { n, m, q, work, mean_square, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
-        let (n, m, q) = (n.map(|n| n * g.area), m.map(|m| m * g.area), q.map(|q| q * g.area));
+        let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
         // 3. Hourglass and drilling.
         let mut energy = R::zero();
         let rates = motion.hourglass(&g);
         let stiffness = self.hourglass_stiffness(&g, thickness);
-        let flow_stress = self.section.flow_stress::<R, N>(section);
+        let flow_stress = self.section.flow_stress(mean_square);
         let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
-        let bounds = capacity.as_ref().zip(flow_stress).map(|(capacity, stress)| {
-            let [membrane, bending] =
-                [capacity.membrane, capacity.bending].map(|q| R::splat(STRENGTH) * q);
+        let mut bounds = [R::splat(f64::INFINITY); HOURGLASS];
+        if let (Some(capacity), Some(stress)) = (&capacity, flow_stress) {
+            let membrane = R::splat(STRENGTH) * capacity.membrane;
+            let bending = R::splat(STRENGTH) * capacity.bending;
             let twist = R::splat(STRENGTH * TWIST / 16.0) * stress * thickness * thickness;
-            [bending, bending, twist, membrane, membrane]
-        });
+            bounds = [bending, bending, twist, membrane, membrane];
+        }
+        let viscous = self.hourglass == HourglassForm::Viscous;
+        let (kept, per_time) = if viscous { (0.0, per_time) } else { (1.0, 1.0) };
         for c in 0..HOURGLASS {
             let old = hourglass[c];
-            let new = match self.hourglass {
-                HourglassForm::Viscous => stiffness[c] * rates[c] * R::splat(per_time),
-                _ => stiffness[c].mul_add(rates[c], old),
-            };
-            let new = bounds.map_or(new, |bounds| bounds::bounded(new, bounds[c]));
+            let rate = rates[c] * R::splat(per_time);
+            let new = stiffness[c].mul_add(rate, R::splat(kept) * old);
+            let new = bounds::bounded(new, bounds[c]);
             hourglass[c] = new;
             energy = (old + new).mul_add(rates[c], energy);
         }
@@ -180,7 +181,8 @@ impl Kernel for BelytschkoTsay {
             }
         }
         let energies = [work * g.area, R::splat(0.5) * energy];
-        let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
+        let mut response =
+            Response::new::<Self>(&g, (&self.section, section), (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, hourglass);
@@ -203,19 +205,24 @@ impl BelytschkoTsay {
         let w = R::splat(SHEAR_CORRECTION * elastic.shear_modulus() / 12.0) * t2 * tbb;
         let membrane = R::splat(e / 8.0) * tbb * g.area;
         let r = self.section.hourglass_coefficient;
-        let [theta, w, membrane] = match self.hourglass {
-            HourglassForm::Viscous => {
-                let mass = R::splat(elastic.density) * t * g.area;
-                let radius2 = Real::max(
-                    t2 * R::splat(1.0 / 12.0),
-                    R::splat(self.section.inertia_floor()) * g.area,
-                );
-                let damping = |k: R, m: R| R::splat(0.5 * r) * (k * m).sqrt();
-                [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
-            }
-            _ => [theta, w, membrane].map(|k| R::splat(r) * k),
+        let [theta, w, membrane] = if self.hourglass == HourglassForm::Viscous {
+            self.viscosities([theta, w, membrane], g.area, t)
+        } else {
+            [R::splat(r) * theta, R::splat(r) * w, R::splat(r) * membrane]
         };
         [theta, theta, w, membrane, membrane]
+    }
+
+    /// Returns the damping coefficients that belong to these stiffnesses of tx, vz and vx.
+    #[cold]
+    #[inline(never)]
+    fn viscosities<R: Real>(&self, [theta, w, membrane]: [R; 3], area: R, t: R) -> [R; 3] {
+        let mass = R::splat(self.section.elastic.density) * t * area;
+        let floor = R::splat(self.section.inertia_floor()) * area;
+        let radius2 = Real::max(t * t * R::splat(1.0 / 12.0), floor);
+        let half = R::splat(0.5 * self.section.hourglass_coefficient);
+        let damping = |k: R, m: R| half * (k * m).sqrt();
+        [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
     }
 }
 

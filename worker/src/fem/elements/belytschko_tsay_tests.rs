@@ -34,7 +34,7 @@ fn bending_patch_is_exact_on_rectangles() {
         let at = |c: usize| patch.history.element(element).at(5 + 4 * 3 + c);
         // At the outermost of five Gauss points, 0.906 of the face.
         let face = 0.906179845938664;
-        let why = "slopes of 2e-10 squared, at a stiffness of 1e12";
+        let why = "squared slopes of 2e-10, at a stiffness of 1e12";
         assert_close(at(0) / face, -2.0 / 3.0, 1e-6, why);
         assert_close(at(1) / face, -2.0 / 3.0, 1e-6, why);
         assert_close(at(2) / face, -0.2, 1e-6, why);
@@ -156,7 +156,7 @@ fn stabilising_forces_of_a_plastic_part_are_bounded() {
             assert_close(after(form, &steel, mode, &back), -bound, 1e-12 * bound, "round-off");
         }
         let elastic = after(HourglassForm::Stiffness, &law("elastic", &[]), mode, &there);
-        assert!(elastic > 1.5 * bound, "mode {mode}: {elastic} is not far beyond {bound}");
+        assert!(elastic > 1.5 * bound, "mode {mode}: {elastic} is not much more than {bound}");
     }
 }
 
@@ -219,7 +219,7 @@ fn stable_step_is_that_of_waves_or_little_more_than_a_lone_element_bears() {
         assert_eq!(
             patch.forces(1.0).stable_dt.to_bits(),
             dt.to_bits(),
-            "the kernel and the single call are one code"
+            "the kernel and the single call give the same bits"
         );
         dt * c
     };
@@ -237,7 +237,7 @@ fn stable_step_is_that_of_waves_or_little_more_than_a_lone_element_bears() {
         inertia,
         mass * floor,
         1e-18,
-        "round-off; a thin section takes A/11.7 where nu = 0.3",
+        "round-off; a thin section uses A/11.7 for nu = 0.3",
     );
 }
 
@@ -257,6 +257,6 @@ fn thinning_keeps_the_volume_of_plastic_flow() {
         patch.fields(0).thickness * area / 0.1,
         1.0,
         elastic,
-        "the elastic bulk strain is all that is left",
+        "only the elastic bulk strain remains",
     );
 }

@@ -24,7 +24,7 @@
 //! Drilling: stiffness `alpha G t A/3` per node on its spin about n relative to that of the
 //! element.
 //!
-//! The stable step is [`Section::step_factor`] times 2/omega of the free element in its membrane
+//! The stable step is [`Section::stable_dt`] from 2/omega of the free element in its membrane
 //! modes, which is exact: with nodal mass m/3 and `b = B B'` (2 x 2),
 //! `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b - 4 (1-nu^2) det b))/2`. Twice the area over the longest
 //! side is up to 1/0.82 of it and would not be safe. With s the larger principal value of b, P the
@@ -36,17 +36,18 @@ use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
 use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
 use super::{
-    BuildResult, Constructor, ElementEntry, GroupCorners, GroupNodes, NodeView, Totals, zero_failed,
+    BuildResult, Constructor, ElementEntry, GroupCorners, GroupNodes, Totals, zero_failed,
 };
-use crate::fem::materials::{Elastic, PlaneStress, PointReal};
-use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
+use crate::fem::materials::{PlaneStress, PointLanes, PointReal};
+use crate::math::lanes::{Each, Lane, Real, cross, dot};
+use crate::nodes::NodeView;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "c0_triangle",
-    meaning: "Belytschko-Stolarski-Carpenter: what every triangle is.",
+    meaning: "Belytschko-Stolarski-Carpenter: the formulation of all triangles.",
     shape: Shape::Tri3,
     build: Constructor::Shell(build),
 };
@@ -184,8 +185,9 @@ impl<R: Real> Geometry<R> {
 
     /// Returns the stable step at the density of the material [time].
     #[inline(always)]
-    fn stable_dt(&self, elastic: &Elastic) -> R {
-        self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
+    fn stable_dt(&self, section: &Section) -> R {
+        let side2 = self.equivalent_side2(section.elastic.poisson);
+        section.membrane_step(self.area, R::splat(1.0) / side2, 1.0)
     }
 
     /// Returns the lanes whose corners are not on a line.
@@ -197,13 +199,16 @@ impl<R: Real> Geometry<R> {
     /// Returns the quantities of the present shape that determine the stable step.
     #[inline(always)]
     fn limits(&self, poisson: f64) -> Limits<R> {
-        let inv_4a2 = R::splat(0.25) / (self.area * self.area);
+        let inv_area = R::splat(1.0) / self.area;
+        let inv_4a2 = R::splat(0.25) * inv_area * inv_area;
         let sides2 = R::splat(2.0) * self.half_sides2();
         let trace = sides2 * inv_4a2;
         let root = Real::max(R::splat(12.0).neg_mul_add(inv_4a2, trace * trace), R::zero()).sqrt();
         Limits {
             area: self.area,
-            length: self.stable_length(poisson),
+            inv_area,
+            side2: self.equivalent_side2(poisson),
+            fraction: 1.0,
             corners: 3.0,
             s: R::splat(0.5) * (trace + root),
             taper: R::splat(1.0 / 24.0) * sides2,
@@ -220,15 +225,22 @@ impl<R: Real> Geometry<R> {
             * R::splat(1.0 / 24.0).mul_add(sides2, R::splat(8.0) * self.area * self.area / sides2)
     }
 
-    /// Returns the stable step times the plate wave speed [length].
+    /// Returns the square of the side by which the area is divided for the stable step of the
+    /// membrane times the plate wave speed [length^2].
     #[inline(always)]
-    fn stable_length(&self, poisson: f64) -> R {
+    fn equivalent_side2(&self, poisson: f64) -> R {
+        R::splat(3.0 / 8.0) * self.membrane_eigenvalue(poisson) * self.area * self.area
+    }
+
+    /// Returns `tr b + sqrt(tr^2 b - 4 (1-nu^2) det b)` [1/length^2].
+    #[inline(always)]
+    fn membrane_eigenvalue(&self, poisson: f64) -> R {
         // tr b = (sum of squared sides)/4A^2; det b = 3/4A^2 for any triangle.
         let inv_4a2 = R::splat(0.25) / (self.area * self.area);
         let trace = R::splat(2.0) * self.half_sides2() * inv_4a2;
         let four_det = R::splat(12.0 * (1.0 - poisson * poisson)) * inv_4a2;
         let root = Real::max(four_det.neg_mul_add(R::splat(1.0), trace * trace), R::zero()).sqrt();
-        (R::splat(8.0 / 3.0) / (trace + root)).sqrt()
+        trace + root
     }
 }
 
@@ -253,12 +265,12 @@ impl C0Triangle {
 
         // 1. Frame, and all motions in its axes, as increments of the step.
         let g = Geometry::new(corners.x);
-        let u = corners.v.map(|v| g.frame.local(v).map(|c| c * step));
+        let u = g.frame.increments(&corners.v, step);
 
         // 2. Gradients.
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
         let plane = PlaneMotion::new(&k);
-        let t = corners.w.map(|w| plane.offset_by(g.frame.local(w).map(|c| c * step)));
+        let t = plane.offsets(g.frame.increments(&corners.w, step));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
@@ -345,9 +357,8 @@ impl C0Triangle {
         let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
         let elastic = &self.section.elastic;
         let limits = g.limits(elastic.poisson);
-        let as_built = limits.length * R::splat(1.0 / elastic.plate_wave_speed());
         let totals = Totals {
-            stable_dt: as_built * self.section.step_factor(section, &limits),
+            stable_dt: self.section.stable_dt(section, &limits),
             internal: resultants.work * g.area,
             hourglass: half * energy,
             sound,
@@ -364,7 +375,7 @@ impl C0Triangle {
 /// Returns the corner vectors of a group. Differences are taken row by row, before the rows become
 /// lanes.
 #[inline(always)]
-fn gather<L: Lanes<W>, const W: usize>(
+fn gather<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<4, W>,
     nodes: &NodeView<'_>,
 ) -> Corners<L> {
@@ -382,19 +393,19 @@ fn gather<L: Lanes<W>, const W: usize>(
             }
         }
     }
-    let [x2, x3, v2, v3, w2, w3, ws] = rows.map(L::from_rows);
+    let [x2, x3, v2, v3, w2, w3, ws] = rows.each(L::from_rows);
     Corners { x: [x2, x3], v: [v2, v3], w: [w2, w3, ws] }
 }
 
 /// Converts lanes to rows. The fourth corner repeats the third and gets zero.
 #[inline(always)]
-fn scatter<L: Lanes<W>, const W: usize>(
+fn scatter<L: PointLanes<W>, const W: usize>(
     response: &Response<L>,
     force: &mut GroupCorners<4, W>,
     moment: &mut GroupCorners<4, W>,
 ) {
-    let [f2, f3] = response.force.map(L::to_rows);
-    let [m1, m2, m3] = response.moment.map(L::to_rows);
+    let [f2, f3] = response.force.each(L::to_rows);
+    let [m1, m2, m3] = response.moment.each(L::to_rows);
     for lane in 0..W {
         let first = -(f2[lane] + f3[lane]);
         force[lane] = [first.to_array(), f2[lane].to_array(), f3[lane].to_array(), [0.0; 4]];
@@ -426,18 +437,20 @@ impl Formulation for C0Triangle {
         [g.area, g.inertia()]
     }
 
-    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
-        self.section
-            .step_factor(history, &Geometry::new(sides(x)).limits(self.section.elastic.poisson))
-    }
-
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
         let geometry = Geometry::new(sides(x));
         if !geometry.sound() {
             return f64::NAN;
         }
-        geometry.stable_length(self.section.elastic.poisson)
-            / self.section.elastic.plate_wave_speed()
+        geometry.stable_dt(&self.section)
+    }
+
+    fn stable_dt_now(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
+        let geometry = Geometry::new(sides(x));
+        if !geometry.sound() {
+            return f64::NAN;
+        }
+        self.section.stable_dt(history, &geometry.limits(self.section.elastic.poisson))
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
@@ -446,7 +459,7 @@ impl Formulation for C0Triangle {
     }
 
     #[inline(always)]
-    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+    fn group<L: PointLanes<W>, const W: usize, const N: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -455,13 +468,17 @@ impl Formulation for C0Triangle {
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
         let mut corners = gather(group, nodes);
-        let arm = self.section.arm(history).map(|arm| corners.shift_to_middle(arm));
+        let mut arm = [L::zero(); 3];
+        if self.section.has_offset() {
+            arm = corners.shift_to_middle(self.section.arm(history));
+        }
         let mut response = self.respond::<L, N>(&corners, history, dt);
-        if let Some(arm) = arm {
+        if self.section.has_offset() {
             response.shift_to_nodes(arm);
         }
-        let (calm, sound) = (response.calm, response.totals.sound);
-        if let Some(gone) = self.section.delete_inverted(history, calm, sound, corners.sum()) {
+        if self.section.deletes {
+            let (calm, sound) = (response.calm, response.totals.sound);
+            let gone = self.section.delete_inverted(history, calm, sound, corners.sum());
             response.zero_failed(gone);
         }
         scatter(&response, force, moment);
@@ -469,7 +486,7 @@ impl Formulation for C0Triangle {
     }
 
     #[inline(never)]
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -480,8 +497,8 @@ impl Formulation for C0Triangle {
             let [a, b, c] = std::array::from_fn(|c| Lane::new(nodes.x[group[c][lane] as usize]));
             [rows[0][lane], rows[1][lane]] = [b - a, c - a].map(L::row);
         }
-        let geometry = Geometry::new(rows.map(L::from_rows));
-        let stable_dt = geometry.stable_dt(&self.section.elastic);
+        let geometry = Geometry::new(rows.each(L::from_rows));
+        let stable_dt = geometry.stable_dt(&self.section);
         let stable_dt =
             self.section.offset_factor(history).map_or(stable_dt, |factor| stable_dt * factor);
         Totals::inactive(stable_dt, geometry.sound())

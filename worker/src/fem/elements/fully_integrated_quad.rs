@@ -47,7 +47,7 @@ use crumple_proto::mesh::Shape;
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "fully_integrated_quad",
-    meaning: "2 x 2 points in its plane: no hourglass control, the reference for the others.",
+    meaning: "2 x 2 in-plane points, no hourglass control: the reference for the other quads.",
     shape: Shape::Quad4,
     build: Constructor::Shell(build),
 };
@@ -134,7 +134,7 @@ impl Kernel for FullyIntegratedQuad {
         let weight = quarter * g.area;
         let (mut n, mut m, mut q) = ([zero; 3], [zero; 3], [zero; 2]);
         let mut across = [[[zero; 2]; 3]; 2];
-        let mut work = zero;
+        let (mut work, mut mean_square) = (zero, zero);
         let mut sound = zero.le(zero);
         for (point, columns) in section.chunks_exact_mut(each).enumerate() {
             let sign = R::splat(if point % 2 == 0 { 1.0 } else { -1.0 });
@@ -163,6 +163,7 @@ impl Kernel for FullyIntegratedQuad {
                 difference[2][c] = signed.mul_add(on.q[c], difference[2][c]);
             }
             work = weight.mul_add(on.work, work);
+            mean_square = quarter.mul_add(on.mean_square, mean_square);
         }
 
         // 5. Forces on the rates of stage 3, and drilling.
@@ -179,7 +180,7 @@ impl Kernel for FullyIntegratedQuad {
         let on_eta = soft_eta * (dot2(s.to_eta, shear_1) - dot2(s.to_eta, shear_2));
 
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let flow_stress = self.section.flow_stress::<R, N>(section);
+        let flow_stress = self.section.flow_stress(mean_square);
         let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
         let energy = bounds::drill(drill, stiff, sides.ahead(&g, &motion), capacity.as_ref(), zero);
 
@@ -187,9 +188,9 @@ impl Kernel for FullyIntegratedQuad {
         let hourglass = [-minus_on_tx, on_ty, on_x, on_y];
         let (force, moment) =
             sides.corners(&g, &OnSides { n, m, q, shear: [on_xi, on_eta], hourglass, drill });
-        let mut response = Response::new(
+        let mut response = Response::new::<Self>(
             &g,
-            &self.section,
+            (&self.section, section),
             (force, moment),
             [work, R::splat(0.5) * energy],
             sound,

@@ -96,7 +96,7 @@ fn flow_leaves_the_modes_what_the_points_bear() {
             held,
             wanted,
             0.06 * wanted,
-            "shear of up to 0.04, which turns the axes, and second order of d/g",
+            "shear up to 0.04 rotates the axes; second order in d/g",
         );
     }
 }
@@ -264,16 +264,19 @@ fn the_step_is_bounded_by_the_highest_frequency() {
                 if over > worst.0 {
                     worst = (over, nodes, nu, t);
                 }
-                assert!(all[6] > 1e-12 * all[23], "a motion is free: {nodes:?}, t {t}: {all:?}");
+                assert!(
+                    all[6] > 1e-12 * all[23],
+                    "a deformation has no stiffness: {nodes:?}, t {t}: {all:?}"
+                );
                 assert!(
                     all[5].abs() < 1e-13 * all[23],
-                    "rigid motion is resisted: {nodes:?}: {all:?}"
+                    "rigid motion has a stiffness: {nodes:?}: {all:?}"
                 );
             }
         }
     }
     eprintln!("{worst:?}");
-    assert!(worst.0 < 1.09, "the usual safety of 0.9 leaves this: {worst:?}");
+    assert!(worst.0 < 1.09, "the default safety of 0.9 covers this: {worst:?}");
 }
 
 /// The kernel gives the same bits on scalars and on lanes.
@@ -294,5 +297,5 @@ fn lanes_are_the_scalar_kernel() {
     );
     let plastic = fields.map(|fields| fields.plastic_strain);
     assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");
-    assert!(!fields[0].failed && fields[3].failed, "sound and failed lanes");
+    assert!(!fields[0].failed && fields[3].failed, "intact and failed lanes");
 }

@@ -40,11 +40,12 @@ use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
 use super::{
     BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, GroupCorners,
-    GroupNodes, NodeView, PassTotals, SolidGroups, Totals, failed_column, section, zero_failed,
+    GroupNodes, PassTotals, SolidGroups, Totals, failed_column, section, zero_failed,
 };
 use crate::fem::columns::State;
-use crate::fem::materials::{Elastic, PointReal, Solid, SolidPoint};
-use crate::math::lanes::{Lanes, Real, dot};
+use crate::fem::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
+use crate::math::lanes::{Real, dot};
+use crate::nodes::NodeView;
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
@@ -52,7 +53,7 @@ use crumple_proto::problem::Problem;
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "hexahedron",
-    meaning: "One point, the exact mean gradient, a choice of hourglass controls.",
+    meaning: "One point, exact mean gradient, three forms of hourglass control.",
     shape: Shape::Hex8,
     build: Constructor::Solid(build),
 };
@@ -113,7 +114,7 @@ fn build(part: &Part, law: Box<dyn Solid>) -> BuildResult {
     if !problems.is_empty() {
         return Err(problems);
     }
-    debug_assert!(poisson < 0.5, "laws of solids refuse what has no finite bulk modulus");
+    debug_assert!(poisson < 0.5, "laws of solids require a finite bulk modulus");
     Ok(Box::new(Hexahedron {
         elastic,
         hourglass: Hourglass {
@@ -175,7 +176,7 @@ impl Hexahedron {
     ) -> Response<R> {
         let (state, own) = history.split_at_mut(self.state);
         let ([first_volume, viscosity], hourglass) =
-            own.split_first_chunk_mut().expect("columns() of them");
+            own.split_first_chunk_mut().expect("the history has columns() values");
         // Before the first step nothing has moved, so all rates are zero.
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let half = R::splat(0.5);
@@ -376,7 +377,7 @@ fn per_corner(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
 
 impl SolidGroups for Hexahedron {
     #[inline(always)]
-    fn group<L: Lanes<W>, const W: usize>(
+    fn group<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
         nodes: &NodeView<'_>,
@@ -391,7 +392,7 @@ impl SolidGroups for Hexahedron {
     }
 
     #[inline(never)]
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
         nodes: &NodeView<'_>,

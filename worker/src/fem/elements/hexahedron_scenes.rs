@@ -47,7 +47,10 @@ fn simple_shear_is_that_of_jaumann() {
         worst
     };
     let (coarse, fine) = (error(25), error(250));
-    assert!(fine < 1e-3 / 16.0, "the catalogue asks 1e-3 of 1000 steps to gamma = 4: {fine:e}");
+    assert!(
+        fine < 1e-3 / 16.0,
+        "the catalogue requires 1e-3 with 1000 steps to gamma = 4: {fine:e}"
+    );
     assert!(coarse > 80.0 * fine && coarse < 120.0 * fine, "second order: {coarse:e} and {fine:e}");
 }
 
@@ -101,7 +104,7 @@ fn flow_bounds_what_hourglass_modes_store() {
     }
     let bound = E / (1.0 - NU * NU) * ratio * yields / (3.0 * G);
     assert_close(kept[199], bound, 0.03 * bound, "a strain of 2 %");
-    assert_close(kept[199], kept[99], 0.02 * bound, "steady, but for the change of shape");
+    assert_close(kept[199], kept[99], 0.02 * bound, "steady except for the change of shape");
     // P of mode xi eta: (kappa/16) (lambda + 2 mu) V (B_iI B_iI) dq: B_iI B_iI is 1.5 on the unit
     // cube, dq the sum of 8 corners.
     let modulus = E * (1.0 - NU) / ((1.0 + NU) * (1.0 - 2.0 * NU));
@@ -216,7 +219,7 @@ fn bulk_viscosity_damps_and_stays_stable() {
     }
     let end = kinetic(&solids);
     assert!(end < 0.2 * start, "damped: {end} of {start}");
-    assert!(booked > 0.7 * start && booked < 1.02 * start, "and booked: {booked} of {start}");
+    assert!(booked > 0.7 * start && booked < 1.02 * start, "in the ledger: {booked} of {start}");
 }
 
 /// C10 (a): a single mode has the frequency sqrt(6 kappa) c_d/L; viscous resistance dissipates its
@@ -310,7 +313,7 @@ fn cantilevers_have_the_frequencies_of_the_table() {
             f,
             wanted,
             0.005 * wanted,
-            "the catalogue asks 0.5 %: it checks the formula itself",
+            "the catalogue requires 0.5 %: this checks the formula itself",
         );
     }
 }

@@ -178,7 +178,7 @@ fn distorted_patch_is_exact() {
         let largest = solids.largest();
         assert!(
             inner.iter().all(|f| f.abs() < 1e-10 * largest),
-            "the middle node is in balance: {inner:?} of {largest}"
+            "the middle node is in equilibrium: {inner:?} of {largest}"
         );
     }
 }
@@ -214,19 +214,25 @@ fn forces_and_moments_balance_and_do_the_work_that_is_booked() {
                     booked,
                     work,
                     1e-3 * work,
-                    "second order in steps of 2e-5 strain; forces at two times",
+                    "second order in strain steps of 2e-5; forces at two times",
                 );
             }
         }
         // Everything is elastic, so the work is recovered.
         match form {
             HourglassForm::AssumedStrain => {
-                assert!(booked.abs() < 1e-11 * peak, "a step back undoes a step: {booked:e}")
+                assert!(
+                    booked.abs() < 1e-11 * peak,
+                    "a reversed step restores the state: {booked:e}"
+                )
             }
             // Their stiffness is that of the end of the step, which is the other end on the way
             // back.
             HourglassForm::Stiffness => {
-                assert!(booked.abs() < 1e-6 * peak, "1e-5 of change a step: {booked:e}")
+                assert!(
+                    booked.abs() < 1e-6 * peak,
+                    "stiffness changes by 1e-5 per step: {booked:e}"
+                )
             }
             HourglassForm::Viscous => {
                 assert!(booked > 1e-6 * peak, "hourglass motion is damped: {booked:e}")

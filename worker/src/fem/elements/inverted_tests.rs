@@ -60,7 +60,7 @@ fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
                 assert!(totals.internal.is_finite() && totals.hourglass.is_finite());
                 assert!(
                     totals.stable_dt > 0.9 * healthy && totals.stable_dt < 1.1 * healthy,
-                    "that of the other"
+                    "stable step of the other element"
                 );
                 let at = |i: usize| {
                     (
@@ -73,20 +73,20 @@ fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
                     assert_eq!(
                         patch.corner(1, corner),
                         ([0.0; 3], [0.0; 3]),
-                        "{element}: it bears nothing"
+                        "{element}: the deleted element has no forces"
                     );
                 }
                 assert!(
                     patch.largest().0 > 0.0 && patch.largest().0.is_finite(),
-                    "the other bears its stretch"
+                    "the other element has forces from its strain"
                 );
                 assert!(
                     !patch.element.is_unstrained(patch.history.element(1)),
-                    "its step is not to be asked for"
+                    "its stable step must not be computed"
                 );
                 assert!(
                     patch.history.element(1).to_vec().iter().all(|c| c.is_finite()),
-                    "what travels is sound"
+                    "the history that migrates is finite"
                 );
                 assert!(patch.fields(1).failed && !patch.fields(0).failed);
             }

@@ -16,6 +16,26 @@ impl<R: Real> Frame<R> {
         [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
     }
 
+    /// Returns the components of vectors in these axes, times `step`.
+    #[inline(always)]
+    pub fn increments<const N: usize>(&self, vectors: &[[R; 3]; N], step: R) -> [[R; 3]; N] {
+        let mut increments = *vectors;
+        for vector in &mut increments {
+            let [x, y, z] = self.local(*vector);
+            *vector = [x * step, y * step, z * step];
+        }
+        increments
+    }
+
+    /// Returns the vectors with these components in these axes.
+    #[inline(always)]
+    pub fn to_global<const N: usize>(&self, mut vectors: [[R; 3]; N]) -> [[R; 3]; N] {
+        for vector in &mut vectors {
+            *vector = self.global(*vector);
+        }
+        vectors
+    }
+
     /// Returns the vector with these components in these axes.
     #[inline(always)]
     pub fn global(&self, v: [R; 3]) -> [R; 3] {
@@ -81,6 +101,15 @@ impl<R: Real> PlaneMotion<R> {
         let own = [half * self.sine[1], -(half * self.sine[0]), half * self.sine[2]];
         let more = cross(own, t);
         std::array::from_fn(|i| t[i] + more[i])
+    }
+
+    /// Returns [`Self::offset_by`] of several increments.
+    #[inline(always)]
+    pub fn offsets<const N: usize>(&self, mut increments: [[R; 3]; N]) -> [[R; 3]; N] {
+        for increment in &mut increments {
+            *increment = self.offset_by(*increment);
+        }
+        increments
     }
 }
 

@@ -39,24 +39,14 @@ pub(crate) mod testing;
 mod unstrained_tests;
 
 use crate::fem::columns::{HistoryColumnsMut, HistoryStorage, State};
-use crate::fem::materials::{self, PlaneStress, Solid, unknown_name};
-use crate::math::lanes::{LANES, LANES32, Lane, Lanes, Real};
+use crate::fem::materials::{self, PlaneStress, PointLanes, Solid, unknown_name};
+use crate::math::lanes::{LANES, LANES32, Lane, Real};
+use crate::nodes::NodeView;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use std::ops::Range;
-
-/// Nodal columns as elements see them, indexed by local node; the fourth component is padding.
-#[derive(Clone, Copy)]
-pub struct NodeView<'a> {
-    /// Coordinates [length].
-    pub x: &'a [[f64; 4]],
-    /// Velocities at mid-step [length/time].
-    pub v: &'a [[f64; 4]],
-    /// Rotational velocities at mid-step [1/time].
-    pub w: &'a [[f64; 4]],
-}
 
 /// Element nodal forces. The slot is `(group * lanes + lane) * slots + corner`, with
 /// [`Shape::slots`] slots per element; the components are x, y, z, padding.
@@ -360,20 +350,19 @@ pub fn formulation(part: &Part, shape: Shape) -> Option<&'static str> {
 fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> {
     if part.spring.is_some() && shape != Shape::Line2 {
         let what =
-            format!("part {}: it is one of springs, and has other elements", section::label(part));
+            format!("part {}: it has [part.spring] and other elements", section::label(part));
         return Err(Problem::error(
             "spring",
             what,
-            "take [part.spring] out, or give its elements another part",
+            "remove [part.spring], or move the other elements to another part",
         ));
     }
     if part.beam.is_some() && shape != Shape::Beam2 {
-        let what =
-            format!("part {}: it is one of beams, and has other elements", section::label(part));
+        let what = format!("part {}: it has [part.beam] and other elements", section::label(part));
         return Err(Problem::error(
             "beam",
             what,
-            "take [part.beam] out, or give its elements another part",
+            "remove [part.beam], or move the other elements to another part",
         ));
     }
     let of_shape = |row: &&ElementEntry| row.shape == shape;
@@ -383,7 +372,8 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     row.ok_or_else(|| {
         let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
         let (corners, name) = (shape.corners(), wanted.unwrap_or_default());
-        let what = format!("part {}: no {corners}-node element '{name}'", section::label(part));
+        let what =
+            format!("part {}: there is no {corners}-node element '{name}'", section::label(part));
         unknown_name("element", what, name, &names)
     })
 }
@@ -463,7 +453,7 @@ fn turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]
 /// Kernel for groups of shells, for any type of lanes.
 trait ShellGroups {
     /// Computes the corner forces and moments of a group from its connectivity and history.
-    fn group<L: Lanes<W>, const W: usize>(
+    fn group<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -474,7 +464,7 @@ trait ShellGroups {
 
     /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
     /// zero.
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -485,7 +475,7 @@ trait ShellGroups {
 /// Kernel for groups of eight-node solids, for any type of lanes.
 trait SolidGroups {
     /// Computes the corner forces of a group from its connectivity and history.
-    fn group<L: Lanes<W>, const W: usize>(
+    fn group<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
         nodes: &NodeView<'_>,
@@ -496,7 +486,7 @@ trait SolidGroups {
 
     /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
     /// zero.
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
         nodes: &NodeView<'_>,
@@ -546,7 +536,7 @@ impl<'a> ElementPass<'a> {
     fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let HistoryStorage::Double(history) = history else {
-            panic!("an element is in double precision unless it says so")
+            panic!("this element exists in double precision only")
         };
         ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
     }
@@ -556,7 +546,7 @@ impl<L> ElementPass<'_, &mut [L]> {
     #[inline(always)]
     fn shells_in<const W: usize>(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals
     where
-        L: Lanes<W>,
+        L: PointLanes<W>,
     {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let corners = range.start * W..range.end * W;
@@ -585,7 +575,7 @@ impl<L> ElementPass<'_, &mut [L]> {
     #[inline(always)]
     fn solids_in<const W: usize>(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals
     where
-        L: Lanes<W>,
+        L: PointLanes<W>,
     {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let force =
@@ -606,7 +596,7 @@ impl<L> ElementPass<'_, &mut [L]> {
 
 /// Sums up the totals of the groups in `range`. Padding lanes add nothing.
 #[inline(always)]
-fn total<L: Lanes<W>, const W: usize>(
+fn total<L: PointLanes<W>, const W: usize>(
     range: Range<usize>,
     count: usize,
     groups: impl Iterator<Item = Totals<L>>,
@@ -630,7 +620,7 @@ struct GroupSum<L, const W: usize> {
 /// for squares at nu = 0: `sqrt(3 * 2^-24)` of the squared frequency, and half as much of the step.
 const SHORT_STEP: f64 = 1.0 - 1.0 / 4096.0;
 
-impl<L: Lanes<W>, const W: usize> GroupSum<L, W> {
+impl<L: PointLanes<W>, const W: usize> GroupSum<L, W> {
     #[inline(always)]
     fn new() -> Self {
         Self {

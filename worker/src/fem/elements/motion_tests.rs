@@ -1,8 +1,9 @@
 //! Tests of all shells: patch tests, rigid motion, balance of forces, energy, lanes.
 
 use super::testing::*;
-use super::{ElementNodalForces, ElementPass, NodeView};
+use super::{ElementNodalForces, ElementPass};
 use crate::math::lanes::LANES;
+use crate::nodes::NodeView;
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
@@ -155,7 +156,7 @@ fn rigid_rotation_leaves_no_stress() {
 
 /// Returns a patch of the same elements, for its element and connectivity.
 fn patch_like(other: &Patch, name: &str) -> Patch {
-    let again = shells().into_iter().find(|(n, _)| *n == name).expect("it came from this list").1;
+    let again = shells().into_iter().find(|(n, _)| *n == name).expect("the name is in this list").1;
     assert_eq!(again.quads, other.quads);
     again
 }
@@ -213,7 +214,7 @@ fn reported_energy_is_the_work_of_corner_forces() {
         assert!(coarse < 5e-3, "{name}: finite strain and rotation of a step: {coarse:e}");
         assert!(
             fine < 0.3 * coarse,
-            "{name}: of first order in the step at least: {coarse:e} then {fine:e}"
+            "{name}: at least first order in the step: {coarse:e}, then {fine:e}"
         );
     }
 }
@@ -357,7 +358,7 @@ fn lanes_do_not_see_their_neighbours() {
             (0..LANES).map(|element| runs[0].fields(element).plastic_strain).collect();
         assert!(
             strains.contains(&0.0) && strains.iter().any(|&e| e > 0.005),
-            "both kinds are there: {strains:?}"
+            "elastic and plastic elements: {strains:?}"
         );
     }
 }
@@ -409,7 +410,7 @@ fn padding_adds_nothing_and_ranges_add_up() {
             internal += patch.element.forces(pass).internal;
         }
         assert_close(whole.internal, internal, 1e-14 * internal, "round-off of two sums");
-        assert!(force[..40] == patch.force[..40], "the same bits in whatever pieces");
+        assert!(force[..40] == patch.force[..40], "the same bits for any split into ranges");
     }
 }
 
@@ -442,7 +443,7 @@ fn trouble_is_told() {
         patch.x[0] = [1.0, 1.0, 0.0, 0.0];
         assert!(
             patch.forces(1.0).trouble.is_some(),
-            "a corner on the opposite one is trouble in the step too"
+            "the step also reports a corner that coincides with the opposite one"
         );
     }
 }

@@ -166,7 +166,7 @@ fn elastic_plastic_plate_peaks_where_others_do() {
         height,
         7.62e-3,
         0.02 * 7.62e-3,
-        "7.55 to 7.64 mm in the reference for 4 to 16 elements a side",
+        "7.55 to 7.64 mm in the reference for 4 to 16 elements per side",
     );
     assert_close(when, 0.75e-3, 0.03 * 0.75e-3, "0.745 to 0.770 ms in the reference");
 
@@ -175,13 +175,16 @@ fn elastic_plastic_plate_peaks_where_others_do() {
     let off = [4, 8].map(|n| 1.0 - peak("stabilised_quad", n, false).0 / 7.62e-3);
     assert!(
         off[0] < 0.07 && off[1] < 0.04,
-        "6.3 % and 3.6 % at 4 and 8 a side, 1.8 % at 16: {off:?}"
+        "6.3 % and 3.6 % with 4 and 8 per side, 1.8 % with 16: {off:?}"
     );
 
     // Constant-strain triangles are too stiff where membrane and bending mix, and converge with the
     // first order of h.
     let off = [4, 8].map(|n| 1.0 - peak("c0_triangle", n, true).0 / 7.62e-3);
-    assert!(off[0] < 0.18 && off[1] < 0.08, "16 % and 7 % at 4 and 8 a side, 3.5 % at 16: {off:?}");
+    assert!(
+        off[0] < 0.18 && off[1] < 0.08,
+        "16 % and 7 % with 4 and 8 per side, 3.5 % with 16: {off:?}"
+    );
 }
 
 /// Returns the largest step for which a free mesh is stable, over the smallest stable step of its
@@ -293,7 +296,7 @@ fn any_lone_element_bears_its_step_with_the_usual_safety() {
             }
         }
     }
-    assert!(worst.iter().all(|w| w.1 > 0.92), "0.933 for squares, where nu = 0: {worst:?}");
+    assert!(worst.iter().all(|w| w.1 > 0.92), "0.933 for squares with nu = 0: {worst:?}");
 }
 
 /// Squares whose corners are alternately above and below their plane, up to upright sides.
@@ -313,6 +316,6 @@ fn any_warped_element_bears_its_step_with_the_usual_safety() {
     }
     assert!(
         worst.iter().all(|w| w.1 > 0.91),
-        "0.920 of a stabilised one that climbs by a fifth of its side: {worst:?}"
+        "0.920 for a stabilised quad that rises by a fifth of its side: {worst:?}"
     );
 }

@@ -45,7 +45,7 @@
 //! ```
 //! The step is the smaller of `L/c` and [`SINGLE_ELEMENT_FACTOR`] times `2/omega`, at the density
 //! of the material. The mass of an element is that of the start while its area and thickness
-//! change: [`Section::step_factor`].
+//! change: [`Section::stable_dt`].
 //!
 //! All quantities at the four corners are stored as three or four modes, of which the corner values
 //! are sums: the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has
@@ -54,9 +54,10 @@
 use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, rotated};
 use super::section::{Limits, Section, Strains};
 use super::shell::Formulation;
-use super::{GroupCorners, GroupNodes, NodeView, Totals, zero_failed};
-use crate::fem::materials::PointReal;
-use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
+use super::{GroupCorners, GroupNodes, Totals, zero_failed};
+use crate::fem::materials::{PointLanes, PointReal};
+use crate::math::lanes::{Each, Lane, Real, cross, dot};
+use crate::nodes::NodeView;
 
 /// Number of generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;
@@ -83,28 +84,6 @@ pub struct Modes<R> {
     pub w: [[R; 3]; 4],
 }
 
-impl<R: Real> Modes<R> {
-    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
-    #[inline(always)]
-    fn sum(&self) -> R {
-        let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
-        all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
-    }
-
-    /// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which
-    /// is at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of
-    /// the coordinates are the same for both.
-    #[inline(always)]
-    fn shift_to_middle(&mut self, e: R) -> [R; 3] {
-        let arm = along_normal(e, self.x[0], self.x[1]);
-        for (v, w) in self.v.iter_mut().zip(&self.w) {
-            let more = cross(*w, arm);
-            (0..3).for_each(|i| v[i] += more[i]);
-        }
-        arm
-    }
-}
-
 /// Result of a kernel for a group, in global axes.
 pub struct Response<R: Real> {
     /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
@@ -115,49 +94,9 @@ pub struct Response<R: Real> {
     pub totals: Totals<R>,
     /// Lanes that have an area and the strain increments of a valid step.
     calm: R::Mask,
-    size: Size<R>,
-}
-
-/// Quantities of the shape of an element that determine its stable step.
-#[derive(Clone, Copy)]
-struct Size<R> {
-    area: R,
-    /// See [`Geometry::stable_length`].
-    length: R,
-    /// Larger principal value of S [1/length^2].
-    s: R,
-    /// H^2 [length^2].
-    h2: R,
-}
-
-impl<R: Real> Size<R> {
-    /// Returns the limits of the step, with the inertia for shear of this kernel.
-    #[inline(always)]
-    fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
-        let Self { area, length, s, h2 } = *self;
-        let taper = R::splat(K::TAPER) * h2;
-        Limits {
-            area,
-            length,
-            corners: 4.0,
-            s,
-            taper,
-            floor: R::splat(section.inertia_floor()) * (area + taper),
-        }
-    }
 }
 
 impl<R: Real> Response<R> {
-    /// Adds to the moments those of the forces, which act at `arm` from the nodes, so that the work
-    /// on the nodes is that on the middle surface ([`Modes::shift_to_middle`]).
-    #[inline(always)]
-    fn shift_to_nodes(&mut self, arm: [R; 3]) {
-        for (m, f) in self.moment.iter_mut().zip(&self.force) {
-            let more = cross(arm, *f);
-            (0..3).for_each(|i| m[i] += more[i]);
-        }
-    }
-
     /// Removes failed elements: they have no forces, do not limit the step and are never reported
     /// as trouble.
     #[inline(always)]
@@ -249,35 +188,45 @@ impl<R: Real> Geometry<R> {
 
     /// Returns the stable step at the density of the material [time].
     #[inline(always)]
-    fn stable_dt(&self, section: &Section) -> R {
-        let elastic = &section.elastic;
-        self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
+    fn stable_dt(&self, section: &Section, fraction: f64) -> R {
+        let side2 = self.equivalent_side2(section.elastic.poisson);
+        section.membrane_step(self.area, R::splat(1.0) / side2, fraction)
     }
 
+    /// Returns the limits of the step for the kernel `K`.
     #[inline(always)]
-    fn size(&self, poisson: f64) -> Size<R> {
-        let (d, a) = (self.diagonals, self.area);
+    fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
+        let (d, area) = (self.diagonals, self.area);
         // Larger eigenvalue of S, whose trace is D/A^2 and whose determinant is 1/A^2. D is at
         // least 2 A, except for round-off.
-        let root = Real::max(d.mul_add(d, -(R::splat(4.0) * a * a)), R::zero()).sqrt();
-        let s = R::splat(0.5) * (d + root) / (a * a);
+        let root = Real::max(d.mul_add(d, -(R::splat(4.0) * area * area)), R::zero()).sqrt();
+        let inv_area = self.inv_2a + self.inv_2a;
         let h2 = self.x[2].mul_add(self.x[2], self.y[2] * self.y[2]);
-        Size { area: a, length: self.stable_length(poisson), s, h2 }
+        let taper = R::splat(K::TAPER) * h2;
+        Limits {
+            area,
+            inv_area,
+            side2: self.equivalent_side2(section.elastic.poisson),
+            fraction: K::STEP,
+            corners: 4.0,
+            s: R::splat(0.5) * (d + root) * (inv_area * inv_area),
+            taper,
+            floor: R::splat(section.inertia_floor()) * (area + taper),
+        }
     }
 
-    /// Returns the stable step times the plate wave speed [length].
+    /// Returns the square of the side by which the area is divided for the stable length: the
+    /// longest side, or that which stands for a single element [length^2].
     #[inline(always)]
-    pub fn stable_length(&self, poisson: f64) -> R {
+    fn equivalent_side2(&self, poisson: f64) -> R {
         let root = (4.0 * (1.0 - poisson * poisson)).sqrt();
         let (d, a) = (self.diagonals, R::splat(root) * self.area);
         // D is at least 2 A, except for round-off.
         let lone = d + Real::max(d.mul_add(d, -(a * a)), R::zero()).sqrt();
-        self.area
-            / Real::max(
-                self.longest,
-                R::splat(0.5 / (SINGLE_ELEMENT_FACTOR * SINGLE_ELEMENT_FACTOR)) * lone,
-            )
-            .sqrt()
+        Real::max(
+            self.longest,
+            R::splat(0.5 / (SINGLE_ELEMENT_FACTOR * SINGLE_ELEMENT_FACTOR)) * lone,
+        )
     }
 
     /// Returns B1 and B2 applied to a nodal column that has the modes u13 and u24.
@@ -323,10 +272,10 @@ impl<R: Real> Motion<R> {
     pub fn new(g: &Geometry<R>, modes: &Modes<R>, dt: f64) -> (Self, Strains<R>) {
         let step = R::splat(dt);
         let [half, quarter] = [0.5, 0.25].map(R::splat);
-        let u = modes.v.map(|v| g.frame.local(v).map(|c| c * step));
+        let u = g.frame.increments(&modes.v, step);
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
         let plane = PlaneMotion::new(&k);
-        let t = modes.w.map(|w| plane.offset_by(g.frame.local(w).map(|c| c * step)));
+        let t = plane.offsets(g.frame.increments(&modes.w, step));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
@@ -426,18 +375,18 @@ impl<R: Real> Generalised<'_, R> {
 }
 
 impl<R: Real> Response<R> {
-    /// Builds the response from corner modes in the axes of the element. `energies` are internal
-    /// and hourglass energy; `healthy` are the lanes with the strain increments of a valid step.
+    /// Builds the response of the kernel `K` from corner modes in the axes of the element and the
+    /// columns of the section. `energies` are internal and hourglass energy; `healthy` are the lanes
+    /// with the strain increments of a valid step.
     #[inline(always)]
-    pub fn new(
+    pub fn new<K: Kernel>(
         g: &Geometry<R>,
-        section: &Section,
+        (section, columns): (&Section, &[R]),
         (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
         [internal, hourglass]: [R; 2],
         healthy: R::Mask,
     ) -> Self {
-        let force = force.map(|f| g.frame.global(f));
-        let moment = moment.map(|m| g.frame.global(m));
+        let (force, moment) = (g.frame.to_global(force), g.frame.to_global(moment));
         // The sum is not finite if any of its terms is not.
         let mut total = R::zero();
         for c in 0..3 {
@@ -446,9 +395,8 @@ impl<R: Real> Response<R> {
         }
         let calm = R::both(healthy, g.has_area);
         let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
-        let size = g.size(section.elastic.poisson);
-        let stable_dt = size.length * R::splat(1.0 / section.elastic.plate_wave_speed());
-        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm, size }
+        let stable_dt = section.stable_dt(columns, &g.limits::<K>(section));
+        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm }
     }
 }
 
@@ -460,7 +408,7 @@ pub trait Kernel: Send + Sync {
     /// rotational inertia: shear has the squared frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`,
     /// with s the larger principal value of S and I the inertia per mass.
     const TAPER: f64;
-    /// Fraction of the step of [`Geometry::stable_length`] for which the formulation is stable.
+    /// Fraction of the step of the membrane for which the formulation is stable.
     const STEP: f64 = 1.0;
 
     /// Returns the section through the thickness.
@@ -499,12 +447,7 @@ impl<K: Kernel> Formulation for Quad<K> {
 
     fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2] {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        [g.area, g.size(section.elastic.poisson).limits::<K>(section).floor]
-    }
-
-    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
-        let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        section.step_factor(history, &g.size(section.elastic.poisson).limits::<K>(section))
+        [g.area, g.limits::<K>(section).floor]
     }
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
@@ -512,7 +455,15 @@ impl<K: Kernel> Formulation for Quad<K> {
         if !geometry.has_area {
             return f64::NAN;
         }
-        geometry.stable_dt(self.section()) * K::STEP
+        geometry.stable_dt(self.section(), K::STEP)
+    }
+
+    fn stable_dt_now(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
+        let (section, geometry) = (self.section(), Geometry::new(&coordinate_modes(x)));
+        if !geometry.has_area {
+            return f64::NAN;
+        }
+        section.stable_dt(history, &geometry.limits::<K>(section))
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
@@ -521,7 +472,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 
     #[inline(always)]
-    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+    fn group<L: PointLanes<W>, const W: usize, const N: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -529,40 +480,76 @@ impl<K: Kernel> Formulation for Quad<K> {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let (section, mut modes) = (self.section(), gather(group, nodes));
-        let arm = section.arm(history).map(|arm| modes.shift_to_middle(arm));
-        let mut response = self.0.respond::<L, N>(&modes, history, dt);
-        if let Some(arm) = arm {
-            response.shift_to_nodes(arm);
+        let (section, mut rows) = (self.section(), gather(group, nodes));
+        // Rare options work in place on arrays in memory, outside of this function: in registers
+        // they would cost every element a fifth of its time.
+        let mut arm = [L::zero(); 3];
+        if section.has_offset() {
+            arm = shift_to_middle(&mut rows, section.arm(history));
         }
-        let factor = section.step_factor(history, &response.size.limits::<K>(section));
-        response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
-        let (calm, sound) = (response.calm, response.totals.sound);
-        if let Some(gone) = section.delete_inverted(history, calm, sound, modes.sum()) {
-            response.zero_failed(gone);
-        }
+        let response = self.0.respond::<L, N>(&rows.modes(), history, dt);
         scatter(&response, force, moment);
-        response.totals
+        let (calm, mut totals) = (response.calm, response.totals);
+        if section.has_offset() {
+            shift_to_nodes(arm, force, moment);
+        }
+        if section.deletes {
+            let gone = section.delete_inverted(history, calm, totals.sound, rows.magnitude());
+            totals.let_go(gone);
+            zero_corners::<L, W>(gone, force, moment);
+        }
+        totals
     }
 
     #[inline(never)]
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
         history: &[L],
     ) -> Totals<L> {
         let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
-        let step = L::splat(K::STEP);
-        let step = self.section().offset_factor(history).map_or(step, |factor| factor * step);
-        Totals::inactive(geometry.stable_dt(self.section()) * step, geometry.has_area)
+        let stable_dt = geometry.stable_dt(self.section(), K::STEP);
+        let factor = self.section().offset_factor(history);
+        let stable_dt = factor.map_or(stable_dt, |factor| factor * stable_dt);
+        Totals::inactive(stable_dt, geometry.has_area)
+    }
+}
+
+/// Modes of the corners of a group, one row for each element.
+struct ModeRows<L: PointLanes<W>, const W: usize> {
+    x: [[L::Row; W]; 3],
+    v: [[L::Row; W]; 3],
+    w: [[L::Row; W]; 4],
+}
+
+impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
+    #[inline(always)]
+    fn modes(&self) -> Modes<L> {
+        Modes {
+            x: self.x.each(L::from_rows),
+            v: self.v.each(L::from_rows),
+            w: self.w.each(L::from_rows),
+        }
+    }
+
+    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
+    #[cold]
+    #[inline(never)]
+    fn magnitude(&self) -> L {
+        let Modes { x, v, w } = self.modes();
+        let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
+        all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
     }
 }
 
 /// Returns the corner values of a group as modes. Differences are taken row by row, before the rows
 /// become lanes.
 #[inline(always)]
-fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Modes<L> {
+fn gather<L: PointLanes<W>, const W: usize>(
+    group: &GroupNodes<4, W>,
+    nodes: &NodeView<'_>,
+) -> ModeRows<L, W> {
     // One length for all three columns, so that one bounds check per node is enough.
     let n = nodes.x.len();
     let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
@@ -580,12 +567,60 @@ fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeVie
         let rows = modes(w);
         (mw[0][lane], mw[1][lane], mw[2][lane], mw[3][lane]) = (rows[0], rows[1], rows[2], rows[3]);
     }
-    Modes { x: mx.map(L::from_rows), v: mv.map(L::from_rows), w: mw.map(L::from_rows) }
+    ModeRows { x: mx, v: mv, w: mw }
+}
+
+/// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which is
+/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of the
+/// coordinates are the same for both.
+#[cold]
+#[inline(never)]
+fn shift_to_middle<L: PointLanes<W>, const W: usize>(rows: &mut ModeRows<L, W>, e: L) -> [L; 3] {
+    let Modes { x, v, w } = rows.modes();
+    let arm = along_normal(e, x[0], x[1]);
+    for c in 0..3 {
+        let more = cross(w[c], arm);
+        let shifted = std::array::from_fn(|i| v[c][i] + more[i]);
+        rows.v[c] = L::to_rows(shifted).map(L::row);
+    }
+    arm
+}
+
+/// Adds to the moments on the nodes those of the forces on the middle surface, which act at `arm`
+/// from the nodes, so that the work on both is the same.
+#[cold]
+#[inline(never)]
+fn shift_to_nodes<L: PointLanes<W>, const W: usize>(
+    arm: [L; 3],
+    force: &GroupCorners<4, W>,
+    moment: &mut GroupCorners<4, W>,
+) {
+    let arm = L::to_rows(arm).map(|arm| arm.to_array());
+    for lane in 0..W {
+        for (f, m) in force[lane].iter().zip(&mut moment[lane]) {
+            let more = cross([arm[lane][0], arm[lane][1], arm[lane][2]], [f[0], f[1], f[2]]);
+            (0..3).for_each(|i| m[i] += more[i]);
+        }
+    }
+}
+
+/// Sets forces and moments of the lanes `gone` to zero.
+#[cold]
+#[inline(never)]
+fn zero_corners<L: PointLanes<W>, const W: usize>(
+    gone: L::Mask,
+    force: &mut GroupCorners<4, W>,
+    moment: &mut GroupCorners<4, W>,
+) {
+    let gone = L::select(gone, L::splat(1.0), L::zero()).to_array();
+    for lane in (0..W).filter(|&lane| gone[lane] > 0.0) {
+        (force[lane], moment[lane]) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
+    }
 }
 
 /// Returns the corner coordinates of a group as modes.
 #[inline(always)]
-fn gather_coordinates<L: Lanes<W>, const W: usize>(
+fn gather_coordinates<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<4, W>,
     x: &[[f64; 4]],
 ) -> [[L; 3]; 3] {
@@ -594,7 +629,7 @@ fn gather_coordinates<L: Lanes<W>, const W: usize>(
         let rows = rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row);
         [modes[0][lane], modes[1][lane], modes[2][lane]] = rows;
     }
-    modes.map(L::from_rows)
+    modes.each(L::from_rows)
 }
 
 /// Returns the modes of the coordinates of an element. h is taken from differences of neighbours,
@@ -607,13 +642,13 @@ fn rows_of_coordinates(x: &[[f64; 4]], corner: [usize; 4]) -> [Lane; 3] {
 
 /// Converts modes to corner values and lanes to rows.
 #[inline(always)]
-fn scatter<L: Lanes<W>, const W: usize>(
+fn scatter<L: PointLanes<W>, const W: usize>(
     response: &Response<L>,
     force: &mut GroupCorners<4, W>,
     moment: &mut GroupCorners<4, W>,
 ) {
-    let [f13, f24, fh] = response.force.map(L::to_rows);
-    let [m13, m24, mh, ms] = response.moment.map(L::to_rows);
+    let [f13, f24, fh] = response.force.each(L::to_rows);
+    let [m13, m24, mh, ms] = response.moment.each(L::to_rows);
     for lane in 0..W {
         let force = &mut force[lane];
         force[0] = (fh[lane] + f13[lane]).to_array();

@@ -18,7 +18,7 @@
 
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
-use crate::math::lanes::Real;
+use crate::math::lanes::{Each, Real};
 use crumple_proto::job::{HourglassForm, Inverted, Part};
 use crumple_proto::problem::Problem;
 
@@ -74,6 +74,8 @@ pub struct Section {
     pub deletes: bool,
     /// Column of a point with its effective plastic strain, if the law has any.
     plastic_strain: Option<usize>,
+    /// Yield stress at zero plastic strain [force/length^2]; infinite without plastic flow.
+    initial_yield_stress: f64,
     /// Column of a point that marks its failure, if the law can fail.
     failed: Option<usize>,
 }
@@ -99,15 +101,29 @@ pub struct Yielded<R> {
     at_no_rate: [R; 2],
 }
 
+/// Effect of plastic flow in a step on stresses other than those of the points, for membrane and
+/// for bending.
+pub struct Flow<R> {
+    /// Factor by which the radial return scales them.
+    pub keep: [R; 2],
+    /// Ratio of tangent to elastic stiffness.
+    pub tangent: [R; 2],
+    /// See [`Section::flow_stress`].
+    pub flow_stress: Option<R>,
+}
+
 /// Quantities of the present shape of a shell that determine its stable step. The squared frequency
 /// of its shear is `5/6 G/rho (corners s + (1 + taper s)/I)`, with I the rotational inertia per
 /// mass.
 pub struct Limits<R> {
-    /// Area [length^2].
+    /// Area [length^2] and its reciprocal.
     pub area: R,
-    /// Stable step of the membrane times the plate wave speed, at the density of the material
-    /// [length].
-    pub length: R,
+    pub inv_area: R,
+    /// Square of the side for which the stable step of the membrane is that of the plate wave over
+    /// the area by the side, at the density of the material [length^2].
+    pub side2: R,
+    /// Fraction of that step for which the element is stable.
+    pub fraction: f64,
     /// Number of corners of the element.
     pub corners: f64,
     /// Larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
@@ -129,6 +145,8 @@ pub struct Resultants<R> {
     pub q: [R; 2],
     /// Increase of internal energy per area [force/length].
     pub work: R,
+    /// Mean of the squared von Mises stress over the thickness [(force/length^2)^2].
+    pub mean_square: R,
     /// Thickness for which the resultants were computed [length].
     pub thickness: R,
 }
@@ -142,7 +160,7 @@ impl Section {
         let mut problems = Vec::new();
         if part.thickness == 0.0 {
             let message = format!("part {}: its shells have no `thickness`", label(part));
-            problems.push(Problem::error("thickness", message, "give it: a length above 0"));
+            problems.push(Problem::error("thickness", message, "add it: a length above 0"));
         }
         let mut check = |right: bool, key: &str, value: &dyn std::fmt::Display, wanted: &str| {
             if !right {
@@ -195,11 +213,7 @@ impl Section {
         if part.bulk_viscosity.is_some() {
             let message =
                 format!("part {}: bulk_viscosity is given, but shells have none", label(part));
-            problems.push(Problem::error(
-                "bulk_viscosity",
-                message,
-                "take it out: it is for solids",
-            ));
+            problems.push(Problem::error("bulk_viscosity", message, "remove it: it is for solids"));
         }
         if !problems.is_empty() {
             return Err(problems);
@@ -223,6 +237,7 @@ impl Section {
                 .iter()
                 .position(|&name| name == "plastic_strain")
                 .map(|column| 3 + column),
+            initial_yield_stress: law.initial_yield_stress(),
             failed: failed_column(history).map(|column| 3 + column),
             law,
         })
@@ -262,15 +277,18 @@ impl Section {
             (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
     }
 
-    /// Returns the distance `e` from the nodal plane to the middle surface along the normal
-    /// [length]; `None` without an offset. The points keep their places about the middle surface:
-    /// an element transforms its velocities to the middle surface and its forces back.
+    /// Returns true if the middle surface is not in the nodal plane.
     #[inline(always)]
-    pub fn arm<R: Real>(&self, history: &[R]) -> Option<R> {
-        if self.offset == 0.0 {
-            return None;
-        }
-        Some(R::splat(0.5 * self.offset / self.planar as f64) * self.thicknesses(history))
+    pub fn has_offset(&self) -> bool {
+        self.offset != 0.0
+    }
+
+    /// Returns the distance `e` from the nodal plane to the middle surface along the normal
+    /// [length]. The points keep their places about the middle surface: an element transforms its
+    /// velocities to the middle surface and its forces back.
+    #[inline(always)]
+    pub fn arm<R: Real>(&self, history: &[R]) -> R {
+        R::splat(0.5 * self.offset / self.planar as f64) * self.thicknesses(history)
     }
 
     /// Returns the sum of the thicknesses of the points in the plane [length].
@@ -289,7 +307,10 @@ impl Section {
     /// that matrix, `a = |e|/sqrt(i + e^2)`.
     #[inline(always)]
     pub fn offset_factor<R: Real>(&self, history: &[R]) -> Option<R> {
-        let (arm, inertia, one) = (self.arm(history)?, history[INERTIA], R::splat(1.0));
+        if !self.has_offset() {
+            return None;
+        }
+        let (arm, inertia, one) = (self.arm(history), history[INERTIA], R::splat(1.0));
         let ratio = R::select(inertia.gt(R::zero()), arm.abs() / inertia.sqrt(), R::zero());
         Some(one / (one + ratio).sqrt())
     }
@@ -301,46 +322,70 @@ impl Section {
         if self.offset == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
     }
 
-    /// Returns the factor on the membrane's stable step at the density of the material. An element
-    /// keeps the mass of the start while its area A and its thickness t change, which gives
-    /// `sqrt(A0 t0 / (A t))`. The factor is smaller if the rotational inertia, which is also that
-    /// of the start, has become too small for shear. It is one for an element without
-    /// [`Self::measure`].
+    /// Returns the stable step [time]. An element keeps the mass of the start while its area A and
+    /// its thickness t change, so the step of the membrane at the density of the material is
+    /// multiplied by `sqrt(A0 t0 / (A t))`. It is smaller if the rotational inertia, which is also
+    /// that of the start, has become too small for shear. Without [`Self::measure`] it is that of
+    /// the membrane.
     #[inline(always)]
-    pub fn step_factor<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+    pub fn stable_dt<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+        if self.has_offset() {
+            return self.stable_dt_with_offset(history, of);
+        }
+        self.stable_dt_at(history, of, history[INERTIA])
+    }
+
+    /// Returns [`Self::stable_dt`] for this rotational inertia about the middle surface per mass
+    /// [length^2].
+    #[inline(always)]
+    fn stable_dt_at<R: Real>(&self, history: &[R], of: &Limits<R>, inertia: R) -> R {
         let one = R::splat(1.0);
-        // Squared frequencies over that of the plate wave: 5/6 G over E/(1 - nu^2).
+        // Squared frequencies over that of the plate wave (5/6 G over E/(1 - nu^2)), times the
+        // area; inertias over the area. `shear(i)` is that of shear times i. All are brought to
+        // one denominator, as quotients are the most expensive operations of the kernel.
         let ratio = R::splat(0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson));
-        let shear = |inertia: R| {
-            ratio * of.taper.mul_add(of.s, one).mul_add(one / inertia, R::splat(of.corners) * of.s)
-        };
-        let membrane = R::splat(4.0) / (of.length * of.length);
+        let by_inertia = ratio * of.taper.mul_add(of.s, one);
+        let by_corners = ratio * (R::splat(of.corners) * of.s * of.area);
+        let shear = |i: R| by_corners.mul_add(i, by_inertia);
+        let (floor, inertia) = (of.floor * of.inv_area, inertia * of.inv_area);
+        let membrane = R::splat(4.0) * of.side2 * of.inv_area;
         // At the start the frequency of shear may be slightly above that of the membrane; that is
         // the margin of `inertia_per_mass`.
-        let borne = Real::max(membrane, shear(of.floor));
-        let thickness = self.thicknesses(history);
-        let kept = R::splat(self.planar as f64) * history[VOLUME] / (of.area * thickness);
-        let known = history[INERTIA];
-        // About the middle surface, about which shear rotates the section. An inertia that is too
-        // small for shear is replaced by a larger one; then more inertia is assumed than the nodes
-        // have.
-        let arm2 = self.arm(history).map(|arm| arm * arm);
-        let inertia = arm2.map_or(known, |arm2| Real::max(known - arm2, of.floor));
-        let squared = kept * Real::min(one, borne / shear(inertia));
+        let borne = Real::max(membrane * floor, shear(floor)) * inertia;
+        let needed = shear(inertia) * floor;
+        let first = R::splat(self.planar as f64) * history[VOLUME] * of.inv_area;
+        let kept = first * Real::min(needed, borne);
+        let present = self.thicknesses(history) * needed;
         let is_known = history[VOLUME].gt(R::zero());
-        let factor = R::select(
-            R::both(is_known, (squared - one).abs().gt(R::splat(ROUND_OFF))),
-            squared,
-            one,
-        )
-        .sqrt();
-        let Some(arm2) = arm2 else { return factor };
+        let changed = R::both(is_known, (kept - present).abs().gt(R::splat(ROUND_OFF) * present));
+        let (kept, present) = (R::select(changed, kept, one), R::select(changed, present, one));
+        self.membrane_step(of.area, kept / (of.side2 * present), of.fraction)
+    }
+
+    /// Returns the stable step of the membrane for an area [length^2] and the inverse square of a
+    /// side [1/length^2] at the density of the material [time].
+    #[inline(always)]
+    pub fn membrane_step<R: Real>(&self, area: R, inv_side2: R, fraction: f64) -> R {
+        area * inv_side2.sqrt() * R::splat(fraction / self.elastic.plate_wave_speed())
+    }
+
+    /// Returns [`Self::stable_dt`] of a section with an offset.
+    #[cold]
+    #[inline(never)]
+    fn stable_dt_with_offset<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+        let (one, known, arm) = (R::splat(1.0), history[INERTIA], self.arm(history));
+        // Shear rotates the section about the middle surface. An inertia that is too small for
+        // shear is replaced by a larger one; then more inertia is assumed than the nodes have.
+        let arm2 = arm * arm;
+        let inertia = Real::max(known - arm2, of.floor);
+        let stable_dt = self.stable_dt_at(history, of, inertia);
         // The larger eigenvalue of `[1 e; e i + e^2]` over `diag(1, I)`, see `offset_factor`.
+        let is_known = history[VOLUME].gt(R::zero());
         let [i, both] =
             [inertia, inertia + arm2].map(|of| R::select(is_known, of / known, R::zero()));
         let half_trace = R::splat(0.5) * (one + both);
         let root = Real::max(half_trace.mul_add(half_trace, R::zero() - i), R::zero()).sqrt();
-        factor / Real::max(half_trace + root, one).sqrt()
+        stable_dt / Real::max(half_trace + root, one).sqrt()
     }
 
     /// Returns the current thickness [length].
@@ -409,11 +454,14 @@ impl Section {
 
         let mut n = [R::zero(); 3];
         let mut m = [R::zero(); 3];
+        let mut mean_square = R::zero();
         for k in 0..N {
             let sig = &points[k * self.stride..];
             let weight = R::splat(self.weight[k]);
             let moment = R::splat(self.weight[k] * self.zeta[k]);
             work = weight.mul_add(power(sig, &eps[k]), work);
+            let half_weight = R::splat(0.5 * self.weight[k]);
+            mean_square = half_weight.mul_add(von_mises_squared(sig), mean_square);
             for c in 0..3 {
                 n[c] = weight.mul_add(sig[c], n[c]);
                 m[c] = moment.mul_add(sig[c], m[c]);
@@ -443,24 +491,18 @@ impl Section {
             }
             front[THICKNESS] = thickness.mul_add(mean.mul_add(half * mean, mean), thickness);
         }
-        Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
+        let (n, m) = (n.each(|n| n * half_t), m.each(|m| m * to_moment));
+        Resultants { n, m, q, work, mean_square, thickness }
     }
 
     /// Returns the flow stress of the section [force/length^2], for limits on forces that the
-    /// points do not integrate: the root mean square of the von Mises stress over all points, but
-    /// at least the yield stress at zero plastic strain. `None` if the law has no plastic flow.
+    /// points do not integrate: the root of the mean of the squared von Mises stress over all
+    /// points, but at least the yield stress at zero plastic strain. `None` if the law has no
+    /// plastic flow.
     #[inline(always)]
-    pub fn flow_stress<R: Real, const N: usize>(&self, history: &[R]) -> Option<R> {
-        self.plastic_strain?;
-        let mut mean_square = R::zero();
-        let share = 0.5 / self.planar as f64;
-        for section in history[..self.columns()].chunks_exact(self.each()) {
-            for k in 0..N {
-                let square = von_mises_squared(&section[POINTS + k * self.stride..]);
-                mean_square = R::splat(share * self.weight[k]).mul_add(square, mean_square);
-            }
-        }
-        Some(Real::max(mean_square.sqrt(), R::splat(self.law.initial_yield_stress())))
+    pub fn flow_stress<R: Real>(&self, mean_square: R) -> Option<R> {
+        let initial = R::splat(self.initial_yield_stress);
+        self.plastic_strain.map(|_| Real::max(mean_square.sqrt(), initial))
     }
 
     /// Returns plastic strain and stress of the section, for [`Self::flow`].
@@ -473,53 +515,77 @@ impl Section {
                 at_no_rate: [R::zero(); 2],
             };
         };
-        let rated = self.law.rate_dependent();
-        let (mut plastic_strain, mut squares, mut capped) =
-            ([R::zero(); 2], [R::zero(); 2], [R::zero(); 2]);
+        let mut plastic_strain = [R::zero(); 2];
         for k in 0..N {
-            let point = &history[POINTS + k * self.stride..];
-            let square = von_mises_squared(point);
-            let least = rated.map_or(square, |law| {
-                let yields = law.static_yield_stress(&point[column..]);
-                Real::min(square, yields * yields)
-            });
-            let weight = 0.5 * self.weight[k];
-            for (c, weight) in
-                [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight].into_iter().enumerate()
-            {
-                plastic_strain[c] = R::splat(weight).mul_add(point[column], plastic_strain[c]);
-                squares[c] = R::splat(weight).mul_add(square, squares[c]);
-                capped[c] = R::splat(weight).mul_add(least, capped[c]);
+            let eps_p = history[POINTS + k * self.stride + column];
+            let weights = self.weights_of_means(k);
+            for c in 0..2 {
+                plastic_strain[c] = R::splat(weights[c]).mul_add(eps_p, plastic_strain[c]);
             }
         }
-        Yielded { plastic_strain, stress: squares.map(R::sqrt), at_no_rate: capped.map(R::sqrt) }
+        let stress = self.root_mean_squares::<R, N>(history, |_, square| square);
+        let at_no_rate = self.law.rate_dependent().map_or(stress, |law| {
+            self.root_mean_squares::<R, N>(history, |point, square| {
+                let yields = law.static_yield_stress(&point[column..]);
+                Real::min(square, yields * yields)
+            })
+        });
+        Yielded { plastic_strain, stress, at_no_rate }
+    }
+
+    /// Returns the weights of a point in the means for membrane and bending.
+    #[inline(always)]
+    fn weights_of_means(&self, k: usize) -> [f64; 2] {
+        let weight = 0.5 * self.weight[k];
+        [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight]
+    }
+
+    /// Returns the roots of the means of `of(point, square of the von Mises stress)`, for membrane
+    /// and for bending.
+    #[inline(always)]
+    fn root_mean_squares<R: Real, const N: usize>(
+        &self,
+        history: &[R],
+        of: impl Fn(&[R], R) -> R,
+    ) -> [R; 2] {
+        let mut squares = [R::zero(); 2];
+        for k in 0..N {
+            let point = &history[POINTS + k * self.stride..];
+            let square = of(point, von_mises_squared(point));
+            let weights = self.weights_of_means(k);
+            for c in 0..2 {
+                squares[c] = R::splat(weights[c]).mul_add(square, squares[c]);
+            }
+        }
+        [squares[0].sqrt(), squares[1].sqrt()]
     }
 
     /// Returns the effect of plastic flow since `before` on stresses other than those of the
-    /// points, for membrane and for bending: the factor `sig / (sig + 3 G d eps_p)` by which the
-    /// radial return scales them, and the ratio `d sig / (d sig + 3 G d eps_p)` of tangent to
-    /// elastic stiffness. Both are one without plastic flow.
+    /// points: `keep` is `sig / (sig + 3 G d eps_p)`, `tangent` is
+    /// `d sig / (d sig + 3 G d eps_p)`. Both are one without plastic flow.
     ///
     /// The strain rate of a step is unfiltered, so its contribution to the stress rises and falls
     /// with every wave. Only the rises would count, as hardening that does not exist; so `d sig`
     /// excludes it.
     #[inline(always)]
-    pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> [[R; 2]; 2] {
+    pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> Flow<R> {
         let one = R::splat(1.0);
         if self.plastic_strain.is_none() {
-            return [[one; 2]; 2];
+            return Flow { keep: [one; 2], tangent: [one; 2], flow_stress: None };
         }
         let after = self.yielded::<R, N>(history);
         let three_g = R::splat(3.0 * self.elastic.shear_modulus());
         let tiny = R::splat(R::SMALLEST);
-        let lost: [R; 2] =
-            std::array::from_fn(|c| three_g * (after.plastic_strain[c] - before.plastic_strain[c]));
         let left =
             |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
-        [
-            std::array::from_fn(|c| left(after.stress[c], lost[c])),
-            std::array::from_fn(|c| left(after.at_no_rate[c] - before.at_no_rate[c], lost[c])),
-        ]
+        let (mut keep, mut tangent) = ([one; 2], [one; 2]);
+        for c in 0..2 {
+            let lost = three_g * (after.plastic_strain[c] - before.plastic_strain[c]);
+            keep[c] = left(after.stress[c], lost);
+            tangent[c] = left(after.at_no_rate[c] - before.at_no_rate[c], lost);
+        }
+        let initial = R::splat(self.initial_yield_stress);
+        Flow { keep, tangent, flow_stress: Some(Real::max(after.stress[0], initial)) }
     }
 
     /// Returns the lanes in which all points have failed; `None` if the law never fails.
@@ -553,34 +619,33 @@ impl Section {
         Some(failed)
     }
 
-    /// Deletes inverted elements. Returns the lanes with deleted elements, now or before; `None` if
-    /// the part does not delete them. `calm` are the lanes that have an area and the strain
-    /// increments of a valid step, `sound` those that are valid in all respects. `moves` is a sum
-    /// over coordinates and velocities: if it is not finite, no element is deleted and the run must
-    /// stop. A deleted element keeps no state, since its shape gives no valid one.
-    #[inline(always)]
+    /// Deletes inverted elements of a part with [`Self::deletes`]. Returns the lanes with deleted
+    /// elements, now or before. `calm` are the lanes that have an area and the strain increments of
+    /// a valid step, `sound` those that are valid in all respects. `moves` is a sum over coordinates
+    /// and velocities: if it is not finite, no element is deleted and the run must stop. A deleted
+    /// element keeps no state, since its shape gives no valid one.
+    #[cold]
+    #[inline(never)]
     pub fn delete_inverted<R: Real>(
         &self,
         history: &mut [R],
         calm: R::Mask,
         sound: R::Mask,
         moves: R,
-    ) -> Option<R::Mask> {
-        if !self.deletes {
-            return None;
-        }
+    ) -> R::Mask {
         let (zero, one) = (R::zero(), R::splat(1.0));
         let (columns, each) = (self.columns(), self.each());
-        let (mark, state) = history.split_last_mut()?;
+        let last = history.len() - 1;
+        let (state, mark) = history.split_at_mut(last);
         let inverted = R::select(
             R::either(calm, sound),
             zero,
             R::select(moves.le(R::splat(R::LARGEST)), one, zero),
         );
-        *mark = Real::max(*mark, inverted);
-        let gone = mark.gt(R::splat(0.5));
+        mark[0] = Real::max(mark[0], inverted);
+        let gone = mark[0].gt(R::splat(0.5));
         if !R::any(gone) {
-            return Some(gone);
+            return gone;
         }
         for (column, value) in state.iter_mut().enumerate() {
             let kept = match column {
@@ -590,7 +655,7 @@ impl Section {
             };
             *value = R::select(gone, kept, *value);
         }
-        Some(gone)
+        gone
     }
 
     /// Returns true if elements can fail, by their law or because they are inverted.

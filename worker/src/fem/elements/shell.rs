@@ -2,11 +2,12 @@
 
 use super::section::Section;
 use super::{
-    Element, ElementFields, ElementPass, GroupCorners, GroupNodes, NodeView, PassTotals,
-    ShellGroups, Totals, four, with_points,
+    Element, ElementFields, ElementPass, GroupCorners, GroupNodes, PassTotals, ShellGroups, Totals,
+    four, with_points,
 };
 use crate::fem::columns::State;
-use crate::math::lanes::Lanes;
+use crate::fem::materials::PointLanes;
+use crate::nodes::NodeView;
 
 /// Properties and kernel of one shell formulation.
 pub trait Formulation: Send + Sync {
@@ -29,14 +30,14 @@ pub trait Formulation: Send + Sync {
     /// See [`Element::stable_dt`], for nodes in the middle of the thickness.
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64;
 
-    /// Returns [`Section::step_factor`] at these coordinates.
-    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64;
+    /// Returns [`Section::stable_dt`] at these coordinates.
+    fn stable_dt_now(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64;
 
     /// Returns the axes e1, e2 and the normal at these coordinates.
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3];
 
     /// See [`ShellGroups::group`], with N points through the thickness.
-    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+    fn group<L: PointLanes<W>, const W: usize, const N: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -46,7 +47,7 @@ pub trait Formulation: Send + Sync {
     ) -> Totals<L>;
 
     /// See [`ShellGroups::forceless`].
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -59,7 +60,7 @@ struct WithPoints<'a, F, const N: usize>(&'a F);
 
 impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
     #[inline(always)]
-    fn group<L: Lanes<W>, const W: usize>(
+    fn group<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -71,7 +72,7 @@ impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
     }
 
     #[inline(always)]
-    fn forceless<L: Lanes<W>, const W: usize>(
+    fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
         nodes: &NodeView<'_>,
@@ -127,7 +128,7 @@ impl<F: Formulation> Element for Shell<F> {
     }
 
     fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
-        self.0.stable_dt(four(x)) * self.0.step_factor(&history.to_vec(), four(x))
+        self.0.stable_dt_now(&history.to_vec(), four(x))
     }
 
     fn single_element_step(&self) -> f64 {

@@ -158,7 +158,7 @@ fn curved_shells_sink_as_far_as_known() {
                     found,
                     wanted,
                     2e-4,
-                    &format!("{} at {n}: rounding of the figures", row.element),
+                    &format!("{} at {n}: rounding of the reference values", row.element),
                 );
             }
         }
@@ -173,8 +173,10 @@ fn twisted_beams_do_not_lock() {
                 for (found, wanted) in
                     twisted_beam(row.element, thickness, nx).into_iter().zip(wanted)
                 {
-                    let why =
-                        format!("{} at {nx}, t {thickness}: rounding of the figures", row.element);
+                    let why = format!(
+                        "{} at {nx}, t {thickness}: rounding of the reference values",
+                        row.element
+                    );
                     assert_close(found, wanted, 2e-4, &why);
                 }
             }
@@ -209,5 +211,5 @@ fn bending_patch_is_exact_where_shear_is_projected() {
         );
     }
     let plain = off("belytschko_tsay");
-    assert!(plain > 0.01, "the plain shell is known to fail: {plain:e}");
+    assert!(plain > 0.01, "the shell without projection is known to fail: {plain:e}");
 }

@@ -2,10 +2,9 @@
 //! solver.
 
 use super::testing::{Noise, lay, part, settings};
-use super::{
-    Element, ElementFields, ElementNodalForces, ElementPass, NodeView, PassTotals, build_block,
-};
+use super::{Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block};
 use crate::fem::columns::HistoryColumns;
+use crate::nodes::NodeView;
 use crumple_proto::job::{HourglassForm, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Material;

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::fem::columns::State;
 use crate::math::lanes::LANES;
-use crate::nodes::xyz;
+use crate::math::row::xyz;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 pub const ROW: ElementEntry = ElementEntry {
     name: "spring",
     shape: Shape::Line2,
-    meaning: "spring and damper between two nodes, along the line between them or a direction of its own.",
+    meaning: "Spring and damper between two nodes, along their line or a fixed direction.",
     build: Constructor::Discrete(build),
 };
 
@@ -76,7 +76,7 @@ impl Line {
     /// Returns the error in the points, if any.
     fn fault(points: &[[f64; 2]]) -> Option<String> {
         match points.windows(2).find(|p| p[1][0] <= p[0][0]) {
-            Some(p) => Some(format!("goes from {:?} to {:?}", p[0][0], p[1][0])),
+            Some(p) => Some(format!("does not ascend from {:?} to {:?}", p[0][0], p[1][0])),
             None if points.len() == 1 => Some("has one point only".into()),
             None => None,
         }
@@ -91,16 +91,16 @@ fn build(part: &Part) -> BuildResult {
     let Some(spring) = &part.spring else {
         say(
             "spring",
-            "it has springs, and no numbers for them".into(),
-            "add [part.spring] with stiffness or damping",
+            "it has springs but no [part.spring]".into(),
+            "add it, with stiffness or damping",
         );
         return Err(problems);
     };
     if !part.material.is_empty() {
-        say("material", "a part of springs has no material".into(), "take it out");
+        say("material", "a part of springs has no material".into(), "remove it");
     }
     if part.element.is_some() {
-        say("element", "a part of springs has no other formulation".into(), "take `element` out");
+        say("element", "a part of springs has one formulation".into(), "remove `element`");
     }
     for (key, value) in [("stiffness", spring.stiffness), ("damping", spring.damping)] {
         if value < 0.0 {
@@ -121,14 +121,14 @@ fn build(part: &Part) -> BuildResult {
             );
         }
         if let Some(fault) = Line::fault(points) {
-            let help = "give two points or more, the first numbers ascending";
+            let help = "give at least two points with ascending first numbers";
             say(&format!("spring.{key}"), format!("{key} {fault}"), help);
         }
     }
     if spring.stiffness == 0.0 && spring.damping == 0.0 && lines.iter().all(|l| l.3.is_empty()) {
         say(
             "spring",
-            "its springs bear nothing".into(),
+            "its springs carry no force".into(),
             "give stiffness, damping or a table of forces",
         );
     }
@@ -136,8 +136,8 @@ fn build(part: &Part) -> BuildResult {
     if direction == Some(None) {
         say(
             "spring.direction",
-            "the direction of its springs is none".into(),
-            "give one such as [0, 0, 1]",
+            "the direction of its springs is zero".into(),
+            "give a direction such as [0, 0, 1]",
         );
     }
     if !problems.is_empty() {

@@ -48,19 +48,19 @@
 
 use super::bounds::{self, Capacity};
 use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
-use super::section::{Resultants, SHEAR_CORRECTION, Section};
+use super::section::{Flow, Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
 use super::{BuildResult, Constructor, ElementEntry, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
-use crate::math::lanes::Real;
+use crate::math::lanes::{Each, Real};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "stabilised_quad",
-    meaning: "One point in its plane, physically stabilised: bends exactly where quads are distorted.",
+    meaning: "One in-plane point, physically stabilised: exact in bending of distorted quads.",
     shape: Shape::Quad4,
     build: Constructor::Shell(build),
 };
@@ -118,10 +118,10 @@ impl Kernel for StabilisedQuad {
         // 3. Stress.
         let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
         let before = self.section.yielded::<R, N>(section);
-        let Resultants { n, m, q, work, thickness } =
+        let Resultants { n, m, q, work, thickness, .. } =
             self.section.update::<R, N>(section, &strains, dt);
-        let [keep, tangent] = self.section.flow::<R, N>(section, &before);
-        let (n, m, q) = (n.map(|n| n * g.area), m.map(|m| m * g.area), q.map(|q| q * g.area));
+        let Flow { keep, tangent, flow_stress } = self.section.flow::<R, N>(section, &before);
+        let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
         // 4. Stabilising and drilling forces.
         let elastic = &self.section.elastic;
@@ -150,7 +150,7 @@ impl Kernel for StabilisedQuad {
         ];
         // In the section's factors membrane is 0 and bending is 1; shear stays elastic.
         let kind = [Some(1), Some(1), None, None, Some(0), Some(0)];
-        let tangent = tangent.map(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
+        let tangent = tangent.each(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
         let mut energy = R::zero();
         for c in 0..STABILISING {
             let old = stabilising[c];
@@ -168,7 +168,6 @@ impl Kernel for StabilisedQuad {
             energy = (old + new).mul_add(rates[c], energy);
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let flow_stress = self.section.flow_stress::<R, N>(section);
         let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
         energy = bounds::drill(drill, stiff, sides.ahead(&g, &motion), capacity.as_ref(), energy);
 
@@ -184,7 +183,8 @@ impl Kernel for StabilisedQuad {
         };
         let (force, moment) = sides.corners(&g, &on_sides);
         let energies = [work * g.area, R::splat(0.5) * energy];
-        let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
+        let mut response =
+            Response::new::<Self>(&g, (&self.section, section), (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, stabilising);

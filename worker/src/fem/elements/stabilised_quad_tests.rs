@@ -34,7 +34,7 @@ fn plane_bending_does_not_lock() {
             assert_close(totals.hourglass, beam, 1e-9 * beam, "round-off, and strains of 1e-12");
             assert!(
                 totals.internal.abs() < 1e-9 * beam,
-                "the centre sees none of it: {}",
+                "no strain at the centre: {}",
                 totals.internal
             );
         }
@@ -113,7 +113,7 @@ fn waves_in_the_rate_do_not_stiffen() {
     // At 1e-4 the strain rate adds a third.
     rated.parameters.insert("cowper_symonds".to_string(), Param::List(vec![0.01, 5.0]));
     let (steady, wavy) = (gathered(rated.clone(), 0.0), gathered(rated, 0.5));
-    assert_close(wavy, steady, 0.2 * steady, "the return's factor is not linear in the rate");
+    assert_close(wavy, steady, 0.2 * steady, "the factor of the return is not linear in the rate");
 }
 
 /// In steady plastic flow the stabilising force is that of a few steps, not that of an elastic
@@ -130,7 +130,7 @@ fn flow_relaxes_the_stabilising_forces() {
         flowing,
         0.03 * plain / 1000.0 * steps,
         0.2 * flowing,
-        "as above, and one step of the return",
+        "as above, plus one step of the return",
     );
 }
 

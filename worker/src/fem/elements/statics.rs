@@ -97,7 +97,7 @@ impl Statics {
                     sum -= self.rows[row][row - k] * self.rows[column][column - k];
                 }
                 self.rows[row][row - column] = if column == row {
-                    assert!(sum > 0.0, "unknown {row} is not held: {sum}");
+                    assert!(sum > 0.0, "unknown {row} is not constrained: {sum}");
                     sum.sqrt()
                 } else {
                     sum / self.rows[column][0]

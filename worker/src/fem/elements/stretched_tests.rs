@@ -185,7 +185,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
             let told = patch.forces(0.0).stable_dt;
             assert!(
                 (told / now - 1.0).abs() < 1e-3,
-                "{element}: {told} for {now}: in single precision a little less"
+                "{element}: {told} for {now}: slightly less in single precision"
             );
             let as_built = fresh.element.stable_dt_now(fresh.history.element(0), &fresh.corners(0));
             assert!(

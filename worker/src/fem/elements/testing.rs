@@ -1,11 +1,10 @@
 //! Helpers for element tests: parts and materials in a line, a mesh with its columns, a minimal
 //! explicit solver.
 
-use super::{
-    Element, ElementFields, ElementNodalForces, ElementPass, NodeView, PassTotals, build_block,
-};
+use super::{Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block};
 use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
+use crate::nodes::NodeView;
 use crumple_proto::job::{Inverted, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
@@ -99,7 +98,10 @@ pub fn laws() -> Vec<Material> {
         ),
         steel("johnson_cook", &johnson_cook),
     ];
-    assert!(LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)), "a law is missing here");
+    assert!(
+        LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)),
+        "a law is missing in this list"
+    );
     all
 }
 

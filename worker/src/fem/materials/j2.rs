@@ -39,31 +39,34 @@ const PARAMETERS: &[ParameterRow] = &[
         key: "yield_stress",
         form: "number",
         otherwise: DefaultValue::Depends("needed without `hardening`"),
-        meaning: "Yield stress at no plastic strain [force/length^2].",
+        meaning: "Yield stress at zero plastic strain [force/length^2].",
     },
     ParameterRow {
         key: "hardening_modulus",
         form: "number",
         otherwise: DefaultValue::Number(0.0),
-        meaning: "Slope of the yield stress over plastic strain; beside `yield_stress` [force/length^2].",
+        meaning: "Slope of the yield stress over plastic strain; only with `yield_stress` \
+                  [force/length^2].",
     },
     ParameterRow {
         key: "hardening",
         form: "[[strain, stress], ...]",
         otherwise: DefaultValue::Absent,
-        meaning: "Instead of both: effective plastic strain, from 0, and yield stress; straight between, constant beyond [force/length^2].",
+        meaning: "Table that replaces both: effective plastic strain, from 0, and yield stress; \
+                  linear between rows, constant beyond the last [force/length^2].",
     },
     ParameterRow {
         key: "cowper_symonds",
         form: "[C, p]",
         otherwise: DefaultValue::Absent,
-        meaning: "Rate: the yield stress times `1 + (rate/C)^(1/p)`; C is a rate [1/time].",
+        meaning: "Strain rate: factor `1 + (rate/C)^(1/p)` on the yield stress; C is a rate \
+                  [1/time].",
     },
     ParameterRow {
         key: "failure_strain",
         form: "number",
         otherwise: DefaultValue::Absent,
-        meaning: "Effective plastic strain at which a point fails and bears nothing any more.",
+        meaning: "Effective plastic strain at which a point fails; then its stress is zero.",
     },
 ];
 
@@ -120,8 +123,8 @@ fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
     if single {
         parameters.wrong(
             TABLE,
-            "stands beside yield_stress or hardening_modulus",
-            "give one or the other",
+            "is given together with yield_stress or hardening_modulus",
+            "give only one of them",
         );
     }
     let rows: Vec<[f64; 2]> = match table {
@@ -136,9 +139,9 @@ fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
     } else if rows[0][0] != 0.0 {
         Some("does not start at plastic strain 0")
     } else if rows.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
-        Some("has plastic strains that do not rise from row to row")
+        Some("has plastic strains that do not increase from row to row")
     } else if rows[0][1] <= 0.0 || rows.windows(2).any(|pair| pair[1][1] < pair[0][1]) {
-        Some("has a stress that is not above 0 or falls from one row to the next")
+        Some("has a stress that is not above 0 or decreases from one row to the next")
     } else {
         None
     };
@@ -146,7 +149,7 @@ fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
         parameters.wrong(
             TABLE,
             fault,
-            "give [[0, sigma], [eps_p, sigma], ...] with rising plastic strain",
+            "give [[0, sigma], [eps_p, sigma], ...] with increasing plastic strain",
         );
         return (1.0, 0.0, Vec::new());
     }

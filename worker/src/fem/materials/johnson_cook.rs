@@ -24,7 +24,7 @@ use crumple_proto::problem::Problem;
 /// The row of this law.
 pub const LAW: Law = Law {
     name: "johnson_cook",
-    meaning: "Johnson and Cook's plasticity with rate, adiabatic heat and failure.",
+    meaning: "Johnson-Cook plasticity with strain rate, adiabatic heating and failure.",
     parameters: PARAMETERS,
     build,
     solid,
@@ -35,7 +35,7 @@ const PARAMETERS: &[ParameterRow] = &[
         key: "a",
         form: "number",
         otherwise: DefaultValue::Needed,
-        meaning: "Yield stress at no plastic strain [force/length^2].",
+        meaning: "Yield stress at zero plastic strain [force/length^2].",
     },
     ParameterRow {
         key: "b",
@@ -47,43 +47,44 @@ const PARAMETERS: &[ParameterRow] = &[
         key: "n",
         form: "number",
         otherwise: DefaultValue::Needed,
-        meaning: "Exponent of hardening.",
+        meaning: "Hardening exponent.",
     },
     ParameterRow {
         key: "c",
         form: "number",
         otherwise: DefaultValue::Number(0.0),
-        meaning: "Rate: the factor `1 + c ln(rate/reference_rate)`.",
+        meaning: "Strain rate: factor `1 + c ln(rate/reference_rate)`.",
     },
     ParameterRow {
         key: "reference_rate",
         form: "number",
         otherwise: DefaultValue::Depends("needed with `c`, and with `damage` that has a D4"),
-        meaning: "Rate below which none counts [1/time].",
+        meaning: "Strain rate below which the rate has no effect [1/time].",
     },
     ParameterRow {
         key: "m",
         form: "number",
         otherwise: DefaultValue::Absent,
-        meaning: "Heat: the factor `1 - T*^m` with T* from 0 at `reference_temperature` to 1 where it melts.",
+        meaning: "Temperature: factor `1 - T*^m` with T* from 0 at `reference_temperature` to 1 at \
+                  `melting_temperature`.",
     },
     ParameterRow {
         key: "reference_temperature",
         form: "number",
         otherwise: DefaultValue::Number(0.0),
-        meaning: "Temperature at the start [temperature].",
+        meaning: "Initial temperature [temperature].",
     },
     ParameterRow {
         key: "melting_temperature",
         form: "number",
         otherwise: DefaultValue::Depends("needed with `m`"),
-        meaning: "Temperature of melting [temperature].",
+        meaning: "Melting temperature [temperature].",
     },
     ParameterRow {
         key: "specific_heat",
         form: "number",
         otherwise: DefaultValue::Depends("needed with `m`"),
-        meaning: "Heat that warms a unit of mass by one degree [energy/(mass temperature)].",
+        meaning: "Specific heat capacity [energy/(mass temperature)].",
     },
     ParameterRow {
         key: "taylor_quinney",
@@ -95,7 +96,8 @@ const PARAMETERS: &[ParameterRow] = &[
         key: "damage",
         form: "[D1, D2, D3, D4, D5]",
         otherwise: DefaultValue::Absent,
-        meaning: "Failure: `(D1 + D2 exp(D3 triaxiality)) (1 + D4 ln rate*) (1 + D5 T*)` is the plastic strain it takes.",
+        meaning: "Failure: the plastic strain at failure is \
+                  `(D1 + D2 exp(D3 triaxiality)) (1 + D4 ln rate*) (1 + D5 T*)`.",
     },
 ];
 

@@ -80,7 +80,7 @@ fn plastic_work_becomes_heat() {
     let wanted = 0.9 * work / (RHO * 460.0);
     assert!(
         state[7] > 300.0 && (state[7] - wanted).abs() < 1e-9 * wanted,
-        "what is booked: {} for {wanted}",
+        "temperature from the dissipated work: {} for {wanted}",
         state[7]
     );
     assert!(3.0_f64.sqrt() * state[3] < 0.9 * formula(state[6], 577.0, 0.0), "and softens");
@@ -96,7 +96,7 @@ fn damage_adds_up_to_failure() {
     let wanted = (d[0] + d[1]) * (1.0 + d[3] * rate.ln());
     while state[9] == 0.0 {
         shear(&*law, &mut state, 1e-3, 1e-3);
-        assert!(state[6] < 1.0, "it has to fail");
+        assert!(state[6] < 1.0, "the point must fail");
     }
     assert!((state[6] - wanted).abs() < 6e-4, "one step of 5.8e-4: {} for {wanted}", state[6]);
     assert!(state[..6].iter().all(|s| *s == 0.0));
@@ -144,7 +144,7 @@ fn shells_and_solids_agree_in_shear() {
             );
         }
     }
-    assert_eq!(plane[6], 1.0, "both have failed by now");
+    assert_eq!(plane[6], 1.0, "both points have failed");
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn what_is_missing_or_wrong_is_told() {
         ("melting_temperature", Param::Number(10.0)),
     ]);
     material.parameters.remove("reference_rate");
-    let problems = build(&material).err().expect("three faults");
+    let problems = build(&material).err().expect("three errors");
     let paths: Vec<_> = problems.iter().map(|problem| problem.path.as_str()).collect();
     assert_eq!(paths, ["damage", "reference_rate", "melting_temperature"]);
 }

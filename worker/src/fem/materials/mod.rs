@@ -12,7 +12,7 @@ mod plasticity;
 
 pub(crate) use parameters::unknown_name;
 
-use crate::math::lanes::{Lane, Lane32, Real};
+use crate::math::lanes::{Lane, Lane32, Lanes, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use plasticity::Plasticity;
@@ -158,6 +158,11 @@ pub trait PointReal: Real {
     fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self;
 }
 
+/// Lanes for which laws have an entry point.
+pub trait PointLanes<const W: usize>: Lanes<W> + PointReal {}
+
+impl<L: Lanes<W> + PointReal, const W: usize> PointLanes<W> for L {}
+
 impl PointReal for Lane {
     #[inline(always)]
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
@@ -233,7 +238,7 @@ pub const ELASTIC: &[ParameterRow] = &[
         key: "poisson",
         form: "number",
         otherwise: DefaultValue::Needed,
-        meaning: "Poisson's ratio; of solids below 0.5.",
+        meaning: "Poisson's ratio; below 0.5 for solids.",
     },
 ];
 

@@ -84,8 +84,8 @@ impl<'a> Parameters<'a> {
     pub fn solid_elastic(&mut self) -> Elastic {
         let elastic = self.elastic();
         if elastic.poisson == 0.5 {
-            let help =
-                "a solid has to give way in volume: 0.49 or 0.499 stands for an incompressible one";
+            let help = "a solid needs a finite bulk modulus: use 0.49 or 0.499 for a nearly \
+                        incompressible one";
             self.wrong("poisson", "is 0.5", help);
         }
         elastic
@@ -187,7 +187,7 @@ mod tests {
         let (name, law) = ("steel".to_string(), "j2".to_string());
         let material = Material { name, law, density: -1.0, parameters: parameters.into() };
         let problems =
-            crate::fem::materials::build(&material).err().expect("nothing about this is right");
+            crate::fem::materials::build(&material).err().expect("all parameters are wrong");
         let paths: Vec<_> = problems.iter().map(|problem| problem.path.as_str()).collect();
         assert_eq!(
             paths,

@@ -13,7 +13,7 @@ fn sample(law: &Law) -> Material {
         "yield_stress" | "a" | "b" => 0.2,
         "reference_rate" | "m" => 1.0,
         "specific_heat" => 1e4,
-        other => panic!("{}: give the sample a value for {other}", law.name),
+        other => panic!("{}: add a value of {other} to the sample", law.name),
     };
     let rows = ELASTIC.iter().chain(law.parameters);
     let wanted = rows.filter(|r| {
@@ -28,14 +28,14 @@ fn read_by(law: &Law, of: fn(&Material) -> String) -> Vec<String> {
     let parameters = BTreeMap::from([("no such key".to_string(), Param::Number(1.0))]);
     let help = of(&Material { name: "m".into(), law: law.name.into(), density: 1.0, parameters });
     let (_, list) =
-        help.split_once("known: ").expect("a law that refuses an unknown key lists its own");
+        help.split_once("known: ").expect("the error of an unknown key lists the known ones");
     let mut keys: Vec<String> = list.split(", ").map(String::from).collect();
     keys.sort();
     keys
 }
 
 fn last_help(problems: Option<Vec<crumple_proto::problem::Problem>>) -> String {
-    problems.expect("nothing is right with it").pop().expect("a problem").help
+    problems.expect("the material has problems").pop().expect("a problem").help
 }
 
 #[test]
@@ -79,9 +79,9 @@ fn the_tables_say_what_may_be_left_out() {
 /// Returns the stress after some steps with plastic flow, in plane stress and in three
 /// dimensions.
 fn stress(material: &Material) -> [f64; 9] {
-    let law = build(material).expect("a sound material");
+    let law = build(material).expect("a valid material");
     let mut state = vec![0.0; 3 + law.history().len()];
-    let solid = build_solid(material).expect("a sound material");
+    let solid = build_solid(material).expect("a valid material");
     let mut solid_state = vec![0.0; 6 + solid.history().len()];
     for _ in 0..20 {
         let strain = [[1e-3, -3e-4, 2e-4]];

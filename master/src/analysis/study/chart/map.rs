@@ -36,7 +36,7 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
         let value = |key: &str| row.setting(key).and_then(number);
         let (Some(x), Some(y)) = (value(&x_key), value(&y_key)) else {
             return Err(format!(
-                "chart `{}`: `{name}` has to vary {x_key} and {y_key} as numbers",
+                "chart `{}`: `{name}` has to vary {x_key} and {y_key}, both numeric",
                 chart.file
             ));
         };

@@ -46,7 +46,7 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     for s in (0..view.study.series.len()).filter(|&s| view.shows_series(s)) {
         frame.entry(&view.study.series[s].name, |sheet, at| sheet.marker(at, s, 5.5, colour(s)));
     }
-    frame.entry("Pareto front: nothing is better at no more cost", |sheet, at| {
+    frame.entry("Pareto front: smallest error at no more cost", |sheet, at| {
         sheet.dashed(&[[at[0] - 14.0, at[1]], [at[0] + 14.0, at[1]]], BLACK, 1.2);
         sheet.ring(at, 7.0, BLACK, 1.2);
     });

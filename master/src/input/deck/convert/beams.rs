@@ -22,18 +22,14 @@ impl DeckConverter {
             let number = record.integer("eid");
             for field in ["rt1", "rr1", "rt2", "rr2"] {
                 if record.integer(field) != 0 {
-                    self.unsupported_value(
-                        &record,
-                        field,
-                        "ends that are not tied to their nodes in all directions",
-                    );
+                    self.unsupported_value(&record, field, "releases at the ends of a beam");
                 }
             }
             let ids = ["eid", "n1", "n2"].map(|field| id(record.integer(field)));
             let part = u32::try_from(record.integer("pid")).ok();
             let ([Some(own), Some(n1), Some(n2)], Some(part)) = (ids, part) else {
-                let message = format!("{}: beam {number} has an id that is none", record.name());
-                let help = "ids are whole numbers above 0, of parts up to 4294967295";
+                let message = format!("{}: beam {number} has an invalid id", record.name());
+                let help = "give whole numbers above 0; the largest part id is 4294967295";
                 self.trouble.error(record.place("eid"), message, help);
                 continue;
             };
@@ -75,7 +71,8 @@ impl DeckConverter {
             if !self.round_parts.contains(&beam.part) {
                 let message =
                     format!("beam {} has no third node, and its section is not round", beam.id);
-                let help = "n3 shows where its second axis points; it may not be n1 or n2";
+                let help =
+                    "give n3, a node in the direction of the second axis; it may not be n1 or n2";
                 self.trouble.error(place, message, help);
             } else if let [Some(from), Some(to)] =
                 [beam.nodes[0], beam.nodes[1]].map(|n| self.rows.at(n))
@@ -107,13 +104,14 @@ impl DeckConverter {
         let (pid, elform) = (record.integer("pid"), card.integer("elform"));
         let mut beam = Table::new(card.head);
         if card.real("nsm") != 0.0 {
-            self.unsupported_value(card, "nsm", "mass beside that of the material");
+            self.unsupported_value(card, "nsm", "mass in addition to that of the material");
         }
         let used = match elform {
             0 | 1 | 4 | 5 | 9 => self.integrated(card, &mut beam),
             2 | 3 | 13 => self.resultant(card, material, &mut beam),
             _ => {
-                let why = "1, 4, 5 and 9 (integrated sections), 2 and 13 (resultants) and 3 (trusses) are the beams that there are";
+                let why = "1, 4, 5 and 9 (integrated sections), 2 and 13 (resultants) and 3 \
+                    (trusses) are supported";
                 self.unsupported_value(card, "elform", why);
                 None
             }
@@ -123,11 +121,11 @@ impl DeckConverter {
             self.round_parts.insert(part);
         }
         let shear = if beam.has("shear_areas") {
-            "shear deforms it, elastically"
+            "elastic shear deformation"
         } else {
             "no transverse shear"
         };
-        let mut used = format!("corotating beam, section {used}; {shear}");
+        let mut used = format!("corotational beam, section {used}; {shear}");
         if let Some((limits, place)) = material.weld {
             let mut weld = Table::new(place);
             for (key, limit) in ["normal", "shear", "bending", "torsion"].into_iter().zip(limits) {
@@ -161,7 +159,7 @@ impl DeckConverter {
         }
         for field in ["nsloc", "ntloc"] {
             if card.real(field) != 0.0 {
-                self.unsupported_value(card, field, "a reference line beside the middle");
+                self.unsupported_value(card, field, "an offset of the reference line");
             }
         }
         let (along_s, along_t) = (card.real("ts1"), card.real("tt1"));
@@ -169,7 +167,7 @@ impl DeckConverter {
             (5 | 9, 0.0) => true,
             (_, cst) if cst == 0.0 || cst == 1.0 => cst == 1.0,
             _ => {
-                self.unsupported_value(card, "cst", "0 is a rectangle, 1 a tube");
+                self.unsupported_value(card, "cst", "use 0 (rectangle) or 1 (tube)");
                 return None;
             }
         };
@@ -202,11 +200,11 @@ impl DeckConverter {
             return Some(("general, without moments", true));
         }
         if !material.elastic {
-            let why = "resultants stay elastic here; give *MAT_ELASTIC, or elform 1 with a section";
+            let why = "resultants are elastic only; use *MAT_ELASTIC, or elform 1 with a section";
             self.unsupported_value(card, "elform", why);
         }
         if card.real("ist") != 0.0 {
-            self.unsupported_value(card, "ist", "axes that are not the principal ones");
+            self.unsupported_value(card, "ist", "axes other than the principal axes");
         }
         let (about_s, about_t) = (card.real("iss"), card.real("itt"));
         let torsion = if card.real("j") > 0.0 { card.real("j") } else { about_s + about_t };

@@ -134,7 +134,7 @@ impl DeckConverter {
                 self.trouble.warning(
                     record.place(side),
                     message,
-                    "name parts of shells or solids, or take it out",
+                    "name parts of shells or solids, or remove the contact",
                 );
                 return Vec::new();
             }
@@ -142,7 +142,7 @@ impl DeckConverter {
         }
         if record.has("MORTAR") {
             table.put("law", record.head, "mortar");
-            self.map(name, "MORTAR", "law mortar, its stiffness from masses and the step");
+            self.map(name, "MORTAR", "law mortar, with a stiffness from masses and the step size");
         }
         self.thickness(record, name, single, &mut table);
         let (birth, death) = (record.real("bt"), record.real("dt"));
@@ -156,9 +156,7 @@ impl DeckConverter {
         let said = ["AUTOMATIC_", "ERODING_"].iter().fold(kind, |n, w| n.replace(w, ""));
         let used = match single {
             true => "every part with every other and itself",
-            false => {
-                "the parts of both sides with each other, nodes of either on faces of the other"
-            }
+            false => "the parts of one side with those of the other, in both directions",
         };
         self.map(name, said.to_lowercase().replace('_', " "), used);
         self.with_beams(record, name, &mut table);
@@ -181,11 +179,14 @@ impl DeckConverter {
         table.put("beams", record.head, take_part);
         let used = match take_part {
             true if keyword.ends_with("GENERAL") => {
-                "they meet as lines, edges of shells and solids too"
+                "contact of lines, also with edges of shells and solids"
             }
-            true => "they meet as lines, edges of shells and solids too, as in AUTOMATIC_GENERAL",
+            true => {
+                "contact of lines, also with edges of shells and solids, as in AUTOMATIC_GENERAL"
+            }
             false => {
-                "they take no part: AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL are those that have them"
+                "not in this contact: only AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL have \
+                 beams"
             }
         };
         self.map(name, "beams", used);
@@ -224,7 +225,7 @@ impl DeckConverter {
                 self.unsupported_value(
                     record,
                     kind,
-                    "0 segments, 2 and 6 set of parts, 3 part, 4 nodes, 5 all",
+                    "use 0 (segments), 2 or 6 (set of parts), 3 (part), 4 (nodes) or 5 (all)",
                 );
                 Some(Vec::new())
             }
@@ -265,7 +266,7 @@ impl DeckConverter {
             self.unsupported_value(
                 record,
                 "fs",
-                "-1 is the friction of the parts, other codes name tables",
+                "-1 selects the friction of the parts; other codes refer to tables",
             );
         }
     }
@@ -345,8 +346,8 @@ impl DeckConverter {
             }
         }
         let used = match count {
-            1 => "that of all of them".to_string(),
-            _ => format!("{count} interfaces; of two parts the mean of theirs"),
+            1 => "the same for all parts".to_string(),
+            _ => format!("{count} interfaces; for two parts the mean of their values"),
         };
         self.map(name, "fs -1: friction of the parts", used);
     }
@@ -367,11 +368,7 @@ impl DeckConverter {
             }
         } else if a != 0.0 || b != 0.0 {
             let field = if a != 0.0 { "sast" } else { "sbst" };
-            self.unsupported_value(
-                record,
-                field,
-                "a thickness above 0 of either side is used, and of both together",
-            );
+            self.unsupported_value(record, field, "give a thickness above 0 for both sides");
         }
         let factor = |field| {
             if record.is_blank(field) || record.real(field) == 0.0 {
@@ -382,11 +379,7 @@ impl DeckConverter {
         };
         let [fa, fb] = ["sfsat", "sfsbt"].map(factor);
         if !single && fa != fb {
-            self.unsupported_value(
-                record,
-                "sfsat",
-                "one factor of the thickness of both sides is used",
-            );
+            self.unsupported_value(record, "sfsat", "give the same factor for both sides");
         } else if fa != 1.0 {
             table.put("thickness_scale", record.place("sfsat"), fa);
         }
@@ -416,7 +409,7 @@ impl DeckConverter {
             self.unsupported_value(record, "sldthk", "solids have no thickness in contact");
         }
         for field in ["saboxid", "sbboxid"].iter().filter(|f| record.integer(f) != 0) {
-            self.unsupported_value(record, field, "contact goes by parts");
+            self.unsupported_value(record, field, "contact is defined by parts");
         }
     }
 }

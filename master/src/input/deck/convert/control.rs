@@ -41,15 +41,15 @@ impl DeckConverter {
                 // the fraction of added mass.
                 self.tree.set_in("time", "mass_scaling_limit", place, 1e9);
                 let used = match scaled < 0.0 {
-                    true => "mass added where a stable step is below it",
+                    true => "mass is added to elements with a smaller stable step",
                     false => {
-                        "the same as with a minus: mass is added where it is needed, taken away nowhere"
+                        "as for a negative dt2ms: mass is added where needed, and never removed"
                     }
                 };
                 self.map("time step", format!("dt2ms {scaled}"), used);
             }
             if record.integer("lctm") != 0 {
-                self.unsupported_value(&record, "lctm", "a curve that limits the step");
+                self.unsupported_value(&record, "lctm", "a curve that limits the time step");
             }
         }
         for record in self.take_one("DATABASE_GLSTAT").into_iter().filter(|r| r.real("dt") > 0.0) {
@@ -70,11 +70,11 @@ impl DeckConverter {
         }
         for record in self.take_one("DAMPING_GLOBAL") {
             if record.integer("lcid") != 0 {
-                self.unsupported_value(&record, "lcid", "damping that changes with time");
+                self.unsupported_value(&record, "lcid", "time-dependent damping");
             }
             let factors = ["stx", "sty", "stz", "srx", "sry", "srz"];
             if factors.iter().any(|f| !matches!(record.real(f), 0.0 | 1.0)) {
-                self.unsupported_value(&record, "stx", "damping that differs by direction");
+                self.unsupported_value(&record, "stx", "damping that depends on the direction");
             }
             self.tree.set_in("time", "damping", record.place("valdmp"), record.real("valdmp"));
         }
@@ -85,8 +85,8 @@ impl DeckConverter {
     fn take_one(&mut self, name: &str) -> Vec<Record> {
         let records = self.take_records(name);
         if let [_, .., last] = &records[..] {
-            let message = format!("*{name} is there {} times: the last one counts", records.len());
-            self.trouble.warning(last.head, message, "take the others out");
+            let message = format!("*{name} occurs {} times: the last one counts", records.len());
+            self.trouble.warning(last.head, message, "remove the others");
         }
         records
     }

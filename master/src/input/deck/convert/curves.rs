@@ -30,7 +30,7 @@ impl DeckConverter {
             let points: Vec<[f64; 2]> = record.lines("a").map(point).collect();
             let lines = record.lines("a").map(|line| line.place).collect();
             if points.is_empty() {
-                let help = "give abscissa and ordinate, twenty columns each, one point a line";
+                let help = "give abscissa and ordinate, twenty columns each, one point per line";
                 self.trouble.error(place, format!("*DEFINE_CURVE {id} has no points"), help);
             }
             let curve = Curve { points, place, lines, used: false };
@@ -38,7 +38,7 @@ impl DeckConverter {
                 self.trouble.error(
                     place,
                     format!("there are two *DEFINE_CURVE with the id {id}"),
-                    "give each its own",
+                    "give each a different id",
                 );
             }
         }
@@ -70,11 +70,12 @@ impl DeckConverter {
             self.curves.entry(id).and_modify(|c| c.used = true);
             if curve.points.last().is_some_and(|p| p[0] < self.end_time) {
                 let last = curve.points.last().map_or(0.0, |p| p[0]);
-                let message = format!("*DEFINE_CURVE {id} ends at {last}, before the run does");
+                let message =
+                    format!("*DEFINE_CURVE {id} ends at {last}, before the end of the run");
                 self.trouble.warning(
                     curve.place,
                     message,
-                    "it keeps its last value; add a point where it is to change",
+                    "it keeps its last value; add points if it has to change",
                 );
             }
         }

@@ -72,7 +72,8 @@ impl DeckConverter {
                 *all = !self.felt_surface(record, &name, (side, kind), keys, &mut table);
             }
             if all[0] {
-                let help = "name what it is to measure as surfa: what all exerts on all is nothing";
+                let help = "give the measured surface as surfa: the force of all parts on all \
+                    parts is zero";
                 self.trouble.warning(
                     record.place("surfa"),
                     format!("{name} is left out: it has no surface"),
@@ -120,7 +121,7 @@ impl DeckConverter {
                 self.map(
                     name,
                     format!("{side}: segments of set {number}"),
-                    "their nodes, and faces between these",
+                    "their nodes, and the faces between them",
                 );
             }
             4 => {
@@ -137,12 +138,8 @@ impl DeckConverter {
                     self.parts.keys().copied().filter(|p| !out.contains(p)).collect();
                 if rest.is_empty() {
                     // An empty surface is different from one that includes everything.
-                    let message = format!("{name}: {side} leaves all parts out");
-                    self.trouble.error(
-                        place,
-                        message,
-                        "name the parts that are to be left, or take it out",
-                    );
+                    let message = format!("{name}: {side} excludes all parts");
+                    self.trouble.error(place, message, "exclude fewer parts, or remove it");
                     return false;
                 }
                 table.put(parts, place, rest);
@@ -151,7 +148,7 @@ impl DeckConverter {
                 self.unsupported_value(
                     record,
                     kind,
-                    "0 segments, 2 and 6 set of parts, 3 part, 4 nodes, 5 all",
+                    "use 0 (segments), 2 or 6 (set of parts), 3 (part), 4 (nodes) or 5 (all)",
                 );
                 return false;
             }
@@ -188,12 +185,12 @@ impl DeckConverter {
             }
             let Some(ranges) = sets[kind].get(&number) else {
                 let message = format!(
-                    "{name}: no list of elements has the number {number} that `{field}` names"
+                    "{name}: there is no set of elements with the id {number} that `{field}` gives"
                 );
                 self.trouble.warning(
                     place,
                     message,
-                    "it counts for nothing: list its elements one by one or by ranges",
+                    "it is ignored: list its elements one by one or by ranges",
                 );
                 continue;
             };
@@ -210,8 +207,8 @@ impl DeckConverter {
             elements.extend(of_kind.iter().filter(own).map(|e| e.id.0 as i64));
         }
         for field in ["bsid", "tsid"].into_iter().filter(|f| record.integer(f) != 0) {
-            let message = format!("{name}: elements of `{field}` do not count");
-            self.trouble.warning(record.place(field), message, "solids, shells and springs do");
+            let message = format!("{name}: elements of `{field}` are ignored");
+            self.trouble.warning(record.place(field), message, "use solids, shells or springs");
         }
         let nodes: HashSet<NodeId> =
             self.node_sets[&record.integer("nsid")].0.iter().copied().collect();
@@ -235,7 +232,8 @@ impl DeckConverter {
         let elements: Vec<i64> =
             elements.into_iter().filter(|&e| !without_forces.contains(&(e as u64))).collect();
         if elements.is_empty() {
-            let help = "name elements that deform and end at its nodes, or a plane that cuts some";
+            let help =
+                "name deformable elements at its nodes, or a plane that cuts deformable elements";
             self.trouble.warning(
                 record.head,
                 format!("{name} is left out: it has no elements"),
@@ -262,7 +260,7 @@ impl DeckConverter {
         };
         let plane = Plane::from_record(record);
         let Some(plane) = plane else {
-            let help = "let its head be another point than its tail";
+            let help = "give a head that differs from the tail";
             self.trouble.warning(
                 record.place("xch"),
                 format!("{name} is left out: its normal has no direction"),
@@ -291,8 +289,8 @@ impl DeckConverter {
             nodes.extend(corners.iter().filter(|c| behind(&c.1)).map(|c| c.0));
         }
         if beams > 0 {
-            let message = format!("{name}: {beams} beams that the plane cuts do not count");
-            self.trouble.warning(record.head, message, "shells, solids and springs do");
+            let message = format!("{name}: {beams} beams that the plane cuts are ignored");
+            self.trouble.warning(record.head, message, "use shells, solids or springs");
         }
         let set = format!("{name} nodes");
         self.rows.add_set(set.clone(), nodes.into_iter().collect(), record.head);
@@ -314,7 +312,7 @@ impl DeckConverter {
             let found = id(*number).is_some_and(|n| used.contains(&n));
             if !found {
                 let message = format!("a history of node {number}, which no element has");
-                self.trouble.warning(*place, message, "it is left out");
+                self.trouble.warning(*place, message, "the history is ignored");
             }
             found
         };

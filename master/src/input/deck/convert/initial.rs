@@ -72,7 +72,7 @@ impl DeckConverter {
                 Some(set) => Some(set),
                 None => return,
             },
-            _ => return self.unsupported_value(record, "boxid", "a set and a box at once"),
+            _ => return self.unsupported_value(record, "boxid", "a set together with a box"),
         };
         self.initial(line.place, set, v, None);
         if let Some(line) = record.line("vxe").cloned() {
@@ -105,12 +105,12 @@ impl DeckConverter {
                 return self.unsupported_value(
                     record,
                     "styp",
-                    "1 is a set of parts, 2 a part, 3 a set of nodes",
+                    "use 1 (set of parts), 2 (part) or 3 (set of nodes)",
                 );
             }
         };
         if record.integer("phase") != 0 {
-            self.unsupported_value(record, "phase", "velocities that set in later");
+            self.unsupported_value(record, "phase", "velocities that start later");
         }
         let (Some(head), Some(line)) = (record.line("omega").cloned(), record.line("xc").cloned())
         else {
@@ -124,11 +124,11 @@ impl DeckConverter {
             if along[0] == -999.0 {
                 let [from, to] = [1, 2].map(|c| id(along[c] as i64).and_then(|n| self.rows.at(n)));
                 let (Some(from), Some(to)) = (from, to) else {
-                    let message = "the axis of the initial spin names nodes that there are not";
+                    let message = "the axis of the initial spin refers to nodes that do not exist";
                     return self.trouble.error(
                         line.place("ny"),
                         message,
-                        "with nx = -999, ny and nz are ids of nodes",
+                        "with nx = -999, give ids of nodes as ny and nz",
                     );
                 };
                 along = [0, 1, 2].map(|c| to[c] - from[c]);
@@ -142,7 +142,7 @@ impl DeckConverter {
                     self.trouble.error(
                         line.place("nx"),
                         message,
-                        "give nx, ny, nz: a vector along it",
+                        "give nx, ny, nz: a vector along the axis",
                     );
                 }
             }

@@ -49,11 +49,7 @@ impl DeckConverter {
         {
             for record in self.take_records(keyword) {
                 if !self.is_plain(record.integer("cid")) {
-                    self.unsupported_value(
-                        &record,
-                        "cid",
-                        "directions other than the axes of space",
-                    );
+                    self.unsupported_value(&record, "cid", "directions other than the global axes");
                 }
                 let mut acceleration = [0.0; 3];
                 acceleration[axis] = -record.real("sf");

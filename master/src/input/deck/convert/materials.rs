@@ -92,7 +92,7 @@ impl DeckConverter {
                     self.trouble.error(
                         place,
                         format!("there are two materials with the id {id}"),
-                        "give each its own",
+                        "give each a different id",
                     );
                 }
             }
@@ -108,7 +108,7 @@ impl DeckConverter {
         if record.real("beta") < 1.0 && tangent > 0.0 {
             let of = format!("material {}", record.integer("mid"));
             let asked = format!("beta {}: kinematic hardening", record.real("beta"));
-            self.map(of, asked, "isotropic hardening: it differs where a load turns back");
+            self.map(of, asked, "isotropic hardening, which differs when the load reverses");
         }
         rates(record, "src", "srp", table);
         if record.real("fs") > 0.0 {
@@ -119,13 +119,13 @@ impl DeckConverter {
     fn hardening_modulus(&mut self, record: &Record, e: f64, tangent: f64, table: &mut Table) {
         if tangent >= e {
             let message = format!(
-                "{}: the tangent modulus {tangent} is not below Young's {e}",
+                "{}: the tangent modulus {tangent} is not below Young's modulus {e}",
                 record.name()
             );
             self.trouble.error(
                 record.place("etan"),
                 message,
-                "give the slope of stress over total strain past the yield",
+                "give the slope of stress over total strain after yield",
             );
         } else if tangent != 0.0 {
             table.put("hardening_modulus", record.place("etan"), e * tangent / (e - tangent));
@@ -137,7 +137,7 @@ impl DeckConverter {
         rates(record, "c", "p", table);
         let fail = record.real("fail");
         if fail < 0.0 {
-            self.unsupported_value(record, "fail", "failure by a user's routine");
+            self.unsupported_value(record, "fail", "failure by a user routine");
         } else if fail > 0.0 && fail < 1e20 {
             table.put("failure_strain", record.place("fail"), fail);
         }
@@ -148,7 +148,7 @@ impl DeckConverter {
             self.unsupported_value(
                 record,
                 "lcsr",
-                "a curve of the yield stress over the rate; give c and p",
+                "a curve of the yield stress over the strain rate; use c and p",
             );
         }
         let lcss = record.integer("lcss");
@@ -222,7 +222,7 @@ impl DeckConverter {
             table.put("damage", record.place("d1"), damage);
         }
         for (field, why) in
-            [("dtf", "failure by the time step"), ("rateop", "another form of the rate")]
+            [("dtf", "failure by the time step"), ("rateop", "another form of the rate term")]
         {
             if record.real(field) != 0.0 {
                 self.unsupported_value(record, field, why);
@@ -262,7 +262,7 @@ impl DeckConverter {
             }
         }
         for field in ["nrr", "nrs", "mss", "mrr"].iter().filter(|f| record.real(f) < 0.0) {
-            self.unsupported_value(record, field, "limits by curves of the rate");
+            self.unsupported_value(record, field, "limits as curves over the rate");
         }
         let limits = ["nrr", "nrs", "mss", "mrr"].map(|field| record.real(field).max(0.0));
         limits.iter().any(|&limit| limit > 0.0).then_some((limits, record.place("nrr")))
@@ -282,11 +282,7 @@ impl DeckConverter {
             0.0 => Vec::new(),
             _ if record.real("con1") == 0.0 && record.real("con2") == 0.0 => Vec::new(),
             _ => {
-                self.unsupported_value(
-                    record,
-                    "cmo",
-                    "constraints in a system of the body; give cmo 1",
-                );
+                self.unsupported_value(record, "cmo", "constraints in local axes; use cmo 1");
                 Vec::new()
             }
         }

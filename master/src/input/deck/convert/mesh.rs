@@ -219,7 +219,7 @@ impl Rows {
                 cards.trouble.error(
                     block.span(line, 0, (line.1 - line.0) as usize),
                     message,
-                    "give its nodes on this line or on the next one",
+                    "give its nodes on this line or on the next line",
                 );
                 return;
             }
@@ -391,7 +391,7 @@ fn start<'a, 'c>(
 fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
     let narrow = u32::try_from(part).ok();
     if narrow.is_none() {
-        numbers.wrong(1, "an id of a part, up to 4294967295");
+        numbers.wrong(1, "a part id of at most 4294967295");
     }
     narrow.filter(|_| numbers.whole)
 }

@@ -148,12 +148,13 @@ impl DeckConverter {
                 Some((row, options)) => self.block(texts, block, row, &options, &mut parameters),
                 None if keywords::is_output(&block.name) => {
                     let message = format!("*{} is not read", block.name);
-                    let help = "docs/guide/output.md lists what a run writes; [output] of a job sets how often";
+                    let help = "docs/guide/output.md lists the output of a run; set its intervals \
+                        in [output] of a job";
                     self.trouble.warn_once(&block.name, block.place(), message, help);
                 }
                 None => {
                     let near = match keywords::near(&block.name) {
-                        Some(near) => format!("; the nearest that is: *{near}"),
+                        Some(near) => format!("; the nearest supported keyword is *{near}"),
                         None => String::new(),
                     };
                     let message = format!("*{} is not supported{near}", block.name);

@@ -69,7 +69,7 @@ impl DeckConverter {
             self.unsupported_value(
                 record,
                 "cid",
-                "constraints along other axes than those of space",
+                "constraints along axes other than the global ones",
             );
         }
         DOFS.iter().filter(|(field, _)| record.integer(field) == 1).map(|(_, dof)| *dof).collect()
@@ -115,7 +115,7 @@ impl DeckConverter {
                 return self.unsupported_value(
                     record,
                     "dof",
-                    "only x, y, z (1, 2, 3) and rotations about them (5, 6, 7)",
+                    "use x, y, z (1, 2, 3), or rotations about them (5, 6, 7)",
                 );
             }
         };
@@ -128,7 +128,7 @@ impl DeckConverter {
                 return self.unsupported_value(
                     record,
                     "vad",
-                    "velocity (0), and of translations acceleration (1) and displacement (2)",
+                    "use velocity (0), or for translations acceleration (1) or displacement (2)",
                 );
             }
         };

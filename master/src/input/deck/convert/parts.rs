@@ -53,7 +53,7 @@ impl DeckConverter {
                 self.trouble.error(
                     place,
                     format!("there are two *PART with the id {id}"),
-                    "give each its own",
+                    "give each a different id",
                 );
                 continue;
             }
@@ -77,9 +77,8 @@ impl DeckConverter {
                 known.sort_unstable();
                 let known: Vec<String> = known.iter().map(i64::to_string).collect();
                 if self.spring_laws.contains_key(&mid) {
-                    let message = format!(
-                        "part {id} is no part of springs, and material {mid} is for these only"
-                    );
+                    let message =
+                        format!("part {id} has no springs, and material {mid} is for springs only");
                     self.trouble.error(
                         record.place("mid"),
                         message,
@@ -101,7 +100,7 @@ impl DeckConverter {
                 continue;
             };
             if record.integer("eosid") != 0 {
-                self.unsupported_value(&record, "eosid", "equations of state");
+                self.unsupported_value(&record, "eosid", "an equation of state");
             }
             let mut table = Table::new(record.head)
                 .with("id", place, id)
@@ -129,20 +128,16 @@ impl DeckConverter {
                     self.map(
                         format!("part {id}"),
                         "*MAT_NULL",
-                        "a skin: it touches and has mass, and bears nothing",
+                        "a skin: it has contact and mass, and carries no load",
                     );
                 }
                 (true, _) => {
-                    let message = format!(
-                        "part {id}: *MAT_NULL is for shells alone here, which is not supported otherwise"
-                    );
+                    let message = format!("part {id}: *MAT_NULL is supported for shells only");
                     self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
                 }
             }
             if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
-                let message = format!(
-                    "part {id}: limits of welds hold for beams alone, which is not supported otherwise"
-                );
+                let message = format!("part {id}: limits of welds are supported for beams only");
                 self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
             }
             let part = Part {
@@ -173,7 +168,7 @@ impl DeckConverter {
                 self.map(
                     format!("part {id}"),
                     format!("{field} {value}"),
-                    "not used: it is for shells",
+                    "not used: it is for shells only",
                 );
             }
         }
@@ -198,7 +193,7 @@ impl DeckConverter {
             self.trouble.error(
                 record.place("secid"),
                 message,
-                "give solids a part of their own with a *SECTION_SOLID",
+                "give the solids a separate part with a *SECTION_SOLID",
             );
         }
         let elform = match card.integer("elform") {
@@ -234,8 +229,9 @@ impl DeckConverter {
             table.put("offset", card.place("nloc"), -card.real("nloc"));
             if let Some(place) = sections.defaults.shifted {
                 let message = format!(
-                    "part {id} has an nloc, and cntco asks for contact at the offset surface, which is not supported: set cntco to 0, \
-                     contact is then at the nodes, or nloc to 0"
+                    "part {id} has an nloc, and cntco requests contact at the offset surface, \
+                     which is not supported: set cntco to 0 (contact is then at the nodes), or set \
+                     nloc to 0"
                 );
                 self.unsupported(place, message, "*CONTROL_SHELL cntco".into());
             }
@@ -244,7 +240,7 @@ impl DeckConverter {
             self.unsupported_value(
                 card,
                 "elform",
-                "no formulation of shells is near to it; 2 and 16 are the usual ones",
+                "no formulation of shells is similar; use 2 or 16",
             );
             return;
         };
@@ -283,7 +279,7 @@ impl DeckConverter {
             self.map(&of, format!("shear factor {shear}"), "5/6");
         }
         if !matches!(card.real("qr"), 0.0) {
-            self.map(&of, format!("qr {}: rule of the points", card.real("qr")), "Gauss points");
+            self.map(&of, format!("qr {}: integration rule", card.real("qr")), "Gauss points");
         }
     }
 
@@ -303,14 +299,14 @@ impl DeckConverter {
             self.trouble.error(
                 record.place("secid"),
                 message,
-                "give shells a part of their own with a *SECTION_SHELL",
+                "give the shells a separate part with a *SECTION_SHELL",
             );
         }
         let Some(wanted) = sections::solid(elform) else {
             self.unsupported_value(
                 card,
                 "elform",
-                "hexahedra with one point (1) are the only solids; 2 is taken as such",
+                "use the hexahedron with one point (1); 2 is converted to it",
             );
             return;
         };
@@ -358,7 +354,7 @@ impl DeckConverter {
                 table.put("hourglass", record.place("hgid"), default);
                 table.put("hourglass_coefficient", record.place("hgid"), DEFAULT_HOURGLASS);
             }
-            return (default, " (the deck names none)");
+            return (default, " (none in the deck)");
         };
         let name = match (form, solids) {
             (0, _) => default,
@@ -376,7 +372,7 @@ impl DeckConverter {
             0 => " (ihq blank)",
             1..=5 => "",
             6 | 7 | 9 | 10 if solids => "",
-            _ => " (ihq of another kind)",
+            _ => " (this ihq is not available)",
         };
         (name, told)
     }
@@ -419,7 +415,7 @@ impl DeckConverter {
             self.map(
                 format!("part {id}"),
                 format!("thickness {most} of all its shells"),
-                "that of the part",
+                "thickness of the part",
             );
             return most;
         }
@@ -427,7 +423,7 @@ impl DeckConverter {
             self.rows.shells[at].thickness = thickness;
         }
         let asked = format!("thickness of {} of its shells, {least} to {most}", means.len());
-        self.map(format!("part {id}"), asked, "each its own, the mean of its corners");
+        self.map(format!("part {id}"), asked, "one for each shell, the mean of its corners");
         let average = means.iter().map(|t| t.1).sum::<f64>() / means.len() as f64;
         if mean == 0.0 && covers { average } else { mean }
     }

@@ -84,7 +84,7 @@ impl DeckConverter {
                         self.map(
                             format!("part {part}"),
                             "switched to rigid",
-                            "a rigid body from the start to the end",
+                            "a rigid body for the whole run",
                         );
                     }
                     let other = line.integer("lrb");
@@ -163,7 +163,7 @@ impl DeckConverter {
             };
             for field in ["drflag", "rrflag"] {
                 if record.integer(field) != 0 {
-                    self.unsupported_value(&record, field, "degrees of freedom that are let go");
+                    self.unsupported_value(&record, field, "released degrees of freedom");
                 }
             }
             let place = record.place("pid");

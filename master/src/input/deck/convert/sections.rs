@@ -99,7 +99,7 @@ impl DeckConverter {
                     self.trouble.error(
                         place,
                         format!("there are two sections with the id {id}"),
-                        "give each its own",
+                        "give each a different id",
                     );
                 }
             }

@@ -130,7 +130,8 @@ impl DeckConverter {
             match faces.get(&key(&segment.nodes)) {
                 None if along => {
                     let ids: Vec<String> = segment.nodes.iter().map(NodeId::to_string).collect();
-                    let message = format!("the segment {} is no face of an element", ids.join(" "));
+                    let message =
+                        format!("the segment {} is not a face of an element", ids.join(" "));
                     self.trouble.error(
                         segment.place,
                         message,

@@ -100,8 +100,8 @@ impl DeckConverter {
         let nodes = ids.into_iter().filter_map(|(n, place)| {
             let found = id(n);
             if found.is_none() {
-                let message = format!("{}: {n} is no id of a node", record.name());
-                self.trouble.error(place, message, "ids are whole numbers above 0");
+                let message = format!("{}: {n} is not a node id", record.name());
+                self.trouble.error(place, message, "give whole numbers above 0");
             }
             found
         });
@@ -117,7 +117,7 @@ impl DeckConverter {
             self.trouble.error(
                 place,
                 format!("there are two node sets with the id {sid}"),
-                "give each its own",
+                "give each a different id",
             );
         }
         self.named(record);

@@ -14,7 +14,7 @@ impl DeckConverter {
         for record in self.take_records("DEFINE_COORDINATE_SYSTEM") {
             let point = |names: [&str; 3]| names.map(|n| record.real(n));
             if record.integer("cidl") != 0 {
-                self.unsupported_value(&record, "cidl", "points in another system");
+                self.unsupported_value(&record, "cidl", "points in another coordinate system");
             }
             let (o, l, p) =
                 (point(["xo", "yo", "zo"]), point(["xl", "yl", "zl"]), point(["xp", "yp", "zp"]));
@@ -33,8 +33,8 @@ impl DeckConverter {
             if record.integer("flag") != 0 {
                 self.map(
                     "coordinate system",
-                    "flag 1: it turns with its nodes",
-                    "as its nodes are at the start",
+                    "flag 1: axes that rotate with their nodes",
+                    "fixed axes from the initial positions of the nodes",
                 );
             }
             let mut points = [[0.0; 3]; 3];
@@ -63,12 +63,12 @@ impl DeckConverter {
             }
             None => {
                 let message = format!(
-                    "{} {}: its points stand on one line",
+                    "{} {}: its points are on one line",
                     record.name(),
                     record.integer("cid")
                 );
-                let help =
-                    "give an origin, a point on the x axis, and one in the x-y plane beside it";
+                let help = "give an origin, a point on the x axis, and a point in the x-y plane \
+                    off this axis";
                 self.trouble.error(record.place("cid"), message, help);
             }
         }

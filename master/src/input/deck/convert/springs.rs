@@ -17,10 +17,10 @@ const LAWS: [&str; 4] = [
 
 /// Unsupported fields of sections, and their requests.
 const UNSERVED: [(&str, &str); 6] = [
-    ("dro", "springs and dampers of rotations"),
-    ("kd", "stiffnesses that grow with the rate"),
+    ("dro", "rotational springs and dampers"),
+    ("kd", "a stiffness that depends on the rate"),
     ("cl", "a clearance"),
-    ("fd", "springs that break"),
+    ("fd", "failure of springs"),
     ("cdl", "a limit of compression"),
     ("tdl", "a limit of tension"),
 ];
@@ -34,7 +34,7 @@ impl DeckConverter {
                 self.trouble.error(
                     place,
                     format!("there are two materials with the id {mid}"),
-                    "give each its own",
+                    "give each a different id",
                 );
             }
         }
@@ -55,11 +55,11 @@ impl DeckConverter {
                 };
                 let (vid, grounded) = (line.integer("vid"), line.integer("n2") == 0);
                 if grounded && vid == 0 {
-                    missing("n2", "the ground for its second node and no direction (vid)");
+                    missing("n2", "no second node (n2) and no direction (vid)");
                     continue;
                 }
                 if line.real("offset") != 0.0 {
-                    missing("offset", "an elongation at the start");
+                    missing("offset", "an initial elongation");
                 }
                 if vid != 0 && !orientations.contains_key(&vid) {
                     let known: Vec<String> = orientations.keys().map(i64::to_string).collect();
@@ -74,12 +74,11 @@ impl DeckConverter {
                 let ids = [id(number), first, second];
                 let part = u32::try_from(line.integer("pid")).ok();
                 let ([Some(own), Some(n1), Some(n2)], Some(part)) = (ids, part) else {
-                    let message =
-                        format!("{}: spring {number} has an id that is none", record.name());
+                    let message = format!("{}: spring {number} has an invalid id", record.name());
                     self.trouble.error(
                         line.place,
                         message,
-                        "ids are whole numbers above 0, of parts up to 4294967295",
+                        "give whole numbers above 0; the largest part id is 4294967295",
                     );
                     continue;
                 };
@@ -114,7 +113,8 @@ impl DeckConverter {
                 let (vid, along) = (line.integer("vid"), ["xt", "yt", "zt"].map(|c| line.real(c)));
                 if line.integer("iop") != 0 {
                     let message = format!(
-                        "{}: vid {vid} turns with the model or leaves a plane free",
+                        "{}: vid {vid} follows nodes or is normal to a plane, which is not \
+                         supported",
                         record.name()
                     );
                     self.unsupported(line.place("iop"), message, format!("{} iop", record.name()));
@@ -124,7 +124,7 @@ impl DeckConverter {
                     self.trouble.error(
                         line.place("xt"),
                         message,
-                        "give xt, yt, zt: a vector along it",
+                        "give xt, yt, zt: a vector along the springs",
                     );
                 }
                 found.insert(vid, along);
@@ -169,8 +169,8 @@ impl DeckConverter {
                 }
                 let Some(curve) = self.curve(law.integer(field), at) else { return };
                 if curve.points.first().is_some_and(|p| p[0] >= 0.0) {
-                    let asked = format!("curve {} says nothing of {below}", law.integer(field));
-                    self.map(format!("part {pid}"), asked, "its first slope goes on there");
+                    let asked = format!("curve {} has no points for {below}", law.integer(field));
+                    self.map(format!("part {pid}"), asked, "extrapolated with its first slope");
                 }
                 let points: Vec<Vec<f64>> =
                     curve.points.iter().map(|p| vec![p[0], scale * p[1]]).collect();

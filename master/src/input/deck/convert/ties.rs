@@ -57,13 +57,13 @@ impl DeckConverter {
         }
         for field in ["saboxid", "sbboxid"] {
             if record.integer(field) != 0 {
-                self.unsupported_value(record, field, "give the nodes by a set of their own");
+                self.unsupported_value(record, field, "give the nodes by a set");
             }
         }
         let (birth, death) = (record.real("bt"), record.real("dt"));
         if birth > 0.0 || (death > 0.0 && death < self.end_time) {
             let field = if birth > 0.0 { "bt" } else { "dt" };
-            self.unsupported_value(record, field, "ties that come or go within the run");
+            self.unsupported_value(record, field, "ties with a birth or death time within the run");
         }
         let asked =
             record.row.keyword.name.replace("CONTACT_", "").to_lowercase().replace('_', " ");
@@ -73,7 +73,8 @@ impl DeckConverter {
             (None, false) => "displacements tied, nodes moved onto the surface",
             (None, true) => "displacements and rotations tied, nodes moved onto the surface",
             (Some(_), false) => {
-                "displacements tied at the end of arms that turn with the surface, by a constraint"
+                "displacements tied at the end of arms that rotate with the surface, by a \
+                 constraint"
             }
             (Some(_), true) => {
                 "displacements, at the end of arms, and rotations tied, by a constraint"
@@ -98,7 +99,7 @@ impl DeckConverter {
                 self.unsupported_value(
                     record,
                     "surfatyp",
-                    "nodes are tied by 0 segments, 2 set of parts, 3 part or 4 nodes",
+                    "give the nodes by 0 (segments), 2 (set of parts), 3 (part) or 4 (nodes)",
                 );
                 None
             }
@@ -119,7 +120,7 @@ impl DeckConverter {
                 self.unsupported_value(
                     record,
                     "surfbtyp",
-                    "they are tied to 0 segments, 2 set of parts or 3 part",
+                    "give the surface by 0 (segments), 2 (set of parts) or 3 (part)",
                 );
                 None
             }

@@ -39,8 +39,8 @@ impl DeckConverter {
             Some(units) => {
                 self.map(
                     "units",
-                    "a deck names none",
-                    format!("{units}: there its densities and wave speeds are real"),
+                    "not given in a deck",
+                    format!("{units}: densities and wave speeds are plausible"),
                 );
                 self.tree.set("units", Place::Whole, format!("{units} (guessed)"));
             }
@@ -54,9 +54,15 @@ impl DeckConverter {
                         )
                     })
                     .collect();
-                let message =
-                    format!("in no usual units are these real materials: {}", figures.join("; "));
-                self.trouble.warning(first, message, format!("usual are {}", SETS.join("; ")));
+                let message = format!(
+                    "these materials are not plausible in any usual units: {}",
+                    figures.join("; ")
+                );
+                self.trouble.warning(
+                    first,
+                    message,
+                    format!("check their numbers; usual units are {}", SETS.join("; ")),
+                );
             }
         }
     }

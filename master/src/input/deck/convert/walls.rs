@@ -31,13 +31,17 @@ impl DeckConverter {
             self.unsupported_value(
                 record,
                 "fric",
-                "codes of sliding; give a coefficient from 0 to 1",
+                "codes for sliding; give a coefficient from 0 to 1",
             );
         }
         let (birth, death) = (record.real("birth"), record.real("death"));
         if birth > 0.0 || (death > 0.0 && death < self.end_time) {
             let field = if birth > 0.0 { "birth" } else { "death" };
-            self.unsupported_value(record, field, "walls that come or go within the run");
+            self.unsupported_value(
+                record,
+                field,
+                "walls with a birth or death time within the run",
+            );
         }
         if record.real("soft") != 0.0 {
             let asked =
@@ -89,7 +93,7 @@ impl DeckConverter {
             let help = "give vx, vy and vz, the direction cosines of its motion";
             return self.trouble.error(
                 record.place("vx"),
-                format!("{name} moves in no direction"),
+                format!("{name} has no direction of motion"),
                 help,
             );
         }

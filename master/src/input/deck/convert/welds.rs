@@ -31,8 +31,8 @@ impl DeckConverter {
         for record in self.take_records("CONSTRAINED_SPOTWELD") {
             let place = record.place("n1");
             let [Some(n1), Some(n2)] = ["n1", "n2"].map(|field| id(record.integer(field))) else {
-                let message = format!("{}: a node has an id that is none", record.name());
-                self.trouble.error(place, message, "ids are whole numbers above 0");
+                let message = format!("{}: a node has an invalid id", record.name());
+                self.trouble.error(place, message, "give whole numbers above 0");
                 continue;
             };
             self.never_fails(&record, "tf", "ep");
@@ -55,7 +55,7 @@ impl DeckConverter {
         for record in self.take_records("CONSTRAINED_NODE_SET") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             if record.integer("dof") != 7 {
-                self.unsupported_value(&record, "dof", "only all displacements (7) are shared");
+                self.unsupported_value(&record, "dof", "use 7 (all displacements)");
                 continue;
             }
             if record.real("tf") > 0.0 && record.real("tf") < self.end_time {
@@ -91,7 +91,7 @@ impl DeckConverter {
             self.unsupported_value(
                 record,
                 strain,
-                "welds that fail by the strain of what they join",
+                "welds that fail by the strain of the joined parts",
             );
         }
     }
@@ -118,7 +118,8 @@ impl DeckConverter {
             return self.trouble.error(
                 place,
                 message,
-                "a weld that breaks has the material of its first node's part",
+                "put its first node in a part with a material: a weld that breaks takes that \
+                 material",
             );
         };
         let exponents = ["n", "m"]
@@ -171,8 +172,8 @@ impl DeckConverter {
             let place = links[0].1;
             let pid = self.parts.keys().next_back().copied().unwrap_or(0).saturating_add(1);
             let Ok(part) = u32::try_from(pid) else {
-                let help =
-                    "a weld that breaks takes a part of its own: number parts below 4294967295";
+                let help = "use smaller part ids: a weld that breaks needs its own part, with an \
+                    id up to 4294967295";
                 self.trouble.error(place, "there is no id left for a part", help);
                 continue;
             };
@@ -204,7 +205,7 @@ impl DeckConverter {
             self.map(
                 format!("part {pid}"),
                 format!("{} spot welds, sn {normal}, ss {shear}", links.len()),
-                format!("beams of diameter {diameter:.4}, as thick as long, that break"),
+                format!("beams of diameter {diameter:.4}, their mean length, that break"),
             );
             self.add("part", table);
         }

@@ -24,7 +24,7 @@ impl<'j> TimeCurves<'j> {
 
     fn points(&self, name: Option<&str>) -> Vec<[f64; 2]> {
         let found = name.and_then(|name| self.job.curve.iter().find(|c| c.name == name));
-        // Beyond the end of the run, so that all its times are covered.
+        // The curve extends beyond the end of the run, so that it covers all times.
         found.map_or(vec![[0.0, 1.0], [2.0 * self.job.end_time, 1.0]], |c| c.points.clone())
     }
 

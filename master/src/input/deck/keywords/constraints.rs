@@ -11,24 +11,41 @@ const WELD_ID: (&str, Times) = ("wid:i", Count(id));
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONSTRAINED_NODAL_RIGID_BODY",
-        &[("heading:l", Count(super::title)), ("pid:i! cid:i nsid:i pnode:i iprt:i drflag:i rrflag:i", Once)],
+        &[
+            ("heading:l", Count(super::title)),
+            ("pid:i! cid:i nsid:i pnode:i iprt:i drflag:i rrflag:i", Once),
+        ],
         "`[[rigid]]` body `body-PID` of the node set",
     )
     .options(&["TITLE"])
     .repeats(),
-    Keyword::new("CONSTRAINED_EXTRA_NODES_NODE", &[("pid:i! nid:i!", Rest)], "a node more of a rigid part"),
-    Keyword::new("CONSTRAINED_EXTRA_NODES_SET", &[("pid:i! nsid:i!", Rest)], "a node set more of a rigid part"),
-    Keyword::new("CONSTRAINED_RIGID_BODIES", &[("pidl:i! pidc:i! iflag:i", Rest)], "two rigid parts are one body"),
+    Keyword::new(
+        "CONSTRAINED_EXTRA_NODES_NODE",
+        &[("pid:i! nid:i!", Rest)],
+        "adds a node to a rigid part",
+    ),
+    Keyword::new(
+        "CONSTRAINED_EXTRA_NODES_SET",
+        &[("pid:i! nsid:i!", Rest)],
+        "adds a node set to a rigid part",
+    ),
+    Keyword::new(
+        "CONSTRAINED_RIGID_BODIES",
+        &[("pidl:i! pidc:i! iflag:i", Rest)],
+        "joins two rigid parts to one body",
+    ),
     Keyword::new(
         "DEFORMABLE_TO_RIGID",
         &[("pid:i! lrb:i ptype:a", Rest)],
-        "the part, or with PSET each part of the set, is rigid from the start on and stays so; with lrb it joins that part's body",
+        "the part (with ptype PSET, each part of the set) is rigid for the whole run; lrb joins it \
+         to the body of that part",
     ),
     Keyword::new(
         "CONSTRAINED_SPOTWELD",
         &[WELD_ID, ("n1:i! n2:i! sn:r ss:r n:r m:r tf:r=1e20 ep:r=1e20", Once)],
-        "`[[rigid]]` body of the two nodes, joined with others that it has nodes in common with; with sn or ss a beam that breaks, round \
-         and as thick as long, of the material of the first node's part: sn is its `normal`, ss its `shear`, n and m are their exponents (2 if blank)",
+        "`[[rigid]]` body of the two nodes; bodies with common nodes become one. With sn or ss: a \
+         round beam that breaks, its diameter equal to its length, of the material of the first \
+         node's part. sn is its `normal`, ss its `shear`, n and m are their exponents (2 if blank)",
     )
     .options(&["ID"])
     .repeats(),
@@ -39,20 +56,24 @@ pub const KEYWORDS: &[Keyword] = &[
             ("nsid:i! cid:i filter:i window:r npr:i nprt:i", Once),
             ("tfail:r=1e20 epsf:r=1e20 sn:r ss:r n:r m:r", Once),
         ],
-        "the same of a node set, which has two nodes if it breaks",
+        "the same for a node set; a weld that breaks has two nodes",
     )
     .options(&["ID"])
     .repeats(),
     Keyword::new(
         "CONSTRAINED_NODE_SET",
         &[WELD_ID, ("nsid:i! dof:i! tf:r=1e20", Once)],
-        "`[[tie]]` of the others to the first node of the set; dof has to be 7, all displacements",
+        "`[[tie]]` of the other nodes to the first node of the set; dof has to be 7 (all \
+         displacements)",
     )
     .options(&["ID"])
     .repeats(),
     not_yet(
         "CONSTRAINED_INTERPOLATION",
-        &[("icid:i! dnid:i! ddof:i cidd:i ityp:i", Once), ("inid:i! idof:i twghtx:r twghty:r twghtz:r rwghtx:r rwghty:r rwghtz:r", Rest)],
-        "a node that is the mean of others",
+        &[
+            ("icid:i! dnid:i! ddof:i cidd:i ityp:i", Once),
+            ("inid:i! idof:i twghtx:r twghty:r twghtz:r rwghtx:r rwghty:r rwghtz:r", Rest),
+        ],
+        "a node whose motion is a mean of other nodes",
     ),
 ];

@@ -22,24 +22,28 @@ const CARDS: &[(&str, Times)] = &[
     ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
 ];
 
-const SINGLE: &str = "`[contact]`, from the second one on a `[[contact.interface]]`: its parts touch each other and themselves. fs, fd and dc are the friction, \
-     vc its limit, sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds. \
-     With MORTAR, where it may be, the `law` is `mortar`. AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL have beams";
-const PAIR: &str = "the same of the parts of surfa `against` those of surfb, after all contacts of single surfaces; a thickness is the mean of both \
-    sides";
+const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]]`: contact of its \
+    parts with each other and with themselves. fs, fd and dc are the friction, vc its limit, sast \
+    or sfsat the thickness, bt and dt birth and death. If several cards contain the same two \
+    parts, the last one counts. The option MORTAR sets the `law` to `mortar`. Only \
+    AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL include beams";
+const PAIR: &str = "the same for the parts of surfa `against` those of surfb, after all contacts \
+    of single surfaces; the thickness is the mean of both sides";
 
 const WITH_MORTAR: &[&str] = &["ID", "TITLE", "MPP", "MORTAR"];
 
-const TRANSDUCER: &str = "`[[output.transducer]]`: the contact force on surfa, from surfb or, if that is blank, from all. Segments count by \
-                          their nodes";
+const TRANSDUCER: &str = "`[[output.transducer]]`: contact force on surfa from surfb, or from \
+    everything if surfb is blank. A set of segments selects its nodes and the faces between them";
 
 const fn contact(name: &'static str, note: &'static str) -> Keyword {
     Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP"])
 }
 
-const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb, which are moved onto them; with one of the OFFSET options they stay where \
-    they are, at the end of arms, by a constraint in all three. A negative sast or sbst is the tolerance, positive ones are the thicknesses that it goes \
-    by (0.6 of both, or a twentieth of the face's diagonal). When the element of its face fails a node is let go";
+const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb. The nodes are moved \
+    onto the faces; with an OFFSET option they keep their positions, at the end of arms (a \
+    constraint for all three options). A negative sast or sbst is the tolerance; positive values \
+    are the thicknesses for it (the larger of 0.6 of both and a twentieth of the shorter diagonal \
+    of the face). A node is released when the element of its face fails";
 const TURNED: &str = "the same with `rotations`";
 
 const fn tied(name: &'static str, note: &'static str) -> Keyword {
@@ -107,18 +111,24 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "RIGIDWALL_PLANAR",
         WALL,
-        "`[[wall]]` through the tail, its normal to the head; fric is the friction. nsid, boxid and offset choose its `nodes`, nsidex \
-         its `except`; FINITE is a rectangle with `edge` and `lengths`, MOVING a `mass` and its `speed`; soft is not used",
+        "`[[wall]]` through the tail, with its normal towards the head; fric is the friction. \
+         nsid, boxid and offset select `nodes`, nsidex selects `except`. FINITE: a rectangle with \
+         `edge` and `lengths`; MOVING: `mass` and `speed`. soft is not used",
     )
     .options(&["ID", "FINITE", "MOVING", "FORCES"])
     .repeats(),
     geometric(
         "RIGIDWALL_GEOMETRIC_CYLINDER",
         CYLINDER,
-        "`[[wall]]` with `axis` from the tail to the head, `radius` and `length`, its ends open; MOTION leads it by a curve of \
-         velocities (opt 0) or displacements (1) along vx, vy, vz",
+        "`[[wall]]` with `axis` from the tail to the head, `radius`, `length` and open ends. \
+         MOTION prescribes its velocity (opt 0) or displacement (opt 1) along vx, vy, vz by a \
+         curve",
     ),
-    geometric("RIGIDWALL_GEOMETRIC_FLAT", FLAT, "the same of a rectangle, as RIGIDWALL_PLANAR_FINITE"),
+    geometric(
+        "RIGIDWALL_GEOMETRIC_FLAT",
+        FLAT,
+        "the same for a rectangle, as RIGIDWALL_PLANAR_FINITE",
+    ),
 ];
 
 fn mpp(record: &Record) -> usize {

@@ -12,7 +12,7 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONTROL_TERMINATION",
         &[("endtim:r! endcyc:i dtmin:r endeng:r endmas:r nosol:i", Once)],
-        "`end_time`; endcyc is `time.max_cycles`, dtmin `time.dt_min_ratio`",
+        "`end_time`; endcyc is `time.max_cycles`, dtmin is `time.dt_min_ratio`",
     ),
     Keyword::new(
         "CONTROL_TIMESTEP",
@@ -20,8 +20,9 @@ pub const KEYWORDS: &[Keyword] = &[
             ("dtinit:r tssfac:r isdo:i tslimt:r dt2ms:r lctm:i erode:i ms1st:i", Once),
             ("dt2msf:r dt2mslc:i imscl:i unused:r*2 rmscl:r", Maybe),
         ],
-        "tssfac is `time.safety` (0.9 if blank); |dt2ms| is `time.mass_scaling_dt`, with no limit to the mass added, which is told; \
-         lctm: not used",
+        "tssfac is `time.safety` (0.9 if blank). The absolute value of dt2ms is \
+         `time.mass_scaling_dt`; added mass has no limit, and the run warns of its fraction. lctm \
+         is not supported",
     ),
     Keyword::new(
         "CONTROL_SHELL",
@@ -31,13 +32,13 @@ pub const KEYWORDS: &[Keyword] = &[
             ("psstupd:i sidt4tu:i cntco:i itsflg:i irquad:i wmode:r stretch:r icrq:i", Maybe),
             ("nfail1:i nfail4:i psnfail:i keepcs:i delfr:i drcpsid:i drcprm:r intperr:i", Maybe),
         ],
-        "theory where a section has elform 0; bwc 1 is `warping`, istupd 1 and 4 `thinning`; cntco is not supported where \
-         shells have an nloc; the rest is not used",
+        "theory is the elform of sections with elform 0; bwc 1 sets `warping`, istupd 1 and 4 set \
+         `thinning`. cntco is not supported for shells with nloc. Other fields are not used",
     ),
     Keyword::new(
         "CONTROL_HOURGLASS",
         &[("ihq:i qh:r", Maybe)],
-        "as HOURGLASS, for parts that name none",
+        "as HOURGLASS, for parts without hgid",
     ),
     Keyword::new(
         "CONTROL_BULK_VISCOSITY",
@@ -51,7 +52,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("usrstr:i usrfrc:i nsbcs:i interm:i xpene:r ssthk:i ecdt:i tiedprj:i", Maybe),
             ("sfric:r dfric:r edc:r vfc:r th:r th_sf:r pen_sf:r ptscl:r", Maybe),
         ],
-        "not used: the contact law needs no stiffness of its own",
+        "not used: the contact law needs no stiffness from the deck",
     ),
     Keyword::new("CONTROL_ENERGY", ANY, "not used: all energies are computed"),
     Keyword::new(
@@ -67,13 +68,13 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DATABASE_BINARY_D3PLOT",
         &[("dt:r lcdt:i beam:i npltc:i psetid:i", Maybe), ("ioopt:i rate:r", Maybe)],
-        "`output.field_interval`; npltc is a number of intervals",
+        "`output.field_interval`; npltc is the number of intervals",
     ),
-    harmless("CONTROL_ACCURACY", "not used: results do not depend on the order of anything"),
+    harmless("CONTROL_ACCURACY", "not used: results do not depend on any order"),
     harmless("CONTROL_CPU", "not used"),
     harmless("CONTROL_SOLID", "not used"),
     harmless("CONTROL_SOLUTION", "not used"),
-    harmless("CONTROL_PARALLEL", "not used: `parallel.workers`, or --workers"),
+    harmless("CONTROL_PARALLEL", "not used: set `parallel.workers`, or give --workers"),
     harmless("CONTROL_MPP_DECOMPOSITION_METHOD", "not used"),
     harmless("CONTROL_MPP_IO_NODUMP", "not used"),
     harmless("CONTROL_UNITS", "not used"),

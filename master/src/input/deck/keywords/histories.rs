@@ -26,7 +26,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DATABASE_CROSS_SECTION_SET",
         &[CROSS_SECTION, ("nsid:i! hsid:i bsid:i ssid:i tsid:i dsid:i id:i itype:i", Once)],
-        "`[[output.section]]` of the nodes of nsid: what the elements of hsid, ssid and dsid put on them, in global axes",
+        "`[[output.section]]` at the nodes of nsid: force and moment of the elements of hsid, ssid \
+         and dsid on these nodes, in global axes",
     )
     .options(&["ID"])
     .repeats(),
@@ -37,13 +38,17 @@ pub const KEYWORDS: &[Keyword] = &[
             ("psid:i xct:r yct:r zct:r xch:r ych:r zch:r radius:r", Once),
             ("xhev:r yhev:r zhev:r lenl:r lenm:r id:i itype:i", Once),
         ],
-        "the same through the elements that the plane cuts: what they put on their nodes on the side of the tail, so that tension \
-         points to the head",
+        "the same for the elements that the plane cuts: force and moment on their nodes on the \
+         side of the tail, so tension points to the head",
     )
     .options(&["ID"])
     .repeats(),
     Keyword::new("DATABASE_HISTORY_NODE", LIST, "`[[output.node]]`"),
-    Keyword::new("DATABASE_HISTORY_NODE_ID", NAMED, "the same, one node a line, with its heading as name"),
+    Keyword::new(
+        "DATABASE_HISTORY_NODE_ID",
+        NAMED,
+        "the same, one node per line, with its heading as name",
+    ),
     Keyword::new("DATABASE_HISTORY_NODE_SET", LIST, "the same by node sets"),
     elements("SET_SHELL_LIST", &["SET_SHELL"]),
     ranges("SET_SHELL_LIST_GENERATE", &["SET_SHELL_GENERATE"]),
@@ -51,8 +56,12 @@ pub const KEYWORDS: &[Keyword] = &[
     ranges("SET_SOLID_GENERATE", &["SET_SOLID_LIST_GENERATE"]),
     elements("SET_DISCRETE", &["SET_DISCRETE_LIST"]),
     ranges("SET_DISCRETE_GENERATE", &["SET_DISCRETE_LIST_GENERATE"]),
-    Keyword::new("SET_SHELL_GENERAL", &[("card:l", Rest)], "read; nothing refers to it")
-        .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM"])
-        .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])
-        .effect(Harmless),
+    Keyword::new(
+        "SET_SHELL_GENERAL",
+        &[("card:l", Rest)],
+        "not used: no supported keyword refers to it",
+    )
+    .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM"])
+    .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])
+    .effect(Harmless),
 ];

@@ -7,15 +7,21 @@ use crate::input::deck::table::{Keyword, Times::*};
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "BOUNDARY_SPC_SET",
-        &[("id:i heading:a70", Count(id)), ("nsid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once)],
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("nsid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once),
+        ],
         "`[[fix]]`",
     )
     .options(&["ID"])
     .repeats(),
     Keyword::new(
         "BOUNDARY_SPC_NODE",
-        &[("id:i heading:a70", Count(id)), ("nid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once)],
-        "`[[fix]]`, nodes with the same degrees of freedom in one",
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("nid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once),
+        ],
+        "`[[fix]]`, one for all nodes with the same degrees of freedom",
     )
     .options(&["ID"])
     .repeats(),
@@ -26,7 +32,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("nsid:i! dof:i! vad:i lcid:i! sf:r=1 vid:i death:r=1e28 birth:r", Once),
             ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
         ],
-        "`[[motion]]` along x, y or z (dof 1 to 3) by velocity, acceleration or displacement, or rotation (5 to 7) by velocity",
+        "`[[motion]]` along x, y or z (dof 1 to 3) by velocity, acceleration or displacement, or \
+         rotation (dof 5 to 7) by velocity",
     )
     .options(&["ID"])
     .repeats(),
@@ -37,7 +44,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("nid:i! dof:i! vad:i lcid:i! sf:r=1 vid:i death:r=1e28 birth:r", Once),
             ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
         ],
-        "the same of one node",
+        "the same for one node",
     )
     .options(&["ID"])
     .repeats(),
@@ -48,7 +55,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("pid:i! dof:i! vad:i lcid:i! sf:r=1 vid:i death:r=1e28 birth:r", Once),
             ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
         ],
-        "the same of a rigid body",
+        "the same for a rigid body",
     )
     .options(&["ID"])
     .repeats(),
@@ -59,12 +66,13 @@ pub const KEYWORDS: &[Keyword] = &[
             ("vx:r vy:r vz:r vxr:r vyr:r vzr:r", Once),
             ("vxe:r vye:r vze:r vxre:r vyre:r vzre:r", Count(exempted)),
         ],
-        "`[[initial_velocity]]` of a set, of a box or of all nodes, and another one for the exempted set",
+        "`[[initial_velocity]]` of a set, of a box or of all nodes, and a second one for the \
+         exempted set",
     ),
     Keyword::new(
         "INITIAL_VELOCITY_NODE",
         &[("nid:i! vx:r vy:r vz:r vxr:r vyr:r vzr:r icid:i", Rest)],
-        "`[[initial_velocity]]`, nodes of equal velocity in one",
+        "`[[initial_velocity]]`, one for all nodes with the same velocity",
     ),
     Keyword::new(
         "INITIAL_VELOCITY_GENERATION",
@@ -78,9 +86,13 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "INITIAL_VELOCITY_RIGID_BODY",
         &[("pid:i! vx:r vy:r vz:r vxr:r vyr:r vzr:r icid:i", Rest)],
-        "`[[initial_velocity]]` of the body's nodes, spin about its centre",
+        "`[[initial_velocity]]` of the body's nodes; spin about its centre",
     ),
-    Keyword::new("LOAD_BODY_X", GRAVITY, "`[[gravity]]` along -x: the load accelerates the frame of reference"),
+    Keyword::new(
+        "LOAD_BODY_X",
+        GRAVITY,
+        "`[[gravity]]` along -x: the load accelerates the frame of reference",
+    ),
     Keyword::new("LOAD_BODY_Y", GRAVITY, "the same along -y"),
     Keyword::new("LOAD_BODY_Z", GRAVITY, "the same along -z"),
     Keyword::new(
@@ -96,9 +108,13 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "LOAD_SEGMENT",
         &[("lcid:i! sf:r=1 at:r n:i*4", Rest)],
-        "`[[pressure]]`, positive against the segment's normal, and into solids",
+        "`[[pressure]]`, positive against the segment's normal and into solids",
     ),
-    Keyword::new("LOAD_SEGMENT_SET", &[("ssid:i! lcid:i! sf:r=1 at:r", Rest)], "the same on a set of segments"),
+    Keyword::new(
+        "LOAD_SEGMENT_SET",
+        &[("ssid:i! lcid:i! sf:r=1 at:r", Rest)],
+        "the same on a set of segments",
+    ),
 ];
 
 const GRAVITY: &[(&str, crate::input::deck::table::Times)] =

@@ -33,8 +33,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("mid:i! ro:r! e:r! pr:r sigy:r! etan:r beta:r", Once),
             ("src:r srp:r fs:r vp:r", Maybe),
         ],
-        "law `j2` with the plastic modulus e etan/(e - etan); hardening is isotropic whatever beta says, which is told. src and \
-         srp are `cowper_symonds`, fs `failure_strain`",
+        "law `j2` with the plastic modulus e etan/(e - etan). Hardening is isotropic for any beta; \
+         `check` shows this. src and srp are `cowper_symonds`, fs is `failure_strain`",
     )
     .aliases(&["MAT_003", "MAT_3"])
     .options(&["TITLE"]),
@@ -47,7 +47,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eps:r*8", Maybe),
             ("es:r*8", Maybe),
         ],
-        "law `j2` with the table of lcss, of eps and es, or sigy with etan; c and p are `cowper_symonds`, fail `failure_strain`",
+        "law `j2` with the table of lcss, with eps and es, or with sigy and etan; c and p are \
+         `cowper_symonds`, fail is `failure_strain`",
     )
     .aliases(&["MAT_024", "MAT_24"])
     .options(&["TITLE"]),
@@ -60,7 +61,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("cp:r pc:r spall:r it:r d1:r d2:r d3:r d4:r", Maybe),
             ("d5:r c2:r erod:r efmin:r numint:r", Maybe),
         ],
-        "law `johnson_cook`; volume is elastic with e and pr (or g), no equation of state is read",
+        "law `johnson_cook`; the volumetric response is elastic with e and pr (or g), no equation \
+         of state is read",
     )
     .aliases(&["MAT_015", "MAT_15"])
     .options(&["TITLE"]),
@@ -72,12 +74,22 @@ pub const KEYWORDS: &[Keyword] = &[
             ("cmo:r con1:r con2:r", Maybe),
             ("a1:r a2:r a3:r v1:r v2:r v3:r", Maybe),
         ],
-        "each of its parts is a `[[rigid]]` body; cmo 1 with con1 and con2 are its `fixed`",
+        "each of its parts is a `[[rigid]]` body; cmo 1 with con1 and con2 sets `fixed`",
     )
     .aliases(&["MAT_020", "MAT_20"])
     .options(&["TITLE"]),
-    spring("MAT_SPRING_ELASTIC", &["MAT_S01", "MAT_S1"], &[SPRING_TITLE, ("mid:i! k:r!", Once)], "`spring.stiffness`"),
-    spring("MAT_DAMPER_VISCOUS", &["MAT_S02", "MAT_S2"], &[SPRING_TITLE, ("mid:i! dc:r!", Once)], "`spring.damping`"),
+    spring(
+        "MAT_SPRING_ELASTIC",
+        &["MAT_S01", "MAT_S1"],
+        &[SPRING_TITLE, ("mid:i! k:r!", Once)],
+        "`spring.stiffness`",
+    ),
+    spring(
+        "MAT_DAMPER_VISCOUS",
+        &["MAT_S02", "MAT_S2"],
+        &[SPRING_TITLE, ("mid:i! dc:r!", Once)],
+        "`spring.damping`",
+    ),
     spring(
         "MAT_SPRING_NONLINEAR_ELASTIC",
         &["MAT_S04", "MAT_S4"],
@@ -97,15 +109,17 @@ pub const KEYWORDS: &[Keyword] = &[
             ("mid:i! ro:r! e:r! pr:r sigy:r eh:r dt:r tfail:r", Once),
             ("efail:r nrr:r nrs:r nrt:r mrr:r mss:r mtt:r nf:r", Maybe),
         ],
-        "law `j2` with the plastic modulus eh, `elastic` without sigy; efail is `failure_strain`. nrr, nrs = nrt, mss = mtt and mrr make \
-         beams of it `[part.beam.weld]`: normal, shear, bending, torsion. dt (mass scaling) and nf (filter) are not used",
+        "law `j2` with the plastic modulus eh, or `elastic` without sigy; efail is \
+         `failure_strain`. For beams, nrr, nrs = nrt, mss = mtt and mrr become `[part.beam.weld]`: \
+         normal, shear, bending, torsion. dt (mass scaling) and nf (filter) are not used",
     )
     .aliases(&["MAT_100"])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],
-        "parts of shells are `skin`; solids (fluids) are not supported. ym and pr are for contact that asks for a stiffness",
+        "parts of shells are `skin`; solids (fluids) are not supported. ym and pr are for contact \
+         that needs a stiffness",
     )
     .aliases(&["MAT_009", "MAT_9"])
     .options(&["TITLE"]),

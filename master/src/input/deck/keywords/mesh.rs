@@ -7,39 +7,48 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "NODE",
         &[("nid:i8! x:r16 y:r16 z:r16 tc:i8 rc:i8", Rest)],
-        "nodes; tc and rc hold them as `[[fix]]`",
+        "nodes; tc and rc become `[[fix]]`",
     ),
     Keyword::new(
         "ELEMENT_SHELL",
         &[("eid:i8! pid:i8! n:i8*8", Rest), ("thic:r16*4 beta:r16", Count(thickness))],
-        "shells of three or four nodes; with THICKNESS or BETA a second line, whose thicknesses, or the section's where they are nought, make one mean \
-         for the shell",
+        "shells of three or four nodes. THICKNESS and BETA add a second line; with THICKNESS a \
+         shell gets the mean of its corner thicknesses, and a zero means that of the section",
     )
     .options(&["THICKNESS", "BETA"]),
     Keyword::new(
         "ELEMENT_SOLID",
         &[("eid:i8! pid:i8! n:i8*8", Rest), ("n:i8*10", Maybe)],
-        "solids of eight nodes, on one line or on two (ids, then nodes); wedges and tetrahedra are refused",
+        "solids of eight nodes, on one line or on two (ids, then nodes); wedges and tetrahedra are \
+         not supported",
     ),
     Keyword::new(
         "ELEMENT_MASS",
         &[("eid:i8 nid:i8! mass:r16! pid:i8", Rest)],
-        "`[[mass]]`, nodes of equal mass in one",
+        "`[[mass]]`, one for all nodes with the same mass",
     ),
-    Keyword::new("ELEMENT_MASS_NODE_SET", &[("eid:i8 nsid:i8! mass:r16!", Rest)], "`[[mass]]` of the set"),
+    Keyword::new(
+        "ELEMENT_MASS_NODE_SET",
+        &[("eid:i8 nsid:i8! mass:r16!", Rest)],
+        "`[[mass]]` of the set",
+    ),
     Keyword::new(
         "ELEMENT_BEAM",
-        &[("eid:i8! pid:i8! n1:i8! n2:i8! n3:i8 rt1:i8 rr1:i8 rt2:i8 rr2:i8 local:i8", Once), ("vx:r vy:r vz:r", Count(orientation))],
-        "beams; n3, or with ORIENTATION a vector, shows where the second axis (s) points, and may be left out where the section is round \
-         or the beam a truss. Releases (rt, rr) are not supported",
+        &[
+            ("eid:i8! pid:i8! n1:i8! n2:i8! n3:i8 rt1:i8 rr1:i8 rt2:i8 rr2:i8 local:i8", Once),
+            ("vx:r vy:r vz:r", Count(orientation)),
+        ],
+        "beams. n3, or with ORIENTATION a vector, gives the direction of the second axis (s); it \
+         is optional for round sections and trusses. Releases (rt, rr) are not supported",
     )
     .options(&["ORIENTATION"])
     .repeats(),
     Keyword::new(
         "ELEMENT_DISCRETE",
         &[("eid:i8! pid:i8! n1:i8! n2:i8 vid:i8 s:r16=1 pf:i8 offset:r16", Rest)],
-        "springs along the line between their nodes, or along vid; s and the direction are the same in all of a part. With n2 0 the second \
-         node is one in the place of the first that is held, and vid is needed; offset is not supported yet",
+        "springs along the line between their nodes, or along vid. All springs of a part have the \
+         same s and direction. With n2 0 the second node is a new fixed node at the position of \
+         the first one, and vid is required. offset is not supported yet",
     ),
 ];
 

@@ -122,7 +122,7 @@ mod tests {
         let count: usize = FAMILIES.iter().map(|(_, k)| k.len()).sum();
         let names: usize =
             FAMILIES.iter().flat_map(|(_, k)| k.iter()).map(|k| 1 + k.aliases.len()).sum();
-        assert_eq!(TABLE.len(), names, "a name stands twice");
+        assert_eq!(TABLE.len(), names, "a name occurs twice");
         assert!(count >= 40, "{count}");
         for row in TABLE.values() {
             assert!(!row.keyword.note.is_empty(), "{}", row.keyword.name);

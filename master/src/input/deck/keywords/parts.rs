@@ -12,8 +12,9 @@ pub const KEYWORDS: &[Keyword] = &[
             ("pid:i! secid:i! mid:i! eosid:i hgid:i grav:i adpopt:i tmid:i", Once),
             ("fs:r fd:r dc:r vc:r optt:r sft:r ssf:r cparm8:r", Count(contact)),
         ],
-        "`[[part]]`; the heading is its name, `part-PID` without one. Of the contact card of _CONTACT fs, fd, dc and vc are the friction where a contact has fs -1, of \
-         two parts the mean of theirs; optt and sft are `contact_thickness` and its scale",
+        "`[[part]]`; its name is the heading, or `part-PID` without one. Card of _CONTACT: fs, fd, \
+         dc and vc are the friction in contacts with fs -1 (for two parts the mean); optt and sft \
+         are `contact_thickness` and its scale",
     )
     .options(&["CONTACT"])
     .repeats(),
@@ -25,14 +26,18 @@ pub const KEYWORDS: &[Keyword] = &[
             ("t1:r t2:r t3:r t4:r nloc:r marea:r idof:r edgset:i", Once),
             ("angle:r*8", Count(angles)),
         ],
-        "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts that name it; nip 0 is 2",
+        "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts \
+         that refer to it; nip 0 is 2",
     )
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
         "SECTION_SOLID",
-        &[("heading:l", Count(title)), ("secid:i! elform:i=1 aet:i unused:r*3 cohoff:r gaskeit:r", Once)],
-        "formulation of the parts that name it",
+        &[
+            ("heading:l", Count(title)),
+            ("secid:i! elform:i=1 aet:i unused:r*3 cohoff:r gaskeit:r", Once),
+        ],
+        "formulation of the parts that refer to it",
     )
     .options(&["TITLE"])
     .repeats(),
@@ -45,9 +50,10 @@ pub const KEYWORDS: &[Keyword] = &[
             ("a:r! iss:r itt:r j:r sa:r ist:r", Count(resultant)),
             ("field:r*8", Count(of_another_kind)),
         ],
-        "`[part.beam]`: elform 1, 4, 5 and 9 with cst 0 `rectangle` (ts1 by tt1) or 1 `tube` (diameters ts1 and tt1), of 1 and 9 \
-         shear deforms shrf of the area; elform 2 and 13 `general` with a, iss, itt and j, elastic, and shear by sa; elform 3 the same \
-         without moments",
+        "`[part.beam]`. elform 1, 4, 5 and 9: with cst 0 a `rectangle` (ts1 by tt1; a tube for 5 \
+         and 9), with cst 1 a `tube` (diameters ts1 and tt1); 1 and 9 have the shear area shrf \
+         times the area. elform 2 and 13: `general`, elastic, with a, iss, itt, j and the shear \
+         area sa. elform 3: the same without moments",
     )
     .options(&["TITLE"])
     .repeats(),
@@ -58,18 +64,17 @@ pub const KEYWORDS: &[Keyword] = &[
             ("secid:i! dro:i kd:r v0:r cl:r fd:r", Once),
             ("cdl:r tdl:r", Once),
         ],
-        "makes the parts that name it `[part.spring]`; dro has to be 0, and so have kd, cl, fd, cdl and tdl",
+        "makes the parts that refer to it `[part.spring]`; dro, kd, cl, fd, cdl and tdl have to be \
+         0",
     )
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
         "HOURGLASS",
-        &[
-            ("heading:l", Count(title)),
-            ("hgid:i! ihq:i qm:r ibq:i q1:r q2:r qb:r qw:r", Once),
-        ],
-        "`hourglass` of the parts that name it: ihq 1 to 3 viscous, 4 and 5 stiffness, 6, 7, 9 and 10 assumed_strain (stiffness of \
-         shells); qm the coefficient; q2 and q1 `bulk_viscosity`",
+        &[("heading:l", Count(title)), ("hgid:i! ihq:i qm:r ibq:i q1:r q2:r qb:r qw:r", Once)],
+        "`hourglass` of the parts that refer to it: ihq 1 to 3 viscous, 4 and 5 stiffness, 6, 7, 9 \
+         and 10 assumed_strain (viscous for shells); qm is the coefficient; q2 and q1 are \
+         `bulk_viscosity`",
     )
     .options(&["TITLE"])
     .repeats(),

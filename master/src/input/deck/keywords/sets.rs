@@ -12,20 +12,20 @@ const LIST: &[(&str, crate::input::deck::table::Times)] = &[
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("TITLE", &[("text:l", Maybe)], "`title`"),
-    Keyword::new("COMMENT", &[("text:l", Rest)], "nothing"),
+    Keyword::new("COMMENT", &[("text:l", Rest)], "ignored"),
     Keyword::new(
         "PARAMETER",
         &[("prmr:a*8", Rest)],
-        "names for numbers, to which fields refer as &name; R, I and C",
+        "names of values, which fields use as &name; types R, I and C",
     )
     .aliases(&["PARAMETER_LOCAL"]),
     Keyword::new(
         "PARAMETER_EXPRESSION",
         &[("prmr:a expression:a70", Rest)],
-        "the same by formulas; whole numbers stay whole, so that 2/5 is 0",
+        "the same by formulas; integers stay integers, so 2/5 is 0",
     )
     .aliases(&["PARAMETER_EXPRESSION_LOCAL"]),
-    Keyword::new("SET_NODE_LIST", LIST, "node set `set-SID`, and by its title")
+    Keyword::new("SET_NODE_LIST", LIST, "node set `set-SID`, and the same set under its title")
         .aliases(&["SET_NODE"])
         .options(&["TITLE"]),
     Keyword::new("SET_NODE_LIST_GENERATE", LIST, "the same by ranges: first and last id of each")
@@ -37,10 +37,10 @@ pub const KEYWORDS: &[Keyword] = &[
             ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
             ("nid:i a:r*4", Rest),
         ],
-        "the same, one node a line",
+        "the same, one node per line",
     )
     .options(&["TITLE"]),
-    Keyword::new("SET_NODE_ADD", LIST, "the same of other node sets").options(&["TITLE"]),
+    Keyword::new("SET_NODE_ADD", LIST, "the same from other node sets").options(&["TITLE"]),
     Keyword::new(
         "SET_NODE_GENERAL",
         &[
@@ -48,14 +48,14 @@ pub const KEYWORDS: &[Keyword] = &[
             ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
             ("option:a! e:i*7", Rest),
         ],
-        "the same by ALL, NODE, PART, BOX, SET_NODE, SET_PART, and with a D before to take away",
+        "the same by ALL, NODE, PART, BOX, SET_NODE, SET_PART; the prefix D removes nodes",
     )
     .options(&["TITLE"]),
     Keyword::new("SET_PART_LIST", LIST, "a set of parts")
         .aliases(&["SET_PART"])
         .options(&["TITLE"]),
     Keyword::new("SET_PART_LIST_GENERATE", LIST, "the same by ranges").options(&["TITLE"]),
-    Keyword::new("SET_PART_ADD", LIST, "the same of other sets of parts").options(&["TITLE"]),
+    Keyword::new("SET_PART_ADD", LIST, "the same from other sets of parts").options(&["TITLE"]),
     Keyword::new(
         "SET_SEGMENT",
         &[
@@ -73,13 +73,13 @@ pub const KEYWORDS: &[Keyword] = &[
             ("lcid:i! sidr:i sfa:r=1 sfo:r=1 offa:r offo:r dattyp:i lcint:i", Once),
             ("a:r20 o:r20", Rest),
         ],
-        "`[[curve]]`, or a table of a material; constant beyond its points",
+        "`[[curve]]`, or a table of a material; constant outside its points",
     )
     .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_BOX",
         &[("heading:l", Count(title)), ("boxid:i! xmn:r xmx:r ymn:r ymx:r zmn:r zmx:r", Once)],
-        "for sets and initial velocities",
+        "a box for sets and initial velocities",
     )
     .options(&["TITLE"]),
     Keyword::new(
@@ -100,7 +100,7 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DEFINE_COORDINATE_NODES",
         &[("heading:l", Count(title)), ("cid:i! n1:i! n2:i! n3:i! flag:i dir:a", Once)],
-        "the same by three nodes, as they are at the start",
+        "the same by three nodes at their initial positions",
     )
     .options(&["TITLE"]),
 ];

@@ -1,15 +1,14 @@
-//! Friction acts on surfaces, half a thickness off the nodes: it turns these, and no couple is left
-//! over.
+//! Friction acts on surfaces, at half a thickness from the nodes. It rotates the nodes, and no
+//! unbalanced couple remains.
 
 use super::*;
 
-/// A node that turns, with this inertia.
+/// Returns a node with this rotational inertia.
 fn turning(node: NodeRecord, inertia: f64) -> NodeRecord {
     NodeRecord { inertia, ..node }
 }
 
-/// Two plates that come upon each other with a slide, all nodes slaves of the other plate's
-/// segment.
+/// Two plates that meet while they slide. All nodes are slaves of the segment of the other plate.
 fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], inertia: [f64; 2]) -> Scene {
     let v = V3::new(0.7, -0.2, 1.0);
     let lower = square(low)
@@ -27,7 +26,7 @@ fn spins(scene: &Scene) -> impl Iterator<Item = (f64, V3)> {
     scene.nodes.inertia.iter().copied().zip(scene.nodes.w.iter().map(|w| V3::from(xyz(w))))
 }
 
-/// Angular momentum and kinetic energy, spins of nodes included.
+/// Returns angular momentum and kinetic energy, including nodal spins.
 fn angular(scene: &Scene) -> V3 {
     scene.spin() + spins(scene).map(|(i, w)| i * w).sum::<V3>()
 }
@@ -36,8 +35,8 @@ fn energy(scene: &Scene) -> f64 {
     scene.energy() + spins(scene).map(|(i, w)| 0.5 * i * w.norm_squared()).sum::<f64>()
 }
 
-/// Laws whose shares act at the contact point: those by mass keep no angular momentum, friction or
-/// not.
+/// Laws whose shares act at the contact point. Shares by mass do not conserve angular momentum,
+/// with or without friction.
 fn fair_laws() -> impl Iterator<Item = (String, ContactJob)> {
     all_laws()
         .into_iter()
@@ -45,11 +44,11 @@ fn fair_laws() -> impl Iterator<Item = (String, ContactJob)> {
         .map(|(n, c)| (n, ContactJob { friction: 0.3, ..c }))
 }
 
-/// A29: friction keeps angular momentum to round-off, whichever side can turn; what it takes is
-/// booked, and it gives nothing.
+/// A29: friction conserves angular momentum to round-off, for rotations on either side. The
+/// dissipated energy is in the ledger, and friction adds no energy.
 #[test]
 fn friction_keeps_angular_momentum() {
-    // Square of the radius of gyration: that of a thin section up to that of a wide element.
+    // Square of the radius of gyration, from a thin section to a wide element.
     for inertia in [[THICK * THICK / 12.0, 1e-3], [0.01, 0.1], [0.01, 0.0], [0.0, 0.01]] {
         for (name, of) in fair_laws() {
             let name = format!("{name} {inertia:?}");
@@ -61,13 +60,13 @@ fn friction_keeps_angular_momentum() {
                 rubbed += scene.step().friction.total();
                 most = energy(&scene).max(most);
             }
-            // That of a penalty sticks by springs, which give back.
+            // With the penalty law stick is a spring, which returns its energy.
             assert!(
                 of.law == "penalty" || rubbed < 1e-6 * had,
-                "{name}: friction gives nothing, {rubbed} of {had}"
+                "{name}: friction adds no energy, {rubbed} of {had}"
             );
-            assert!(spins(&scene).any(|(_, w)| w.norm() > 1e-3), "{name}: and turn");
-            // 50 steps of some ten sums each.
+            assert!(spins(&scene).any(|(_, w)| w.norm() > 1e-3), "{name}: the nodes rotate");
+            // Round-off of 50 steps with about ten sums each.
             assert!(
                 (scene.momentum() - first).norm() < 5e-12 * size,
                 "{name}: {}",
@@ -78,16 +77,19 @@ fn friction_keeps_angular_momentum() {
                 "{name}: {}",
                 angular(&scene) - before
             );
-            assert!((energy(&scene) - had - scene.work).abs() < 1e-12 * had, "{name}: as booked");
+            assert!(
+                (energy(&scene) - had - scene.work).abs() < 1e-12 * had,
+                "{name}: energy balance"
+            );
             let doubt = if of.law == "penalty" { 0.05 } else { 1e-9 };
             assert!(most < had * (1.0 + doubt), "{name}: {most} of {had}");
         }
     }
 }
 
-/// What sticks has no velocity where the surfaces touch: the impulse is that of a rod of both
-/// inertias, `v / (1/m + a^2/I + sum_k N_k^2 (1/M + b^2/J))`, with half a thickness of lever arm on
-/// either side.
+/// In stick the relative velocity of the touching surfaces is zero. The impulse is that of a rod
+/// with both inertias, `v / (1/m + a^2/I + sum_k N_k^2 (1/M + b^2/J))`. The lever arm is half a
+/// thickness on each side.
 #[test]
 fn what_sticks_does_so_at_the_surface() {
     let (m, inertia, dt) = (1.5, 2e-3, 1e-3);
@@ -128,8 +130,8 @@ fn what_sticks_does_so_at_the_surface() {
     }
 }
 
-/// A block on a plate whose friction turns it: a pull below mu N is held at the surface for long,
-/// and gives no energy.
+/// A block on a plate whose friction rotates it. Friction at the surface holds a pull below mu N
+/// for a long time and adds no energy.
 #[test]
 fn a_pull_below_the_limit_is_held() {
     for (name, of) in fair_laws() {
@@ -138,7 +140,7 @@ fn a_pull_below_the_limit_is_held() {
         }
         let mut points: Vec<NodeRecord> =
             square([1e3; 4]).into_iter().map(|p| turning(held(p.x), 1.0)).collect();
-        // Nothing turns about any axis: spins would be those of wheels which nothing holds.
+        // No rotations: nodes would spin like free wheels.
         points.push(turning(mass([0.0, 0.0, THICK], [0.0; 3], 2.0), 1e-3));
         points.iter_mut().for_each(|p| p.fixed |= 0b11_1000);
         let mut scene = Scene::new(&of, &points, &[[0, 1, 2, 3]], &[4], 1e-3);
@@ -149,8 +151,8 @@ fn a_pull_below_the_limit_is_held() {
     }
 }
 
-/// Without rotational inertia on either side nothing takes the couple, and without friction there
-/// is none.
+/// Without rotational inertia on both sides no node takes the couple. Without friction there is no
+/// couple.
 #[test]
 fn what_cannot_turn_or_rub_has_no_lever() {
     for (inertia, friction, turns) in [(0.0, 0.3, false), (0.01, 0.0, false), (0.01, 0.3, true)] {
@@ -165,9 +167,9 @@ fn what_cannot_turn_or_rub_has_no_lever() {
     }
 }
 
-/// A shell that stands upright on a plate would be turned about its own normal by friction along
-/// its rim, which next to nothing holds: the plate takes the whole couple, from where the middle of
-/// the rim is.
+/// Friction along the rim of an upright shell on a plate would rotate it about its own normal, a
+/// rotation with almost no stiffness. Therefore the plate takes the whole couple, about the middle
+/// of the rim.
 #[test]
 fn the_rim_of_a_shell_takes_no_couple() {
     let of = ContactJob { friction: 0.3, ..job("lagrange") };

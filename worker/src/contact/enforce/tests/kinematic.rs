@@ -1,4 +1,4 @@
-//! The partitioned kinematic predictor-corrector, and what all laws have in common.
+//! Tests of the partitioned kinematic predictor-corrector, and of properties of all laws.
 
 use super::*;
 
@@ -6,8 +6,8 @@ fn kinematic(partition: f64) -> ContactJob {
     ContactJob { partition, ..job("kinematic") }
 }
 
-/// Two plates that face each other, all nodes slaves of the other plate's segment; the lower one
-/// has lower node ids.
+/// Two plates that face each other. All nodes are slaves of the segment of the other plate. The
+/// lower plate has lower node ids.
 fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], v: V3) -> Scene {
     let lower = square(low);
     let upper =
@@ -17,8 +17,8 @@ fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], v: V3) -> Scene {
     Scene::new(of, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[0, 1, 2, 3, 4, 5, 6, 7], 1e-3)
 }
 
-/// Momentum is kept to round-off by every law in every form: nodes of all masses on both sides,
-/// with friction, at an angle. Energy is not gained but for what a penalty's steps leave in doubt.
+/// All laws in all forms conserve momentum to round-off: with different masses on both sides, with
+/// friction, at an angle. Energy does not increase, except for the error of the penalty steps.
 #[test]
 fn every_law_keeps_momentum() {
     for (name, of) in all_laws() {
@@ -32,21 +32,24 @@ fn every_law_keeps_momentum() {
             met += scene.pairs().len();
         }
         let all: f64 = scene.sum(|m, _, v| m * v.norm());
-        assert!(met > 8, "{name}: they meet");
-        // 50 steps of some ten sums each.
+        assert!(met > 8, "{name}: there is contact");
+        // Round-off of 50 steps with about ten sums each.
         assert!(
             (scene.momentum() - p).norm() < 1e-13 * 50.0 * all,
             "{name}: {}",
             scene.momentum() - p
         );
-        assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "{name}: as booked");
+        assert!(
+            (scene.energy() - before - scene.work).abs() < 1e-12 * before,
+            "{name}: energy balance"
+        );
         let doubt = if of.law == "penalty" { 0.05 } else { 1e-9 };
         assert!(scene.energy() < before * (1.0 + doubt), "{name}: {} of {before}", scene.energy());
     }
 }
 
-/// A node that finds no slave on the other side closes its gap alone and at once, wherever on the
-/// segment and whatever the partition: C02, light on heavy and heavy on light.
+/// A node without slaves on the other side closes its gap alone and in one step, at any position on
+/// the segment and for any partition factor: C02, light on heavy and heavy on light.
 #[test]
 fn a_one_sided_pair_closes_its_gap_in_one_step() {
     for (m, segment) in [(1e-6, 1e-3), (1.0, 1e-6), (1.0, 1.0)] {
@@ -64,12 +67,12 @@ fn a_one_sided_pair_closes_its_gap_in_one_step() {
                 let at = format!("{m} on {segment} at {x}, {y}");
                 assert!((scene.momentum() - p).norm() < 1e-13 * p.norm(), "{at}: round-off");
                 assert!((scene.v(4) - point).norm() < 1e-9 * v, "{at}: {} and {point}", scene.v(4));
-                // A plastic impact on the mass that the contact point has there.
+                // A plastic impact on the mass of the contact point.
                 let behind: f64 = 1.0 / shape[1..].iter().map(|n| n * n / segment).sum::<f64>();
                 let common = v * m / (m + behind);
                 assert!(
                     (scene.v(4).z + common).abs() < 1e-9 * v,
-                    "{at}: {} and not {common}",
+                    "{at}: {}, expected {common}",
                     scene.v(4).z
                 );
             }
@@ -77,8 +80,8 @@ fn a_one_sided_pair_closes_its_gap_in_one_step() {
     }
 }
 
-/// Many nodes on a segment share its mass: at the centre, with equal masses, one pass is exact for
-/// any number of them.
+/// Many nodes on a segment share its mass. At the centre, with equal masses, one pass is exact for
+/// any number of nodes.
 #[test]
 fn nodes_that_share_a_segment_are_corrected_together() {
     for (n, m, segment) in [(2, 1.0, 1.0), (10, 10.0, 1.0), (10, 1e3, 1.0)] {
@@ -99,8 +102,7 @@ fn nodes_that_share_a_segment_are_corrected_together() {
     }
 }
 
-/// Fixed nodes against a free segment, without the other direction: they take part as very heavy
-/// ones.
+/// Fixed nodes against a free segment, without the other direction. They act as very heavy nodes.
 #[test]
 fn a_segment_stops_at_fixed_nodes() {
     let mut points: Vec<NodeRecord> =
@@ -112,7 +114,7 @@ fn a_segment_stops_at_fixed_nodes() {
     let before = scene.energy();
     for _ in 0..30 {
         scene.step();
-        assert!(scene.energy() < before * (1.0 + 1e-12), "no energy from nothing");
+        assert!(scene.energy() < before * (1.0 + 1e-12), "no energy gain");
     }
     let point = |i: usize| scene.x(i).z;
     let centre = 0.25 * (0..4).map(point).sum::<f64>();
@@ -123,7 +125,7 @@ fn a_segment_stops_at_fixed_nodes() {
     );
 }
 
-/// C08: where both plates are slaves of each other, the partition shares the correction, and the
+/// C08: both plates are slaves of each other. The partition factor splits the correction, and the
 /// gap is closed once.
 #[test]
 fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
@@ -151,12 +153,12 @@ fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
     }
 }
 
-/// C08: two plates that are pressed together pass the load once, by any law, evenly.
+/// C08: two plates that are pressed together transmit the load once and uniformly, with any law.
 #[test]
 fn pressed_plates_pass_the_load_once() {
     for (name, of) in all_laws() {
-        // Far above what the Lagrange law leaves be, far below what sinks a penalty in by the
-        // thickness.
+        // Much larger than the residual of the Lagrange law, and much smaller than the load for a
+        // penalty penetration of one thickness.
         let load = if of.law == "penalty" { 100.0 } else { 5e3 };
         let of = ContactJob {
             penalty_scale: if of.penalty_form == "stiffness" { 1e5 } else { 0.1 },
@@ -165,7 +167,8 @@ fn pressed_plates_pass_the_load_once() {
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], V3::zeros());
         (0..8).for_each(|i| scene.load[i].z = if i < 4 { load } else { -load });
         scene.settle(600, 0.05);
-        // Force on the upper plate's nodes, from its own pairs and as reaction of the lower one's.
+        // Force on the nodes of the upper plate, from its own pairs and as reaction of the pairs
+        // of the lower plate.
         let mut on_node = [0.0; 4];
         for p in scene.pairs() {
             for (r, &n) in p.nodes[..p.node_count()].iter().enumerate().filter(|(_, n)| **n >= 4) {
@@ -173,17 +176,17 @@ fn pressed_plates_pass_the_load_once() {
                     if r == 0 { p.force.z } else { -p.force.z * p.weight[r] };
             }
         }
-        // Lagrange leaves a force be that changes by less than 1e-3.
+        // The Lagrange law does not update a force that changes by less than 1e-3.
         on_node.iter().for_each(|f| {
-            assert!((f / load - 1.0).abs() < 3e-3, "{name}: {on_node:?} and not {load}")
+            assert!((f / load - 1.0).abs() < 3e-3, "{name}: {on_node:?}, expected {load}")
         });
         assert_eq!(scene.pairs().len(), 8, "{name}: both directions");
     }
 }
 
-/// A fine surface falls on a coarse one, all nodes slaves: nodes at mid-face of the coarse segment
-/// are partitioned with its corners, so that their gap closes step by step, never more than once:
-/// no energy comes up, momentum stays.
+/// A fine surface falls on a coarse one; all nodes are slaves. Nodes at mid-face of the coarse
+/// segment share the correction with its corners, so that their gap closes step by step and never
+/// more than once. Energy does not increase, and momentum is conserved.
 #[test]
 fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
     for partition in [0.2, 0.5, 0.8] {
@@ -215,8 +218,8 @@ fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
     }
 }
 
-/// A plate on a bed of held nodes, all nodes slaves of the other side, the bed's middle node higher
-/// by `bump`; pressed down by `press` and pulled along by `pull` at each of its corners.
+/// A plate on a bed of fixed nodes. All nodes are slaves of the other side, and the middle node of
+/// the bed is higher by `bump`. `press` acts downwards and `pull` sideways on each corner.
 fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
     let mut points: Vec<NodeRecord> = (0..25)
         .map(|i| {
@@ -228,7 +231,7 @@ fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
         })
         .collect();
     let corners = square([1.0, 2.0, 0.5, 1.5]).into_iter();
-    let fixed = if pull == 0.0 { 0b011 } else { 0 }; // up and down only: nothing slides off the bump
+    let fixed = if pull == 0.0 { 0b011 } else { 0 }; // only vertical motion: no slip off the bump
     let above = |p: NodeRecord| mass([0.7 * p.x[0], 0.7 * p.x[1], THICK + bump], [0.0; 3], p.mass);
     points.extend(corners.map(|p| NodeRecord { fixed, ..above(p) }));
     let bed = |i: u32| i % 4 + 5 * (i / 4);
@@ -241,8 +244,8 @@ fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
     scene
 }
 
-/// A09: on a held bed the free nodes bear the load whatever the partition, and none of it creeps
-/// under a pull below mu N.
+/// A09: on a fixed bed the free nodes carry the load for any partition factor, and they do not
+/// creep under a pull below mu N.
 #[test]
 fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
     for partition in [0.0, 0.5, 1.0] {
@@ -256,7 +259,7 @@ fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
             let borne = if p.key.slave.0 > 25 { press } else { 0.0 };
             assert!(
                 (p.force.z.abs() - borne).abs() < 1e-3 * press,
-                "{partition}: {:?} and not {borne}",
+                "{partition}: {:?}, expected {borne}",
                 p.force
             );
         }
@@ -264,14 +267,14 @@ fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
         for (i, start) in (25..29).zip(start) {
             let free = 0.5 * pull / scene.nodes.mass[i] * time * time;
             let crept = (scene.x(i).x - start).abs() / free;
-            // What a step leaves open, 1e-3 of a force, is closed in the next.
-            assert!(crept < 1e-5, "{partition}: corner {i} crept by {crept:e} of its free way");
+            // The residual of a step, 1e-3 of a force, is corrected in the next one.
+            assert!(crept < 1e-5, "{partition}: corner {i} crept by {crept:e} of its free path");
         }
     }
 }
 
-/// A held node that stands up between the free corners of a coarse face still stops it, while the
-/// corners are held too.
+/// A fixed node that protrudes between the free corners of a coarse face still stops it, and the
+/// corners are stopped too.
 #[test]
 fn a_held_node_between_free_ones_takes_what_they_leave() {
     let bump = 0.5 * THICK;
@@ -284,7 +287,7 @@ fn a_held_node_between_free_ones_takes_what_they_leave() {
         let pairs = scene.pairs().iter().filter(|p| (p.key.slave.0 <= 25) == held);
         pairs.map(|p| p.force.z.abs()).sum()
     };
-    // The law leaves 1e-3 of a force.
+    // The residual of the law is 1e-3 of a force.
     assert!(
         (borne(true) - 2000.0).abs() < 4.0 && (borne(false) - 100.0).abs() < 4.0,
         "{}, {}",
@@ -293,6 +296,6 @@ fn a_held_node_between_free_ones_takes_what_they_leave() {
     );
     assert!(
         (middle - THICK - bump).abs() < 1e-3 * THICK,
-        "the bump is not in the plate: {corners:?}"
+        "the bump does not penetrate the plate: {corners:?}"
     );
 }

@@ -1,10 +1,10 @@
-//! Segments that press on segments.
+//! Tests of segment to segment contact.
 
 use super::*;
 use crate::contact::surface::Surface;
 
-/// A plate of `n` by `n` segments of a square of side 2, its nodes with masses by their areas;
-/// height and velocity.
+/// A plate of `n` by `n` segments, a square of side 2, with nodal masses in proportion to their
+/// areas; its height and velocity.
 struct Plate {
     points: Vec<NodeRecord>,
     segments: Vec<[u32; 4]>,
@@ -37,7 +37,7 @@ fn forms() -> [ContactJob; 2] {
     [job("mortar"), stiff]
 }
 
-/// Two plates one above the other: their scene, and the area of each node.
+/// Returns a scene of two plates, one above the other, and the area of each node.
 fn two(
     of: &ContactJob,
     [below, above]: [usize; 2],
@@ -52,8 +52,7 @@ fn two(
     (scene, [one.areas, two.areas].concat())
 }
 
-/// A22: plates that come together flat are pressed uniformly, on both sides and whatever their
-/// meshes.
+/// A22: flat contact of two plates gives a uniform pressure on both sides, for any meshes.
 #[test]
 fn flat_plates_press_uniformly_whatever_their_meshes() {
     for of in forms() {
@@ -78,24 +77,26 @@ fn flat_plates_press_uniformly_whatever_their_meshes() {
                     );
                 }
             }
-            assert!(pressed > 2, "{} {meshes:?}: they touch in {pressed} steps", of.penalty_form);
+            assert!(pressed > 2, "{} {meshes:?}: contact in {pressed} steps", of.penalty_form);
             let upper = scene.v(areas.len() - 1).z;
             assert!(
                 scene.pairs().iter().all(|p| p.force.norm() == 0.0) && upper > -0.2,
-                "apart again: {upper}"
+                "separated again: {upper}"
             );
             assert!((scene.momentum() - momentum).norm() < 1e-12 * momentum.norm(), "round-off");
-            // Central differences are in doubt by the part of a step in which the spring comes on
-            // and goes off.
+            // Error of central differences: the parts of a step in which contact begins and ends.
             let kept = scene.energy() / before;
             assert!((kept - 1.0).abs() < 0.2, "{} {meshes:?}: energy kept {kept}", of.penalty_form);
-            assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
+            assert!(
+                (scene.energy() - before - scene.work).abs() < 1e-12 * before,
+                "energy balance"
+            );
         }
     }
 }
 
-/// A warped and tilted plate that slides as it comes down: both momenta stay, and contact gives
-/// little more than it took.
+/// A warped and tilted plate that slides while it falls: both momenta are conserved, and contact
+/// returns little more energy than it took.
 #[test]
 fn tilted_plates_keep_both_momenta() {
     for of in forms() {
@@ -107,7 +108,7 @@ fn tilted_plates_keep_both_momenta() {
             scene.step();
             touched += usize::from(scene.pairs().iter().any(|p| p.force.norm() > 0.0));
         }
-        assert!(touched > 20, "they touch in {touched} steps");
+        assert!(touched > 20, "contact in {touched} steps");
         assert!((scene.momentum() - momentum).norm() < 1e-12 * momentum.norm(), "round-off");
         assert!(
             (scene.spin() - spin).norm() < 1e-11 * momentum.norm(),
@@ -116,13 +117,13 @@ fn tilted_plates_keep_both_momenta() {
         );
         let work = scene.work / before;
         eprintln!("{}: work of contact / energy {work:.4}", of.penalty_form);
-        assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
-        assert!(work < 5e-3, "{}: contact gave {work} of the energy", of.penalty_form);
+        assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "energy balance");
+        assert!(work < 5e-3, "{}: contact work is {work} of the energy", of.penalty_form);
     }
 }
 
-/// A07: friction slows a plate that slides over another one, whose segments it does not match, with
-/// mu times what presses it.
+/// A07: a plate slides over another one with a different mesh. Friction decelerates it with mu
+/// times the normal force.
 #[test]
 fn friction_slows_a_plate_over_many_segments() {
     let (mu, load, v) = (0.3, 2.0, 1.0);
@@ -132,7 +133,7 @@ fn friction_slows_a_plate_over_many_segments() {
         let first = areas.len() - 4;
         (0..first).for_each(|i| scene.nodes.inv_mass[i] = [0.0; 4]);
         for (i, area) in areas.iter().enumerate().skip(first) {
-            // Small enough to stay on the plate below all the way.
+            // Small enough to stay on the plate below all the time.
             (scene.nodes.x[i][0], scene.nodes.x[i][1]) =
                 (0.31 * scene.nodes.x[i][0] - 0.55, 0.31 * scene.nodes.x[i][1]);
             scene.load[i].z = -load * area;
@@ -145,13 +146,13 @@ fn friction_slows_a_plate_over_many_segments() {
         let now = (first..areas.len()).map(|i| scene.v(i).x).sum::<f64>() / 4.0;
         assert!(
             ((now - expected) / (v - expected)).abs() < 0.02,
-            "{}: {now} and not {expected}",
+            "{}: {now}, expected {expected}",
             of.penalty_form
         );
     }
 }
 
-/// Of two segments the one with the lower number is the slave, and each area is there once.
+/// The segment with the lower number is the slave, and each area is counted once.
 #[test]
 fn of_two_segments_one_is_the_slave() {
     let (mut scene, _) = two(&job("mortar"), [2, 3], |_, _| THICK - 1e-3, [0.0; 3]);
@@ -167,17 +168,17 @@ fn of_two_segments_one_is_the_slave() {
             [&p.nodes[..4], &p.nodes[4..]].concat(),
             [of(p.key.slave_quarter().0), of(p.segment)].concat()
         );
-        // What is there at the start is let be.
+        // Initial penetrations are tolerated.
         assert!(
             (p.penetration - 1e-3).abs() < 1e-15 && p.gap.abs() < 1e-15 && p.force == V3::zeros()
         );
     }
     let area: f64 = scene.pairs().iter().map(|p| p.area).sum();
-    assert!((area - 4.0).abs() < 1e-12, "all of the plates: {area}");
+    assert!((area - 4.0).abs() < 1e-12, "the whole area of the plates: {area}");
 }
 
-/// A plate between two others remembers each of them by itself: the one that it met first does not
-/// tell on which side the other is.
+/// A plate between two others has a separate history for each of them: the first contact does not
+/// decide the side of the second one.
 #[test]
 fn a_plate_between_two_others_holds_both_apart() {
     for of in forms() {
@@ -188,7 +189,7 @@ fn a_plate_between_two_others_holds_both_apart() {
         let slaves: Vec<u32> = (0..points.len() as u32).collect();
         let segments = [middle.segments, above.segments, below.segments].concat();
         let mut scene = Scene::new(&of, &points, &segments, &slaves, 1e-3);
-        // Pressed onto the middle one all the time, so that it is what that one remembers.
+        // Always pressed onto the middle plate, so that its history is of this contact.
         (9..25).for_each(|i| scene.load[i] = V3::new(0.0, 0.0, -20.0 * scene.nodes.mass[i]));
         let (mut met, mut nearest) = ([0, 0], f64::INFINITY);
         for _ in 0..200 {
@@ -203,7 +204,7 @@ fn a_plate_between_two_others_holds_both_apart() {
             let [m, a, b] = [mean(0..9), mean(9..25), mean(25..41)];
             nearest = nearest.min((a - m).min(m - b));
         }
-        assert!(met[0] > 0 && met[1] > 0, "{}: met {met:?}", of.penalty_form);
-        assert!(nearest > 0.5 * THICK, "{}: as near as {nearest}", of.penalty_form);
+        assert!(met[0] > 0 && met[1] > 0, "{}: pairs {met:?}", of.penalty_form);
+        assert!(nearest > 0.5 * THICK, "{}: smallest distance {nearest}", of.penalty_form);
     }
 }

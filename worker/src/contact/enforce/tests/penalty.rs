@@ -1,10 +1,10 @@
-//! Penalty: a spring, and how stiff it may be.
+//! Tests of the penalty law: a spring, and the bound on its stiffness.
 
 use super::*;
 
-/// The penalty law is a spring `k = scale m_red / dt^2`: it keeps momentum, throws back what comes
-/// without loss, and lets a node sink in by `v sqrt(m_red / k) = v dt / sqrt(scale)`. Stable up to
-/// the limit of central differences, k m_red^-1 dt^2 < 4.
+/// The penalty law is a spring `k = scale m_red / dt^2`. It conserves momentum, the rebound is
+/// without loss, and the penetration is `v sqrt(m_red / k) = v dt / sqrt(scale)`. It is stable up
+/// to the limit of central differences, k m_red^-1 dt^2 < 4.
 #[test]
 fn penalty_is_a_spring_that_keeps_momentum_and_energy() {
     let mut sunk = Vec::new();
@@ -23,32 +23,35 @@ fn penalty_is_a_spring_that_keeps_momentum_and_energy() {
         assert!(scene.pairs().is_empty() && scene.v(4).z > scene.v(0).z, "apart again");
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off");
         let expected = v * dt / scale.sqrt();
-        // Steps of a size of 1/8 and more of a swing: the deepest point falls between two of them.
+        // Steps are 1/8 of an oscillation and more: the deepest point is between two steps.
         assert!(
             (deepest / expected - 1.0).abs() < 0.15,
-            "scale {scale}: {deepest} and not {expected}"
+            "scale {scale}: {deepest}, expected {expected}"
         );
-        // Central differences keep a spring's energy but where the node first meets and last leaves
-        // it: a force of up to k v dt acts over a part of a step, and with it `1/2 k (v dt)^2 =
-        // scale / 2` of the energy is in doubt.
+        // Central differences conserve the energy of a spring except where contact begins and ends:
+        // a force of up to k v dt acts over part of a step, which gives an energy error of
+        // `1/2 k (v dt)^2 = scale / 2`.
         let kept = scene.energy() / before;
-        eprintln!("scale {scale}: sinks by {deepest:.2e}, energy kept {kept:.4}");
+        eprintln!("scale {scale}: penetration {deepest:.2e}, energy kept {kept:.4}");
         assert!((kept - 1.0).abs() < 0.5 * scale, "scale {scale}: {kept}");
         sunk.push(deepest);
     }
-    assert!(sunk.windows(2).all(|d| d[0] > d[1]), "stiffer, less deep: {sunk:?}");
+    assert!(
+        sunk.windows(2).all(|d| d[0] > d[1]),
+        "a stiffer spring gives a smaller penetration: {sunk:?}"
+    );
 }
 
-/// C02: a light node on a heavy segment and a heavy node on a light one. However stiff the job asks
-/// for, the stiffness in use keeps the step stable: momentum stays, energy within what a spring of
-/// this stiffness leaves in doubt, and the pairs that were softened are counted.
+/// C02: a light node on a heavy segment and a heavy node on a light one. For any requested
+/// stiffness, the stiffness in use keeps the step stable. Momentum is conserved, energy is within
+/// the error of a spring of this stiffness, and pairs with reduced stiffness are counted.
 #[test]
 fn stiffness_is_bounded_by_the_masses_that_it_moves() {
     for (m, segment) in [(1e-6, 1e-3), (1.0, 1e-6)] {
         let (v, dt) = (10.0, 1e-6);
         let mut points = square([segment; 4]);
         points.push(mass([0.0, 0.0, THICK], [0.0, 0.0, -v], m));
-        // 1e9 N/m of the segment's E A / d = sqrt 2.
+        // 1e9 times the stiffness of the segment, E A / d = sqrt 2.
         let job = ContactJob {
             penalty_form: "stiffness".into(),
             penalty_scale: 1e9 / 2f64.sqrt(),
@@ -59,7 +62,7 @@ fn stiffness_is_bounded_by_the_masses_that_it_moves() {
         (0..200).for_each(|_| _ = scene.step());
         assert!(scene.contact.capped_pairs > 0, "said");
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off");
-        // k c dt^2 = 4 (1 - 0.9^2) = 0.76: half of it is in doubt (see above).
+        // k c dt^2 = 4 (1 - 0.9^2) = 0.76: half of it is the energy error (see above).
         assert!(
             (scene.energy() / before - 1.0).abs() < 0.38,
             "{m} on {segment}: {}",
@@ -77,9 +80,9 @@ const CELLS: usize = 12;
 /// Force that holds the rods together.
 const PRELOAD: f64 = 0.01;
 
-/// Two rods of lumped masses, pressed together and at rest: mass 1 and stiffness 1 per cell, so
-/// that a free rod is stable up to dt = 1. The lower one is four strings, its end a segment; the
-/// upper one is one string, its end the slave.
+/// Two rods of lumped masses, pressed together and at rest. Mass and stiffness per cell are 1, so
+/// that a free rod is stable up to dt = 1. The lower rod is four strings with a segment at the end,
+/// the upper rod is one string with the slave at the end.
 fn rods(of: &ContactJob, dt: f64) -> Scene {
     let along_z = |x: f64, y: f64, z: f64, m: f64| NodeRecord {
         fixed: 0b011,
@@ -97,22 +100,22 @@ fn rods(of: &ContactJob, dt: f64) -> Scene {
     let top = 4 * CELLS as u32;
     let mut scene =
         Scene::new(of, &points, &[[top, top + 1, top + 2, top + 3]], &[slave as u32], dt);
-    // Without force longer by what the preload presses them together.
+    // The length without force is longer by the compression of the preload.
     scene.springs = (0..4 * CELLS).map(|i| (i, i + 4, 0.25, 1.0 + PRELOAD)).collect();
     scene.springs.extend((slave..slave + CELLS).map(|i| (i, i + 1, 1.0, 1.0 + PRELOAD)));
     (0..4).for_each(|i| scene.load[i].z = 0.25 * PRELOAD);
     scene.load[slave + CELLS].z = -PRELOAD;
     scene.settle(2000, 0.05);
-    // At these steps the Lagrange law leaves be what is below 2.5 % of the preload.
+    // At these steps the residual of the Lagrange law is up to 2.5 % of the preload.
     let force = scene.pairs()[0].force.z;
-    assert!((force / PRELOAD - 1.0).abs() < 0.03, "pressed together by {force}");
+    assert!((force / PRELOAD - 1.0).abs() < 0.03, "contact force {force}");
     scene
 }
 
-/// How many times the velocity of a kick to the touching end the fastest node has at most in 400
-/// steps of `dt`.
+/// Returns the largest nodal velocity in 400 steps of `dt`, over the velocity of an initial kick to
+/// the touching end.
 fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
-    // What bounds the stiffness is the step: no other one before.
+    // The present step bounds the stiffness; there is no previous one.
     let bounded = of.law == "penalty" && of.penalty_cap;
     let mut scene = rods(of, if bounded { dt } else { 0.1 });
     scene.steps = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
@@ -120,7 +123,7 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
     let mut fastest = 0.0f64;
     for _ in 0..400 {
         scene.step();
-        // All springs of a rod that blows up would soon be numbers that are none.
+        // In an unstable rod all spring forces would soon be NaN.
         fastest = scene.nodes.v.iter().map(|v| v[2].abs()).fold(fastest, f64::max).min(1e6);
         if fastest > 1e3 * kick {
             break;
@@ -130,7 +133,7 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
 }
 
 fn stiff(beta: f64, cap: bool) -> ContactJob {
-    // The segment's E A / d is 4 / (2 sqrt 2).
+    // E A / d of the segment is 4 / (2 sqrt 2).
     let penalty_scale = beta / 2f64.sqrt();
     ContactJob {
         penalty_form: "stiffness".into(),
@@ -140,27 +143,28 @@ fn stiff(beta: f64, cap: bool) -> ContactJob {
     }
 }
 
-/// A24, C01: a spring of beta cell stiffnesses between two long rods lowers their stable step to `2
-/// / omega, omega^2 = 2 + 2 sqrt(1 + 4 beta^2)` cells (the mode that decays by `2 beta - sqrt(1 + 4
-/// beta^2)` per cell on either side). Two percent below the rods swing on, two percent above they
-/// blow up. With the bound on stiffness they are stable at the safety of 0.9 however stiff the job
-/// asks for.
+/// A24, C01: a spring of beta cell stiffnesses between two long rods lowers their stable step to
+/// `2 / omega, omega^2 = 2 + 2 sqrt(1 + 4 beta^2)` cells (the mode that decays by
+/// `2 beta - sqrt(1 + 4 beta^2)` per cell on each side). Two percent below this step the rods
+/// oscillate, two percent above it they are unstable. With the bound on stiffness they are stable
+/// with a safety of 0.9 for any requested stiffness.
 #[test]
 fn a_stiff_penalty_lowers_the_stable_step_as_it_should_and_the_bound_keeps_it() {
     let kick = 1e-6;
     for (beta, listed) in [(0.5, 0.910), (1.0, 0.786), (2.0, 0.625), (10.0, 0.308)] {
         let limit = 2.0 / (2.0 + 2.0 * f64::sqrt(1.0 + 4.0 * beta * beta)).sqrt();
-        assert!((limit - listed).abs() < 6e-4, "the catalogue's figure");
+        assert!((limit - listed).abs() < 6e-4, "the value of the catalogue");
         let (below, above) = (
             growth(&stiff(beta, false), 0.98 * limit, kick),
             growth(&stiff(beta, false), 1.02 * limit, kick),
         );
         eprintln!("beta {beta}: limit {limit:.4}, growth {below:.2} below and {above:.0} above");
-        // Just below the limit a mode swings with up to 1 / sqrt(1 - 0.98^2) = 5 times its kick.
-        assert!(below < 10.0, "beta {beta}: grows {below} times below {limit}");
-        assert!(above > 100.0, "beta {beta}: grows {above} times only above {limit}");
+        // Just below the limit the amplitude of a mode is up to 1 / sqrt(1 - 0.98^2) = 5 times its
+        // kick.
+        assert!(below < 10.0, "beta {beta}: growth {below} below {limit}");
+        assert!(above > 100.0, "beta {beta}: growth only {above} above {limit}");
         let bounded = growth(&stiff(beta, true), 0.9, kick);
-        assert!(bounded < 10.0, "beta {beta}: grows {bounded} times at 0.9 in spite of the bound");
+        assert!(bounded < 10.0, "beta {beta}: growth {bounded} at 0.9 in spite of the bound");
     }
     assert!(
         growth(&stiff(0.5, false), 0.9, kick) < 10.0
@@ -169,8 +173,8 @@ fn a_stiff_penalty_lowers_the_stable_step_as_it_should_and_the_bound_keeps_it() 
     );
 }
 
-/// Local Lagrange and kinematic contact leave the stable step to the elements. The kick is large
-/// against what the Lagrange law leaves open, and the ends hop.
+/// Local Lagrange and kinematic contact do not limit the stable step. The kick is large against the
+/// residual of the Lagrange law, and the ends bounce.
 #[test]
 fn lagrange_and_kinematic_contact_do_not_lower_the_stable_step() {
     let gauss_seidel = ContactJob { iteration: "gauss_seidel".into(), ..job("lagrange") };
@@ -178,7 +182,7 @@ fn lagrange_and_kinematic_contact_do_not_lower_the_stable_step() {
         let (below, above) = (growth(&of, 0.99, 0.02), growth(&of, 1.02, 0.02));
         assert!(
             below < 10.0 && above > 100.0,
-            "{} {}: grows {below} below, {above} above",
+            "{} {}: growth {below} below, {above} above",
             of.law,
             of.iteration
         );

@@ -1,8 +1,8 @@
-//! Coulomb friction: a mass on a plate, slowed, held, pulled to and fro.
+//! Tests of Coulomb friction: a mass on a plate in slip, in stick and under an alternating pull.
 
 use super::*;
 
-/// A long plate that does not move, and a mass on it that is pressed down with force N.
+/// A long fixed plate, and a mass on it that is pressed down with force N.
 fn pressed(friction: f64, law: &str, velocity: f64, pull: f64, press: f64) -> Scene {
     plate(&ContactJob { friction, ..job(law) }, velocity, pull, press)
 }
@@ -21,9 +21,9 @@ fn plate(of: &ContactJob, velocity: f64, pull: f64, press: f64) -> Scene {
     scene
 }
 
-/// A07: Coulomb friction slows a sliding block of mass m under a force N with `mu N / m` until it
-/// rests, holds it against a pull below mu N, and lets it go above. The block passes 20 edges of
-/// segments on its way.
+/// A07: Coulomb friction decelerates a sliding block of mass m under a force N by `mu N / m` until
+/// it is at rest. The block sticks under a pull below mu N and slides under a larger one. It passes
+/// 20 edges of segments.
 #[test]
 fn coulomb_friction_slows_holds_and_lets_go() {
     for law in ["lagrange", "kinematic"] {
@@ -39,26 +39,26 @@ fn slows_holds_and_lets_go(law: &str) {
     for _ in 0..1000 {
         scene.step();
     }
-    // v(1) = 10 - 7.5; the force law is exact for a constant load, what is left is the tolerance of
+    // v(1) = 10 - 7.5. The force law is exact for a constant load; the error is the tolerance,
     // 1e-3 of a force.
     let expected = v - slowing;
     assert!(
         (scene.v(block).x - expected).abs() < 2e-3 * slowing,
-        "{} and not {expected}",
+        "{}, expected {expected}",
         scene.v(block).x
     );
     assert!((scene.x(block).x - (v - 0.5 * slowing)).abs() < 2e-2, "{}", scene.x(block).x);
     for _ in 0..1000 {
         scene.step();
     }
-    // At rest the law leaves 1e-4 of the thickness unclosed per step: 1e-4 * 0.1 / 1e-3.
-    assert!(scene.v(block).norm() < 0.015, "rests after 10 / 7.5 = 1.33: {:?}", scene.v(block));
+    // At rest the residual of the law is 1e-4 of the thickness per step: 1e-4 * 0.1 / 1e-3.
+    assert!(scene.v(block).norm() < 0.015, "at rest after 10 / 7.5 = 1.33: {:?}", scene.v(block));
     let way = v * v / (2.0 * slowing);
-    assert!((scene.x(block).x / way - 1.0).abs() < 2e-3, "{} and not {way}", scene.x(block).x);
+    assert!((scene.x(block).x / way - 1.0).abs() < 2e-3, "{}, expected {way}", scene.x(block).x);
     assert!((scene.x(block).z - THICK).abs() < 1e-3 * THICK, "on the plate");
     assert!(
         (scene.work + 0.5 * m * v * v).abs() < 1e-3 * m * v * v,
-        "friction took it all: {}",
+        "friction dissipates all kinetic energy: {}",
         scene.work
     );
 
@@ -68,15 +68,15 @@ fn slows_holds_and_lets_go(law: &str) {
         let expected = moves * slowing;
         assert!(
             (scene.v(block).x - expected).abs() < 2e-3 * slowing,
-            "pull {pull}: {} and not {expected}",
+            "pull {pull}: {}, expected {expected}",
             scene.v(block).x
         );
     }
 }
 
-/// The same with the penalty law, whose stick is a spring: a held block swings on it instead of
-/// resting. Without the dashpot the block bounces on its spring; friction acts in every touch from
-/// its first step on, so that it is the same.
+/// The same with the penalty law, whose stick is a spring: a block in stick oscillates on it.
+/// Without the dashpot the block bounces on its spring. Friction acts in every contact from its
+/// first step on, so that the result is the same.
 #[test]
 fn coulomb_friction_of_the_penalty_law() {
     let (mu, n, m, v) = (0.3, 50.0, 2.0, 10.0);
@@ -89,7 +89,7 @@ fn coulomb_friction_of_the_penalty_law() {
         let left = scene.v(block).x;
         assert!(
             (left - expected).abs() < 1e-2 * mu * n / m,
-            "damping {damping}: {left} and not {expected}"
+            "damping {damping}: {left}, expected {expected}"
         );
     }
     let mut scene = plate(&damped(0.1), 0.0, 0.4 * mu * n, n);
@@ -98,9 +98,9 @@ fn coulomb_friction_of_the_penalty_law() {
     assert!((scene.x(block).x).abs() < 1e-2 * THICK, "held: {}", scene.x(block).x);
 }
 
-/// A14: what slides through a whole touch takes friction's impulse, mu times the normal one,
-/// wherever in a step the touch begins; so it does if it comes from outside the range in which
-/// pairs are looked at.
+/// A14: a block that slides during the whole contact gets the tangential impulse mu times the
+/// normal one. This does not depend on the time within a step at which contact begins, and is valid
+/// also if the block starts outside the reach of the pairs.
 #[test]
 fn friction_of_a_penalty_acts_from_the_first_step_of_a_touch() {
     let mu = 0.3;
@@ -115,23 +115,23 @@ fn friction_of_a_penalty_acts_from_the_first_step_of_a_touch() {
             (0..60).for_each(|_| _ = scene.step());
             assert!(
                 scene.pairs().is_empty() && scene.v(block).z > 0.5 * fall,
-                "it has left: {}",
+                "the block has separated: {}",
                 scene.v(block)
             );
             let ratio = (3.0 - scene.v(block).x) / (scene.v(block).z + fall);
-            // Slides at 3 against 0.3: the spring from the stick point is beyond the cone in every
-            // step.
+            // Slides at 3 against 0.3: the spring force from the stick point is outside the cone in
+            // every step.
             assert!(
                 (ratio / mu - 1.0).abs() < 1e-9,
-                "damping {damping}, phase {phase}: {ratio} and not {mu}"
+                "damping {damping}, phase {phase}: {ratio}, expected {mu}"
             );
         }
     }
 }
 
-/// C09: a pull `1.5 mu N sin(2 pi t / T)` to and fro. Friction takes `mu N |v|`, never gives; while
-/// the block sticks the force follows the pull and changes its sign once at most; the block comes
-/// back to where it was.
+/// C09: an alternating pull `1.5 mu N sin(2 pi t / T)`. Friction dissipates `mu N |v|` and never
+/// adds energy. In stick the force follows the pull and changes its sign at most once. The block
+/// returns to its position.
 #[test]
 fn friction_follows_a_reversing_pull_without_chatter() {
     let (mu, period) = (0.3, 200);
@@ -140,8 +140,8 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         ContactJob { penalty_form: "stiffness".into(), penalty_scale: 1e6, ..job("penalty") };
     for of in [job("lagrange"), gauss_seidel, job("kinematic"), job("penalty"), stiff] {
         let name = format!("{} {} {}", of.law, of.iteration, of.penalty_form);
-        // So large that what the Lagrange law leaves be, 1e-4 of the thickness per step, is 0.25 %
-        // of mu N; for a penalty so small that the block sinks in by a third of the thickness.
+        // Lagrange: so large that its residual, 1e-4 of the thickness per step, is 0.25 % of mu N.
+        // Penalty: so small that the penetration is a third of the thickness.
         let n = if of.law == "penalty" { 2e3 / mu } else { 8e3 / mu };
         let mut scene = plate(&ContactJob { friction: mu, ..of.clone() }, 0.0, 0.0, n);
         let block = scene.nodes.len() - 1;
@@ -150,7 +150,7 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         let dt = scene.steps.dt;
         let (mut dissipated, mut expected, mut means) = (0.0, 0.0, Vec::new());
         let mut widest = (f64::INFINITY, f64::NEG_INFINITY);
-        // Signs of the force while it sticks: steps since it last changed, changes in this phase.
+        // Sign of the force in stick: steps since its last change, changes in this phase.
         let (mut last_sign, mut since, mut changes, mut quickest, mut most) =
             (0.0, 0, 0, usize::MAX, 0);
         for _ in 0..20 {
@@ -165,7 +165,7 @@ fn friction_follows_a_reversing_pull_without_chatter() {
                 mean += scene.x(block).x / period as f64;
                 widest = (scene.x(block).x.min(widest.0), scene.x(block).x.max(widest.1));
                 let force = scene.pairs()[0].force.x;
-                // Where a penalty sticks, the block swings on its spring and nothing is lost.
+                // In stick with the penalty law the block oscillates on its spring without loss.
                 if force.abs() > 0.99 * mu * scene.pairs()[0].force.z {
                     expected += mu * n * v.abs() * dt;
                 }
@@ -185,24 +185,25 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         let amplitude = 0.5 * (widest.1 - widest.0);
         let drift = (means[19] - means[1]).abs();
         eprintln!(
-            "{name}: friction took {dissipated:.4} of {expected:.4}, drift {drift:.2e} of {amplitude:.3}, {most} changes"
+            "{name}: friction dissipates {dissipated:.4} of {expected:.4}, drift {drift:.2e} of \
+             {amplitude:.3}, {most} changes"
         );
         assert!(
             (dissipated / expected - 1.0).abs() < 5e-3,
-            "{name}: {dissipated} and not {expected}"
+            "{name}: {dissipated}, expected {expected}"
         );
         assert!(drift < 0.01 * amplitude, "{name}: drifts by {drift} of {amplitude}");
         if of.law == "penalty" {
-            // A block on its stick spring swings about the pull, some 20 steps and more each time.
-            assert!(quickest > 4, "{name}: the force turned after {quickest} steps");
+            // A block on its stick spring oscillates about the pull in about 20 steps or more.
+            assert!(quickest > 4, "{name}: the force reverses after {quickest} steps");
         } else {
             assert!(most <= 1, "{name}: {most} changes of sign while it sticks");
         }
     }
 }
 
-/// A stick point lasts through steps in which its pair bears nothing but stays touching, and ends
-/// with what lifts off or slides away.
+/// A stick point remains through steps in which its pair has no force but stays in contact. It is
+/// lost if the slave separates or slides away.
 #[test]
 fn a_stick_point_lasts_through_a_step_without_force() {
     for law in ["lagrange", "kinematic"] {
@@ -215,7 +216,7 @@ fn a_stick_point_lasts_through_a_step_without_force() {
         assert_eq!(after(&idle, V3::zeros()), little, "stays");
         assert!(
             (after(&idle, little) - little * 2.0).norm() < 1e-15,
-            "and is left behind by what moves"
+            "a moving node leaves the stick point behind"
         );
         assert_eq!(after(&idle, V3::z() * (1e-3 * THICK)), V3::zeros(), "lifted off");
         assert_eq!(after(&idle, V3::x() * (1e-3 * THICK)), V3::zeros(), "slid away");

@@ -1,5 +1,4 @@
-//! How fast sweeps bring the forces of pairs that feel each other into agreement, and when they do
-//! not.
+//! Tests of the convergence of sweeps for coupled pairs.
 
 use super::*;
 
@@ -13,10 +12,10 @@ fn lagrange(iteration: &str, sweeps: usize) -> ContactJob {
     }
 }
 
-/// n nodes of mass m land together on the centre of a segment of equal nodal masses M. Simultaneous
-/// updates with full masses would multiply the error by `-(n-1) (1/4M) / (1/m + 1/4M)` per sweep,
-/// which is above 1 for most of these; masses split among their pairs, and pairs that take turns,
-/// settle for all of them.
+/// n nodes of mass m hit the centre of a segment of equal nodal masses M at the same time.
+/// Simultaneous updates with full masses would multiply the error by
+/// `-(n-1) (1/4M) / (1/m + 1/4M)` per sweep, which is above 1 for most of these cases. Masses split
+/// among their pairs, and updates of one pair after the other, converge for all of them.
 #[test]
 fn many_nodes_on_one_segment_settle() {
     for (n, m, segment) in
@@ -32,10 +31,14 @@ fn many_nodes_on_one_segment_settle() {
             let mut scene =
                 Scene::new(&lagrange(iteration, 200), &points, &[[0, 1, 2, 3]], &slaves, dt);
             scene.step();
-            // The law leaves 1e-10 of the contact thickness of the gap per step and pair.
+            // The residual gap of the law is 1e-10 of the contact thickness per step and pair.
             for i in 0..scene.nodes.len() {
                 let z = scene.v(i).z;
-                assert!((z + common).abs() < 1e-6, "{iteration}, node {i}: {z}, not {}", -common);
+                assert!(
+                    (z + common).abs() < 1e-6,
+                    "{iteration}, node {i}: {z}, expected {}",
+                    -common
+                );
             }
             let initial = n as f64 * m * v;
             assert!((scene.momentum().z / -initial - 1.0).abs() < 1e-12, "round-off");
@@ -45,17 +48,17 @@ fn many_nodes_on_one_segment_settle() {
     }
 }
 
-/// Bodies of the given masses in a row that touch, in turn a plate of four nodes and a node on its
-/// centre, so that each acts as one mass. The last one comes with velocity `v` upon the others at
-/// rest. Returns the largest error of a pair's force after so many sweeps, as a fraction of the
-/// largest force.
+/// A row of touching bodies with the given masses, alternately a plate of four nodes and a node on
+/// its centre, so that each acts as one mass. The last one hits the others, which are at rest, with
+/// velocity `v`. Returns the largest error of a pair force after this number of sweeps, as a
+/// fraction of the largest force.
 fn row_error(iteration: &str, masses: &[f64], sweeps: usize) -> f64 {
     row_of(&lagrange(iteration, sweeps), masses).0
 }
 
-/// The same for any law, and the number of sweeps.
+/// Returns the same error for any law, and the number of sweeps.
 fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
-    // Gaps that the law leaves are small beside the way that this speed makes in a step.
+    // Residual gaps of the law are small against the displacement of a step at this speed.
     let (v, dt) = (1e6, 1e-3);
     let (mut points, mut segments, mut slaves) = (Vec::new(), Vec::new(), Vec::new());
     for (i, &m) in masses.iter().enumerate() {
@@ -73,20 +76,20 @@ fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
     }
     let mut scene = Scene::new(job, &points, &segments, &slaves, dt);
     scene.step();
-    assert_eq!(scene.pairs().len(), masses.len() - 1, "each touches the next");
-    // Plastic impact: all below the struck one are brought to the common velocity by what the pair
-    // above them passes on.
+    assert_eq!(scene.pairs().len(), masses.len() - 1, "each node touches the next");
+    // Plastic impact: the force of each pair accelerates all bodies below it to the common
+    // velocity.
     let common = v * masses[masses.len() - 1] / masses.iter().sum::<f64>();
     let exact: Vec<f64> =
         (1..masses.len()).map(|j| masses[..j].iter().sum::<f64>() * common / dt).collect();
-    // Pairs in ascending (node, segment) are those of the row from below.
+    // Pairs in ascending order of (node, segment) follow the row from below.
     let off = scene.pairs().iter().zip(&exact).map(|(p, f)| (p.force.norm() - f).abs());
     (off.fold(0.0, f64::max) / exact[exact.len() - 1], scene.contact.sweeps)
 }
 
-/// Light layers of any number between heavy ones, with masses as 1 to 1 and down to 1 to 10,000:
-/// accelerated sweeps settle within a bound that does not depend on the masses, however they are
-/// made. A layer of n light bodies has n + 1 different rates of convergence.
+/// Light layers between heavy ones, with mass ratios from 1 to 1 down to 1 to 10,000. Accelerated
+/// sweeps converge within a bound that does not depend on the masses, for any iteration. A layer of
+/// n light bodies has n + 1 different rates of convergence.
 #[test]
 fn accelerated_sweeps_settle_whatever_the_masses() {
     for law in [lagrange("gauss_seidel", 20), lagrange("split", 20)] {
@@ -98,23 +101,24 @@ fn accelerated_sweeps_settle_whatever_the_masses() {
                 let (error, sweeps) = row_of(&law, &masses);
                 let plain = row_of(&ContactJob { accelerated: 0, ..law.clone() }, &masses).0;
                 eprintln!(
-                    "{} {}, {light} of {ratio}: error {error:.1e} in {sweeps} sweeps, {plain:.1e} in 20",
+                    "{} {}, {light} of {ratio}: error {error:.1e} in {sweeps} sweeps, {plain:.1e} \
+                     in 20",
                     law.law, law.iteration
                 );
                 assert!(error < 1e-5, "{law:?}, {masses:?}: {error}");
                 assert!(sweeps < 50, "{law:?}, {masses:?}: {sweeps}");
                 assert!(
                     plain > 0.5 || ratio > 0.05,
-                    "{law:?}, {masses:?}: plain sweeps settle too, {plain}"
+                    "{law:?}, {masses:?}: plain sweeps converge too, {plain}"
                 );
             }
         }
     }
 }
 
-/// C15: Gauss-Seidel on n equal masses in a row has the spectral radius `cos^2(pi/n)`; on a light
-/// layer between two heavy ones `1 / (1 + mu/m)^2`. Sweeps to an error of 1e-6: 10, 33, 138 and 73,
-/// 695 in the catalogue.
+/// C15: Gauss-Seidel on n equal masses in a row has the spectral radius `cos^2(pi/n)`, and
+/// `1 / (1 + mu/m)^2` on a light layer between two heavy ones. Sweeps to an error of 1e-6: 10, 33,
+/// 138 and 73, 695 in the catalogue.
 #[test]
 fn sweeps_in_order_converge_by_the_known_spectral_radii() {
     let row = |n: usize| (vec![1.0; n], (std::f64::consts::PI / n as f64).cos().powi(2));
@@ -124,32 +128,30 @@ fn sweeps_in_order_converge_by_the_known_spectral_radii() {
         let late = (0.8 * needed) as usize;
         let measured =
             row_error("gauss_seidel", &masses, late + 1) / row_error("gauss_seidel", &masses, late);
-        // Other modes have died out by then, but for the smallest problem in the fewest sweeps.
+        // Other modes have decayed by then, except in the smallest problem with the fewest sweeps.
         assert!(
             (measured - radius).abs() < 0.01 * radius,
-            "{masses:?}: {measured} and not {radius}"
+            "{masses:?}: {measured}, expected {radius}"
         );
         let counted = (1..).find(|&k| row_error("gauss_seidel", &masses, k) < 1e-6).unwrap();
         eprintln!(
             "{masses:?}: radius {measured:.4} ({radius:.4}), {counted} sweeps ({needed:.0}) to 1e-6"
         );
-        // The radius tells of sweeps as they follow each other; the first ones take what is not of
-        // the slowest mode.
+        // The radius is the ratio of successive sweeps. The first sweeps remove the faster modes.
         assert!(
             (counted as f64 - needed).abs() < 0.1 * needed + 1.0,
-            "{masses:?}: {counted} sweeps and not {needed}"
+            "{masses:?}: {counted} sweeps, expected {needed}"
         );
-        // Split masses converge too, more slowly: with two users of each inner mass `(1 + rho) /
-        // 2`, rho Jacobi's radius.
+        // Split masses also converge, but more slowly: with two users of each inner mass the radius
+        // is `(1 + rho) / 2` with the radius rho of Jacobi.
         let split = row_error("split", &masses, late + 1) / row_error("split", &masses, late);
         assert!(split < 1.0 && split > radius, "{masses:?}: {split}");
     }
 }
 
-/// C15: with too few sweeps for a light node between two heavy plates the plates sink in, and it
-/// shows; the node stays between them. Gauss-Seidel takes no energy from anywhere. Split masses,
-/// whose remembered forces go on pushing when they should long have ended, do: they must be given
-/// sweeps.
+/// C15: a light node between two heavy plates with too few sweeps. The plates penetrate, and this
+/// is reported; the node stays between them. Gauss-Seidel adds no energy. Split masses do, because
+/// forces of the warm start continue after contact should have ended. They need more sweeps.
 #[test]
 fn too_few_sweeps_leave_penetration_that_shows() {
     let energy = |iteration: &str, sweeps: usize| {
@@ -170,12 +172,12 @@ fn too_few_sweeps_leave_penetration_that_shows() {
             most = most.max(scene.energy());
             assert!(
                 scene.x(0).z < scene.x(8).z && scene.x(8).z < scene.x(4).z,
-                "{iteration}: expelled"
+                "{iteration}: the bodies changed sides"
             );
         }
         assert!(scene.momentum().norm() < 1e-12 * 8.0, "{iteration}: round-off");
         eprintln!(
-            "{iteration}, {sweeps} sweeps: energy {:.4} at most, {:.2e} deep",
+            "{iteration}, {sweeps} sweeps: energy {:.4} at most, penetration {:.2e}",
             most / before,
             scene.contact.penetration
         );
@@ -194,8 +196,8 @@ fn too_few_sweeps_leave_penetration_that_shows() {
     energy("split", 10);
 }
 
-/// C15 (a): however large the first step is, the light plate stays between the heavy ones, and all
-/// are at rest but for the speed at which penetration is taken out.
+/// C15 (a): for any size of the first step, the light plate stays between the heavy ones. All are
+/// at rest except for the speed at which penetration is removed.
 #[test]
 fn a_light_plate_between_heavy_ones_is_at_rest_with_them() {
     for iteration in ["split", "gauss_seidel"] {
@@ -223,18 +225,21 @@ fn a_light_plate_between_heavy_ones_is_at_rest_with_them() {
             let fastest = (0..12).map(|i| scene.v(i).norm()).fold(0.0, f64::max);
             let [steps, open] = scene.contact.unsettled;
             eprintln!(
-                "{case}: {fastest:.2e}, {steps} steps accelerated, {open} open, {:.1e} deep",
+                "{case}: {fastest:.2e}, {steps} steps accelerated, {open} open, penetration {:.1e}",
                 scene.contact.penetration
             );
             assert!(fastest < 4e-5 * SPEED * 1.001, "{case}: {fastest}");
-            assert!(scene.x(0).z < scene.x(4).z && scene.x(4).z < scene.x(8).z, "{case}: expelled");
+            assert!(
+                scene.x(0).z < scene.x(4).z && scene.x(4).z < scene.x(8).z,
+                "{case}: the bodies changed sides"
+            );
             assert!(steps > 0 && open == 0, "{case}: {steps} steps accelerated, {open} open");
             assert!(scene.contact.penetration < 1e-3, "{case}: {}", scene.contact.penetration);
         }
     }
 }
 
-/// Penetration is taken out at one speed whatever the step: 4e-5 of the wave speed.
+/// Penetration is removed at the same speed for any step size: 4e-5 of the wave speed.
 #[test]
 fn penetration_is_taken_out_at_a_speed_whatever_the_step() {
     for dt in [1e-3, 1e-5] {

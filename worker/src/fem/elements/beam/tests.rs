@@ -78,7 +78,7 @@ fn no_rotation_strains_it() {
     let places: Vec<[V3; 2]> = (0..=100).map(|k| ends.map(|p| turned(k, p))).collect();
     let [force, first, last] = led(rectangle(), &places, &[[axis; 2]; 100]);
     let largest = force.norm() + first.norm() + last.norm();
-    assert!(largest < 1e-12, "E A is 0.16: {largest}");
+    assert!(largest < 1e-12, "round-off, with E A = 0.16: {largest}");
 }
 
 /// Ends that rotate by 2e-3 relative to the line and to each other, and separate by 1e-3: the
@@ -145,7 +145,7 @@ fn short_beams_shear() {
         [(V3::y(), 0.4 * 0.008 / 12.0, areas[1]), (V3::z(), 0.2 * 0.064 / 12.0, areas[0])]
     {
         let phi = 12.0 * e * i / (g * area * length * length);
-        assert!(phi > 0.01, "it matters: {phi}");
+        assert!(phi > 0.01, "shear is not negligible: {phi}");
         let (force, first, last) = of(axis, [1.0, 1.0]);
         let exact = 6.0 * e * i / length / (1.0 + phi) * 1e-3;
         assert!(
@@ -154,7 +154,7 @@ fn short_beams_shear() {
         );
         assert!(
             (force.norm() / (2.0 * exact / length) - 1.0).abs() < 1e-5,
-            "{force} keeps the moment"
+            "{force} balances the moments"
         );
         let (_, first, last) = of(axis, [1.0, -1.0]);
         let exact = 2.0 * e * i / length * 1e-3;

@@ -10,7 +10,8 @@
 //! exactly: `V B_I = dV/dx_I = sum over k of Gamma_kI dV/dX_k`. X7 is not in it.
 
 use super::super::{GroupCorners, GroupNodes};
-use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
+use crate::fem::materials::PointLanes;
+use crate::math::lanes::{Lane, Real, cross, dot};
 
 /// Modes of a vector at the corners.
 pub type Modes<R> = [[R; 3]; 7];
@@ -154,7 +155,7 @@ where
 
 /// Returns the modes of two nodal columns at the corners of a group.
 #[inline(always)]
-pub fn gather<L: Lanes<W>, const W: usize>(
+pub fn gather<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<8, W>,
     [one, other]: [&[[f64; 4]]; 2],
 ) -> [Modes<L>; 2] {
@@ -180,7 +181,7 @@ pub fn gather<L: Lanes<W>, const W: usize>(
 /// Returns two nodal columns at a corner of a group; in single precision, their values relative to
 /// the first corner.
 #[inline(always)]
-fn corner<L: Lanes<W>, const W: usize>(
+fn corner<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<8, W>,
     columns: [&[[f64; 4]]; 2],
     c: usize,
@@ -203,7 +204,7 @@ fn corner<L: Lanes<W>, const W: usize>(
 
 /// Converts forces of modes to rows of corner forces.
 #[inline(always)]
-pub fn scatter<L: Lanes<W>, const W: usize>(modes: &Modes<L>, force: &mut GroupCorners<8, W>) {
+pub fn scatter<L: PointLanes<W>, const W: usize>(modes: &Modes<L>, force: &mut GroupCorners<8, W>) {
     if L::SHORT {
         let rows = modes.map(L::to_rows);
         for (lane, force) in force.iter_mut().enumerate() {

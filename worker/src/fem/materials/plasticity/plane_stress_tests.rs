@@ -97,11 +97,11 @@ fn simple_paths_yield_where_they_should() {
     // against plastic strain.
     assert!(
         (plane[0] - exact).abs() < 1e-6 * exact,
-        "elastic part forgotten after 10 %: {} for {exact}",
+        "elastic part negligible after 10 %: {} for {exact}",
         plane[0]
     );
     let bulk = (1.0 - 2.0 * NU) / E * (plane[0] + plane[1]);
-    assert!((0.1 + eps_z - bulk).abs() < 1e-12, "plastic flow keeps volume, exactly: {eps_z}");
+    assert!((0.1 + eps_z - bulk).abs() < 1e-12, "plastic flow is exactly isochoric: {eps_z}");
 }
 
 #[test]
@@ -137,10 +137,10 @@ fn returned_stress_lies_on_the_surface_whatever_the_step() {
             if state[3] > before {
                 assert!(
                     (vm - sig_y).abs() < 1.1e-10 * sig_y,
-                    "the law promises 1e-10: step {size}, {vm} for {sig_y}"
+                    "tolerance of the law, 1e-10: step {size}, {vm} for {sig_y}"
                 );
             } else {
-                assert!(vm <= sig_y, "elastic beyond yield: {vm} for {sig_y}");
+                assert!(vm <= sig_y, "elastic above yield: {vm} for {sig_y}");
             }
         }
     }
@@ -239,7 +239,7 @@ fn every_lane_is_what_it_would_be_alone() {
                 assert_eq!(
                     shuffled[column].lane(lane).to_bits(),
                     there.to_bits(),
-                    "neighbours changed a lane"
+                    "other lanes changed a lane"
                 );
             }
         }

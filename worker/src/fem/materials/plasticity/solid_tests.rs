@@ -59,7 +59,7 @@ fn uniaxial_stress_follows_the_bilinear_curve_and_unloads_with_e() {
     (0..500).for_each(|_| pull(&*law, &mut state, 1e-4, &[1, 2], 1.0));
     let eps_p = (E * 0.05 - YIELD) / (E + 1.0);
     assert!((state[0] - (YIELD + eps_p)).abs() < 1e-9, "round-off over 500 steps: {}", state[0]);
-    assert!((state[0] - 0.29858).abs() < 5e-6, "the catalogue's digits");
+    assert!((state[0] - 0.29858).abs() < 5e-6, "the digits of the catalogue");
     assert!((state[6] - eps_p).abs() < 1e-9, "round-off over 500 steps: {}", state[6]);
     let before = state[0];
     pull(&*law, &mut state, -1e-4, &[1, 2], 1.0);
@@ -82,7 +82,7 @@ fn simple_paths_yield_where_they_should() {
     let exact = 2.0 * YIELD / 3.0_f64.sqrt();
     assert!(
         (plane[0] - exact).abs() < 1e-6 * exact,
-        "elastic part forgotten after 10 %: {} for {exact}",
+        "elastic part negligible after 10 %: {} for {exact}",
         plane[0]
     );
 }
@@ -111,16 +111,16 @@ fn returned_stress_lies_on_the_surface_whatever_the_step() {
             yielded += 1;
             assert!(
                 (vm - sig_y).abs() < 1e-11 * sig_y,
-                "exact but for round-off: step {size}, {vm} for {sig_y}"
+                "exact except for round-off: step {size}, {vm} for {sig_y}"
             );
         } else {
-            assert!(vm <= sig_y, "elastic beyond yield: {vm} for {sig_y}");
+            assert!(vm <= sig_y, "elastic above yield: {vm} for {sig_y}");
         }
         let bulk = E / (3.0 * 0.4) * (strain[0] + strain[1] + strain[2]);
         let mean = (state[0] + state[1] + state[2] - before[0] - before[1] - before[2]) / 3.0;
-        assert!((mean - bulk).abs() < 1e-13 * (1.0 + bulk.abs()), "flow keeps volume");
+        assert!((mean - bulk).abs() < 1e-13 * (1.0 + bulk.abs()), "plastic flow is isochoric");
     }
-    assert!(yielded > 500, "the test has to reach the surface: {yielded}");
+    assert!(yielded > 500, "the test must reach the yield surface: {yielded}");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn a_point_fails_at_its_strain_and_stays_failed() {
     while state[9] == 0.0 {
         last = von_mises(&state);
         advance(&*law, &mut state, [0.0, 0.0, 0.0, 1e-3, 0.0, 0.0], 1.0);
-        assert!(state[6] < 0.06, "it has to fail");
+        assert!(state[6] < 0.06, "the point must fail");
     }
     assert!(
         (last - YIELD).abs() < 1e-12 && (0.05..0.0506).contains(&state[6]),
@@ -167,7 +167,7 @@ fn an_incompressible_solid_is_refused() {
         density: 1.0,
         parameters: parameters.into(),
     };
-    let problems = build_solid(&material).err().expect("no finite bulk modulus");
+    let problems = build_solid(&material).err().expect("the bulk modulus is not finite");
     assert!(problems[0].path == "poisson" && problems[0].help.contains("0.499"), "{problems:?}");
     assert!(crate::fem::materials::build(&material).is_ok(), "a shell may be incompressible");
 }
