@@ -6,7 +6,7 @@
 //!   r = 1 is about that of full integration. In the viscous form the coefficient is
 //!   `(r/2) sqrt(K m)`, with K the stiffness at r = 1 and m the mass (or inertia): r is the
 //!   fraction of critical damping of the mode. In plastic parts these forces are bounded by
-//!   [`STRENGTH`] times the capacity of the section in their modes (`bounds.rs`): elastic ones
+//!   [`BOUNDS`] times the capacity of the section in their modes (`bounds.rs`): elastic ones
 //!   would grow without bound in folds.
 //! - Warping of Belytschko, Wong & Chiang 1992: `Bc1 vx, Bc2 vy, Bc2 vx + Bc1 vy` is added to the
 //!   curvature, with `Bc1 = (2 z0/A^2) [x13, x42, x31, x24]`, Bc2 likewise with y, z0 = h z/4; here
@@ -16,7 +16,7 @@
 //! `stabilised_quad.rs` has one. Thin twisted strips do not lock, as the hourglass rates exclude
 //! rigid rotation; coarse ones are stiff (`shell_benchmarks.rs`).
 
-use super::bounds::{self, Capacity};
+use super::bounds::{self, Bounds, Mode};
 use super::quad::{
     DRILLING, Generalised, Geometry, HOURGLASS, Kernel, Modes, Motion, Quad, Response,
 };
@@ -36,13 +36,13 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-/// Largest hourglass force of a plastic part, as a fraction of the capacity under full integration.
-/// With it crushed tubes (B11, B12) have 3 to 4 % of hourglass energy, 6 % with 0.1, and none of
-/// their shells collapses.
-const STRENGTH: f64 = 0.03;
-/// Factor for the mode of vz, which bends like a twist `vz/(A)`: `2 M_xy` of a plastic section,
-/// `sig t^2/(2 sqrt 3)`, over `sig t^2/16`.
-const TWIST: f64 = 4.618_802_153_517_006;
+/// Largest hourglass forces of a plastic part, as a fraction of the capacity under full
+/// integration. With it crushed tubes (B11, B12) have 3 to 4 % of hourglass energy, 6 % with 0.1,
+/// and none of their shells collapses.
+const BOUNDS: Bounds<HOURGLASS> = Bounds {
+    modes: [Mode::Bending, Mode::Bending, Mode::Twist, Mode::Membrane, Mode::Membrane],
+    strength: 0.03,
+};
 
 /// Parameters of the four-node shell. Its own columns, after those of the section, are the
 /// hourglass resultants of tx, ty [force length], vz, vx, vy [force], then the drilling moments.
@@ -138,35 +138,29 @@ impl Kernel for BelytschkoTsay {
 
         // 2. Stress.
         let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
-        let Resultants { n, m, q, work, mean_square, thickness } =
+        let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
         let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
-        // 3. Hourglass and drilling.
-        let mut energy = R::zero();
+        // 3. Hourglass and drilling. Twice the energy is the work of old and new forces.
         let rates = motion.hourglass(&g);
         let stiffness = self.hourglass_stiffness(&g, thickness);
-        let flow_stress = self.section.flow_stress(mean_square);
-        let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
-        let mut bounds = [R::splat(f64::INFINITY); HOURGLASS];
-        if let (Some(capacity), Some(stress)) = (&capacity, flow_stress) {
-            let membrane = R::splat(STRENGTH) * capacity.membrane;
-            let bending = R::splat(STRENGTH) * capacity.bending;
-            let twist = R::splat(STRENGTH * TWIST / 16.0) * stress * thickness * thickness;
-            bounds = [bending, bending, twist, membrane, membrane];
-        }
+        let ahead = motion.extrapolated();
+        let energy = bounds::work(drill, &ahead, bounds::work(hourglass, &rates, R::zero()));
         let viscous = self.hourglass == HourglassForm::Viscous;
-        let (kept, per_time) = if viscous { (0.0, per_time) } else { (1.0, 1.0) };
-        for c in 0..HOURGLASS {
-            let old = hourglass[c];
-            let rate = rates[c] * R::splat(per_time);
-            let new = stiffness[c].mul_add(rate, R::splat(kept) * old);
-            let new = bounds::bounded(new, bounds[c]);
-            hourglass[c] = new;
-            energy = (old + new).mul_add(rates[c], energy);
+        if viscous {
+            for c in 0..HOURGLASS {
+                hourglass[c] = stiffness[c] * rates[c] * R::splat(per_time);
+            }
+        } else {
+            for c in 0..HOURGLASS {
+                hourglass[c] = stiffness[c].mul_add(rates[c], hourglass[c]);
+            }
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        energy = bounds::drill(drill, stiff, motion.extrapolated(), capacity.as_ref(), energy);
+        bounds::drill(drill, stiff, &ahead);
+        BOUNDS.apply::<R, N>((&self.section, section), (hourglass, drill), thickness, g.area);
+        let energy = bounds::work(drill, &ahead, bounds::work(hourglass, &rates, energy));
 
         // 4. Corner forces, mode by mode.
         let couple = warping.as_ref().map_or(R::zero(), |warping| warping.couple(m));

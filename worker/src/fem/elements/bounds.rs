@@ -4,66 +4,161 @@
 //! A square of side a and flow stress sig is fully plastic in the modes of the stabilising forces
 //! at
 //! ```text
-//! membrane Q_m = sig t a/4,   bending Q_b = Q_m t/4,   drilling of a node Q_d = sig t^2 a/16
+//! membrane Q_m = sig t a/4,   bending Q_b = Q_m t/4,   twist Q_t = sig t^2/(2 sqrt 3)
+//! drilling of a node Q_d = sig t^2 a/16
 //! ```
-//! (stress of one sign on either side of the middle; Q_d is a quarter of the plastic moment of a
-//! side). Each formulation limits its forces to fractions of these.
+//! (stress of one sign on either side of the middle; Q_t is twice the plastic twisting moment; Q_d
+//! is a quarter of the plastic moment of a side). Each formulation limits its forces to fractions
+//! of these.
 
-use super::quad::DRILLING;
+use super::quad::DRILLING as DRILLING_MODES;
 use super::section::Section;
+use crate::fem::materials::PointReal;
 use crate::math::lanes::Real;
 
 /// Largest drilling moment of a node in a plastic part, as a fraction of [`Capacity::drilling`].
 const DRILLING_BOUND: f64 = 0.01;
+/// 8/sqrt 3: Q_t over `sig t^2/16`.
+const TWIST: f64 = 4.618_802_153_517_006;
+
+/// Mode of a stabilising force.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Mode {
+    /// Rates of gam vx and gam vy.
+    Membrane,
+    /// Rates of gam tx and gam ty.
+    Bending,
+    /// Rate of gam vz.
+    Twist,
+}
+
+/// Bounds of the `M` stabilising forces and of the drilling moments of a formulation.
+pub struct Bounds<const M: usize> {
+    /// Mode of each stabilising force.
+    pub modes: [Mode; M],
+    /// Largest stabilising force as a fraction of the capacity in its mode.
+    pub strength: f64,
+}
+
+/// Bounds of a formulation that limits its drilling moments alone.
+pub const DRILLING: Bounds<0> = Bounds { modes: [], strength: 0.0 };
 
 /// Limit forces of a fully plastic element in the modes of stabilising forces.
-pub struct Capacity<R> {
-    /// Limit on the rates of gam vx and gam vy [force].
-    pub membrane: R,
-    /// Limit on the rates of gam tx and gam ty [force length].
-    pub bending: R,
+struct Capacity<R> {
+    /// [force].
+    membrane: R,
+    /// [force length].
+    bending: R,
+    /// [force].
+    twist: R,
     /// Limit of a node about the normal [force length].
-    pub drilling: R,
+    drilling: R,
 }
 
 impl<R: Real> Capacity<R> {
     /// Computes the capacity from flow stress [force/length^2], thickness [length] and area
     /// [length^2].
     #[inline(always)]
-    pub fn new(flow_stress: R, thickness: R, area: R) -> Self {
-        let membrane = R::splat(0.25) * flow_stress * thickness * area.sqrt();
-        let bending = R::splat(0.25) * thickness * membrane;
-        Self { membrane, bending, drilling: bending }
+    fn new(flow_stress: R, thickness: R, area: R) -> Self {
+        let quarter = R::splat(0.25) * thickness;
+        let per_length = quarter * flow_stress;
+        let membrane = per_length * area.sqrt();
+        let bending = quarter * membrane;
+        let twist = R::splat(TWIST) * quarter * per_length;
+        Self { membrane, bending, twist, drilling: bending }
+    }
+
+    /// Computes the squares of all members, which needs no root.
+    #[inline(always)]
+    fn squares(flow_stress: f64, thickness: R, area: R) -> Self {
+        let quarter = R::splat(0.25) * thickness;
+        let per_length = R::splat(flow_stress) * quarter;
+        let (quarter2, per_length2) = (quarter * quarter, per_length * per_length);
+        let membrane = per_length2 * area;
+        let bending = quarter2 * membrane;
+        let twist = R::splat(TWIST * TWIST) * quarter2 * per_length2;
+        Self { membrane, bending, twist, drilling: bending }
+    }
+
+    #[inline(always)]
+    fn of(&self, mode: Mode) -> R {
+        match mode {
+            Mode::Membrane => self.membrane,
+            Mode::Bending => self.bending,
+            Mode::Twist => self.twist,
+        }
     }
 }
 
-/// Returns the value, or the bound with the sign of the value if that is smaller in magnitude.
-#[inline(always)]
-pub fn bounded<R: Real>(value: R, bound: R) -> R {
-    Real::max(Real::min(value, bound), -bound)
+impl<const M: usize> Bounds<M> {
+    /// Limits stabilising forces and drilling moments of plastic elements. `columns` are those of
+    /// the section. Flow stress and roots are computed only in groups with an element that is
+    /// beyond its capacity at the initial yield stress, which is the least flow stress.
+    #[inline(always)]
+    pub fn apply<R: PointReal, const N: usize>(
+        &self,
+        (section, columns): (&Section, &[R]),
+        (stabilising, drill): (&mut [R], &mut [R]),
+        thickness: R,
+        area: R,
+    ) {
+        let Some(yield_stress) = section.least_flow_stress() else { return };
+        let squares = Capacity::squares(yield_stress, thickness, area);
+        let exceeds = |force: R, square: R, fraction: f64| {
+            (force * force).gt(R::splat(fraction * fraction) * square)
+        };
+        let mut moment = drill[0].abs();
+        for c in 1..DRILLING_MODES {
+            moment = Real::max(moment, drill[c].abs());
+        }
+        let mut beyond = exceeds(moment, squares.drilling, DRILLING_BOUND);
+        for c in 0..M {
+            let square = squares.of(self.modes[c]);
+            beyond = R::either(beyond, exceeds(stabilising[c], square, self.strength));
+        }
+        if R::any(beyond) {
+            let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
+            let capacity = Capacity::new(flow_stress, thickness, area);
+            self.limit(&capacity, (stabilising, drill), beyond);
+        }
+    }
+
+    /// Limits the forces of the lanes `beyond`. The others keep their bits, so that an element does
+    /// not depend on its neighbours in a group.
+    #[cold]
+    #[inline(never)]
+    fn limit<R: Real>(
+        &self,
+        capacity: &Capacity<R>,
+        (stabilising, drill): (&mut [R], &mut [R]),
+        beyond: R::Mask,
+    ) {
+        let limited = |value: R, bound: R| {
+            R::select(beyond, Real::max(Real::min(value, bound), -bound), value)
+        };
+        for (force, &mode) in stabilising.iter_mut().zip(&self.modes) {
+            *force = limited(*force, R::splat(self.strength) * capacity.of(mode));
+        }
+        for moment in drill {
+            *moment = limited(*moment, R::splat(DRILLING_BOUND) * capacity.drilling);
+        }
+    }
 }
 
-/// Updates the drilling moments, bounded in plastic parts; returns `energy` plus twice their
-/// energy.
+/// Updates the drilling moments by the increments `ahead` of the drilling modes.
 #[inline(always)]
-pub fn drill<R: Real>(
-    moments: &mut [R],
-    stiff: R,
-    ahead: [R; DRILLING],
-    capacity: Option<&Capacity<R>>,
-    energy: R,
-) -> R {
-    let bound = capacity.map(|capacity| R::splat(DRILLING_BOUND) * capacity.drilling);
-    let mut energy = energy;
-    for c in 0..DRILLING {
-        let old = moments[c];
+pub fn drill<R: Real>(moments: &mut [R], stiff: R, ahead: &[R]) {
+    for c in 0..ahead.len() {
         // The first two modes have the weight one half, the other two one quarter.
-        let new = (if c < 2 { stiff } else { R::splat(0.5) * stiff }).mul_add(ahead[c], old);
-        let new = bound.map_or(new, |bound| bounded(new, bound));
-        moments[c] = new;
-        energy = (old + new).mul_add(ahead[c], energy);
+        let stiff = if c < 2 { stiff } else { R::splat(0.5) * stiff };
+        moments[c] = stiff.mul_add(ahead[c], moments[c]);
     }
-    energy
+}
+
+/// Returns `energy` plus the work of forces on increments.
+#[inline(always)]
+pub fn work<R: Real>(forces: &[R], increments: &[R], energy: R) -> R {
+    forces.iter().zip(increments).fold(energy, |sum, (&f, &u)| f.mul_add(u, sum))
 }
 
 /// Returns the coefficient of [`drill`] for a stiffness of `alpha G t A/4` per node.

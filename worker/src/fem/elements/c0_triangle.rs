@@ -199,18 +199,14 @@ impl<R: Real> Geometry<R> {
     /// Returns the quantities of the present shape that determine the stable step.
     #[inline(always)]
     fn limits(&self, poisson: f64) -> Limits<R> {
-        let inv_area = R::splat(1.0) / self.area;
-        let inv_4a2 = R::splat(0.25) * inv_area * inv_area;
         let sides2 = R::splat(2.0) * self.half_sides2();
-        let trace = sides2 * inv_4a2;
-        let root = Real::max(R::splat(12.0).neg_mul_add(inv_4a2, trace * trace), R::zero()).sqrt();
         Limits {
             area: self.area,
-            inv_area,
+            inv_area: R::splat(1.0) / self.area,
             side2: self.equivalent_side2(poisson),
             fraction: 1.0,
             corners: 3.0,
-            s: R::splat(0.5) * (trace + root),
+            least_s: 0.5 * 3.0_f64.sqrt(), // its determinant is 3/4A^2
             taper: R::splat(1.0 / 24.0) * sides2,
             floor: self.inertia(),
         }

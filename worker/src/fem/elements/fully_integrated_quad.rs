@@ -34,7 +34,7 @@
 //! integrate its squares exactly; so inertia and stable step are those of `quad.rs`. The options
 //! `hourglass`, `hourglass_coefficient` and `warping` of a part are not read.
 
-use super::bounds::{self, Capacity};
+use super::bounds;
 use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::Shell;
@@ -134,7 +134,7 @@ impl Kernel for FullyIntegratedQuad {
         let weight = quarter * g.area;
         let (mut n, mut m, mut q) = ([zero; 3], [zero; 3], [zero; 2]);
         let mut across = [[[zero; 2]; 3]; 2];
-        let (mut work, mut mean_square) = (zero, zero);
+        let mut work = zero;
         let mut sound = zero.le(zero);
         for (point, columns) in section.chunks_exact_mut(each).enumerate() {
             let sign = R::splat(if point % 2 == 0 { 1.0 } else { -1.0 });
@@ -163,7 +163,6 @@ impl Kernel for FullyIntegratedQuad {
                 difference[2][c] = signed.mul_add(on.q[c], difference[2][c]);
             }
             work = weight.mul_add(on.work, work);
-            mean_square = quarter.mul_add(on.mean_square, mean_square);
         }
 
         // 5. Forces on the rates of stage 3, and drilling.
@@ -180,9 +179,16 @@ impl Kernel for FullyIntegratedQuad {
         let on_eta = soft_eta * (dot2(s.to_eta, shear_1) - dot2(s.to_eta, shear_2));
 
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let flow_stress = self.section.flow_stress(mean_square);
-        let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
-        let energy = bounds::drill(drill, stiff, sides.ahead(&g, &motion), capacity.as_ref(), zero);
+        let ahead = sides.ahead(&g, &motion);
+        let energy = bounds::work(drill, &ahead, zero);
+        bounds::drill(drill, stiff, &ahead);
+        bounds::DRILLING.apply::<R, N>(
+            (&self.section, section),
+            (&mut [], drill),
+            thickness,
+            g.area,
+        );
+        let energy = bounds::work(drill, &ahead, energy);
 
         // 6. Corner forces.
         let hourglass = [-minus_on_tx, on_ty, on_x, on_y];

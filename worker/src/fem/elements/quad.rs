@@ -196,20 +196,16 @@ impl<R: Real> Geometry<R> {
     /// Returns the limits of the step for the kernel `K`.
     #[inline(always)]
     fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
-        let (d, area) = (self.diagonals, self.area);
-        // Larger eigenvalue of S, whose trace is D/A^2 and whose determinant is 1/A^2. D is at
-        // least 2 A, except for round-off.
-        let root = Real::max(d.mul_add(d, -(R::splat(4.0) * area * area)), R::zero()).sqrt();
-        let inv_area = self.inv_2a + self.inv_2a;
+        let area = self.area;
         let h2 = self.x[2].mul_add(self.x[2], self.y[2] * self.y[2]);
         let taper = R::splat(K::TAPER) * h2;
         Limits {
             area,
-            inv_area,
+            inv_area: self.inv_2a + self.inv_2a,
             side2: self.equivalent_side2(section.elastic.poisson),
             fraction: K::STEP,
             corners: 4.0,
-            s: R::splat(0.5) * (d + root) * (inv_area * inv_area),
+            least_s: 1.0, // its determinant is 1/A^2
             taper,
             floor: R::splat(section.inertia_floor()) * (area + taper),
         }
@@ -480,7 +476,9 @@ impl<K: Kernel> Formulation for Quad<K> {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let (section, mut rows) = (self.section(), gather(group, nodes));
+        let section = self.section();
+        let mut rows = ModeRows::zero();
+        rows.gather(group, nodes);
         // Rare options work in place on arrays in memory, outside of this function: in registers
         // they would cost every element a fifth of its time.
         let mut arm = [L::zero(); 3];
@@ -525,6 +523,34 @@ struct ModeRows<L: PointLanes<W>, const W: usize> {
 
 impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
     #[inline(always)]
+    fn zero() -> Self {
+        let zero = L::row(Lane::splat(0.0));
+        Self { x: [[zero; W]; 3], v: [[zero; W]; 3], w: [[zero; W]; 4] }
+    }
+
+    /// Gathers the corner values of a group. Differences are taken row by row, before the rows
+    /// become lanes. Rows are filled in place: they are too many to be returned without a copy.
+    #[inline(always)]
+    fn gather(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
+        // One length for all three columns, so that one bounds check per node is enough.
+        let n = nodes.x.len();
+        let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
+        for lane in 0..W {
+            let corner = group.map(|corner| corner[lane] as usize);
+            let modes = |column: &[[f64; 4]]| {
+                let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
+                [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
+            };
+            let rows = rows_of_coordinates(x, corner).map(L::row);
+            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
+            let rows = modes(v);
+            (0..3).for_each(|mode| self.v[mode][lane] = rows[mode]);
+            let rows = modes(w);
+            (0..4).for_each(|mode| self.w[mode][lane] = rows[mode]);
+        }
+    }
+
+    #[inline(always)]
     fn modes(&self) -> Modes<L> {
         Modes {
             x: self.x.each(L::from_rows),
@@ -541,33 +567,6 @@ impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
         let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
         all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
     }
-}
-
-/// Returns the corner values of a group as modes. Differences are taken row by row, before the rows
-/// become lanes.
-#[inline(always)]
-fn gather<L: PointLanes<W>, const W: usize>(
-    group: &GroupNodes<4, W>,
-    nodes: &NodeView<'_>,
-) -> ModeRows<L, W> {
-    // One length for all three columns, so that one bounds check per node is enough.
-    let n = nodes.x.len();
-    let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
-    let zero = L::row(Lane::splat(0.0));
-    let (mut mx, mut mv, mut mw) = ([[zero; W]; 3], [[zero; W]; 3], [[zero; W]; 4]);
-    for lane in 0..W {
-        let corner = group.map(|corner| corner[lane] as usize);
-        let modes = |column: &[[f64; 4]]| {
-            let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
-            [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
-        };
-        [mx[0][lane], mx[1][lane], mx[2][lane]] = rows_of_coordinates(x, corner).map(L::row);
-        let rows = modes(v);
-        (mv[0][lane], mv[1][lane], mv[2][lane]) = (rows[0], rows[1], rows[2]);
-        let rows = modes(w);
-        (mw[0][lane], mw[1][lane], mw[2][lane], mw[3][lane]) = (rows[0], rows[1], rows[2], rows[3]);
-    }
-    ModeRows { x: mx, v: mv, w: mw }
 }
 
 /// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which is

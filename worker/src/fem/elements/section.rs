@@ -47,6 +47,8 @@ const VOLUME: usize = 1;
 const INERTIA: usize = 2;
 const SHEAR: usize = 3;
 const POINTS: usize = 5;
+/// Number of columns of a point from which the static yield stress follows, with those of stress.
+const SAVED: usize = 5;
 
 /// Section of a part: material and points through the thickness.
 pub struct Section {
@@ -91,8 +93,12 @@ pub struct Strains<R> {
     pub gamma: [R; 2],
 }
 
+/// Columns of the points before a step, for [`Section::flow`]: stress, plastic strain and
+/// temperature.
+pub type PointsBefore<R, const N: usize> = [[R; SAVED]; N];
+
 /// Means over the thickness, for membrane and (with the weight `3 zeta^2`) for bending.
-pub struct Yielded<R> {
+struct Yielded<R> {
     /// Effective plastic strain.
     plastic_strain: [R; 2],
     /// Root mean square of the von Mises stress [force/length^2].
@@ -108,13 +114,11 @@ pub struct Flow<R> {
     pub keep: [R; 2],
     /// Ratio of tangent to elastic stiffness.
     pub tangent: [R; 2],
-    /// See [`Section::flow_stress`].
-    pub flow_stress: Option<R>,
 }
 
 /// Quantities of the present shape of a shell that determine its stable step. The squared frequency
 /// of its shear is `5/6 G/rho (corners s + (1 + taper s)/I)`, with I the rotational inertia per
-/// mass.
+/// mass and s the larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
 pub struct Limits<R> {
     /// Area [length^2] and its reciprocal.
     pub area: R,
@@ -126,8 +130,8 @@ pub struct Limits<R> {
     pub fraction: f64,
     /// Number of corners of the element.
     pub corners: f64,
-    /// Larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
-    pub s: R,
+    /// Smallest `s` of elements of any shape, times their area.
+    pub least_s: f64,
     /// Coefficient of `s` in the frequency of shear [length^2].
     pub taper: R,
     /// Smallest I of an element of this shape at the start [length^2].
@@ -145,8 +149,6 @@ pub struct Resultants<R> {
     pub q: [R; 2],
     /// Increase of internal energy per area [force/length].
     pub work: R,
-    /// Mean of the squared von Mises stress over the thickness [(force/length^2)^2].
-    pub mean_square: R,
     /// Thickness for which the resultants were computed [length].
     pub thickness: R,
 }
@@ -294,9 +296,8 @@ impl Section {
     /// Returns the sum of the thicknesses of the points in the plane [length].
     #[inline(always)]
     fn thicknesses<R: Real>(&self, history: &[R]) -> R {
-        history[..self.columns()]
-            .chunks_exact(self.each())
-            .fold(R::zero(), |sum, at| sum + at[THICKNESS])
+        (1..self.planar)
+            .fold(history[THICKNESS], |sum, p| sum + history[p * self.each() + THICKNESS])
     }
 
     /// Returns the factor by which an offset shortens the stable step of an element at rest,
@@ -340,19 +341,16 @@ impl Section {
     #[inline(always)]
     fn stable_dt_at<R: Real>(&self, history: &[R], of: &Limits<R>, inertia: R) -> R {
         let one = R::splat(1.0);
-        // Squared frequencies over that of the plate wave (5/6 G over E/(1 - nu^2)), times the
-        // area; inertias over the area. `shear(i)` is that of shear times i. All are brought to
-        // one denominator, as quotients are the most expensive operations of the kernel.
-        let ratio = R::splat(0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson));
-        let by_inertia = ratio * of.taper.mul_add(of.s, one);
-        let by_corners = ratio * (R::splat(of.corners) * of.s * of.area);
-        let shear = |i: R| by_corners.mul_add(i, by_inertia);
-        let (floor, inertia) = (of.floor * of.inv_area, inertia * of.inv_area);
-        let membrane = R::splat(4.0) * of.side2 * of.inv_area;
-        // At the start the frequency of shear may be slightly above that of the membrane; that is
-        // the margin of `inertia_per_mass`.
-        let borne = Real::max(membrane * floor, shear(floor)) * inertia;
-        let needed = shear(inertia) * floor;
+        // The squared frequency of shear goes with `corners s + (1 + taper s)/i`. If the inertia i
+        // has become less than the floor f, it has risen by at most the factor
+        // `(x + 1/i)/(x + 1/f)` with `x = corners s/(1 + taper s)`, which is largest for the least
+        // possible s. All is brought to one denominator, as quotients are the most expensive
+        // operations of the kernel.
+        let s = R::splat(of.least_s) * of.inv_area;
+        let (by_corners, spread) = (R::splat(of.corners) * s, of.taper.mul_add(s, one));
+        let at = |inertia: R| by_corners.mul_add(inertia, spread);
+        let borne = at(of.floor) * inertia;
+        let needed = at(inertia) * of.floor;
         let first = R::splat(self.planar as f64) * history[VOLUME] * of.inv_area;
         let kept = first * Real::min(needed, borne);
         let present = self.thicknesses(history) * needed;
@@ -454,14 +452,11 @@ impl Section {
 
         let mut n = [R::zero(); 3];
         let mut m = [R::zero(); 3];
-        let mut mean_square = R::zero();
         for k in 0..N {
             let sig = &points[k * self.stride..];
             let weight = R::splat(self.weight[k]);
             let moment = R::splat(self.weight[k] * self.zeta[k]);
             work = weight.mul_add(power(sig, &eps[k]), work);
-            let half_weight = R::splat(0.5 * self.weight[k]);
-            mean_square = half_weight.mul_add(von_mises_squared(sig), mean_square);
             for c in 0..3 {
                 n[c] = weight.mul_add(sig[c], n[c]);
                 m[c] = moment.mul_add(sig[c], m[c]);
@@ -492,40 +487,69 @@ impl Section {
             front[THICKNESS] = thickness.mul_add(mean.mul_add(half * mean, mean), thickness);
         }
         let (n, m) = (n.each(|n| n * half_t), m.each(|m| m * to_moment));
-        Resultants { n, m, q, work, mean_square, thickness }
+        Resultants { n, m, q, work, thickness }
     }
 
-    /// Returns the flow stress of the section [force/length^2], for limits on forces that the
-    /// points do not integrate: the root of the mean of the squared von Mises stress over all
-    /// points, but at least the yield stress at zero plastic strain. `None` if the law has no
+    /// Returns the yield stress at zero plastic strain [force/length^2]; `None` if the law has no
     /// plastic flow.
     #[inline(always)]
-    pub fn flow_stress<R: Real>(&self, mean_square: R) -> Option<R> {
-        let initial = R::splat(self.initial_yield_stress);
-        self.plastic_strain.map(|_| Real::max(mean_square.sqrt(), initial))
+    pub fn least_flow_stress(&self) -> Option<f64> {
+        self.plastic_strain.map(|_| self.initial_yield_stress)
     }
 
-    /// Returns plastic strain and stress of the section, for [`Self::flow`].
-    #[inline(always)]
-    pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
-        let Some(column) = self.plastic_strain else {
-            return Yielded {
-                plastic_strain: [R::zero(); 2],
-                stress: [R::zero(); 2],
-                at_no_rate: [R::zero(); 2],
-            };
-        };
-        let mut plastic_strain = [R::zero(); 2];
-        for k in 0..N {
-            let eps_p = history[POINTS + k * self.stride + column];
-            let weights = self.weights_of_means(k);
-            for c in 0..2 {
-                plastic_strain[c] = R::splat(weights[c]).mul_add(eps_p, plastic_strain[c]);
+    /// Returns the flow stress of the section, for limits on forces that the points do not
+    /// integrate: the root mean square of the von Mises stress over all points, but at least
+    /// `least` [force/length^2].
+    #[cold]
+    #[inline(never)]
+    pub fn flow_stress<R: Real, const N: usize>(&self, columns: &[R], least: f64) -> R {
+        let mut mean_square = R::zero();
+        let share = 0.5 / self.planar as f64;
+        for section in columns.chunks_exact(self.each()) {
+            for k in 0..N {
+                let square = von_mises_squared(&section[POINTS + k * self.stride..]);
+                mean_square = R::splat(share * self.weight[k]).mul_add(square, mean_square);
             }
         }
-        let stress = self.root_mean_squares::<R, N>(history, |_, square| square);
+        Real::max(mean_square.sqrt(), R::splat(least))
+    }
+
+    /// Returns the columns of the points that [`Self::flow`] needs from before a step.
+    #[inline(always)]
+    pub fn points_before<R: Real, const N: usize>(&self, columns: &[R]) -> PointsBefore<R, N> {
+        let mut before = [[R::zero(); SAVED]; N];
+        if self.plastic_strain.is_none() {
+            return before;
+        }
+        for (k, point) in before.iter_mut().enumerate() {
+            let columns = &columns[POINTS + k * self.stride..];
+            // With a constant number of columns the copy stays in registers.
+            point[..SAVED - 1].copy_from_slice(&columns[..SAVED - 1]);
+            if self.stride >= SAVED {
+                point[SAVED - 1] = columns[SAVED - 1];
+            }
+        }
+        before
+    }
+
+    /// Returns plastic strain and stress of points, for [`Self::flow`]. `column` is that of the
+    /// plastic strain.
+    fn yielded<'a, R: Real, const N: usize>(
+        &self,
+        column: usize,
+        point: impl Fn(usize) -> &'a [R],
+    ) -> Yielded<R> {
+        let mut plastic_strain = [R::zero(); 2];
+        for k in 0..N {
+            let weights = self.weights_of_means(k);
+            for c in 0..2 {
+                let weight = R::splat(weights[c]);
+                plastic_strain[c] = weight.mul_add(point(k)[column], plastic_strain[c]);
+            }
+        }
+        let stress = self.root_mean_squares::<R, N>(&point, |_, square| square);
         let at_no_rate = self.law.rate_dependent().map_or(stress, |law| {
-            self.root_mean_squares::<R, N>(history, |point, square| {
+            self.root_mean_squares::<R, N>(&point, |point, square| {
                 let yields = law.static_yield_stress(&point[column..]);
                 Real::min(square, yields * yields)
             })
@@ -542,38 +566,62 @@ impl Section {
 
     /// Returns the roots of the means of `of(point, square of the von Mises stress)`, for membrane
     /// and for bending.
-    #[inline(always)]
-    fn root_mean_squares<R: Real, const N: usize>(
+    fn root_mean_squares<'a, R: Real, const N: usize>(
         &self,
-        history: &[R],
+        point: impl Fn(usize) -> &'a [R],
         of: impl Fn(&[R], R) -> R,
     ) -> [R; 2] {
         let mut squares = [R::zero(); 2];
         for k in 0..N {
-            let point = &history[POINTS + k * self.stride..];
-            let square = of(point, von_mises_squared(point));
+            let square = of(point(k), von_mises_squared(point(k)));
             let weights = self.weights_of_means(k);
             for c in 0..2 {
                 squares[c] = R::splat(weights[c]).mul_add(square, squares[c]);
             }
         }
-        [squares[0].sqrt(), squares[1].sqrt()]
+        squares.map(R::sqrt)
     }
 
     /// Returns the effect of plastic flow since `before` on stresses other than those of the
     /// points: `keep` is `sig / (sig + 3 G d eps_p)`, `tangent` is
     /// `d sig / (d sig + 3 G d eps_p)`. Both are one without plastic flow.
+    #[inline(always)]
+    pub fn flow<R: Real, const N: usize>(
+        &self,
+        columns: &[R],
+        before: &PointsBefore<R, N>,
+    ) -> Flow<R> {
+        let one = R::splat(1.0);
+        let none = Flow { keep: [one; 2], tangent: [one; 2] };
+        let Some(column) = self.plastic_strain else { return none };
+        let mut increase = R::zero();
+        for (k, point) in before.iter().enumerate() {
+            increase += columns[POINTS + k * self.stride + column] - point[column];
+        }
+        if R::any(increase.gt(R::zero())) {
+            self.plastic_flow(column, columns, before)
+        } else {
+            none
+        }
+    }
+
+    /// Returns [`Self::flow`] of a group in which at least one element flows; the values of the
+    /// others are exactly one.
     ///
     /// The strain rate of a step is unfiltered, so its contribution to the stress rises and falls
     /// with every wave. Only the rises would count, as hardening that does not exist; so `d sig`
     /// excludes it.
-    #[inline(always)]
-    pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> Flow<R> {
+    #[cold]
+    #[inline(never)]
+    fn plastic_flow<R: Real, const N: usize>(
+        &self,
+        column: usize,
+        columns: &[R],
+        before: &PointsBefore<R, N>,
+    ) -> Flow<R> {
         let one = R::splat(1.0);
-        if self.plastic_strain.is_none() {
-            return Flow { keep: [one; 2], tangent: [one; 2], flow_stress: None };
-        }
-        let after = self.yielded::<R, N>(history);
+        let before = self.yielded::<R, N>(column, |k| before[k].as_slice());
+        let after = self.yielded::<R, N>(column, |k| &columns[POINTS + k * self.stride..]);
         let three_g = R::splat(3.0 * self.elastic.shear_modulus());
         let tiny = R::splat(R::SMALLEST);
         let left =
@@ -584,8 +632,7 @@ impl Section {
             keep[c] = left(after.stress[c], lost);
             tangent[c] = left(after.at_no_rate[c] - before.at_no_rate[c], lost);
         }
-        let initial = R::splat(self.initial_yield_stress);
-        Flow { keep, tangent, flow_stress: Some(Real::max(after.stress[0], initial)) }
+        Flow { keep, tangent }
     }
 
     /// Returns the lanes in which all points have failed; `None` if the law never fails.

@@ -46,7 +46,7 @@
 //! elastic, the stabilising forces are not bounded. The options `hourglass` and `warping` of a part
 //! are not read.
 
-use super::bounds::{self, Capacity};
+use super::bounds;
 use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{Flow, Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
@@ -117,10 +117,10 @@ impl Kernel for StabilisedQuad {
 
         // 3. Stress.
         let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
-        let before = self.section.yielded::<R, N>(section);
-        let Resultants { n, m, q, work, thickness, .. } =
+        let before = self.section.points_before::<R, N>(section);
+        let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
-        let Flow { keep, tangent, flow_stress } = self.section.flow::<R, N>(section, &before);
+        let Flow { keep, tangent } = self.section.flow::<R, N>(section, &before);
         let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
         // 4. Stabilising and drilling forces.
@@ -151,10 +151,11 @@ impl Kernel for StabilisedQuad {
         // In the section's factors membrane is 0 and bending is 1; shear stays elastic.
         let kind = [Some(1), Some(1), None, None, Some(0), Some(0)];
         let tangent = tangent.each(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
-        let mut energy = R::zero();
+        let ahead = sides.ahead(&g, &motion);
+        let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, R::zero()));
         for c in 0..STABILISING {
             let old = stabilising[c];
-            let new = match kind[c] {
+            stabilising[c] = match kind[c] {
                 Some(kind) => {
                     // Unloading is elastic: with the tangent it would release more energy than
                     // loading stored. Loading means that the elastic trial is larger in magnitude,
@@ -164,12 +165,16 @@ impl Kernel for StabilisedQuad {
                 }
                 None => old + more[c],
             };
-            stabilising[c] = new;
-            energy = (old + new).mul_add(rates[c], energy);
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
-        energy = bounds::drill(drill, stiff, sides.ahead(&g, &motion), capacity.as_ref(), energy);
+        bounds::drill(drill, stiff, &ahead);
+        bounds::DRILLING.apply::<R, N>(
+            (&self.section, section),
+            (&mut [], drill),
+            thickness,
+            g.area,
+        );
+        let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, energy));
 
         // 5. Corner forces.
         let [on_tx, on_ty, on_xi, on_eta, on_x, on_y] = std::array::from_fn(|c| stabilising[c]);
