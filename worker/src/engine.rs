@@ -11,7 +11,7 @@ use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum, momentum_at_present};
 use crate::erosion::erode;
 use crate::fem::blocks::Blocks;
-use crate::histories::Histories;
+use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
@@ -254,7 +254,8 @@ impl Engine {
         if self.settings.subcycles > 1 {
             if self.clock.starts_outer_step(&self.settings) {
                 self.balance = Some(self.energies(false));
-                self.histories.start_outer_step(self.histories.accelerations(self));
+                let accelerations = self.histories.accelerations(&self.history_state());
+                self.histories.start_outer_step(accelerations);
             }
             if let Some(contact) = &self.contact {
                 self.histories.record_contact(&self.settings, contact, &self.nodes);
@@ -266,6 +267,17 @@ impl Engine {
             self.timer.lap(Phase::Output);
         }
         Ok(())
+    }
+
+    fn history_state(&self) -> HistoryState<'_> {
+        HistoryState {
+            settings: &self.settings,
+            clock: &self.clock,
+            nodes: &self.nodes,
+            blocks: &self.blocks,
+            loads: &self.loads,
+            contact: self.contact.as_ref(),
+        }
     }
 
     /// Returns the energies at the present time or, if the run has `ended`, at the previous time.
@@ -320,7 +332,7 @@ impl Engine {
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
             controlling: smallest.map(|s| s.1),
             contact_dt: self.agreement.contact_dt,
-            shares: self.histories.shares(self, ended),
+            shares: self.histories.shares(&self.history_state(), ended),
         };
         self.clock.rows += 1;
         post(comm, 0, Tag::Report, &ToMaster::History(Box::new(row)))

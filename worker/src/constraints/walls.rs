@@ -12,9 +12,8 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::contact::geometry::V3;
 use crate::energy::Work;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;

@@ -16,9 +16,9 @@
 //! next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::math::exact_sum::{ExactSum, WORDS};
+use crate::math::row::V3;
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, sum_all};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;

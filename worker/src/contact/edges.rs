@@ -28,12 +28,12 @@
 use crate::constraints::ties::ContactExclusions;
 use crate::contact::approach;
 use crate::contact::folds::{Edge, EdgeTable, FoldWedge, Kind};
-use crate::contact::geometry::{EdgeProjection, V3, project_edges, separation};
+use crate::contact::geometry::{EdgeProjection, project_edges, separation};
 use crate::contact::local_search::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;

@@ -19,13 +19,13 @@
 //! here is stored, not only of own pairs, as for edges.
 
 use crate::constraints::ties::ContactExclusions;
-use crate::contact::geometry::{Sphere, V3};
+use crate::contact::geometry::Sphere;
 use crate::contact::local_search::{ACTIVE, BEHIND, REACH, moved, tolerated};
 use crate::contact::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::contact::pairs::{Pair, PairHistory, PairKey};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{NodeId, SegmentId};

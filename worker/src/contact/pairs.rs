@@ -15,9 +15,8 @@ pub use pair::{
 
 use crate::constraints::rigid::Bodies;
 use crate::contact::enforce::Iteration;
-use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
-use crate::math::row::{Row, row};
+use crate::math::row::{Row, V3, row};
 use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
 use crumple_proto::transport::{RankLost, Tag, Transport};

@@ -4,9 +4,9 @@
 //! stays valid while the residual is small: a frame that flies and rotates needs neither a new
 //! search nor a new decomposition.
 
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
 use crumple_proto::boxes::Aabb;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 /// Number of nodes for the fit of the rigid motion. Any motion gives a valid bound; a good fit
 /// gives a small one.
@@ -25,7 +25,7 @@ pub struct RigidMotion {
     /// Rotation.
     pub rotation: Matrix3<f64>,
     /// Translation after the rotation about the origin [length].
-    pub translation: Vector3<f64>,
+    pub translation: V3,
     /// Largest |x - (R x_ref + t)| over the nodes [length].
     pub residual: f64,
     /// Largest distance minus the slack of the node [length].
@@ -40,14 +40,14 @@ impl RigidMotion {
     pub fn none() -> Self {
         Self {
             rotation: Matrix3::identity(),
-            translation: Vector3::zeros(),
+            translation: V3::zeros(),
             residual: 0.0,
             beyond_slack: 0.0,
         }
     }
 
     /// Returns the position of the point `p` after the motion [length].
-    pub fn carried(&self, p: Vector3<f64>) -> Vector3<f64> {
+    pub fn carried(&self, p: V3) -> V3 {
         self.rotation * p + self.translation
     }
 
@@ -88,7 +88,7 @@ impl RigidMotion {
     pub fn from_words(w: &[f64]) -> Self {
         Self {
             rotation: Matrix3::from_column_slice(&w[..9]),
-            translation: Vector3::from_column_slice(&w[9..12]),
+            translation: V3::from_column_slice(&w[9..12]),
             residual: w[12],
             beyond_slack: w[13],
         }
@@ -174,7 +174,7 @@ impl MotionTracker {
         let sample = || self.sample.iter().map(pair);
         let n = sample().count().max(1) as f64;
         let (sum, sum_ref) =
-            sample().fold((Vector3::zeros(), Vector3::zeros()), |s, p| (s.0 + p.0, s.1 + p.1));
+            sample().fold((V3::zeros(), V3::zeros()), |s, p| (s.0 + p.0, s.1 + p.1));
         let (centre, centre_ref) = (sum / n, sum_ref / n);
         let cross = sample()
             .fold(Matrix3::zeros(), |m, p| m + (p.0 - centre) * (p.1 - centre_ref).transpose());
@@ -183,8 +183,8 @@ impl MotionTracker {
     }
 }
 
-fn vec3(r: &Row) -> Vector3<f64> {
-    Vector3::new(r[0], r[1], r[2])
+fn vec3(r: &Row) -> V3 {
+    V3::new(r[0], r[1], r[2])
 }
 
 /// Returns the rotation nearest to a cross-covariance; `None` if it is not determined (points on
@@ -223,7 +223,7 @@ mod tests {
         let mut x: Vec<Row> = x0
             .iter()
             .map(|p| {
-                let q = r * vec3(p) + Vector3::new(900.0, -20.0, 3.0);
+                let q = r * vec3(p) + V3::new(900.0, -20.0, 3.0);
                 [q.x, q.y, q.z, 0.0]
             })
             .collect();

@@ -207,8 +207,8 @@ fn unpack(mut words: &[u64]) -> [&[u64]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::geometry::V3;
     use crate::contact::pairs::PairKey;
+    use crate::math::row::V3;
     use crumple_proto::ids::SegmentId;
 
     /// Encoded data are decoded to the same bits: elements of all shapes with history of any

@@ -6,9 +6,10 @@
 //!
 //! One worker runs the job to each of the times. There, for every number of workers, space is
 //! decomposed as in a run (`decompose/`), and the elements, nodes and messages of each worker are
-//! counted ([`crumple_worker::parallel::census`]). No run has more than one worker, except a
+//! counted ([`census`]). No run has more than one worker, except a
 //! check with two workers from the start.
 
+mod census;
 mod kernels;
 mod model;
 mod report;
@@ -19,10 +20,10 @@ use crate::run::decompose::{Centres, Load, Loads, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{Progress, State};
 use crate::run::stdout::say;
+use census::{Census, Count, messages_to_all};
 use crumple_proto::boxes::CutTree;
 use crumple_worker::contact::TrafficEstimate;
 use crumple_worker::engine::Engine;
-use crumple_worker::parallel::census::{Census, Count, messages_to_all};
 use kernels::{Kernels, STEPS, Watch};
 use model::{Costs, Network, Step, Work};
 use std::ops::ControlFlow;

@@ -14,9 +14,8 @@ mod tests;
 mod walls;
 
 use crate::constraints::walls::Walls;
-use crate::contact::geometry::V3;
 use crate::energy::Work;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use body::{Body, Momentum};

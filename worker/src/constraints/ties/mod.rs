@@ -30,8 +30,7 @@ pub mod project;
 
 use crate::constraints::rigid::Bodies;
 use crate::contact::Contact;
-use crate::contact::geometry::V3;
-use crate::math::row::{Row, xyz};
+use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use bytemuck::{Pod, Zeroable};

@@ -1,9 +1,7 @@
 //! A contact pair, its key, the history that its slave keeps, and its form in messages.
-
-use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
 use crate::energy::Work;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};

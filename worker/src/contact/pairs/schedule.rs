@@ -10,7 +10,7 @@
 //! of a single worker; phases only determine when a pair is computed.
 
 use super::{MAX_PAIR_NODES, NodalLoad, Pair, PairTable};
-use crate::contact::geometry::V3;
+use crate::math::row::V3;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 
 /// Value for a role of a pair that has no local node.

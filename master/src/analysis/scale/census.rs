@@ -7,22 +7,22 @@
 //! element at it. A worker gets ghosts of all segments that touch the box around its slaves,
 //! extended by the distance that ghosts must cover.
 
-use crate::constraints::rigid::{ACTING_WORDS, MET_WORDS};
-use crate::contact::Contact;
-use crate::contact::beams::with_edges;
-use crate::contact::pairs::Pair;
-use crate::contact::pairs::convergence::distances;
-use crate::contact::surface::{Segment, Surface};
-use crate::engine::Engine;
-use crate::fem::blocks::LocalElement;
-use crate::math::row::xyz;
-use crate::parallel::ghosts;
-use crate::parallel::migrate::centre;
-use crate::parallel::partition::{are_near, covered, seeking};
-use crate::parallel::reduction;
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::transport::MaxReduction;
+use crumple_worker::constraints::rigid::{ACTING_WORDS, MET_WORDS};
+use crumple_worker::contact::Contact;
+use crumple_worker::contact::beams::with_edges;
+use crumple_worker::contact::pairs::Pair;
+use crumple_worker::contact::pairs::convergence::distances;
+use crumple_worker::contact::surface::{Segment, Surface};
+use crumple_worker::engine::Engine;
+use crumple_worker::fem::blocks::LocalElement;
+use crumple_worker::math::row::xyz;
+use crumple_worker::parallel::ghosts;
+use crumple_worker::parallel::migrate::centre;
+use crumple_worker::parallel::partition::{are_near, covered, seeking};
+use crumple_worker::parallel::reduction;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Work and messages of one worker in a step.
@@ -388,7 +388,7 @@ impl Census {
 impl Count {
     /// Returns the numbers of messages and bytes that the worker sends in a step of a run on
     /// `workers` workers. The exchange of contact forces between partners is not included
-    /// because it depends on the number of sweeps ([`crate::contact::Contact::exchange`]).
+    /// because it depends on the number of sweeps ([`crumple_worker::contact::Contact::exchange`]).
     pub fn traffic(&self, engine: &Engine, workers: usize) -> [f64; 2] {
         let others = workers as f64 - 1.0;
         if workers < 2 {
