@@ -10,7 +10,7 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
-use crumple_proto::transport::{RankLost, Transport, exchange_all};
+use crumple_proto::transport::{RankLost, Transport, exchange_all, words_of};
 use std::collections::BTreeMap;
 
 /// Element in a message, followed by `columns` history numbers.
@@ -175,16 +175,13 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
 
 fn put_memories(words: &mut Vec<u64>, node: NodeId, list: &[PairHistory]) {
     words.extend([node.0, list.len() as u64]);
-    list.iter().for_each(|m| words.extend(m.to_words()));
+    words.extend_from_slice(bytemuck::cast_slice(list));
 }
 
 fn take_memories(mut words: &[u64], mut take: impl FnMut(NodeId, Vec<PairHistory>)) {
     while let [id, count, tail @ ..] = words {
-        let (list, after) = tail.split_at(*count as usize * PairHistory::WORDS);
-        take(
-            NodeId(*id),
-            list.chunks_exact(PairHistory::WORDS).map(PairHistory::from_words).collect(),
-        );
+        let (list, after) = tail.split_at(*count as usize * words_of::<PairHistory>());
+        take(NodeId(*id), bytemuck::cast_slice(list).to_vec());
         words = after;
     }
 }

@@ -7,7 +7,7 @@
 
 use super::census::Count;
 use super::kernels::Kernels;
-use crumple_worker::contact::TrafficEstimate;
+use crumple_worker::parallel::pair_exchange::TrafficEstimate;
 
 /// Network between any two workers.
 #[derive(Clone, Copy, Debug)]

@@ -14,6 +14,7 @@ mod tests;
 mod walls;
 
 use crate::constraints::walls::Walls;
+use crate::contact::surroundings::NodalForces;
 use crate::energy::Work;
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
@@ -337,9 +338,8 @@ impl Bodies {
         }
     }
 
-    /// Applies the contact forces `total` on the nodes `touched` to bodies, with the `couples`
-    /// there if there are any, then the walls; updates the velocities of these nodes. Returns
-    /// true if `changed` is true on any worker.
+    /// Applies contact forces to bodies, then the walls; updates the velocities of the touched
+    /// nodes. Returns true if `changed` is true on any worker.
     ///
     /// # Errors
     /// A worker is gone.
@@ -347,11 +347,12 @@ impl Bodies {
         &mut self,
         comm: &mut dyn Transport,
         nodes: &mut Nodes,
-        (touched, total, couples): (&[u32], &[V3], &[V3]),
+        forces: NodalForces<'_>,
         walls: &Walls,
         steps: StepSizes,
         changed: bool,
     ) -> Result<bool, RankLost> {
+        let NodalForces { touched, total, couples } = forces;
         self.acting.clear();
         for (k, (&n, force)) in
             touched.iter().zip(total).enumerate().filter(|(_, (n, _))| nodes.is_owned(**n as usize))

@@ -28,7 +28,6 @@
 
 pub mod project;
 
-use crate::constraints::rigid::Bodies;
 use crate::contact::Contact;
 use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
@@ -106,23 +105,6 @@ pub struct Ties {
     /// Contact forces of this step that were added to masters.
     contact_forces: Vec<V3>,
     words: Vec<u64>,
-}
-
-/// Nodes and segments that cannot move relative to each other and are excluded from contact.
-#[derive(Clone, Copy)]
-pub struct ContactExclusions<'a> {
-    /// Rigid bodies.
-    pub bodies: &'a Bodies,
-    /// Ties.
-    pub ties: &'a Ties,
-}
-
-impl ContactExclusions<'_> {
-    /// Returns true if the node and the segment belong to one rigid body, or if one is tied to
-    /// the other.
-    pub fn excludes(&self, slave: u32, segment: &[u32; 4]) -> bool {
-        self.bodies.share_body(slave, segment) || self.ties.are_tied(slave, segment)
-    }
 }
 
 impl Ties {
