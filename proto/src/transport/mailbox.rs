@@ -44,6 +44,21 @@ impl Mailbox {
         self.words.extend_from_slice(bytemuck::cast_slice(items));
     }
 
+    /// Appends the content of another message.
+    pub fn append(&mut self, other: &Self) {
+        self.words.extend_from_slice(&other.words);
+    }
+
+    /// Returns the words of the message.
+    pub fn into_words(self) -> Vec<u64> {
+        self.words
+    }
+
+    /// Returns a received message with these words.
+    pub fn from_words(words: Vec<u64>) -> Self {
+        Self { words, read: 0 }
+    }
+
     /// Returns true if nothing has been written.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty()

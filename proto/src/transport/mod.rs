@@ -10,7 +10,7 @@ mod mailbox;
 pub mod mpi;
 pub mod threads;
 
-pub use collective::{MaxReduction, exchange_all, sum_all};
+pub use collective::{MaxReduction, exchange_all, gather_all, sum_all};
 pub use mailbox::{Mailbox, words_of};
 use std::time::Duration;
 

@@ -17,7 +17,7 @@ use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;
-use crumple_proto::transport::{RankLost, Transport};
+use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 pub use shape::Surface;
@@ -59,7 +59,7 @@ pub struct Walls {
     /// Impulse of each wall on owned nodes so far [force time].
     pub impulse: Vec<[f64; 3]>,
     near: Vec<RecoilCandidate>,
-    words: Vec<u64>,
+    mail: Mailbox,
 }
 
 impl Walls {
@@ -76,7 +76,7 @@ impl Walls {
             impulse: vec![[0.0; 3]; walls.len()],
             walls,
             near: Vec::new(),
-            words: Vec::new(),
+            mail: Mailbox::default(),
         }
     }
 
@@ -201,7 +201,7 @@ impl Walls {
                 ));
             }
         }
-        collect(comm, &mut near, &mut self.words)?;
+        collect(comm, &mut near, &mut self.mail)?;
         let wall = &mut self.walls[at];
         if let Drive::Pushed(mass) = wall.drive {
             let normal = wall.surface.direction;

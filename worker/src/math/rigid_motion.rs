@@ -5,6 +5,7 @@
 //! search nor a new decomposition.
 
 use crate::math::row::{Row, V3};
+use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use nalgebra::Matrix3;
 
@@ -20,7 +21,8 @@ const MAX_ROTATION: f64 = 0.25;
 const MIN_SAMPLES: usize = 8;
 
 /// A rigid motion and the largest distance of a node from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct RigidMotion {
     /// Rotation.
     pub rotation: Matrix3<f64>,
@@ -33,9 +35,6 @@ pub struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// Number of words of a motion in a message.
-    pub const WORDS: usize = 14;
-
     /// Returns the motion without rotation and translation.
     pub fn none() -> Self {
         Self {
@@ -72,26 +71,6 @@ impl RigidMotion {
         // corner.
         let at = |p: [f64; 3]| (self.carried(p.into()) - other.carried(p.into())).norm();
         region.corners().into_iter().map(at).fold(0.0, f64::max)
-    }
-
-    /// Returns the motion as words of a message.
-    pub fn to_words(&self) -> [f64; Self::WORDS] {
-        let mut w = [0.0; Self::WORDS];
-        w[..9].copy_from_slice(self.rotation.as_slice());
-        w[9..12].copy_from_slice(self.translation.as_slice());
-        w[12] = self.residual;
-        w[13] = self.beyond_slack;
-        w
-    }
-
-    /// Creates a motion from the words of [`RigidMotion::to_words`].
-    pub fn from_words(w: &[f64]) -> Self {
-        Self {
-            rotation: Matrix3::from_column_slice(&w[..9]),
-            translation: V3::from_column_slice(&w[9..12]),
-            residual: w[12],
-            beyond_slack: w[13],
-        }
     }
 }
 
@@ -231,6 +210,5 @@ mod tests {
         x[3][1] += 2.5; // not in the sample
         let d = motion.update(&x);
         assert!((d.residual - 2.5).abs() < 1e-9, "{}", d.residual);
-        assert_eq!(RigidMotion::from_words(&d.to_words()), d);
     }
 }

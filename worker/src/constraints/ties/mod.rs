@@ -36,7 +36,7 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::Settings;
 use crumple_proto::tie::Tie;
-use crumple_proto::transport::{RankLost, Tag, Transport, exchange_all};
+use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, exchange_all, gather_all};
 use nalgebra::Rotation3;
 use std::collections::{BTreeSet, HashSet};
 
@@ -104,7 +104,7 @@ pub struct Ties {
     master_positions: Vec<[f64; 3]>,
     /// Contact forces of this step that were added to masters.
     contact_forces: Vec<V3>,
-    words: Vec<u64>,
+    mail: Mailbox,
 }
 
 impl Ties {
@@ -264,9 +264,8 @@ impl Ties {
             |t: &usize| !self.definitions[*t].faces.iter().any(|elem| failed.contains(elem));
         let here: Vec<u64> =
             (0..self.definitions.len()).filter(|t| !holds(t)).map(|t| t as u64).collect();
-        let parcels = vec![here; comm.size() - 1];
-        let told = exchange_all(comm, parcels)?;
-        let released: BTreeSet<usize> = told.into_iter().flatten().map(|t| t as usize).collect();
+        let released: BTreeSet<usize> =
+            gather_all(comm, here)?.into_iter().flatten().map(|t| t as usize).collect();
         for &t in &released {
             self.add_masses(t, -1.0, nodes);
             if let Some(n) = nodes.index_of(self.definitions[t].node).map(|n| n as usize) {
@@ -367,7 +366,7 @@ impl Ties {
         carriers.sort_unstable();
         carriers.dedup();
         let wanted = [&[tied.len() as u64], &tied[..], &carriers[..]].concat();
-        let wanted = exchange_all(comm, vec![wanted; workers])?;
+        let wanted = gather_all(comm, wanted)?;
         let own = |list: &[u32], numbers: &[u64]| -> Vec<u32> {
             let mine = |t: &&u64| nodes.is_owned(list[**t as usize] as usize);
             numbers.iter().filter(mine).map(|&t| t as u32).collect()
@@ -556,23 +555,29 @@ impl Ties {
         if self.is_empty() {
             return Ok(());
         }
-        for link in self.links.iter().filter(|l| !l.masters_out.is_empty()) {
-            self.words.clear();
-            for &c in &link.masters_out {
-                let n = self.master_index[c as usize] as usize;
-                self.words.extend(nodes.v_next[n][..3].iter().map(|v| v.to_bits()));
-                if self.turn {
-                    self.words.extend(nodes.w_next[n][..3].iter().map(|w| w.to_bits()));
-                }
-            }
-            comm.send(link.worker + 1, Tag::Ties, &self.words)?;
-        }
-        let width = if self.turn { 6 } else { 3 };
-        for link in self.links.iter().filter(|l| !l.masters_in.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
-            for (&c, words) in link.masters_in.iter().zip(self.words.chunks_exact(width)) {
-                self.master_velocities[c as usize] = pair(words);
-            }
+        let Self { links, mail, master_index, master_velocities, .. } = self;
+        let local = |c: u32| master_index[c as usize] as usize;
+        if self.turn {
+            let both = |c| [&nodes.v_next, &nodes.w_next].map(|rows| xyz(&rows[local(c)]));
+            send(comm, (links, mail), |l| &l.masters_out, both)?;
+            receive(
+                comm,
+                (links, mail),
+                |l| &l.masters_in,
+                |c, both| {
+                    master_velocities[c as usize] = both;
+                },
+            )?;
+        } else {
+            send(comm, (links, mail), |l| &l.masters_out, |c| xyz(&nodes.v_next[local(c)]))?;
+            receive(
+                comm,
+                (links, mail),
+                |l| &l.masters_in,
+                |c, v| {
+                    master_velocities[c as usize] = [v, [0.0; 3]];
+                },
+            )?;
         }
         for &t in &self.local_slaves {
             let (n, shares) = (self.slave_index[t as usize] as usize, &self.shares[t as usize]);
@@ -607,54 +612,58 @@ impl Ties {
         comm: &mut dyn Transport,
         nodes: &Nodes,
     ) -> Result<(), RankLost> {
-        for link in self.links.iter().filter(|l| !l.masters_out.is_empty()) {
-            self.words.clear();
-            let places =
-                link.masters_out.iter().map(|&c| &nodes.x[self.master_index[c as usize] as usize]);
-            self.words.extend(places.flat_map(xyz).map(f64::to_bits));
-            comm.send(link.worker + 1, Tag::Ties, &self.words)?;
-        }
-        for link in self.links.iter().filter(|l| !l.masters_in.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
-            for (&c, words) in link.masters_in.iter().zip(self.words.chunks_exact(3)) {
-                self.master_positions[c as usize] = pair(words)[0];
-            }
-        }
-        Ok(())
+        let Self { links, mail, master_index, master_positions, .. } = self;
+        let position = |c: u32| xyz(&nodes.x[master_index[c as usize] as usize]);
+        send(comm, (links, mail), |l| &l.masters_out, position)?;
+        receive(comm, (links, mail), |l| &l.masters_in, |c, x| master_positions[c as usize] = x)
     }
 
     /// Sends the forces on owned slaves to the workers that have their masters.
     fn exchange_slave_forces(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let width = if self.turn { 6 } else { 3 };
-        for link in self.links.iter().filter(|l| !l.slaves_out.is_empty()) {
-            self.words.clear();
-            for &t in &link.slaves_out {
-                let all =
-                    self.slave_loads[t as usize].iter().flat_map(|v| v.iter()).map(|v| v.to_bits());
-                self.words.extend(all.take(width));
-            }
-            comm.send(link.worker + 1, Tag::Ties, &self.words)?;
+        let Self { links, mail, slave_loads, .. } = self;
+        if self.turn {
+            send(comm, (links, mail), |l| &l.slaves_out, |t| slave_loads[t as usize])?;
+            receive(comm, (links, mail), |l| &l.slaves_in, |t, load| slave_loads[t as usize] = load)
+        } else {
+            send(comm, (links, mail), |l| &l.slaves_out, |t| slave_loads[t as usize][0])?;
+            receive(
+                comm,
+                (links, mail),
+                |l| &l.slaves_in,
+                |t, force| {
+                    slave_loads[t as usize] = [force, V3::zeros()];
+                },
+            )
         }
-        for link in self.links.iter().filter(|l| !l.slaves_in.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
-            for (&t, words) in link.slaves_in.iter().zip(self.words.chunks_exact(width)) {
-                self.slave_loads[t as usize] = pair(words).map(V3::from);
-            }
-        }
-        Ok(())
     }
+}
+
+/// Sends an item per entry of a list of each link.
+fn send<T: Pod>(
+    comm: &mut dyn Transport,
+    (links, mail): (&[Link], &mut Mailbox),
+    list: fn(&Link) -> &[u32],
+    item: impl Fn(u32) -> T,
+) -> Result<(), RankLost> {
+    links.iter().try_for_each(|l| mail.send_items(comm, l.worker, Tag::Ties, list(l), &item))
+}
+
+/// Receives an item per entry of a list of each link.
+fn receive<T: Pod>(
+    comm: &mut dyn Transport,
+    (links, mail): (&[Link], &mut Mailbox),
+    list: fn(&Link) -> &[u32],
+    mut store: impl FnMut(u32, T),
+) -> Result<(), RankLost> {
+    links
+        .iter()
+        .try_for_each(|l| mail.receive_items(comm, l.worker, Tag::Ties, list(l), &mut store))
 }
 
 /// Removes the entries whose numbers are in `out`.
 fn keep<T>(list: &mut Vec<T>, out: &BTreeSet<usize>) {
     let mut number = 0..;
     list.retain(|_| number.next().is_none_or(|n| !out.contains(&n)));
-}
-
-/// Decodes two vectors from three or six words; with three, the second vector is zero.
-fn pair(words: &[u64]) -> [[f64; 3]; 2] {
-    let at = |k: usize| words.get(k).map_or(0.0, |&w| f64::from_bits(w));
-    [[at(0), at(1), at(2)], [at(3), at(4), at(5)]]
 }
 
 /// Splits a list, preceded by its length, from the list that follows it.
@@ -693,12 +702,9 @@ fn of_owners(
             });
         }
     }
-    let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); comm.size() - 1];
     let mut all = vec![PackedNode::zeroed(); ids.len()];
-    for parcel in exchange_all(comm, parcels)? {
-        for one in bytemuck::cast_slice::<u64, PackedNode>(&parcel) {
-            all[one.number as usize] = *one;
-        }
+    for one in gather_all(comm, mine)?.iter().flatten() {
+        all[one.number as usize] = *one;
     }
     Ok(all)
 }
