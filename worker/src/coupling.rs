@@ -1,5 +1,5 @@
-//! The coupling of contact with constraints and with other workers: what contact needs from them
-//! ([`crate::contact::surroundings`]), given by those that the engine owns.
+//! The coupling of contact with constraints and with other workers. [`ContactCoupling`] implements
+//! the traits of [`crate::contact::surroundings`] with the data that the engine owns.
 
 use crate::constraints::Constraints;
 use crate::contact::pairs::Pair;

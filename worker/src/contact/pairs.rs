@@ -1,5 +1,5 @@
-//! Contact pairs of a step, own pairs and those of other workers: ownership, exchange, and the
-//! forces of pairs on nodes.
+//! Contact pairs of a step, own pairs and copies of those of other workers, and their forces on
+//! nodes.
 //!
 //! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It receives
 //! every other pair that touches one of its local nodes. So it can sum the contact force on each
@@ -12,7 +12,6 @@ pub use pair::{
     FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairHistory, PairKey, padded,
 };
 
-use crate::contact::enforce::Iteration;
 use crate::contact::surface::NOT_LOCAL;
 use crate::contact::surroundings::VelocityConstraint;
 use crate::math::row::{Row, V3, row};
@@ -121,7 +120,8 @@ impl PairTable {
         }
     }
 
-    /// Computes the compliances of own pairs.
+    /// Computes the compliances of own pairs. `is_split` returns true for the pairs that get parts
+    /// of nodal masses; other pairs get full masses.
     ///
     /// If all pairs are split, the mass of a node is divided among the pairs that touch it, in
     /// proportion to their force weights. Then simultaneous updates converge for any masses: for
@@ -136,15 +136,11 @@ impl PairTable {
     /// If friction rotates nodes, the tangential compliance includes their rotational inertias.
     /// These are split in the same way: the weight of a pair in a moment is its force weight
     /// times its lever arm.
-    ///
-    /// With prediction and correction, the masses of edges are split: a slave edge can be in
-    /// several pairs, and these do not include each other's corrections as pairs of one segment
-    /// do.
     pub fn compute_compliances(
         &mut self,
         nodes: &Nodes,
         constraints: &impl VelocityConstraint,
-        iteration: impl Fn(&Pair) -> Iteration,
+        is_split: impl Fn(&Pair) -> bool,
     ) {
         self.weight_sums.clear();
         self.weight_sums.resize(self.pairs.len(), [0.0; MAX_PAIR_NODES]);
@@ -183,11 +179,7 @@ impl PairTable {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
             let mut rolling = 0.0;
-            let split = match iteration(pair) {
-                Iteration::Split => true,
-                Iteration::Correct { .. } => pair.key.is_edge(),
-                Iteration::GaussSeidel => false,
-            };
+            let split = is_split(pair);
             // Roles give the same order on all workers; local numbers do not.
             for r in (0..pair.node_count()).filter(|&r| crowd[r] > 0.0) {
                 let inv = constraints.inv_mass(nodes, pair.nodes[r]);

@@ -95,7 +95,15 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
 
     /// Makes plain sweeps, at most the number that the laws allow.
     fn run_plain_sweeps(&mut self, t: &mut PairTable) -> Result<SolverOutcome, RankLost> {
-        t.compute_compliances(self.nodes, self.around, |pair| self.laws.of_pair(pair).iteration());
+        // With prediction and correction, the masses of edges are split: a slave edge can be in
+        // several pairs, and these do not include each other's corrections as pairs of one segment
+        // do.
+        let is_split = |pair: &Pair| match self.laws.of_pair(pair).iteration() {
+            Iteration::Split => true,
+            Iteration::Correct { .. } => pair.key.is_edge(),
+            Iteration::GaussSeidel => false,
+        };
+        t.compute_compliances(self.nodes, self.around, is_split);
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             p.approach_speed = demand(p, &p.relative_velocity(self.nodes), self.steps);
         }

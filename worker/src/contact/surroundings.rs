@@ -1,6 +1,6 @@
-//! What contact needs from the rest of a worker: constraints on its nodes, and other workers.
+//! The surroundings of contact: constraints on its nodes, and other workers.
 //!
-//! Contact knows neither. The caller implements these traits (`worker/src/coupling.rs`), so the
+//! Contact knows neither. It states what it needs from them, and the caller implements these traits (`worker/src/coupling.rs`), so the
 //! contact iteration is serial: it works on the pairs of this worker and on copies of the pairs of
 //! other workers, as if there were one worker only.
 
@@ -36,8 +36,8 @@ pub struct NodalForces<'a> {
 /// force, corrected by [`VelocityConstraint::allowed_velocity`]. The velocities of the nodes of a
 /// body follow from the forces on all of them ([`VelocityConstraint::apply_forces`]).
 pub trait VelocityConstraint {
-    /// Prepares the sweeps over pairs that touch these nodes; with `couples` friction rotates nodes.
-    /// Returns true if contact pairs involve a rigid body on any worker.
+    /// Prepares the sweeps over pairs that touch these nodes; with `couples` friction rotates
+    /// nodes. Returns true if contact pairs involve a rigid body on any worker.
     ///
     /// # Errors
     /// A worker is gone.

@@ -26,17 +26,18 @@
 //! the velocities of masters. They are summed in ascending id of the slaves, and of the masters
 //! of a slave, so that all workers compute the same bits.
 
+mod exchange;
 pub mod project;
 
 use crate::contact::Contact;
 use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::Settings;
 use crumple_proto::tie::Tie;
-use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, exchange_all, gather_all};
+use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
+use exchange::{Link, PackedNode, of_owners, receive, send};
 use nalgebra::Rotation3;
 use std::collections::{BTreeSet, HashSet};
 
@@ -48,29 +49,6 @@ const NONE: u32 = u32::MAX;
 pub const ARM_SHARE: f64 = 0.81;
 /// `1 + 1/a`.
 const ARM_INERTIA: f64 = ARM_SHARE / (1.0 - ARM_SHARE) + 1.0;
-
-/// A slave or master, as it is sent to all workers at the start.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct PackedNode {
-    number: u64,
-    fixed: u64,
-    mass: f64,
-    inertia: f64,
-    x: [f64; 3],
-    v: [f64; 3],
-    w: [f64; 3],
-}
-
-/// Data exchanged with another worker in every step, by numbers of ties and of masters.
-#[derive(Debug, Default)]
-struct Link {
-    worker: usize,
-    slaves_out: Vec<u32>,
-    slaves_in: Vec<u32>,
-    masters_out: Vec<u32>,
-    masters_in: Vec<u32>,
-}
 
 /// All ties.
 #[derive(Debug, Default)]
@@ -347,54 +325,6 @@ impl Ties {
         self.partners = pairs.into_iter().map(|p| p.1).collect();
     }
 
-    /// Requests the required data from other workers, and receives the lists of data they will
-    /// send.
-    fn link(&mut self, comm: &mut dyn Transport, nodes: &Nodes) -> Result<(), RankLost> {
-        let (workers, me) = (comm.size() - 1, comm.rank() - 1);
-        let is_held = |n: u32| (n as usize) < nodes.local_count;
-        let tied: Vec<u64> = self
-            .force_sources
-            .iter()
-            .filter(|&&t| !is_held(self.slave_index[t as usize]))
-            .map(|&t| u64::from(t))
-            .collect();
-        let followed = self.local_slaves.iter().flat_map(|&t| &self.shares[t as usize]);
-        let mut carriers: Vec<u64> = followed
-            .filter(|s| !is_held(self.master_index[s.0 as usize]))
-            .map(|s| u64::from(s.0))
-            .collect();
-        carriers.sort_unstable();
-        carriers.dedup();
-        let wanted = [&[tied.len() as u64], &tied[..], &carriers[..]].concat();
-        let wanted = gather_all(comm, wanted)?;
-        let own = |list: &[u32], numbers: &[u64]| -> Vec<u32> {
-            let mine = |t: &&u64| nodes.is_owned(list[**t as usize] as usize);
-            numbers.iter().filter(mine).map(|&t| t as u32).collect()
-        };
-        self.links.clear();
-        let mut offered = vec![Vec::new(); workers];
-        for (w, words) in wanted.iter().enumerate().filter(|(w, _)| *w != me) {
-            let (tied, carriers) = halves(words);
-            let link = Link {
-                worker: w,
-                slaves_out: own(&self.slave_index, tied),
-                masters_out: own(&self.master_index, carriers),
-                ..Link::default()
-            };
-            let words =
-                [link.slaves_out.len() as u32].into_iter().chain(link.slaves_out.iter().copied());
-            offered[w] = words.chain(link.masters_out.iter().copied()).map(u64::from).collect();
-            self.links.push(link);
-        }
-        let offered = exchange_all(comm, offered)?;
-        for link in &mut self.links {
-            let (tied, carriers) = halves(&offered[link.worker]);
-            link.slaves_in = tied.iter().map(|&t| t as u32).collect();
-            link.masters_in = carriers.iter().map(|&c| c as u32).collect();
-        }
-        Ok(())
-    }
-
     /// Returns true if there are no ties.
     pub fn is_empty(&self) -> bool {
         self.definitions.is_empty()
@@ -638,37 +568,10 @@ impl Ties {
     }
 }
 
-/// Sends an item per entry of a list of each link.
-fn send<T: Pod>(
-    comm: &mut dyn Transport,
-    (links, mail): (&[Link], &mut Mailbox),
-    list: fn(&Link) -> &[u32],
-    item: impl Fn(u32) -> T,
-) -> Result<(), RankLost> {
-    links.iter().try_for_each(|l| mail.send_items(comm, l.worker, Tag::Ties, list(l), &item))
-}
-
-/// Receives an item per entry of a list of each link.
-fn receive<T: Pod>(
-    comm: &mut dyn Transport,
-    (links, mail): (&[Link], &mut Mailbox),
-    list: fn(&Link) -> &[u32],
-    mut store: impl FnMut(u32, T),
-) -> Result<(), RankLost> {
-    links
-        .iter()
-        .try_for_each(|l| mail.receive_items(comm, l.worker, Tag::Ties, list(l), &mut store))
-}
-
 /// Removes the entries whose numbers are in `out`.
 fn keep<T>(list: &mut Vec<T>, out: &BTreeSet<usize>) {
     let mut number = 0..;
     list.retain(|_| number.next().is_none_or(|n| !out.contains(&n)));
-}
-
-/// Splits a list, preceded by its length, from the list that follows it.
-fn halves(words: &[u64]) -> (&[u64], &[u64]) {
-    words.split_first().map_or((&[], &[]), |(&count, rest)| rest.split_at(count as usize))
 }
 
 /// Returns the weighted mean of the masters' vectors, summed in ascending order.
@@ -679,32 +582,4 @@ fn blend(shares: &[(u32, f64)], of: impl Fn(usize) -> [f64; 3]) -> Row {
         (0..3).for_each(|k| sum[k] += share * v[k]);
     }
     sum
-}
-
-/// Returns the states of nodes, in the order of `ids`, from the workers that own them.
-fn of_owners(
-    comm: &mut dyn Transport,
-    nodes: &Nodes,
-    ids: &[NodeId],
-) -> Result<Vec<PackedNode>, RankLost> {
-    let mut mine: Vec<PackedNode> = Vec::new();
-    for (number, &id) in ids.iter().enumerate() {
-        if let Some(i) = nodes.local_index(id).map(|n| n as usize).filter(|&i| nodes.is_owned(i)) {
-            let record = nodes.record(i);
-            mine.push(PackedNode {
-                number: number as u64,
-                fixed: record.fixed,
-                mass: record.mass,
-                inertia: record.inertia,
-                x: record.x,
-                v: record.v,
-                w: record.w,
-            });
-        }
-    }
-    let mut all = vec![PackedNode::zeroed(); ids.len()];
-    for one in gather_all(comm, mine)?.iter().flatten() {
-        all[one.number as usize] = *one;
-    }
-    Ok(all)
 }
