@@ -99,7 +99,7 @@ fn struck(n: usize) -> Struck {
     );
     let (mut last_push, mut impulse, mut work) = (0.0, 0.0, f64::NAN);
     let end = bars.run(1, &rest, |e| {
-        let now = e.walls.impulse[0][0];
+        let now = e.constraints.walls.impulse[0][0];
         if now > impulse {
             (impulse, last_push) = (now, e.clock.time);
         }

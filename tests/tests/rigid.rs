@@ -117,14 +117,14 @@ fn a_rigid_cube_falls_and_lands() {
     let (mut landed, mut fastest) = (0.0, 0.0f64);
     let mut dip = 0.0f64;
     let end = cube(rest, 160.0, |e| {
-        let v = e.bodies.bodies[0].last.velocity.z;
+        let v = e.constraints.bodies.bodies[0].last.velocity.z;
         if v < -1.0 {
             landed = e.clock.time;
         }
         fastest = fastest.min(v);
         dip = (0..e.nodes.local_count).map(|i| e.nodes.x[i][2] + 100.0).fold(dip, f64::min);
     });
-    assert!((end.bodies.bodies[0].mass - 1.0).abs() < 1e-12);
+    assert!((end.constraints.bodies.bodies[0].mass - 1.0).abs() < 1e-12);
     assert!((landed - 142.78).abs() < 0.06, "within one step: {landed}");
     assert!(
         (fastest + 1.40071).abs() < 1.5 * 0.05 * 9.81e-3,
@@ -132,8 +132,8 @@ fn a_rigid_cube_falls_and_lands() {
         {fastest}"
     );
     assert!(
-        end.bodies.bodies[0].last.velocity.norm() < 1e-9
-            && end.bodies.bodies[0].last_spin.norm() < 1e-9
+        end.constraints.bodies.bodies[0].last.velocity.norm() < 1e-9
+            && end.constraints.bodies.bodies[0].last_spin.norm() < 1e-9
     );
     assert!(dip > -1e-9, "no node is below the wall: {dip}");
     let wall = end.ledger.energies(&end.nodes).wall;
@@ -155,7 +155,7 @@ fn guided_bodies_follow_what_is_left_free() {
         )
     };
     let end = cube(&dofs("\"y\", \"z\", \"rx\", \"ry\", \"rz\""), 1.0, |_| {});
-    let body = &end.bodies.bodies[0];
+    let body = &end.constraints.bodies.bodies[0];
     let way = 0.5 * 0.3 / body.mass;
     assert!(
         (body.centre.x - 5.0 - way).abs() < 1e-11 * way
@@ -165,7 +165,7 @@ fn guided_bodies_follow_what_is_left_free() {
         body.centre
     );
     let end = cube(&dofs("\"x\", \"y\", \"z\", \"rx\", \"ry\""), 1e-2, |_| {});
-    let body = &end.bodies.bodies[0];
+    let body = &end.constraints.bodies.bodies[0];
     // The inertia of the cube is the same about all axes; 1/2 M/J t^2, and half a step more at
     // mid-steps.
     let spin = 3.0 / body.inertia[(2, 2)] * (end.clock.time - 0.5 * end.clock.last_dt);
@@ -226,7 +226,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
             pairs += contact.owned_pairs().count();
             deepest = deepest.max(contact.penetration);
         });
-        let body = &end.bodies.bodies[0];
+        let body = &end.constraints.bodies.bodies[0];
         let energies = end.ledger.energies(&end.nodes);
         let initial = 0.5 * body.mass * 101.0;
         eprintln!(
@@ -260,8 +260,8 @@ fn an_initial_penetration_does_not_throw_a_body_out() {
                 dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
     let (mut fastest, mut energy) = (0.0f64, 0.0f64);
     let end = run_alone(&scene.job(0.3, rest), |e| {
-        fastest = fastest.max(e.bodies.bodies[0].last.velocity.norm());
-        energy = energy.max(e.bodies.bodies[0].energy());
+        fastest = fastest.max(e.constraints.bodies.bodies[0].last.velocity.norm());
+        energy = energy.max(e.constraints.bodies.bodies[0].energy());
     });
     eprintln!("{fastest} m/s, {energy} J, compared with {} m/s", 0.1 / end.clock.first_dt);
     assert!(

@@ -460,7 +460,7 @@ fn a_face_that_fails_lets_go() {
     let end = run_alone(&model, |e: &Engine| {
         watch.look(e);
         whole.push((0..e.nodes.local_count).map(|i| e.nodes.mass[i]).sum::<f64>());
-        if e.ties.is_empty() && left.is_none() {
+        if e.constraints.ties.is_empty() && left.is_none() {
             left = Some((
                 e.clock.time,
                 patch.iter().map(|&n| xyz_of(e, id_of(n))).collect::<Vec<_>>(),
@@ -468,7 +468,7 @@ fn a_face_that_fails_lets_go() {
         }
     });
     let (time, places) = left.expect("the tie is released");
-    assert!(end.ties.is_empty() && time < 0.1, "{time}");
+    assert!(end.constraints.ties.is_empty() && time < 0.1, "{time}");
     let mass = whole[0];
     assert!(whole.iter().all(|m| (m - mass).abs() < 1e-14 * mass * 100.0), "masses are restored");
     assert!(watch.changed[0] < 1e-10 * mass * 10.0, "momentum: {:?}", watch.changed);
@@ -618,14 +618,14 @@ fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
     .unwrap();
     let (mut deepest, mut first, mut worst) = (0.0f64, None, 0.0f64);
     let end = run_alone(&model, |e: &Engine| {
-        let wall = &e.walls.each()[0];
+        let wall = &e.constraints.walls.each()[0];
         let floor = wall.displacement()[2];
         let plate = (0..25).map(|n| xyz_of(e, id_of(n + 1))[2]).fold(f64::INFINITY, f64::min);
         deepest = deepest.max(floor - plate);
-        let all = momentum(&e.nodes).0[2] + e.walls.carried(true).1[2];
+        let all = momentum(&e.nodes).0[2] + e.constraints.walls.carried(true).1[2];
         worst = worst.max((all - *first.get_or_insert(all)).abs());
     });
-    let wall = end.walls.carried(true).1[2];
+    let wall = end.constraints.walls.carried(true).1[2];
     let came = -20.0 * RHO * 11.0 * 11.0 * 7.8;
     assert!(wall < 0.2 * came, "the wall takes a large part of the impulse: {wall} of {came}");
     // A delay of one step in the force on the wall would give a penetration by the displacement

@@ -52,7 +52,7 @@ fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -
 
 /// Returns the momentum along z of nodes and walls at the last mid-step.
 fn along_z(e: &Engine) -> f64 {
-    momentum(&e.nodes).0[2] + e.walls.carried(true).1.z
+    momentum(&e.nodes).0[2] + e.constraints.walls.carried(true).1.z
 }
 
 /// A plate, deformable or rigid, falls flat on a wall of mass M that moves towards it. Both
@@ -72,7 +72,7 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
         let (mut left, mut drift, start) = (0.0f64, 0.0f64, mass * v + big * speed);
         let end = run_alone(&model, |e| {
             let mut energies = e.ledger.energies(&e.nodes);
-            energies.kinetic += e.walls.carried(false).0;
+            energies.kinetic += e.constraints.walls.carried(false).0;
             left = left.max(energies.balance(initial).abs());
             drift = drift.max((along_z(e) - start).abs());
         });
@@ -82,16 +82,16 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
             .fold(0.0, f64::max);
         assert!(worst < 1e-9, "{rigid}: {worst} from {after}");
         assert!(
-            (end.walls.each()[0].velocity().z - after).abs() < 1e-9,
+            (end.constraints.walls.each()[0].velocity().z - after).abs() < 1e-9,
             "{:?}",
-            end.walls.each()[0].velocity()
+            end.constraints.walls.each()[0].velocity()
         );
         assert!(drift < 1e-11 * mass * 10.0, "{rigid}: round-off of all steps: {drift}");
         let lost = 0.5 * mass * big / (mass + big) * (speed - v) * (speed - v);
         let wall = end.ledger.energies(&end.nodes).wall;
         assert!((wall + lost).abs() < 1e-6 * lost, "{rigid}: {wall} of {lost}");
         assert!(left < 1e-9 * initial, "{rigid}: {left} of {initial}");
-        let given = end.walls.impulse[0][2];
+        let given = end.constraints.walls.impulse[0][2];
         assert!((given - mass * (after - v)).abs() < 1e-9 * mass * 10.0, "{rigid}: {given}");
     }
 }
@@ -112,7 +112,7 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
     ];
     let (mut fastest, mut pairs) = (0.0f64, false);
     run_alone(&job(&plates, 0.03, rest), |e| {
-        fastest = fastest.min(e.walls.each()[0].velocity().z);
+        fastest = fastest.min(e.constraints.walls.each()[0].velocity().z);
         pairs |= fastest == 0.0 && e.contact.as_ref().unwrap().owned_table().next().is_some();
     });
     assert!(pairs, "there are pairs before the wall moves");
@@ -163,15 +163,15 @@ fn a_cylinder_catches_a_strip() {
         );
         let (mut deepest, mut pressed) = (f64::INFINITY, 0.0f64);
         let end = run_alone(&job(&strip, 0.5, &rest), |e| {
-            let axis = e.walls.each()[0].surface.position().z;
+            let axis = e.constraints.walls.each()[0].surface.position().z;
             let off = |i: usize| e.nodes.x[i][0].hypot(e.nodes.x[i][2] - axis) - 10.0;
             deepest = (0..e.nodes.local_count).map(off).fold(deepest, f64::min);
-            pressed = pressed.max(e.walls.impulse[0][2]);
+            pressed = pressed.max(e.constraints.walls.impulse[0][2]);
         });
         assert!(deepest > -1e-6, "{rigid}{led}: {deepest}");
         assert!(pressed > 0.0, "{rigid}{led}: the wall has an impulse");
         let middle = end.nodes.x[10 * 3][2];
-        let axis = end.walls.each()[0].surface.position().z;
+        let axis = end.constraints.walls.each()[0].surface.position().z;
         assert!(middle > 10.0 - 1e-6 + axis, "{rigid}{led}: {middle}");
         assert!((axis - if led.is_empty() { 0.0 } else { 2.5 }).abs() < 1e-12, "{axis}");
     }

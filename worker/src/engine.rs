@@ -1,22 +1,20 @@
 //! The serial engine of one worker. It builds mesh, state and laws from its partition and owns
 //! them.
 
-use crate::constraints::prescribed::Prescribed;
-use crate::constraints::rigid::Bodies;
-use crate::constraints::ties::Ties;
-use crate::constraints::walls::Walls;
+use crate::constraints::Constraints;
 use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum, momentum_at_present};
 use crate::erosion::erode;
 use crate::fem::blocks::Blocks;
-use crate::histories::Histories;
+use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
 use crate::parallel::migrate::{centre, migrate};
+use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{LocalMesh, PartitionData, build_local_mesh};
 pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
@@ -46,16 +44,12 @@ pub struct Engine {
     pub halo: Ghosts,
     /// Contact, if the job has any.
     pub contact: Option<Contact>,
-    /// Rigid walls.
-    pub walls: Walls,
+    /// Contact pairs that other workers know.
+    pub pair_exchange: PairExchange,
     /// Loads.
     pub loads: Loads,
-    /// Prescribed motions.
-    pub prescribed: Prescribed,
-    /// All rigid bodies of the job.
-    pub bodies: Bodies,
-    /// Tied nodes.
-    pub ties: Ties,
+    /// Prescribed motion, rigid bodies, rigid walls and ties.
+    pub constraints: Constraints,
     /// Energies.
     pub ledger: Ledger,
     /// Local indices of the nodes, sections and parts whose histories are recorded.
@@ -87,8 +81,8 @@ impl Engine {
         share: PartitionData,
     ) -> Result<Self, RankLost> {
         let mut local = build_local_mesh(comm, &settings, share, true)?;
-        let mut ties = Ties::new(comm, &settings, &mut local.nodes)?;
-        ties.bind_local(comm, &mut local.nodes)?;
+        let mut constraints = Constraints::new(comm, &settings, &mut local.nodes)?;
+        constraints.bind_local(comm, &mut local.nodes)?;
         if settings.subcycles > 1 {
             local.nodes.retain_outer_means(&[]);
         }
@@ -100,12 +94,10 @@ impl Engine {
         let stable_dt = agreement.first_step(comm, own, velocities, thinnest)?;
         let mut engine = Self {
             clock: Clock::new(&settings, stable_dt),
-            walls: Walls::new(&settings.walls, &settings.loads.curves),
             loads: Loads::new(&settings.loads),
-            prescribed: Prescribed::new(&settings.loads),
-            bodies: Bodies::new(comm, &settings, &local.nodes)?,
-            ties,
+            constraints,
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
+            pair_exchange: PairExchange::default(),
             motion: MotionTracker::since(&[]),
             ledger: Ledger::default(),
             histories: Histories::default(),
@@ -155,7 +147,7 @@ impl Engine {
         if self.settings.subcycles > 1 {
             self.nodes.retain_outer_means(&means);
         }
-        self.ties.bind_local(comm, &mut self.nodes)?;
+        self.constraints.bind_local(comm, &mut self.nodes)?;
         self.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
         Ok(())
@@ -169,7 +161,7 @@ impl Engine {
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
         let failed = erode(comm, &mut self.blocks, &self.nodes)?;
         self.inverted.extend(failed.iter().filter(|&&id| self.blocks.is_deleted(id)));
-        self.ties.release_failed(comm, &failed, &mut self.nodes)?;
+        self.constraints.release_failed(comm, &failed, &mut self.nodes)?;
         self.renew(comm, self.tree.clone())
     }
 
@@ -178,15 +170,12 @@ impl Engine {
         surface: Option<crate::contact::surface::Surface>,
         memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::PairHistory>,
     ) {
-        self.bodies.bind_local(&self.nodes);
-        self.walls.bind_local(&self.nodes);
         if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
             contact.renew(surface, &self.nodes, memory_of);
             let slack = self.halo.slack(&self.nodes);
             self.motion.restart(&self.nodes.x[..self.nodes.local_count], slack);
         }
         self.loads.bind_local(&self.nodes, &self.blocks, self.settings.subcycles);
-        self.prescribed.bind_local(&self.nodes);
         self.histories.bind_local(
             &self.settings.histories,
             self.settings.subcycles,
@@ -254,7 +243,8 @@ impl Engine {
         if self.settings.subcycles > 1 {
             if self.clock.starts_outer_step(&self.settings) {
                 self.balance = Some(self.energies(false));
-                self.histories.start_outer_step(self.histories.accelerations(self));
+                let accelerations = self.histories.accelerations(&self.history_state());
+                self.histories.start_outer_step(accelerations);
             }
             if let Some(contact) = &self.contact {
                 self.histories.record_contact(&self.settings, contact, &self.nodes);
@@ -266,6 +256,17 @@ impl Engine {
             self.timer.lap(Phase::Output);
         }
         Ok(())
+    }
+
+    fn history_state(&self) -> HistoryState<'_> {
+        HistoryState {
+            settings: &self.settings,
+            clock: &self.clock,
+            nodes: &self.nodes,
+            blocks: &self.blocks,
+            loads: &self.loads,
+            contact: self.contact.as_ref(),
+        }
     }
 
     /// Returns the energies at the present time or, if the run has `ended`, at the previous time.
@@ -285,7 +286,8 @@ impl Engine {
                 * self.blocks.subcycle_coupling(&self.nodes);
         }
         if self.nodes.me == 0 {
-            energies.kinetic += self.bodies.beyond().0 + self.walls.carried(ended).0;
+            energies.kinetic +=
+                self.constraints.bodies.beyond().0 + self.constraints.walls.carried(ended).0;
         }
         energies
     }
@@ -300,7 +302,8 @@ impl Engine {
         let (mut momentum, mut angular_momentum) = of(&self.nodes);
         let energies = self.balance.filter(|_| ended).unwrap_or_else(|| self.energies(ended));
         if self.nodes.me == 0 {
-            let (angular, carried) = (self.bodies.beyond().1, self.walls.carried(ended).1);
+            let (angular, carried) =
+                (self.constraints.bodies.beyond().1, self.constraints.walls.carried(ended).1);
             (0..3).for_each(|c| angular_momentum[c] += angular[c]);
             (0..3).for_each(|c| momentum[c] += carried[c]);
         }
@@ -313,14 +316,20 @@ impl Engine {
             energies,
             momentum,
             angular_momentum,
-            wall_impulse: self.walls.impulse.clone(),
-            wall_displacement: self.walls.each().iter().map(|w| w.displacement().into()).collect(),
+            wall_impulse: self.constraints.walls.impulse.clone(),
+            wall_displacement: self
+                .constraints
+                .walls
+                .each()
+                .iter()
+                .map(|w| w.displacement().into())
+                .collect(),
             pairs: self.contact.as_ref().map_or(0, |c| c.owned_pairs().count() as u64),
             penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
             controlling: smallest.map(|s| s.1),
             contact_dt: self.agreement.contact_dt,
-            shares: self.histories.shares(self, ended),
+            shares: self.histories.shares(&self.history_state(), ended),
         };
         self.clock.rows += 1;
         post(comm, 0, Tag::Report, &ToMaster::History(Box::new(row)))

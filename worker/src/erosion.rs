@@ -9,7 +9,7 @@
 use crate::fem::blocks::Blocks;
 use crate::nodes::Nodes;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::transport::{RankLost, Transport, exchange_all};
+use crumple_proto::transport::{RankLost, Transport, gather_all};
 use std::collections::HashMap;
 
 /// Number of cycles between two searches for failed elements. Until then a failed element carries
@@ -45,13 +45,9 @@ pub fn erode(
     let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
     // Only workers that have a corner of a face can have its other side. All get the message,
     // since failure is rare.
-    let words: Vec<u64> = bared.iter().flatten().map(|n| n.0).collect();
-    let parcels = vec![words; comm.size() - 1];
-    let told = exchange_all(comm, parcels)?;
-    let bared: Vec<Face> =
-        told.iter().flat_map(|w| w.as_chunks::<4>().0).map(|ids| ids.map(NodeId)).collect();
+    let bared = gather_all(comm, bared)?;
     let here = |face: &&Face| nodes.local_index(face[0]).is_some();
-    let bared: Vec<Face> = bared.iter().filter(here).copied().collect();
+    let bared: Vec<Face> = bared.iter().flatten().filter(here).copied().collect();
     if bared.is_empty() {
         return Ok(ids);
     }

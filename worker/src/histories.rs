@@ -3,20 +3,35 @@
 //! not change the state.
 
 use crate::contact::Contact;
-use crate::engine::Engine;
 use crate::fem::blocks::Blocks;
-use crate::math::row::{Row, xyz};
+use crate::loads::Loads;
+use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
+use crate::time::Clock;
 use crumple_proto::histories::{
     ContactShare, HistoryRequests, HistoryShares, NodeState, PairForce, PartShare, Section,
     SectionShare,
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
-use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
 
-type V3 = Vector3<f64>;
+/// State of a worker from which its share of a row is computed.
+#[derive(Clone, Copy)]
+pub struct HistoryState<'a> {
+    /// Settings.
+    pub settings: &'a Settings,
+    /// Time and step sizes.
+    pub clock: &'a Clock,
+    /// Nodal columns.
+    pub nodes: &'a Nodes,
+    /// Own elements.
+    pub blocks: &'a Blocks,
+    /// Loads.
+    pub loads: &'a Loads,
+    /// Contact, if the job has any.
+    pub contact: Option<&'a Contact>,
+}
 
 /// Local indices of the requested histories.
 #[derive(Debug, Default)]
@@ -118,8 +133,8 @@ impl Histories {
 
     /// Returns the accelerations of the recorded nodes at the start of an outer step
     /// [length/time^2].
-    pub fn accelerations(&self, engine: &Engine) -> HashMap<NodeId, [f64; 3]> {
-        let of = |&n: &u32| (engine.nodes.id[n as usize], mean_acceleration(engine, n as usize));
+    pub fn accelerations(&self, state: &HistoryState<'_>) -> HashMap<NodeId, [f64; 3]> {
+        let of = |&n: &u32| (state.nodes.id[n as usize], mean_acceleration(state, n as usize));
         self.nodes.iter().map(of).collect()
     }
 
@@ -137,61 +152,61 @@ impl Histories {
     /// Returns this worker's shares of a row. Velocities are those before and after the present
     /// time or, if the run has `ended`, those of the last two mid-steps; forces are then those of
     /// the last step.
-    pub fn shares(&self, engine: &Engine, ended: bool) -> HistoryShares {
-        let asked = &engine.settings.histories;
+    pub fn shares(&self, state: &HistoryState<'_>, ended: bool) -> HistoryShares {
+        let asked = &state.settings.histories;
         // Contact reacts at once to the forces of slow elements: only means over an outer step
         // are meaningful.
-        let felt = (engine.settings.subcycles > 1).then_some(if ended {
+        let felt = (state.settings.subcycles > 1).then_some(if ended {
             &self.felt
         } else {
             &self.felt_before
         });
         HistoryShares {
-            parts: if asked.parts { parts(engine, ended) } else { Vec::new() },
-            contacts: match (&engine.contact, felt) {
+            parts: if asked.parts { parts(state, ended) } else { Vec::new() },
+            contacts: match (state.contact, felt) {
                 (_, Some(felt)) => felt.contacts(),
                 (Some(contact), _) if asked.contacts => contact.forces_between_parts(),
                 _ => Vec::new(),
             },
-            nodes: self.nodes.iter().map(|&n| self.node(engine, n as usize, ended)).collect(),
-            sections: self.sections(engine),
-            transducers: match (&engine.contact, felt) {
+            nodes: self.nodes.iter().map(|&n| self.node(state, n as usize, ended)).collect(),
+            sections: self.sections(state),
+            transducers: match (state.contact, felt) {
                 (_, Some(felt)) => felt.transducers(),
                 (Some(contact), _) if !asked.transducers.is_empty() => {
-                    contact.forces_on_transducers(&asked.transducers, &engine.nodes)
+                    contact.forces_on_transducers(&asked.transducers, state.nodes)
                 }
                 _ => Vec::new(),
             },
         }
     }
 
-    fn node(&self, engine: &Engine, n: usize, ended: bool) -> NodeState {
-        let state = node(engine, n, ended);
-        if engine.settings.subcycles == 1 {
-            return state;
+    fn node(&self, state: &HistoryState<'_>, n: usize, ended: bool) -> NodeState {
+        let motion = node(state, n, ended);
+        if state.settings.subcycles == 1 {
+            return motion;
         }
-        let known = self.accelerations.get(&state.id).copied();
-        NodeState { a: known.unwrap_or_else(|| mean_acceleration(engine, n)), ..state }
+        let known = self.accelerations.get(&motion.id).copied();
+        NodeState { a: known.unwrap_or_else(|| mean_acceleration(state, n)), ..motion }
     }
 
-    fn sections(&self, engine: &Engine) -> Vec<SectionShare> {
+    fn sections(&self, state: &HistoryState<'_>) -> Vec<SectionShare> {
         if self.sections.is_empty() {
             return Vec::new();
         }
         // The slots contain pressure too, which is no internal force of the element.
         let mut pressed: HashMap<usize, V3> = HashMap::new();
-        for (slot, f) in engine.loads.on_slots() {
+        for (slot, f) in state.loads.on_slots() {
             *pressed.entry(slot).or_default() += V3::from(xyz(f));
         }
-        let at = |n: u32| V3::from(xyz(&engine.nodes.x[n as usize]));
+        let at = |n: u32| V3::from(xyz(&state.nodes.x[n as usize]));
         let share = |section: &LocalSection| {
             let (mut force, mut moment) = (V3::zeros(), V3::zeros());
             for &(slot, n, cycles) in &section.corners {
                 let pressed = pressed.get(&slot).copied().unwrap_or_default();
-                let f = (-V3::from(xyz(&engine.blocks.force[slot])) - pressed) / cycles;
+                let f = (-V3::from(xyz(&state.blocks.force[slot])) - pressed) / cycles;
                 force += f;
                 moment += at(n).cross(&f);
-                if let Some(m) = engine.blocks.moment.get(slot) {
+                if let Some(m) = state.blocks.moment.get(slot) {
                     moment -= V3::from(xyz(m)) / cycles;
                 }
             }
@@ -210,8 +225,8 @@ impl Histories {
 
 /// Returns the energies, masses and momenta of own elements by part. Nodal masses are those of
 /// the elements; masses added by `[[mass]]` belong to no part.
-fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
-    let (nodes, blocks) = (&engine.nodes, &engine.blocks);
+fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare> {
+    let (nodes, blocks) = (state.nodes, state.blocks);
     let share = |energy: &[f64; 2]| PartShare {
         internal: energy[0],
         hourglass: energy[1],
@@ -245,13 +260,13 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
 /// Returns the acceleration of a local node at the start of an outer step [length/time^2]. Forces
 /// of slow elements act in one cycle only, so only means over an outer step are meaningful. The
 /// present velocity is ahead of its mean by half of its change in an outer step.
-fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
-    let (nodes, clock) = (&engine.nodes, &engine.clock);
+fn mean_acceleration(state: &HistoryState<'_>, n: usize) -> [f64; 3] {
+    let (nodes, clock) = (state.nodes, state.clock);
     let (before, after) = (&nodes.v[n], &nodes.v_next[n]);
     match nodes.mean_v.get(n).filter(|_| clock.last_dt > 0.0) {
         Some(mean) => [0, 1, 2].map(|c| {
             let now = before[c] + 0.5 * clock.last_dt * (after[c] - before[c]) / clock.mid();
-            (now - mean[c]) / (0.5 * engine.settings.subcycles as f64 * clock.last_dt)
+            (now - mean[c]) / (0.5 * state.settings.subcycles as f64 * clock.last_dt)
         }),
         // At the start all strains are zero: only loads and initial contact act.
         None => [0, 1, 2]
@@ -261,8 +276,8 @@ fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
 
 /// Returns the motion of a local node. The velocity is that of the present time or, if the run
 /// has `ended`, of the last mid-step.
-fn node(engine: &Engine, n: usize, ended: bool) -> NodeState {
-    let (nodes, clock) = (&engine.nodes, &engine.clock);
+fn node(state: &HistoryState<'_>, n: usize, ended: bool) -> NodeState {
+    let (nodes, clock) = (state.nodes, state.clock);
     let (before, after) = (&nodes.v[n], &nodes.v_next[n]);
     let (mid, sign) = if ended { (clock.last_mid, -1.0) } else { (clock.mid(), 1.0) };
     let a = [0, 1, 2].map(|c| if mid > 0.0 { sign * (after[c] - before[c]) / mid } else { 0.0 });

@@ -7,6 +7,7 @@
 //! - [`fem`]: elements, materials, blocks of elements, assembly
 //! - [`contact`]: search, then enforcement
 //! - [`constraints`]: prescribed motion, rigid bodies, ties, rigid walls
+//! - [`coupling`]: the constraints and the other workers, as contact sees them
 //! - [`parallel`]: partition, ghosts, migration, the reduction of each step
 //! - [`math`]: SIMD lanes, best-fit rigid motion, exact sums
 //! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed
@@ -16,6 +17,7 @@
 
 pub mod constraints;
 pub mod contact;
+pub mod coupling;
 pub mod curve;
 pub mod energy;
 pub mod engine;

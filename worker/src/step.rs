@@ -3,8 +3,8 @@
 //! [`STAGES`] is the whole step. Every stage is a function of this file, and its time is booked for
 //! the phase in its row.
 
-use crate::constraints::ties::ContactExclusions;
-use crate::energy::Work;
+use crate::constraints::ConstraintWork;
+use crate::coupling::ContactCoupling;
 use crate::engine::{Engine, StepConsensus};
 use crate::erosion;
 use crate::fem::blocks::Portion;
@@ -83,9 +83,8 @@ struct Cycle {
     drift: RigidMotion,
     /// True if contact needs rotational velocities of ghosts.
     couples: bool,
-    /// Work of walls and rigid bodies: on walls, and by external forces.
-    on_walls: Work,
-    external: Work,
+    /// Work of walls and rigid bodies.
+    work: ConstraintWork,
     /// Result of the global reduction.
     agreed: StepConsensus,
 }
@@ -100,8 +99,7 @@ impl Cycle {
             totals: PassTotals::NONE,
             drift: RigidMotion::none(),
             couples: false,
-            on_walls: Work::default(),
-            external: Work::default(),
+            work: ConstraintWork::default(),
             agreed: StepConsensus::default(),
         }
     }
@@ -155,10 +153,10 @@ fn accelerate(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, blocks, loads, ties, .. } = engine;
+    let Engine { clock, nodes, blocks, loads, constraints, .. } = engine;
     blocks.assemble(nodes, cycle.set);
     loads.add_forces(nodes, clock.time, cycle.set);
-    ties.distribute_forces(comm, nodes)?;
+    constraints.distribute_forces(comm, nodes)?;
     nodes.accelerate(cycle.steps.dt_velocity);
     loads.apply_damping(nodes, cycle.steps.dt_velocity);
     Ok(())
@@ -171,18 +169,9 @@ fn constrain(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, contact, walls, prescribed, bodies, ties, .. } = engine;
-    prescribed.apply(nodes, clock.time, cycle.steps.dt); // inverse mass is zero there
-    bodies.accelerate(comm, nodes, clock.time, cycle.steps)?;
-    walls.start_step(clock.time, cycle.steps.dt);
-    if let Some(contact) = contact {
-        ties.update_slave_velocities(comm, nodes, cycle.steps.dt)?;
-        cycle.couples = contact.has_couples(nodes);
-        if cycle.couples {
-            bodies.turn(nodes);
-        }
-    }
-    Ok(())
+    let Engine { clock, nodes, contact, constraints, .. } = engine;
+    cycle.couples = contact.as_ref().is_some_and(|c| c.has_couples(nodes));
+    constraints.constrain(comm, nodes, contact.as_ref(), clock.time, cycle.steps)
 }
 
 /// Fits a rigid motion to the own nodes: it shows how long ghosts stay valid.
@@ -217,12 +206,11 @@ fn find_candidates(
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, contact, bodies, ties, agreement, .. } = engine;
+    let Engine { clock, nodes, contact, constraints, agreement, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
     contact.update_folds(nodes, clock.cycle);
-    let exclusions = ContactExclusions { bodies, ties };
     let time = (clock.time, cycle.steps.dt);
-    contact.refresh_candidates(nodes, exclusions, time, agreement.elements_dt);
+    contact.refresh_candidates(nodes, constraints, time, agreement.elements_dt);
     Ok(())
 }
 
@@ -232,10 +220,9 @@ fn project_pairs(
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, contact, bodies, ties, .. } = engine;
+    let Engine { clock, nodes, contact, constraints, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
-    let exclusions = ContactExclusions { bodies, ties };
-    contact.find_pairs(nodes, exclusions, clock.time, cycle.steps);
+    contact.find_pairs(nodes, constraints, clock.time, cycle.steps);
     Ok(())
 }
 
@@ -245,9 +232,9 @@ fn exchange_pairs(
     comm: &mut dyn Transport,
     _: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, halo, contact, .. } = engine;
+    let Engine { nodes, halo, contact, pair_exchange, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
-    contact.share_pairs(comm, nodes, halo)
+    pair_exchange.exchange_pairs(comm, nodes, halo, &mut contact.table)
 }
 
 /// Applies the contact forces, with which gaps at t + dt are not negative.
@@ -256,33 +243,18 @@ fn enforce_contact(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, contact, walls, bodies, .. } = engine;
+    let Engine { nodes, contact, constraints, pair_exchange, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
-    contact.enforce(comm, nodes, walls, bodies, cycle.steps)
+    let mut around = ContactCoupling { comm, constraints, pair_exchange };
+    contact.enforce(nodes, &mut around, cycle.steps)
 }
 
-/// Lets constraints react to contact: masters of ties, rigid walls, rigid bodies, and tied slaves,
-/// in this order. Masters reach walls with the forces of their slaves.
+/// Lets constraints react to contact, in the order that [`Constraints`] states.
+///
+/// [`Constraints`]: crate::constraints::Constraints
 fn react(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Result<(), RankLost> {
-    let Engine { clock, nodes, contact, walls, bodies, ties, .. } = engine;
-    let steps = cycle.steps;
-    if let Some(contact) = contact {
-        ties.distribute_contact_forces(comm, nodes, contact, steps)?;
-    }
-    if !walls.is_empty() {
-        bodies.add_wall_impulses(walls);
-        let mut pushed: Vec<_> =
-            contact.iter().flat_map(|c| c.contact_forces(nodes, steps)).collect();
-        ties.add_contact_forces(&mut pushed, nodes, steps);
-        cycle.on_walls += walls.enforce(comm, nodes, &pushed, steps)?;
-    }
-    let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
-    ties.update_slave_velocities(comm, nodes, steps.dt)?;
-    if nodes.me == 0 {
-        cycle.on_walls += walls.work_on_masses(); // all workers know it: count it once
-    }
-    cycle.on_walls += on_bodies.wall;
-    cycle.external = on_bodies.external;
+    let Engine { clock, nodes, contact, constraints, .. } = engine;
+    cycle.work = constraints.react(comm, nodes, contact.as_ref(), clock.time, cycle.steps)?;
     Ok(())
 }
 
@@ -292,14 +264,14 @@ fn balance_energy(
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, contact, ledger, loads, prescribed, ties, .. } = engine;
-    ledger.book_wall(cycle.on_walls);
+    let Engine { nodes, contact, ledger, loads, constraints, .. } = engine;
+    ledger.book_wall(cycle.work.walls);
     if let Some(contact) = contact {
         ledger.book_contact(contact.finish_step(nodes, cycle.steps));
     }
-    let on_prescribed = prescribed.work(nodes, (contact.as_ref(), ties), cycle.steps);
+    let on_prescribed = constraints.prescribed_work(nodes, contact.as_ref(), cycle.steps);
     let on_loads = loads.work(nodes, cycle.steps, cycle.set);
-    ledger.book_external(on_loads + on_prescribed + cycle.external);
+    ledger.book_external(on_loads + on_prescribed + cycle.work.external);
     Ok(())
 }
 
@@ -325,13 +297,12 @@ fn advance(
         return Ok(());
     }
     engine.write_history(comm)?;
-    let Engine { settings, clock, nodes, bodies, walls, .. } = engine;
+    let Engine { settings, clock, nodes, constraints, .. } = engine;
     nodes.advance(cycle.steps.dt);
     if settings.subcycles > 1 {
         nodes.accumulate_outer_means(settings.subcycles, cycle.set);
     }
-    bodies.advance(nodes, cycle.steps.dt);
-    walls.advance(cycle.steps.dt);
+    constraints.advance(nodes, cycle.steps.dt);
     clock.advance();
     clock.select_dt(settings, cycle.agreed.stable_dt);
     Ok(())

@@ -10,8 +10,8 @@ use crumple::input::job::read_text;
 use crumple::run::embedded::run_alone;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::transport::{Tag, Transport, threads};
-use crumple_worker::constraints::ties::ContactExclusions;
 use crumple_worker::contact::search::SEARCHES;
+use crumple_worker::coupling::ContactCoupling;
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::Portion;
 use crumple_worker::math::row::xyz;
@@ -109,13 +109,18 @@ fn contact() -> Work {
     let mut ends = threads::connect(2);
     Box::new(move || {
         let contact = e.contact.as_mut().expect("it has contact");
-        let joined = ContactExclusions { bodies: &e.bodies, ties: &e.ties };
-        contact.refresh_candidates(&e.nodes, joined, (e.clock.time, steps.dt), steps.dt);
-        contact.find_pairs(&e.nodes, joined, e.clock.time, steps);
-        contact.share_pairs(&mut ends[1], &e.nodes, &Ghosts::default()).expect("nobody is lost");
-        contact
-            .enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps)
+        contact.refresh_candidates(&e.nodes, &e.constraints, (e.clock.time, steps.dt), steps.dt);
+        contact.find_pairs(&e.nodes, &e.constraints, e.clock.time, steps);
+        let comm = &mut ends[1];
+        e.pair_exchange
+            .exchange_pairs(comm, &e.nodes, &Ghosts::default(), &mut contact.table)
             .expect("nobody is lost");
+        let mut around = ContactCoupling {
+            comm,
+            constraints: &mut e.constraints,
+            pair_exchange: &mut e.pair_exchange,
+        };
+        contact.enforce(&mut e.nodes, &mut around, steps).expect("nobody is lost");
     })
 }
 

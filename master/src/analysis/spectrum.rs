@@ -218,7 +218,7 @@ impl Probe {
                 c => nodes.w_next[free.node][c - 3] = rate,
             }
         }
-        engine.ties.update_slave_velocities(comm, nodes, dt).map_err(lost)?;
+        engine.constraints.ties.update_slave_velocities(comm, nodes, dt).map_err(lost)?;
         for i in 0..held {
             for c in 0..3 {
                 nodes.x[i][c] += dt * nodes.v_next[i][c];

@@ -221,7 +221,8 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
             ControlFlow::Continue(())
         })?;
         let variant = format!("{}{how}, 10 cubes and 10 plates, 1e5 steps", law.name);
-        let pushed = |c: usize| run.engine.walls.impulse.iter().map(|p| p[c]).sum::<f64>();
+        let pushed =
+            |c: usize| run.engine.constraints.walls.impulse.iter().map(|p| p[c]).sum::<f64>();
         let now = momentum(&run.engine.nodes).0;
         let sizes: f64 =
             (0..run.engine.nodes.local_count).map(|i| run.engine.nodes.mass[i] * 10.0).sum();

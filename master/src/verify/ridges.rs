@@ -4,8 +4,9 @@ use super::measure::position;
 use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
-use crumple_worker::contact::geometry::{V3, nearest};
+use crumple_worker::contact::geometry::nearest;
 use crumple_worker::engine::Engine;
+use crumple_worker::math::row::V3;
 
 /// Check of C04: roofs ridge on ridge.
 pub const ROOFS: Check = Check { name: "roofs ridge on ridge", quick: true, run: roofs };

@@ -304,8 +304,9 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.start(bar.all(), [-v, 0.0, 0.0], [0.0; 3]);
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
-    let run = bench
-        .watch("A06 cubes", &scene, |e| push.add_sample(e.clock.time, e.walls.impulse[0][0]))?;
+    let run = bench.watch("A06 cubes", &scene, |e| {
+        push.add_sample(e.clock.time, e.constraints.walls.impulse[0][0])
+    })?;
     let [from, to] = [0.02, 0.1].map(|x| bar.at([(x * N as f64) as usize, 0, 0]));
     let strain = (displacement(&run.engine, from)[0] - displacement(&run.engine, to)[0]) / 0.08;
     let stress = push.mean_force(0.4 * time, 1.7 * time) / (side * side);

@@ -203,8 +203,9 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.start(bar.all(), [-v, 0.0, 0.0], [0.0; 3]);
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
-    let run = bench
-        .watch("A06 wall", &scene, |e| push.add_sample(e.clock.time, e.walls.impulse[0][0]))?;
+    let run = bench.watch("A06 wall", &scene, |e| {
+        push.add_sample(e.clock.time, e.constraints.walls.impulse[0][0])
+    })?;
     // Behind the plastic front, 0.16 m from the wall at the end.
     let [from, to] = [0.02, 0.1].map(|x| bar.at((x * N as f64) as usize, 0));
     let strain = (displacement(&run.engine, from)[0] - displacement(&run.engine, to)[0]) / 0.08;

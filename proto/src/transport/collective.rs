@@ -1,25 +1,40 @@
 //! Collective operations of the workers over any transport. The master takes no part.
 
-use super::{RankLost, Tag, Transport};
+use super::{RankLost, Tag, Transport, words_of};
+use bytemuck::Pod;
 
-/// Sends `parcels[w]` to every other worker w and returns the words that each of them sent
-/// here. Worker w is rank w + 1; the entry of this worker is returned unchanged.
+/// Sends `parcels[w]` to every other worker w and returns the items that each of them sent here.
+/// Worker w is rank w + 1; the entry of this worker is returned unchanged.
 ///
 /// # Errors
 /// A worker is gone.
-pub fn exchange_all(
+pub fn exchange_all<T: Pod>(
     comm: &mut dyn Transport,
-    mut parcels: Vec<Vec<u64>>,
-) -> Result<Vec<Vec<u64>>, RankLost> {
+    mut parcels: Vec<Vec<T>>,
+) -> Result<Vec<Vec<T>>, RankLost> {
+    const { assert!(words_of::<T>() > 0) };
     let me = comm.rank() - 1;
-    let others = || (0..parcels.len()).filter(|&w| w != me);
-    for w in others() {
-        comm.send(w + 1, Tag::Renewal, &parcels[w])?;
+    let others = |parcels: &[Vec<T>]| (0..parcels.len()).filter(move |&w| w != me);
+    for w in others(&parcels) {
+        comm.send(w + 1, Tag::Renewal, bytemuck::cast_slice(&parcels[w]))?;
     }
-    for w in others().collect::<Vec<_>>() {
-        comm.recv(w + 1, Tag::Renewal, &mut parcels[w])?;
+    let mut words = Vec::new();
+    for w in others(&parcels) {
+        comm.recv(w + 1, Tag::Renewal, &mut words)?;
+        parcels[w].clear();
+        parcels[w].extend_from_slice(bytemuck::cast_slice(&words));
     }
     Ok(parcels)
+}
+
+/// Sends the same items to every other worker, and returns the items of all workers, this one
+/// included.
+///
+/// # Errors
+/// A worker is gone.
+pub fn gather_all<T: Pod>(comm: &mut dyn Transport, mine: Vec<T>) -> Result<Vec<Vec<T>>, RankLost> {
+    let workers = comm.size() - 1;
+    exchange_all(comm, vec![mine; workers])
 }
 
 /// Maximum over all workers that begins early and finishes late, so that it overlaps

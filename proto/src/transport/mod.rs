@@ -5,11 +5,13 @@
 //! sent. Sending never waits for the receiver.
 
 mod collective;
+mod mailbox;
 #[cfg(feature = "mpi")]
 pub mod mpi;
 pub mod threads;
 
-pub use collective::{MaxReduction, exchange_all, sum_all};
+pub use collective::{MaxReduction, exchange_all, gather_all, sum_all};
+pub use mailbox::{Mailbox, words_of};
 use std::time::Duration;
 
 /// The other rank of a message is gone: it panicked, was killed or exited early.

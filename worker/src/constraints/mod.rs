@@ -1,6 +1,209 @@
-//! Constraints on velocities: prescribed motion, rigid bodies, ties and rigid walls.
+//! Constraints on velocities: prescribed motion, rigid bodies, rigid walls and ties, and the order
+//! in which they act.
+//!
+//! [`Constraints`] owns all four. Every method calls them in the order of their precedence in that
+//! stage of the step; where two constraints act on one node, the later one decides:
+//!
+//! | stage | order |
+//! |---|---|
+//! | forces | ties: forces on slaves go to their masters |
+//! | velocities without contact | prescribed motion, rigid bodies, motion of walls, tied slaves |
+//! | during contact | walls stop single nodes; rigid bodies carry their members |
+//! | after contact | masters of ties, walls, rigid bodies, tied slaves |
+//! | end of the step | rigid bodies, walls |
+//!
+//! After contact, masters have the contact forces of their slaves before they reach a wall.
 
 pub mod prescribed;
 pub mod rigid;
 pub mod ties;
 pub mod walls;
+
+use crate::contact::Contact;
+use crate::contact::surroundings::Exclusions;
+use crate::energy::Work;
+use crate::math::row::Row;
+use crate::nodes::Nodes;
+use crate::time::StepSizes;
+use crumple_proto::ids::ElemId;
+use crumple_proto::partition::Settings;
+use crumple_proto::transport::{RankLost, Transport};
+use prescribed::Prescribed;
+use rigid::Bodies;
+use ties::Ties;
+use walls::Walls;
+
+/// All constraints of the job.
+#[derive(Debug, Default)]
+pub struct Constraints {
+    /// Prescribed motions.
+    pub prescribed: Prescribed,
+    /// Rigid bodies.
+    pub bodies: Bodies,
+    /// Rigid walls.
+    pub walls: Walls,
+    /// Tied nodes.
+    pub ties: Ties,
+    /// Touched nodes with their velocities after contact and before walls [length/time].
+    before_walls: Vec<(u32, Row)>,
+}
+
+/// Work of constraints in a step that is known when all velocities are final.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ConstraintWork {
+    /// Work of walls on nodes and bodies, and of these on walls with a mass [energy].
+    pub walls: Work,
+    /// Work of external forces on rigid bodies: damping and prescribed motion [energy].
+    pub external: Work,
+}
+
+impl Constraints {
+    /// Builds the constraints of a new run, and adds the masses of tied slaves to their masters.
+    /// Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn new(
+        comm: &mut dyn Transport,
+        settings: &Settings,
+        nodes: &mut Nodes,
+    ) -> Result<Self, RankLost> {
+        let ties = Ties::new(comm, settings, nodes)?;
+        Ok(Self {
+            prescribed: Prescribed::new(&settings.loads),
+            bodies: Bodies::new(comm, settings, nodes)?,
+            walls: Walls::new(&settings.walls, &settings.loads.curves),
+            ties,
+            before_walls: Vec::new(),
+        })
+    }
+
+    /// Finds the constrained nodes of a new local mesh. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn bind_local(
+        &mut self,
+        comm: &mut dyn Transport,
+        nodes: &mut Nodes,
+    ) -> Result<(), RankLost> {
+        self.ties.bind_local(comm, nodes)?;
+        self.bodies.bind_local(nodes);
+        self.walls.bind_local(nodes);
+        self.prescribed.bind_local(nodes);
+        Ok(())
+    }
+
+    /// Releases the slaves of elements that have failed on any worker. The local mesh must be built
+    /// again afterwards. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn release_failed(
+        &mut self,
+        comm: &mut dyn Transport,
+        failed: &[ElemId],
+        nodes: &mut Nodes,
+    ) -> Result<(), RankLost> {
+        self.ties.release_failed(comm, failed, nodes)
+    }
+
+    /// Distributes forces on constrained nodes, once all but contact forces are known.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn distribute_forces(
+        &mut self,
+        comm: &mut dyn Transport,
+        nodes: &mut Nodes,
+    ) -> Result<(), RankLost> {
+        self.ties.distribute_forces(comm, nodes)
+    }
+
+    /// Imposes prescribed motions and rigid bodies on the velocities without contact. Contact also
+    /// needs the velocities of tied slaves and, with friction, the rotational velocities of members
+    /// of bodies.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn constrain(
+        &mut self,
+        comm: &mut dyn Transport,
+        nodes: &mut Nodes,
+        contact: Option<&Contact>,
+        time: f64,
+        steps: StepSizes,
+    ) -> Result<(), RankLost> {
+        self.prescribed.apply(nodes, time, steps.dt); // inverse mass is zero there
+        self.bodies.accelerate(comm, nodes, time, steps)?;
+        self.walls.start_step(time, steps.dt);
+        if let Some(contact) = contact {
+            self.ties.update_slave_velocities(comm, nodes, steps.dt)?;
+            if contact.has_couples(nodes) {
+                self.bodies.turn(nodes);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets constraints react to contact. Returns the work of walls and rigid bodies.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn react(
+        &mut self,
+        comm: &mut dyn Transport,
+        nodes: &mut Nodes,
+        contact: Option<&Contact>,
+        time: f64,
+        steps: StepSizes,
+    ) -> Result<ConstraintWork, RankLost> {
+        let mut work = ConstraintWork::default();
+        if let Some(contact) = contact {
+            self.ties.distribute_contact_forces(comm, nodes, contact, steps)?;
+        }
+        if !self.walls.is_empty() {
+            self.bodies.add_wall_impulses(&mut self.walls);
+            self.before_walls.clear();
+            let touched = contact.iter().flat_map(|c| c.contact_forces(nodes, steps));
+            self.before_walls.extend(touched);
+            self.ties.add_contact_forces(&mut self.before_walls, nodes, steps);
+            work.walls += self.walls.enforce(comm, nodes, &self.before_walls, steps)?;
+        }
+        let on_bodies = self.bodies.finish(nodes, &mut self.walls, time, steps);
+        self.ties.update_slave_velocities(comm, nodes, steps.dt)?;
+        if nodes.me == 0 {
+            work.walls += self.walls.work_on_masses(); // all workers know it: count it once
+        }
+        work.walls += on_bodies.wall;
+        work.external = on_bodies.external;
+        Ok(work)
+    }
+
+    /// Returns the work of prescribed motions on owned nodes in the step, with final velocities
+    /// [energy].
+    pub fn prescribed_work(
+        &self,
+        nodes: &Nodes,
+        contact: Option<&Contact>,
+        steps: StepSizes,
+    ) -> Work {
+        self.prescribed.work(nodes, (contact, &self.ties), steps)
+    }
+
+    /// Moves rigid bodies with their members, and walls, to their positions at the end of the step.
+    pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
+        self.bodies.advance(nodes, dt);
+        self.walls.advance(dt);
+    }
+}
+
+impl Exclusions for Constraints {
+    fn excludes(&self, node: u32, segment: &[u32; 4]) -> bool {
+        self.bodies.share_body(node, segment) || self.ties.are_tied(node, segment)
+    }
+
+    fn are_tied(&self, node: u32, segment: &[u32; 4]) -> bool {
+        self.ties.are_tied(node, segment)
+    }
+}

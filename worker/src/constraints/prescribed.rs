@@ -9,11 +9,11 @@ use crate::constraints::ties::Ties;
 use crate::contact::Contact;
 use crate::curve::Curve;
 use crate::energy::Work;
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Rotation3;
 
 /// All prescribed motions, by local indices.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ pub struct Prescribed {
 pub struct MotionCurve {
     /// Prescribed quantity.
     pub form: MotionForm,
-    amount: Vector3<f64>,
+    amount: V3,
     curve: Curve,
 }
 
@@ -34,11 +34,11 @@ impl MotionCurve {
     /// Builds it from a motion; `curves` are those of the job.
     pub fn new(job: &MotionJob, curves: &[Vec<[f64; 2]>]) -> Self {
         let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
-        Self { form: job.form, amount: Vector3::from(job.amount), curve }
+        Self { form: job.form, amount: V3::from(job.amount), curve }
     }
 
     /// Returns the displacement [length] or the rotation vector [rad] from time 0 to `time`.
-    pub fn amount(&self, time: f64) -> Vector3<f64> {
+    pub fn amount(&self, time: f64) -> V3 {
         let factor = match self.form {
             MotionForm::Displacement => self.curve.value(time),
             MotionForm::Velocity | MotionForm::Spin { .. } => self.curve.integral(time),
@@ -76,13 +76,13 @@ impl Prescribed {
         for m in &self.motions {
             let (now, next) = (m.course.amount(time), m.course.amount(time + dt));
             let turns = match m.job.form {
-                MotionForm::Spin { centre } => Some((Vector3::from(centre), Rotation3::new(next))),
+                MotionForm::Spin { centre } => Some((V3::from(centre), Rotation3::new(next))),
                 _ => None,
             };
-            let spin = if turns.is_some() { (next - now) / dt } else { Vector3::zeros() };
+            let spin = if turns.is_some() { (next - now) / dt } else { V3::zeros() };
             for &n in &m.nodes {
                 let i = n as usize;
-                let start = Vector3::from(xyz(&nodes.x0[i]));
+                let start = V3::from(xyz(&nodes.x0[i]));
                 let place = match &turns {
                     Some((centre, rotation)) => centre + rotation * (start - centre),
                     None => start + next,
@@ -112,8 +112,8 @@ impl Prescribed {
         for m in &self.motions {
             for &n in m.nodes.iter().filter(|&&n| nodes.is_owned(n as usize)) {
                 let i = n as usize;
-                let turned = contact.map_or(Vector3::zeros(), |k| k.couple_on(n));
-                let pushed = contact.map_or(Vector3::zeros(), |k| {
+                let turned = contact.map_or(V3::zeros(), |k| k.couple_on(n));
+                let pushed = contact.map_or(V3::zeros(), |k| {
                     k.force_on(n) + ties.contact_force_on_master(n, nodes)
                 });
                 for c in 0..3 {
@@ -211,11 +211,11 @@ mod tests {
     fn rotation_is_exact() {
         let centre = [1.0, -1.0, 0.0];
         let rate = 10.0 * std::f64::consts::TAU / 2.0;
-        let axis = Vector3::new(1.0, 2.0, -2.0) / 3.0;
+        let axis = V3::new(1.0, 2.0, -2.0) / 3.0;
         let (nodes, _) =
             moved(MotionForm::Spin { centre }, (axis * rate).into(), &[[0.0, 1.0]], 95);
         let off = (0..3).map(|c| (nodes.x[0][c] - nodes.x0[0][c]).abs()).fold(0.0, f64::max);
         assert!(off < 1e-13, "round-off: 63 radians times eps times a radius of 3: {off}");
-        assert!((Vector3::from(xyz(&nodes.w[0])) - axis * rate).norm() < 1e-12);
+        assert!((V3::from(xyz(&nodes.w[0])) - axis * rate).norm() < 1e-12);
     }
 }

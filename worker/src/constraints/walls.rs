@@ -12,13 +12,12 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::contact::geometry::V3;
 use crate::energy::Work;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;
-use crumple_proto::transport::{RankLost, Transport};
+use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 pub use shape::Surface;
@@ -60,7 +59,7 @@ pub struct Walls {
     /// Impulse of each wall on owned nodes so far [force time].
     pub impulse: Vec<[f64; 3]>,
     near: Vec<RecoilCandidate>,
-    words: Vec<u64>,
+    mail: Mailbox,
 }
 
 impl Walls {
@@ -77,7 +76,7 @@ impl Walls {
             impulse: vec![[0.0; 3]; walls.len()],
             walls,
             near: Vec::new(),
-            words: Vec::new(),
+            mail: Mailbox::default(),
         }
     }
 
@@ -202,7 +201,7 @@ impl Walls {
                 ));
             }
         }
-        collect(comm, &mut near, &mut self.words)?;
+        collect(comm, &mut near, &mut self.mail)?;
         let wall = &mut self.walls[at];
         if let Drive::Pushed(mass) = wall.drive {
             let normal = wall.surface.direction;

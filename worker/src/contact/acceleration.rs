@@ -16,10 +16,11 @@
 //! next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::contact::surroundings::Peers;
 use crate::math::exact_sum::{ExactSum, WORDS};
-use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, sum_all};
+use crate::math::row::V3;
+use crumple_proto::transport::RankLost;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
@@ -71,7 +72,7 @@ impl Acceleration {
         pairs: &[Pair],
         before: &[V3],
         changed: bool,
-        comm: &mut dyn Transport,
+        peers: &mut impl Peers,
     ) -> Result<AccelerationStep, RankLost> {
         let own: Vec<&Pair> = pairs.iter().filter(|p| p.is_owned).collect();
         let ends: Forces = own.iter().map(|p| p.force).collect();
@@ -101,7 +102,7 @@ impl Acceleration {
         let mut words: Vec<i64> = all.flat_map(|(a, b)| *product(&own, a, b).words()).collect();
         words.extend(switched.words());
         words.push(changed.into());
-        sum_all(comm, Tag::Settled, &mut words)?;
+        peers.sum(&mut words)?;
         let changed = words[words.len() - 1] > 0;
         let sums: Vec<f64> = words.chunks_exact(WORDS).map(ExactSum::value).collect();
         let size = sums[2 * n];
@@ -131,7 +132,7 @@ impl Acceleration {
         {
             way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
         }
-        let part = local_product(&own, &ends, &way, comm)?;
+        let part = local_product(&own, &ends, &way, peers)?;
         let go = |((p, end), way): ((&&Pair, &V3), &V3)| within(p, end + way * part);
         let forces = own.iter().zip(&ends).zip(&way).map(go).collect();
         Ok(AccelerationStep { changed, forces: Some(forces) })
@@ -149,16 +150,14 @@ fn local_product(
     own: &[&Pair],
     ends: &[V3],
     way: &[V3],
-    comm: &mut dyn Transport,
+    peers: &mut impl Peers,
 ) -> Result<f64, RankLost> {
     let part = |((p, end), way): ((&&Pair, &V3), &V3)| {
         let (pressed, more) = (end.dot(&p.normal), way.dot(&p.normal));
         if pressed > 0.0 && pressed + more < 0.0 { pressed / -more } else { 1.0 }
     };
     let least = own.iter().zip(ends).zip(way).map(part).fold(1.0, f64::min);
-    let mut all = MaxReduction::new(1, Tag::Settled);
-    all.begin(comm, &[-least])?;
-    Ok((-all.finish(comm)?[0]).max(0.5))
+    Ok((-peers.max(-least)?).max(0.5))
 }
 
 /// Returns the force of a pair projected onto its friction cone, zero if it is tensile.

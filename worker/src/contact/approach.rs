@@ -7,11 +7,9 @@
 //! step after that. So everything that can be near by then counts. The rate depends on positions
 //! and velocities only, not on the search or on the number of workers. The candidates of a
 //! search must include everything within this distance ([`STEPS`]).
-
-use crate::contact::geometry::V3;
 use crate::contact::local_search::REACH;
 use crate::contact::surface::Segment;
-use crate::math::row::{Row, xyz};
+use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 
 /// Number of steps for which approaching slaves must be known: until the end of the step that a

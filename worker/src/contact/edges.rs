@@ -25,15 +25,15 @@
 //! known here is stored, not only of own pairs. A pair that is lost while it is deep keeps its
 //! history for some more steps ([`PairHistory::after_loss`]).
 
-use crate::constraints::ties::ContactExclusions;
 use crate::contact::approach;
 use crate::contact::folds::{Edge, EdgeTable, FoldWedge, Kind};
-use crate::contact::geometry::{EdgeProjection, V3, project_edges, separation};
+use crate::contact::geometry::{EdgeProjection, project_edges, separation};
 use crate::contact::local_search::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
-use crate::math::row::xyz;
+use crate::contact::surroundings::Exclusions;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
@@ -199,7 +199,7 @@ impl Edges {
         &mut self,
         surface: &Surface,
         nodes: &Nodes,
-        joined: ContactExclusions<'_>,
+        joined: &dyn Exclusions,
         find: Search,
         skin: f64,
     ) {
@@ -240,7 +240,7 @@ impl Edges {
                 && !lines.has_beside(slave, surface, &met.nodes)
                 && !lines.has_beside(met, surface, &slave.nodes)
                 && !joined.excludes(slave.nodes[0], &[slave.nodes[1], j, k, k])
-                && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k])
+                && !joined.are_tied(slave.nodes[1], &[j, k, k, k])
                 && lines.interface([slave, met], surface).is_some();
             if may_meet {
                 self.found.push([i, other]);

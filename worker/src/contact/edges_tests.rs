@@ -1,11 +1,9 @@
 //! Tests of edges in contact: which folds are used, and the history of their pairs.
 
 use super::*;
-use crate::constraints::rigid::Bodies;
-use crate::constraints::ties::Ties;
 use crate::contact::search::linked_cells;
 use crate::contact::surface::Segment;
-use crate::testing::nodes_at;
+use crate::testing::{Free, nodes_at};
 use crumple_proto::ids::SegmentId;
 
 /// Half thickness of the roof and of the plate.
@@ -35,8 +33,7 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
 }
 
 fn search(edges: &mut Edges, surface: &Surface, nodes: &Nodes) {
-    let joined = ContactExclusions { bodies: &Bodies::default(), ties: &Ties::default() };
-    edges.search(surface, nodes, joined, linked_cells, 0.1);
+    edges.search(surface, nodes, &Free, linked_cells, 0.1);
     edges.pick(nodes, surface, 0.05, 0.0);
 }
 

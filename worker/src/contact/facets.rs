@@ -18,14 +18,14 @@
 //! neighbour may belong to another worker. Therefore the history of all pairs that are known
 //! here is stored, not only of own pairs, as for edges.
 
-use crate::constraints::ties::ContactExclusions;
-use crate::contact::geometry::{Sphere, V3};
+use crate::contact::geometry::Sphere;
 use crate::contact::local_search::{ACTIVE, BEHIND, REACH, moved, tolerated};
 use crate::contact::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::contact::pairs::{Pair, PairHistory, PairKey};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
-use crate::math::row::xyz;
+use crate::contact::surroundings::Exclusions;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -132,7 +132,7 @@ impl Facets {
         &mut self,
         (surface, spheres): (&Surface, &[Sphere]),
         nodes: &Nodes,
-        joined: ContactExclusions<'_>,
+        joined: &dyn Exclusions,
         find: Search,
         skin: f64,
     ) {
@@ -199,7 +199,7 @@ impl Facets {
     fn may_meet(
         &self,
         surface: &Surface,
-        joined: ContactExclusions<'_>,
+        joined: &dyn Exclusions,
         [slave, met]: [&Segment; 2],
     ) -> Option<u16> {
         let is_free = slave.id.elem() != met.id.elem()
@@ -218,7 +218,7 @@ impl Facets {
         &self,
         nodes: &Nodes,
         (surface, alive): (&Surface, &[bool]),
-        joined: ContactExclusions<'_>,
+        joined: &dyn Exclusions,
         pair: &Pair,
     ) -> bool {
         if !self.wanted[pair.interface as usize] {

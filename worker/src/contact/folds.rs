@@ -7,10 +7,8 @@
 //! the edge, its arm. If all arms lie within less than 180 degrees, the edge has an outside, and
 //! its two outermost arms form its wedge. The fold angle is 180 degrees minus the angle between
 //! these two arms.
-
-use crate::contact::geometry::V3;
 use crate::contact::surface::{Segment, Surface};
-use crate::math::row::{Row, xyz};
+use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;

@@ -3,10 +3,7 @@
 
 use crate::contact::kernels::{self, Projection, is_in, project};
 use crate::math::lanes::Real;
-use nalgebra::Vector3;
-
-/// A point or vector.
-pub type V3 = Vector3<f64>;
+use crate::math::row::V3;
 
 /// Point of a segment that is nearest to a given point.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,8 @@
 //!
 //! Products are not fused, and sums are evaluated in the order of components. Therefore the bits
 //! are those of the same formulas in [`V3`].
-
-use crate::contact::geometry::V3;
 use crate::math::lanes::Real;
+use crate::math::row::V3;
 use std::ops::{Add, Mul, Sub};
 
 /// A point or vector.

@@ -14,11 +14,11 @@
 //! the nodes on the top of the other block, although these pass at the lower rims of the side
 //! faces.
 
-use crate::contact::geometry::{Nearest, V3, nearest};
+use crate::contact::geometry::{Nearest, nearest};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::projections::ProjectedPair;
 use crate::contact::surface::{Segment, Surface};
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
 
 /// Largest distance of a candidate that is examined, as a multiple of the contact thickness (of

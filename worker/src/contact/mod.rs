@@ -8,6 +8,9 @@
 //! 3. enforcement: computes forces by a contact law (`enforce/`), iterated (`solver.rs`) over
 //!    all pairs, including those of other workers (`pairs.rs`)
 //!
+//! Contact is serial and knows no constraint. What it needs from other workers and from the
+//! constraints on its nodes is stated in `surroundings.rs`.
+//!
 //! The normal forces of a pair act on one line, at any of its points. Friction acts on the
 //! surfaces, half a thickness away from the nodes. So it also rotates nodes, and their
 //! rotational velocities are part of the sliding velocity, in all sweeps ([`Pair::lever`]).
@@ -16,13 +19,12 @@ mod acceleration;
 pub mod approach;
 pub mod beams;
 mod candidates;
-pub mod crossing;
+pub mod diagnostics;
 pub mod edges;
 pub mod enforce;
 mod facets;
 pub mod folds;
 pub mod geometry;
-pub mod initial_penetration;
 pub mod interfaces;
 pub mod kernels;
 pub mod local_search;
@@ -32,37 +34,33 @@ pub mod pairs;
 mod projections;
 mod resultants;
 pub mod search;
-pub mod search_record;
 mod solver;
 pub mod surface;
+pub mod surroundings;
 
-use crate::constraints::rigid::Bodies;
-use crate::constraints::ties::ContactExclusions;
-use crate::constraints::walls::Walls;
 use crate::energy::{ContactWork, Work};
 use crate::math::rigid_motion::MotionTracker;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
-use crate::parallel::ghosts::Ghosts;
 use crate::time::StepSizes;
 use candidates::CandidatePair;
-use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
-use crumple_proto::transport::{RankLost, Transport};
+use crumple_proto::transport::RankLost;
+use diagnostics::crossing::{self, Crossing};
+use diagnostics::search_record::SearchRecord;
 use edges::Edges;
 use enforce::{Elasticity, Laws};
 use facets::Facets;
-use geometry::{Sphere, V3};
+use geometry::Sphere;
 use interfaces::Interfaces;
 use near_list::{CandidateFilter, NearList};
 use pairs::{Pair, PairHistory, PairTable, accelerated_velocity};
 use projections::ProjectedPairs;
 use search::{SEARCHES, Search};
-use search_record::SearchRecord;
 use solver::ContactSolver;
-pub use solver::TrafficEstimate;
 use surface::{Segment, Surface};
+use surroundings::{Exclusions, Peers, VelocityConstraint};
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
@@ -100,7 +98,8 @@ pub struct Contact {
     edges: Edges,
     /// Segments that could touch each other, with their pair histories.
     facets: Facets,
-    table: PairTable,
+    /// Pairs of this step: own pairs, and those of other workers that touch local nodes.
+    pub table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`
     /// [length/time].
     free_velocities: Vec<Row>,
@@ -295,10 +294,9 @@ impl Contact {
         runs.map(|run| (self.surface.slaves[run[0].slave_index as usize], run.len()))
     }
 
-    /// Returns the traffic of two neighbouring workers in a step that takes `sweeps` sweeps on
-    /// one worker, if the workers detect convergence after `quiet` rounds.
-    pub fn exchange(&self, sweeps: f64, quiet: u64) -> TrafficEstimate {
-        TrafficEstimate::estimate(&self.laws, sweeps, quiet)
+    /// Returns the laws of the interfaces.
+    pub fn laws(&self) -> &Laws {
+        &self.laws
     }
 
     /// Updates the candidates if the motion of nodes may have used up the skin of the search,
@@ -308,7 +306,7 @@ impl Contact {
     pub fn refresh_candidates(
         &mut self,
         nodes: &Nodes,
-        joined: ContactExclusions<'_>,
+        joined: &dyn Exclusions,
         (time, dt): (f64, f64),
         stable: f64,
     ) {
@@ -344,7 +342,7 @@ impl Contact {
         of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
     }
 
-    fn refresh(&mut self, nodes: &Nodes, joined: ContactExclusions<'_>, step: f64, fast: bool) {
+    fn refresh(&mut self, nodes: &Nodes, joined: &dyn Exclusions, step: f64, fast: bool) {
         let fresh = !self.candidate_start.is_empty();
         let moved =
             if fresh { 2.0 * self.motion_since_near_list.update(&nodes.x).residual } else { 0.0 };
@@ -389,7 +387,7 @@ impl Contact {
     }
 
     /// Finds the edges that each edge could touch before the next search.
-    fn search_edges(&mut self, nodes: &Nodes, joined: ContactExclusions<'_>) {
+    fn search_edges(&mut self, nodes: &Nodes, joined: &dyn Exclusions) {
         self.edges.search(&self.surface, nodes, joined, self.search_method, self.skin);
     }
 
@@ -413,7 +411,7 @@ impl Contact {
     }
 
     /// Finds the segments that each slave could touch before it moves by more than the skin.
-    fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: ContactExclusions<'_>) {
+    fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: &dyn Exclusions) {
         self.searches += 1;
         self.candidates = Vec::new(); // freed first: memory use peaks in the search
         let s = &self.surface;
@@ -461,7 +459,7 @@ impl Contact {
     pub fn find_pairs(
         &mut self,
         nodes: &Nodes,
-        joined: ContactExclusions<'_>,
+        joined: &dyn Exclusions,
         time: f64,
         steps: StepSizes,
     ) {
@@ -573,30 +571,15 @@ impl Contact {
         }
     }
 
-    /// Receives other workers' pairs that touch local nodes, and sends own pairs.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn share_pairs(
-        &mut self,
-        comm: &mut dyn Transport,
-        nodes: &Nodes,
-        halo: &Ghosts,
-    ) -> Result<(), RankLost> {
-        self.table.exchange_pairs(comm, nodes, halo)
-    }
-
     /// Computes the contact forces and sets the velocities of the touched nodes to those with
-    /// contact and walls.
+    /// contact and constraints. Call it after the pairs of other workers are in the table.
     ///
     /// # Errors
     /// A worker is gone.
     pub fn enforce(
         &mut self,
-        comm: &mut dyn Transport,
         nodes: &mut Nodes,
-        walls: &Walls,
-        bodies: &mut Bodies,
+        around: &mut (impl VelocityConstraint + Peers),
         steps: StepSizes,
     ) -> Result<(), RankLost> {
         let accelerated = if self.accelerates() { self.accelerated } else { 0 };
@@ -608,20 +591,19 @@ impl Contact {
         if !t.couples.is_empty() {
             self.free_spins.extend(t.touched.iter().map(|&n| nodes.w_next[n as usize]));
         }
-        let coupled = bodies.prepare_contact(comm, &t.touched, nodes, couples)?;
+        let coupled = around.prepare(nodes, &t.touched, couples)?;
         let (free, free_spins) = (&self.free_velocities[..], &self.free_spins[..]);
         let mut sweeps = ContactSolver {
             laws: &self.laws,
             nodes,
             free,
             free_spins,
-            walls,
-            bodies,
+            around,
             coupled,
             steps,
             accelerated,
         };
-        let swept = sweeps.run(t, comm)?;
+        let swept = sweeps.run(t)?;
         self.sweeps += swept.sweeps;
         for (count, is_so) in self.unsettled.iter_mut().zip([swept.accelerated, swept.unsettled]) {
             *count += u64::from(is_so);

@@ -5,13 +5,13 @@
 //! has none.
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
-use crate::contact::geometry::{Sphere, V3};
+use crate::contact::geometry::Sphere;
 use crate::contact::kernels::{are_separated, is_in, projects_outside};
 use crate::contact::local_search::{has_history, reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 
 /// Skin of the near list as a fraction of the skin of the search. It is at most [`THIN`] of the

@@ -14,8 +14,7 @@
 //! points of the two sides that lie above each other, so it has no moment. Uniform pressure
 //! gives the nodal forces of uniform pressure on both sides, whatever the meshes, as the patch
 //! test requires.
-
-use crate::contact::geometry::V3;
+use crate::math::row::V3;
 use nalgebra::Vector2;
 
 type V2 = Vector2<f64>;

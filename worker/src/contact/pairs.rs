@@ -1,11 +1,10 @@
-//! Contact pairs of a step, own pairs and those of other workers: ownership, exchange, and the
-//! forces of pairs on nodes.
+//! Contact pairs of a step, own pairs and copies of those of other workers, and their forces on
+//! nodes.
 //!
 //! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It receives
 //! every other pair that touches one of its local nodes. So it can sum the contact force on each
 //! of these nodes alone, in ascending order of the pair keys.
 
-pub mod convergence;
 mod pair;
 mod schedule;
 
@@ -13,27 +12,13 @@ pub use pair::{
     FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairHistory, PairKey, padded,
 };
 
-use crate::constraints::rigid::Bodies;
-use crate::contact::enforce::Iteration;
-use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
-use crate::math::row::{Row, row};
+use crate::contact::surroundings::VelocityConstraint;
+use crate::math::row::{Row, V3, row};
 use crate::nodes::Nodes;
-use crate::parallel::ghosts::Ghosts;
-use crumple_proto::transport::{RankLost, Tag, Transport};
 
 /// Force of all pairs on a node [force], and their moment if any pair has one [force length].
 pub type NodalLoad<'a> = (&'a V3, Option<&'a V3>);
-
-/// The pairs that both this worker and one other worker know.
-#[derive(Debug, Default)]
-struct SharedPairs {
-    worker: usize,
-    /// Own pairs that the other worker knows, ascending.
-    sent: Vec<u32>,
-    /// Pairs of the other worker, ascending.
-    received: Vec<u32>,
-}
 
 /// Sums of predictor forces and of slave masses at a node of the pairs' target side, weighted by
 /// force weights, see [`PairTable::predicted_load`].
@@ -74,88 +59,26 @@ pub struct PairTable {
     weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
     /// Sum of the same products times the lever arms; empty if no pair has a moment.
     moment_weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
-    shared: Vec<SharedPairs>,
     /// True if pairs are weighted by areas, see [`Pair::area`].
     pub by_area: bool,
-    convergence: convergence::ConvergenceDetector,
     schedule: schedule::SweepSchedule,
     incidence: Vec<(u32, u32, u8)>,
-    words: Vec<u64>,
 }
 
 impl PairTable {
-    /// Sends own pairs to other workers and receives theirs. Before the call, `pairs` holds the
-    /// own pairs, ascending.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn exchange_pairs(
-        &mut self,
-        comm: &mut dyn Transport,
-        nodes: &Nodes,
-        halo: &Ghosts,
-    ) -> Result<(), RankLost> {
-        self.shared.clear();
-        for link in halo.links.iter().filter(|l| l.shares_nodes) {
-            self.words.clear();
-            let concerns = |p: &Pair| {
-                p.local_nodes()
-                    .any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok())
-            };
-            let sent: Vec<u32> = (0..self.pairs.len())
-                .filter(|&i| concerns(&self.pairs[i]))
-                .map(|i| i as u32)
-                .collect();
-            for &i in &sent {
-                self.pairs[i as usize].pack(nodes, &mut self.words);
-            }
-            comm.send(link.worker + 1, Tag::Pairs, &self.words)?;
-            self.shared.push(SharedPairs { worker: link.worker, sent, received: Vec::new() });
-        }
-        let own = self.pairs.len();
-        let mut source = vec![(usize::MAX, 0u32); own];
-        for (c, common) in self.shared.iter_mut().enumerate() {
-            comm.recv(common.worker + 1, Tag::Pairs, &mut self.words)?;
-            let (mut rest, mut k) = (&self.words[..], 0);
-            while !rest.is_empty() {
-                let (mut pair, after) = Pair::unpack(rest, nodes);
-                if self.by_area && !pair.key.is_segment() {
-                    pair.area = pair.contact_thickness * pair.contact_thickness;
-                }
-                self.pairs.push(pair);
-                source.push((c, k));
-                (rest, k) = (after, k + 1);
-            }
-        }
-        if self.pairs.len() > own {
-            self.sort_by_key(&source);
-        }
-        self.shared.retain(|c| !c.sent.is_empty() || !c.received.is_empty());
-        self.convergence.start(comm.rank() - 1, self.shared.iter().map(|c| c.worker));
-        self.index_by_node();
-        Ok(())
-    }
-
-    /// Sorts the pairs in ascending order of their keys and updates the indices in `shared`.
-    /// `source` gives the index in `shared` and the position in the message of each received
-    /// pair.
-    fn sort_by_key(&mut self, source: &[(usize, u32)]) {
+    /// Sorts the pairs in ascending order of their keys, after the pairs of other workers have been
+    /// appended. Returns the new index of each pair.
+    pub fn sort_by_key(&mut self) -> Vec<u32> {
         let mut order: Vec<u32> = (0..self.pairs.len() as u32).collect();
         order.sort_unstable_by_key(|&i| self.pairs[i as usize].key);
         let mut place = vec![0u32; order.len()];
         order.iter().enumerate().for_each(|(to, &from)| place[from as usize] = to as u32);
         self.pairs = order.iter().map(|&i| self.pairs[i as usize]).collect();
-        for (c, common) in self.shared.iter_mut().enumerate() {
-            common.sent.iter_mut().for_each(|i| *i = place[*i as usize]);
-            // The pairs of a sender arrive in its ascending order, which is also the order here.
-            let received =
-                source.iter().enumerate().filter(|(_, s)| s.0 == c).map(|(from, _)| place[from]);
-            common.received = received.collect();
-        }
+        place
     }
 
-    /// Lists the pairs that touch each local node, ascending.
-    fn index_by_node(&mut self) {
+    /// Lists the pairs that touch each local node, ascending; call it when `pairs` is complete.
+    pub fn index_by_node(&mut self) {
         self.incidence.clear();
         for (p, pair) in self.pairs.iter().enumerate() {
             let nodes = pair.nodes[..pair.node_count()].iter().enumerate();
@@ -197,7 +120,8 @@ impl PairTable {
         }
     }
 
-    /// Computes the compliances of own pairs.
+    /// Computes the compliances of own pairs. `is_split` returns true for the pairs that get parts
+    /// of nodal masses; other pairs get full masses.
     ///
     /// If all pairs are split, the mass of a node is divided among the pairs that touch it, in
     /// proportion to their force weights. Then simultaneous updates converge for any masses: for
@@ -212,15 +136,11 @@ impl PairTable {
     /// If friction rotates nodes, the tangential compliance includes their rotational inertias.
     /// These are split in the same way: the weight of a pair in a moment is its force weight
     /// times its lever arm.
-    ///
-    /// With prediction and correction, the masses of edges are split: a slave edge can be in
-    /// several pairs, and these do not include each other's corrections as pairs of one segment
-    /// do.
     pub fn compute_compliances(
         &mut self,
         nodes: &Nodes,
-        bodies: &Bodies,
-        iteration: impl Fn(&Pair) -> Iteration,
+        constraints: &impl VelocityConstraint,
+        is_split: impl Fn(&Pair) -> bool,
     ) {
         self.weight_sums.clear();
         self.weight_sums.resize(self.pairs.len(), [0.0; MAX_PAIR_NODES]);
@@ -259,16 +179,12 @@ impl PairTable {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
             let mut rolling = 0.0;
-            let split = match iteration(pair) {
-                Iteration::Split => true,
-                Iteration::Correct { .. } => pair.key.is_edge(),
-                Iteration::GaussSeidel => false,
-            };
+            let split = is_split(pair);
             // Roles give the same order on all workers; local numbers do not.
             for r in (0..pair.node_count()).filter(|&r| crowd[r] > 0.0) {
-                let inv = bodies.inv_mass(pair.nodes[r], nodes);
+                let inv = constraints.inv_mass(nodes, pair.nodes[r]);
                 // A sweep's forces act on the nodes of a rigid body together, after the sweep.
-                let together = split || bodies.body_of(pair.nodes[r]).is_some();
+                let together = split || constraints.is_in_body(pair.nodes[r]);
                 let moved =
                     if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
@@ -278,7 +194,7 @@ impl PairTable {
                 soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
                 let arm = pair.lever_arm_of(r).abs();
                 if arm > 0.0 {
-                    let inv = bodies.inv_inertia(pair.nodes[r], nodes);
+                    let inv = constraints.inv_inertia(nodes, pair.nodes[r]);
                     let twist = if together {
                         self.moment_weight_sums[i][r] / pair.area
                     } else {
@@ -412,77 +328,6 @@ impl PairTable {
             r == 0 && pair.key.is_node() && pair.normal.dot(normal) > 0.5
         };
         self.roles_at(t).iter().any(of)
-    }
-
-    /// Returns true if other workers know some of these pairs.
-    pub fn has_shared_pairs(&self) -> bool {
-        !self.shared.is_empty()
-    }
-
-    /// Exchanges the forces of shared pairs after a sweep. `changed` is true if the sweep has
-    /// changed the force of an own pair. Returns true if all workers that are connected by
-    /// shared pairs have converged.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn exchange_forces(
-        &mut self,
-        comm: &mut dyn Transport,
-        changed: bool,
-    ) -> Result<bool, RankLost> {
-        self.convergence.record_change(changed);
-        let mut quiet = std::mem::take(&mut self.convergence);
-        self.exchange(comm, Some(&mut quiet), |pair| &mut pair.force)?;
-        quiet.end_round();
-        self.convergence = quiet;
-        Ok(self.convergence.has_converged())
-    }
-
-    /// Exchanges the forces of shared pairs within a sweep.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn exchange_intermediate_forces(
-        &mut self,
-        comm: &mut dyn Transport,
-    ) -> Result<(), RankLost> {
-        self.exchange(comm, None, |pair| &mut pair.force)
-    }
-
-    /// Exchanges the predictor forces of shared pairs.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn exchange_predictor_forces(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        self.exchange(comm, None, |pair| &mut pair.predictor_force)
-    }
-
-    fn exchange(
-        &mut self,
-        comm: &mut dyn Transport,
-        mut quiet: Option<&mut convergence::ConvergenceDetector>,
-        of: fn(&mut Pair) -> &mut V3,
-    ) -> Result<(), RankLost> {
-        for c in &self.shared {
-            self.words.clear();
-            if let Some(quiet) = &quiet {
-                quiet.write(&mut self.words);
-            }
-            for &i in &c.sent {
-                let f = of(&mut self.pairs[i as usize]);
-                self.words.extend([f.x, f.y, f.z].map(f64::to_bits));
-            }
-            comm.send(c.worker + 1, Tag::Sweep, &self.words)?;
-        }
-        for c in &self.shared {
-            comm.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
-            let forces = quiet.as_mut().map_or(&self.words[..], |q| q.read(&self.words));
-            for (&i, f) in c.received.iter().zip(forces.chunks_exact(3)) {
-                *of(&mut self.pairs[i as usize]) =
-                    V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
-            }
-        }
-        Ok(())
     }
 }
 

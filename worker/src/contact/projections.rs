@@ -2,13 +2,13 @@
 //! them, in batches over all slaves.
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
-use crate::contact::geometry::{Nearest, V3};
+use crate::contact::geometry::Nearest;
 use crate::contact::kernels::{is_in, is_within, plane_bound, project, projects_outside};
 use crate::contact::local_search::{reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 
 /// A candidate pair that may touch in the step, with its projection.

@@ -2,19 +2,17 @@
 //! by prediction and correction within a sweep. If the sweeps do not converge, accelerated
 //! sweeps follow (`acceleration.rs`).
 
-use crate::constraints::rigid::Bodies;
-use crate::constraints::walls::Walls;
 use crate::contact::acceleration::{Acceleration, Forces};
 use crate::contact::enforce::{ContactLaw, Iteration, Laws, demand};
-use crate::contact::geometry::V3;
 use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
-use crate::math::row::Row;
+use crate::contact::surroundings::{NodalForces, Peers, VelocityConstraint};
+use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
+use crumple_proto::transport::RankLost;
 
 /// State of the contact iteration: everything that the forces of pairs depend on and act on.
-pub struct ContactSolver<'a> {
+pub struct ContactSolver<'a, S> {
     /// Contact laws of all interfaces.
     pub laws: &'a Laws,
     /// Nodes; the velocities of touched nodes become those with contact and walls.
@@ -24,10 +22,8 @@ pub struct ContactSolver<'a> {
     /// Rotational velocities without contact of these nodes; empty if friction rotates none of
     /// them [1/time].
     pub free_spins: &'a [Row],
-    /// Rigid walls.
-    pub walls: &'a Walls,
-    /// Rigid bodies; their nodes move with the bodies.
-    pub bodies: &'a mut Bodies,
+    /// Constraints on the nodes, and the other workers.
+    pub around: &'a mut S,
     /// True if a pair touches a rigid body, on any worker.
     pub coupled: bool,
     /// Step sizes around the present time.
@@ -78,101 +74,57 @@ impl Selection {
     }
 }
 
-/// Estimate of the messages between two workers with shared pairs in a step, without the
-/// exchange of the pairs themselves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrafficEstimate {
-    /// Number of sweeps of both workers.
-    pub sweeps: f64,
-    /// Number of messages in one direction.
-    pub messages: f64,
-    /// Number of header words, and number of words per pair that is sent to the other worker.
-    pub words: [f64; 2],
-}
-
-impl TrafficEstimate {
-    /// Estimates the traffic of a step that takes `alone` sweeps on one worker, if the workers
-    /// detect convergence after `quiet` rounds without a change. It counts the messages of
-    /// `ContactSolver::run` and is a lower bound.
-    ///
-    /// Each sweep has one message for the forces. It has a second one for predictor forces, or
-    /// for the forces of a phase of pairs in order. The computation of the phases takes at least
-    /// as many rounds as the detection of its end. The last sweep of one worker changes nothing;
-    /// several workers make `quiet` such sweeps, up to the largest number of sweeps of the laws.
-    /// If interfaces have different iterations, each iteration has its messages in every sweep,
-    /// and the forces are exchanged once more.
-    pub fn estimate(laws: &Laws, alone: f64, quiet: u64) -> Self {
-        let quiet = quiet as f64;
-        let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
-        let of_one = |iteration: &Iteration| match iteration {
-            Iteration::Split => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
-            Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
-            Iteration::GaussSeidel => {
-                [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps]
-            }
-        };
-        let common = if laws.iterations().len() > 1 {
-            [sweeps, 2.0 * sweeps, 3.0 * sweeps]
-        } else {
-            [0.0; 3]
-        };
-        let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|i| sum[i] + one[i]);
-        let [messages, lead, each] = laws.iterations().iter().map(of_one).fold(common, add);
-        Self { sweeps, messages, words: [lead, each] }
-    }
-}
-
-impl ContactSolver<'_> {
+impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     /// Sweeps until all forces are accurate enough, or until the largest number of sweeps is
     /// reached.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn run(
-        &mut self,
-        t: &mut PairTable,
-        comm: &mut dyn Transport,
-    ) -> Result<SolverOutcome, RankLost> {
+    pub fn run(&mut self, t: &mut PairTable) -> Result<SolverOutcome, RankLost> {
         let touches = !t.pairs.is_empty() || self.coupled;
-        let mut swept =
-            if touches { self.run_plain_sweeps(t, comm)? } else { SolverOutcome::default() };
+        let mut swept = if touches { self.run_plain_sweeps(t)? } else { SolverOutcome::default() };
         if self.accelerated > 0 {
-            let mut any = MaxReduction::new(1, Tag::Settled);
-            any.begin(comm, &[f64::from(swept.unsettled)])?;
-            swept.unsettled = any.finish(comm)?[0] > 0.0;
+            swept.unsettled = self.around.max(f64::from(swept.unsettled))? > 0.0;
             swept.accelerated = swept.unsettled;
         }
         if swept.accelerated {
-            self.run_accelerated_sweeps(t, comm, &mut swept)?;
+            self.run_accelerated_sweeps(t, &mut swept)?;
         }
         Ok(swept)
     }
 
     /// Makes plain sweeps, at most the number that the laws allow.
-    fn run_plain_sweeps(
-        &mut self,
-        t: &mut PairTable,
-        comm: &mut dyn Transport,
-    ) -> Result<SolverOutcome, RankLost> {
-        t.compute_compliances(self.nodes, self.bodies, |pair| self.laws.of_pair(pair).iteration());
+    fn run_plain_sweeps(&mut self, t: &mut PairTable) -> Result<SolverOutcome, RankLost> {
+        // With prediction and correction, the masses of edges are split: a slave edge can be in
+        // several pairs, and these do not include each other's corrections as pairs of one segment
+        // do.
+        let is_split = |pair: &Pair| match self.laws.of_pair(pair).iteration() {
+            Iteration::Split => true,
+            Iteration::Correct { .. } => pair.key.is_edge(),
+            Iteration::GaussSeidel => false,
+        };
+        t.compute_compliances(self.nodes, self.around, is_split);
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             p.approach_speed = demand(p, &p.relative_velocity(self.nodes), self.steps);
         }
         if self.laws.iterations().contains(&Iteration::GaussSeidel) {
-            t.build_schedule(comm)?;
+            t.build_schedule(self.around)?;
         }
         self.apply_forces(t);
-        self.apply_to_bodies(t, comm, true)?;
+        self.apply_to_bodies(t, true)?;
         let mut swept = SolverOutcome::default();
         for sweep in 0..self.laws.sweeps() {
             swept.sweeps += 1;
-            let left = self.sweep(t, Stage::Plain(sweep), comm)?;
+            let left = self.sweep(t, Stage::Plain(sweep))?;
             let changed = left > 1.0;
-            let quiet =
-                if t.has_shared_pairs() { t.exchange_forces(comm, changed)? } else { !changed };
+            let quiet = if self.around.has_shared_pairs() {
+                self.around.exchange_forces(&mut t.pairs, changed)?
+            } else {
+                !changed
+            };
             self.apply_all_forces(t);
             // With rigid bodies all workers exchange data and stop after the same sweep.
-            let over = if self.coupled { !self.apply_to_bodies(t, comm, changed)? } else { quiet };
+            let over = if self.coupled { !self.apply_to_bodies(t, changed)? } else { quiet };
             swept.unsettled = !over && left > self.laws.coarse();
             if over {
                 break;
@@ -186,7 +138,6 @@ impl ContactSolver<'_> {
     fn run_accelerated_sweeps(
         &mut self,
         t: &mut PairTable,
-        comm: &mut dyn Transport,
         swept: &mut SolverOutcome,
     ) -> Result<(), RankLost> {
         let mut acceleration = Acceleration::default();
@@ -195,9 +146,9 @@ impl ContactSolver<'_> {
             let before: Forces = t.pairs.iter().filter(|p| p.is_owned).map(|p| p.force).collect();
             // A worker without pairs has no schedule. It takes part in the global reductions
             // only.
-            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, comm)? > 1.0;
-            self.exchange_and_apply_forces(t, comm, changed)?;
-            let advice = acceleration.update(&t.pairs, &before, changed, comm)?;
+            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated)? > 1.0;
+            self.exchange_and_apply_forces(t, changed)?;
+            let advice = acceleration.update(&t.pairs, &before, changed, self.around)?;
             swept.unsettled = advice.changed;
             if !advice.changed {
                 break;
@@ -208,7 +159,7 @@ impl ContactSolver<'_> {
                     .filter(|p| p.is_owned)
                     .zip(forces)
                     .for_each(|(p, f)| p.force = f);
-                self.exchange_and_apply_forces(t, comm, true)?;
+                self.exchange_and_apply_forces(t, true)?;
             }
         }
         Ok(())
@@ -218,44 +169,41 @@ impl ContactSolver<'_> {
     fn exchange_and_apply_forces(
         &mut self,
         t: &mut PairTable,
-        comm: &mut dyn Transport,
         changed: bool,
     ) -> Result<(), RankLost> {
-        if t.has_shared_pairs() {
-            t.exchange_intermediate_forces(comm)?;
+        if self.around.has_shared_pairs() {
+            self.around.exchange_intermediate_forces(&mut t.pairs)?;
         }
         self.apply_forces(t);
         t.mark_all_changed();
-        self.apply_to_bodies(t, comm, changed)?;
+        self.apply_to_bodies(t, changed)?;
         Ok(())
     }
 
     /// Makes one sweep over all pairs. Returns the largest residual of the own pairs, relative
     /// to the tolerance. The final forces are not sent to other workers yet.
-    fn sweep(
-        &mut self,
-        t: &mut PairTable,
-        stage: Stage,
-        comm: &mut dyn Transport,
-    ) -> Result<f64, RankLost> {
+    fn sweep(&mut self, t: &mut PairTable, stage: Stage) -> Result<f64, RankLost> {
         let iterations = self.laws.iterations();
         let mut undone: f64 = 0.0;
         for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
             let some = Selection { iteration, stage };
             let most = match iteration {
                 Iteration::Split => self.all_at_once(t, some),
-                Iteration::GaussSeidel => {
-                    t.sweep_in_order(comm, self, |p, s| s.updated(p, some), Self::apply_force_at)?
-                }
+                Iteration::GaussSeidel => t.sweep_in_order(
+                    self,
+                    |s| s.around,
+                    |p, s| s.updated(p, some),
+                    Self::apply_force_at,
+                )?,
                 Iteration::Correct { partition, little } => {
-                    self.predict_and_correct(t, some, (partition, little), comm)?
+                    self.predict_and_correct(t, some, (partition, little))?
                 }
             };
             undone = undone.max(most);
             if left > 0 {
                 // The next interfaces use velocities that include these forces.
-                if t.has_shared_pairs() {
-                    t.exchange_intermediate_forces(comm)?;
+                if self.around.has_shared_pairs() {
+                    self.around.exchange_intermediate_forces(&mut t.pairs)?;
                 }
                 self.apply_forces(t);
                 t.mark_all_changed();
@@ -279,23 +227,12 @@ impl ContactSolver<'_> {
 
     /// Applies the forces of all pairs to rigid bodies. Returns true if `changed` is true on any
     /// worker.
-    fn apply_to_bodies(
-        &mut self,
-        t: &PairTable,
-        comm: &mut dyn Transport,
-        changed: bool,
-    ) -> Result<bool, RankLost> {
+    fn apply_to_bodies(&mut self, t: &PairTable, changed: bool) -> Result<bool, RankLost> {
         if !self.coupled {
             return Ok(changed);
         }
-        self.bodies.apply_contact(
-            comm,
-            self.nodes,
-            (&t.touched, &t.total, &t.couples),
-            self.walls,
-            self.steps,
-            changed,
-        )
+        let forces = NodalForces { touched: &t.touched, total: &t.total, couples: &t.couples };
+        self.around.apply_forces(self.nodes, forces, self.steps, changed)
     }
 
     /// Returns the new force of a selected pair and the residual of its present force, relative
@@ -328,7 +265,6 @@ impl ContactSolver<'_> {
         t: &mut PairTable,
         some: Selection,
         (partition, little): (f64, f64),
-        comm: &mut dyn Transport,
     ) -> Result<f64, RankLost> {
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             let velocity = p.relative_velocity(self.nodes);
@@ -340,8 +276,8 @@ impl ContactSolver<'_> {
                     / (self.steps.dt_damped * p.compliance[1]);
             }
         }
-        if t.has_shared_pairs() {
-            t.exchange_predictor_forces(comm)?;
+        if self.around.has_shared_pairs() {
+            self.around.exchange_predictor_forces(&mut t.pairs)?;
         }
         let fraction = |p: &Pair| {
             if p.is_owned {
@@ -459,7 +395,7 @@ impl ContactSolver<'_> {
 
     /// Sets the rotational velocity of node `n` to `w`, unless the node belongs to a rigid body.
     fn set_rotational_velocity(&mut self, n: u32, w: Row) {
-        if self.bodies.body_of(n).is_none() {
+        if !self.around.is_in_body(n) {
             self.nodes.w_next[n as usize] = w;
         }
     }
@@ -467,10 +403,9 @@ impl ContactSolver<'_> {
     /// Sets the velocity of node `n` to `v`, or to the velocity that a wall allows, unless the
     /// node belongs to a rigid body.
     fn set_velocity(&mut self, n: u32, v: Row) {
-        if self.bodies.body_of(n).is_some() {
-            return;
+        if !self.around.is_in_body(n) {
+            self.nodes.v_next[n as usize] =
+                self.around.allowed_velocity(self.nodes, n, v, self.steps.dt);
         }
-        let n = n as usize;
-        self.nodes.v_next[n] = self.walls.stop(self.nodes, n, v, self.steps.dt);
     }
 }

@@ -2,11 +2,11 @@
 //! solid only, and beams all around. Nodes of the surface touch its segments.
 
 use crate::contact::beams;
-use crate::contact::geometry::{Nearest, V3, nearest, nearest_on_line};
+use crate::contact::geometry::{Nearest, nearest, nearest_on_line};
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
 use crate::fem::blocks::LocalElement;
-use crate::math::row::{Row, xyz};
+use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::SegmentId;

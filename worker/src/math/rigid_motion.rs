@@ -4,9 +4,10 @@
 //! stays valid while the residual is small: a frame that flies and rotates needs neither a new
 //! search nor a new decomposition.
 
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
+use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 /// Number of nodes for the fit of the rigid motion. Any motion gives a valid bound; a good fit
 /// gives a small one.
@@ -20,12 +21,13 @@ const MAX_ROTATION: f64 = 0.25;
 const MIN_SAMPLES: usize = 8;
 
 /// A rigid motion and the largest distance of a node from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct RigidMotion {
     /// Rotation.
     pub rotation: Matrix3<f64>,
     /// Translation after the rotation about the origin [length].
-    pub translation: Vector3<f64>,
+    pub translation: V3,
     /// Largest |x - (R x_ref + t)| over the nodes [length].
     pub residual: f64,
     /// Largest distance minus the slack of the node [length].
@@ -33,21 +35,18 @@ pub struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// Number of words of a motion in a message.
-    pub const WORDS: usize = 14;
-
     /// Returns the motion without rotation and translation.
     pub fn none() -> Self {
         Self {
             rotation: Matrix3::identity(),
-            translation: Vector3::zeros(),
+            translation: V3::zeros(),
             residual: 0.0,
             beyond_slack: 0.0,
         }
     }
 
     /// Returns the position of the point `p` after the motion [length].
-    pub fn carried(&self, p: Vector3<f64>) -> Vector3<f64> {
+    pub fn carried(&self, p: V3) -> V3 {
         self.rotation * p + self.translation
     }
 
@@ -72,26 +71,6 @@ impl RigidMotion {
         // corner.
         let at = |p: [f64; 3]| (self.carried(p.into()) - other.carried(p.into())).norm();
         region.corners().into_iter().map(at).fold(0.0, f64::max)
-    }
-
-    /// Returns the motion as words of a message.
-    pub fn to_words(&self) -> [f64; Self::WORDS] {
-        let mut w = [0.0; Self::WORDS];
-        w[..9].copy_from_slice(self.rotation.as_slice());
-        w[9..12].copy_from_slice(self.translation.as_slice());
-        w[12] = self.residual;
-        w[13] = self.beyond_slack;
-        w
-    }
-
-    /// Creates a motion from the words of [`RigidMotion::to_words`].
-    pub fn from_words(w: &[f64]) -> Self {
-        Self {
-            rotation: Matrix3::from_column_slice(&w[..9]),
-            translation: Vector3::from_column_slice(&w[9..12]),
-            residual: w[12],
-            beyond_slack: w[13],
-        }
     }
 }
 
@@ -174,7 +153,7 @@ impl MotionTracker {
         let sample = || self.sample.iter().map(pair);
         let n = sample().count().max(1) as f64;
         let (sum, sum_ref) =
-            sample().fold((Vector3::zeros(), Vector3::zeros()), |s, p| (s.0 + p.0, s.1 + p.1));
+            sample().fold((V3::zeros(), V3::zeros()), |s, p| (s.0 + p.0, s.1 + p.1));
         let (centre, centre_ref) = (sum / n, sum_ref / n);
         let cross = sample()
             .fold(Matrix3::zeros(), |m, p| m + (p.0 - centre) * (p.1 - centre_ref).transpose());
@@ -183,8 +162,8 @@ impl MotionTracker {
     }
 }
 
-fn vec3(r: &Row) -> Vector3<f64> {
-    Vector3::new(r[0], r[1], r[2])
+fn vec3(r: &Row) -> V3 {
+    V3::new(r[0], r[1], r[2])
 }
 
 /// Returns the rotation nearest to a cross-covariance; `None` if it is not determined (points on
@@ -223,7 +202,7 @@ mod tests {
         let mut x: Vec<Row> = x0
             .iter()
             .map(|p| {
-                let q = r * vec3(p) + Vector3::new(900.0, -20.0, 3.0);
+                let q = r * vec3(p) + V3::new(900.0, -20.0, 3.0);
                 [q.x, q.y, q.z, 0.0]
             })
             .collect();
@@ -231,6 +210,5 @@ mod tests {
         x[3][1] += 2.5; // not in the sample
         let d = motion.update(&x);
         assert!((d.residual - 2.5).abs() < 1e-9, "{}", d.residual);
-        assert_eq!(RigidMotion::from_words(&d.to_words()), d);
     }
 }

@@ -1,7 +1,12 @@
-//! Rows of nodal columns.
+//! Rows of nodal columns, and the vector of the worker.
+
+use nalgebra::Vector3;
 
 /// Three components and one of padding, so that a row fills one vector register.
 pub type Row = [f64; 4];
+
+/// Vector in space.
+pub type V3 = Vector3<f64>;
 
 /// Returns a row of three components.
 pub fn row(a: [f64; 3]) -> Row {

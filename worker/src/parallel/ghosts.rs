@@ -2,22 +2,48 @@
 
 use crate::fem::blocks::Blocks;
 use crate::math::rigid_motion::RigidMotion;
+use crate::math::row::{row, xyz};
 use crate::nodes::Nodes;
 use crate::time::ElementSet;
+use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
-use crumple_proto::transport::{RankLost, Tag, Transport};
+use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, words_of};
 
-/// Words of a rigid motion, which precedes the states of ghost nodes in a message.
-pub const RIGID_MOTION_WORDS: usize = RigidMotion::WORDS;
+/// State of a ghost node in a message.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct GhostState {
+    x: [f64; 3],
+    v: [f64; 3],
+    v_next: [f64; 3],
+}
+
+/// Rotational velocities of a ghost node in a message; they follow the [`GhostState`] if contact
+/// with friction needs them.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct GhostSpin {
+    w: [f64; 3],
+    w_next: [f64; 3],
+}
+
+/// Force and moment on a corner of an element in a message.
+type ForceAndMoment = [[f64; 3]; 2];
+
+/// Number of words of a rigid motion, which precedes the states of ghost nodes in a message.
+pub const RIGID_MOTION_WORDS: usize = words_of::<RigidMotion>();
+
 /// Returns the number of words of a ghost node's state: position, and velocities at the last
 /// and at the next mid-step; with `spins` also rotational velocities at both.
 pub fn ghost_words(spins: bool) -> u64 {
-    if spins { 15 } else { 9 }
+    let spin = if spins { words_of::<GhostSpin>() } else { 0 };
+    (words_of::<GhostState>() + spin) as u64
 }
 
 /// Returns the number of words of an element nodal force, with its moment if nodes can rotate.
 pub fn element_force_words(rotations: bool) -> u64 {
-    if rotations { 6 } else { 3 }
+    let words = if rotations { words_of::<ForceAndMoment>() } else { words_of::<[f64; 3]>() };
+    words as u64
 }
 
 /// Connection to one other worker.
@@ -67,8 +93,7 @@ pub struct Ghosts {
     pub user_start: Vec<u32>,
     /// Other workers that have a node, as local or ghost node; ascending, node after node.
     pub users: Vec<u32>,
-    /// Message under construction.
-    pub words: Vec<u64>,
+    mail: Mailbox,
     /// True if distant workers exchange their motion in this step.
     pub sync_distant: bool,
     /// Upper bound of the approach of any two nodes of contact surfaces since the last
@@ -81,6 +106,11 @@ pub struct Ghosts {
 const SYNC_FRACTION: f64 = 0.1;
 
 impl Ghosts {
+    /// Returns the connections of a worker, without users of nodes.
+    pub fn new(links: Vec<GhostLink>) -> Self {
+        Self { links, ..Self::default() }
+    }
+
     /// Returns the other workers that have node `i`, as local or ghost node.
     pub fn users_of(&self, i: u32) -> &[u32] {
         &self.users[self.user_start[i as usize] as usize..self.user_start[i as usize + 1] as usize]
@@ -111,22 +141,20 @@ impl Ghosts {
         blocks: &Blocks,
         set: ElementSet,
     ) -> Result<(), RankLost> {
-        for link in &self.links {
+        let Blocks { force, moment, .. } = blocks;
+        let Self { links, mail, .. } = self;
+        for link in links {
+            let (to, tag) = (link.worker, Tag::Corners);
             let slots = match set {
                 ElementSet::All => &link.element_forces_out,
                 ElementSet::Fast => &link.fast_out,
             };
-            if slots.is_empty() {
-                continue;
+            if moment.is_empty() {
+                mail.send_items(comm, to, tag, slots, |slot| xyz(&force[slot as usize]))?;
+            } else {
+                let both = |slot: u32| [force, moment].map(|rows| xyz(&rows[slot as usize]));
+                mail.send_items::<ForceAndMoment>(comm, to, tag, slots, both)?;
             }
-            self.words.clear();
-            for &slot in slots {
-                self.words.extend(blocks.force[slot as usize][..3].iter().map(|a| a.to_bits()));
-                if let Some(m) = blocks.moment.get(slot as usize) {
-                    self.words.extend(m[..3].iter().map(|a| a.to_bits()));
-                }
-            }
-            comm.send(link.worker + 1, Tag::Corners, &self.words)?;
         }
         Ok(())
     }
@@ -141,33 +169,30 @@ impl Ghosts {
         blocks: &mut Blocks,
         set: ElementSet,
     ) -> Result<(), RankLost> {
-        let width = if blocks.moment.is_empty() { 3 } else { 6 };
-        let mut take = |slot: usize, words: &[u64]| {
-            let at = |c: usize| f64::from_bits(words[c]);
-            blocks.force[slot] = [at(0), at(1), at(2), 0.0];
-            if let Some(m) = blocks.moment.get_mut(slot) {
-                *m = [at(3), at(4), at(5), 0.0];
-            }
-        };
-        for link in &self.links {
+        let Self { links, mail, .. } = self;
+        for link in links {
             let (first, count) = link.element_forces_in;
             let expected = match set {
-                ElementSet::All => count as usize,
+                ElementSet::All => count,
                 ElementSet::Fast => link.fast_in.len(),
             };
             if expected == 0 {
                 continue;
             }
-            comm.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
-            let corners = self.words.chunks_exact(width);
-            match set {
-                ElementSet::All => {
-                    corners.zip(first..first + count).for_each(|(words, slot)| take(slot, words));
+            let slot = |k: usize| match set {
+                ElementSet::All => first + k,
+                ElementSet::Fast => link.fast_in[k] as usize,
+            };
+            mail.receive(comm, link.worker, Tag::Corners)?;
+            if blocks.moment.is_empty() {
+                for (k, force) in mail.take_many::<[f64; 3]>(expected).iter().enumerate() {
+                    blocks.force[slot(k)] = row(*force);
                 }
-                ElementSet::Fast => {
-                    corners
-                        .zip(&link.fast_in)
-                        .for_each(|(words, &slot)| take(slot as usize, words));
+            } else {
+                let all = mail.take_many::<ForceAndMoment>(expected);
+                for (k, [force, moment]) in all.iter().enumerate() {
+                    blocks.force[slot(k)] = row(*force);
+                    blocks.moment[slot(k)] = row(*moment);
                 }
             }
         }
@@ -184,33 +209,28 @@ impl Ghosts {
         comm: &mut dyn Transport,
         nodes: &mut Nodes,
     ) -> Result<(), RankLost> {
-        for link in self.links.iter().filter(|l| !l.export.is_empty()) {
-            self.words.clear();
-            for i in link.export.iter().map(|&i| i as usize) {
-                let turning = nodes.w.get(i).map_or(&[][..], |w| &w[..3]);
-                self.words.extend(
-                    nodes.x[i][..3]
-                        .iter()
-                        .chain(&nodes.v[i][..3])
-                        .chain(turning)
-                        .map(|a| a.to_bits()),
-                );
+        let (Self { links, mail, .. }, tag) = (self, Tag::Exterior);
+        for link in &*links {
+            let (to, list) = (link.worker, &link.export);
+            if nodes.rotations {
+                let state = |i| [&nodes.x, &nodes.v, &nodes.w].map(|rows| xyz(&rows[i as usize]));
+                mail.send_items(comm, to, tag, list, state)?;
+            } else {
+                let state = |i| [&nodes.x, &nodes.v].map(|rows| xyz(&rows[i as usize]));
+                mail.send_items(comm, to, tag, list, state)?;
             }
-            comm.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
-        for link in self.links.iter().filter(|l| !l.import.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
-            let width = if nodes.rotations { 9 } else { 6 };
-            for (i, words) in
-                link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(width))
-            {
-                let three = |k: usize| {
-                    crate::math::row::row([0, 1, 2].map(|c| f64::from_bits(words[k + c])))
-                };
-                (nodes.x[i], nodes.v[i]) = (three(0), three(3));
-                if nodes.rotations {
-                    nodes.w[i] = three(6);
-                }
+        for link in &*links {
+            let (from, list) = (link.worker, &link.import);
+            if nodes.rotations {
+                mail.receive_items(comm, from, tag, list, |i, [x, v, w]: [[f64; 3]; 3]| {
+                    let i = i as usize;
+                    (nodes.x[i], nodes.v[i], nodes.w[i]) = (row(x), row(v), row(w));
+                })?;
+            } else {
+                mail.receive_items(comm, from, tag, list, |i, [x, v]: [[f64; 3]; 2]| {
+                    (nodes.x[i as usize], nodes.v[i as usize]) = (row(x), row(v));
+                })?;
             }
         }
         Ok(())
@@ -250,18 +270,17 @@ impl Ghosts {
     ) -> Result<f64, RankLost> {
         let check_in = std::mem::take(&mut self.sync_distant);
         for link in self.links.iter().filter(|l| check_in || !l.both_distant) {
-            self.words.clear();
-            self.words.extend(drift.to_words().map(f64::to_bits));
-            for &i in &link.export {
-                let i = i as usize;
-                let rows = [&nodes.x, &nodes.v, &nodes.v_next].map(|rows| &rows[i][..3]);
-                self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
+            self.mail.start();
+            self.mail.push(*drift);
+            for i in link.export.iter().map(|&i| i as usize) {
+                let [x, v, v_next] = [&nodes.x, &nodes.v, &nodes.v_next].map(|rows| xyz(&rows[i]));
+                self.mail.push(GhostState { x, v, v_next });
                 if spins {
-                    let rows = [&nodes.w, &nodes.w_next].map(|rows| &rows[i][..3]);
-                    self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
+                    let [w, w_next] = [&nodes.w, &nodes.w_next].map(|rows| xyz(&rows[i]));
+                    self.mail.push(GhostSpin { w, w_next });
                 }
             }
-            comm.send(link.worker + 1, Tag::Exterior, &self.words)?;
+            self.mail.send(comm, link.worker, Tag::Exterior)?;
         }
         if check_in {
             self.max_approach[0] = 0.0;
@@ -279,25 +298,20 @@ impl Ghosts {
                 }
                 continue;
             }
-            comm.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
-            let words: &[f64] = bytemuck::cast_slice(&self.words);
-            let (head, body) = words.split_at(RigidMotion::WORDS);
-            for (&i, state) in
-                link.import.iter().zip(body.chunks_exact(ghost_words(spins) as usize))
-            {
-                let rows = [
-                    &mut nodes.x,
-                    &mut nodes.v,
-                    &mut nodes.v_next,
-                    &mut nodes.w,
-                    &mut nodes.w_next,
-                ];
-                rows.into_iter().zip(state.chunks_exact(3)).for_each(|(rows, three)| {
-                    rows[i as usize][..3].copy_from_slice(three);
-                });
+            self.mail.receive(comm, link.worker, Tag::Exterior)?;
+            let other: RigidMotion = self.mail.take();
+            for i in link.import.iter().map(|&i| i as usize) {
+                let state: GhostState = self.mail.take();
+                nodes.x[i][..3].copy_from_slice(&state.x);
+                nodes.v[i][..3].copy_from_slice(&state.v);
+                nodes.v_next[i][..3].copy_from_slice(&state.v_next);
+                if spins {
+                    let spin: GhostSpin = self.mail.take();
+                    nodes.w[i][..3].copy_from_slice(&spin.w);
+                    nodes.w_next[i][..3].copy_from_slice(&spin.w_next);
+                }
             }
             if let Some(region) = &link.region {
-                let other = RigidMotion::from_words(head);
                 let apart = if link.is_distant {
                     drift.relative_motion(&other, region)
                 } else {

@@ -10,7 +10,7 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
-use crumple_proto::transport::{RankLost, Transport, exchange_all};
+use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all};
 use std::collections::BTreeMap;
 
 /// Element in a message, followed by `columns` history numbers.
@@ -29,17 +29,66 @@ struct WireElement {
     stable_dt: f64,
     columns: u64,
 }
-const ELEMENT_WORDS: usize = size_of::<WireElement>() / 8;
-const NODE_WORDS: usize = size_of::<NodeRecord>() / 8;
-const MEAN_WORDS: usize = size_of::<OuterStepMean>() / 8;
+/// Numbers of items of a message; the items follow in this order.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Header {
+    elements: u64,
+    nodes: u64,
+    histories: u64,
+    means: u64,
+}
 
-/// Data for one worker: four lists of words, each preceded by its length when packed.
-#[derive(Default)]
+/// Data for one worker.
+#[derive(Clone, Default)]
 struct Parcel {
-    elements: Vec<u64>,
-    nodes: Vec<u64>,
-    memories: Vec<u64>,
-    means: Vec<u64>,
+    element_count: u64,
+    elements: Mailbox,
+    nodes: Vec<NodeRecord>,
+    /// Number of nodes with pair histories.
+    history_count: u64,
+    histories: Mailbox,
+    means: Vec<OuterStepMean>,
+}
+
+impl Parcel {
+    /// Appends an element with its history columns.
+    fn add_element(&mut self, e: &ElementRecord, columns: &[f64]) {
+        self.element_count += 1;
+        put_element(&mut self.elements, e, columns);
+    }
+
+    /// Appends the pair histories of a node.
+    fn add_histories(&mut self, node: NodeId, list: &[PairHistory]) {
+        self.history_count += 1;
+        put_histories(&mut self.histories, node, list);
+    }
+
+    /// Returns the message.
+    fn into_words(self) -> Vec<u64> {
+        let mut mail = Mailbox::default();
+        mail.push(Header {
+            elements: self.element_count,
+            nodes: self.nodes.len() as u64,
+            histories: self.history_count,
+            means: self.means.len() as u64,
+        });
+        mail.append(&self.elements);
+        mail.extend(&self.nodes);
+        mail.append(&self.histories);
+        mail.extend(&self.means);
+        mail.into_words()
+    }
+}
+
+/// Adds the items of a message to a partition.
+fn unpack(words: Vec<u64>, share: &mut PartitionData) {
+    let mut mail = Mailbox::from_words(words);
+    let header: Header = mail.take();
+    share.elements.extend((0..header.elements).map(|_| take_element(&mut mail)));
+    share.nodes.extend_from_slice(mail.take_many(header.nodes as usize));
+    share.memories.extend((0..header.histories).map(|_| take_histories(&mut mail)));
+    share.means.extend_from_slice(mail.take_many(header.means as usize));
 }
 
 /// Sends every element of the local mesh to the worker whose box contains its centre. Returns
@@ -59,7 +108,7 @@ pub fn migrate(
     for b in &local.blocks.blocks {
         for (i, e) in local.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             let to = tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
-            put_element(&mut parcels[to].elements, &e.record, &b.state(i).to_vec());
+            parcels[to].add_element(&e.record, &b.state(i).to_vec());
             goes.extend(e.nodes.map(|n| (n, to)));
         }
     }
@@ -67,31 +116,15 @@ pub fn migrate(
     goes.dedup();
     for (n, to) in goes {
         let record = local.nodes.record(n as usize);
-        parcels[to].nodes.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&record)));
-        if let Some(mean) = local.nodes.mean(n as usize) {
-            parcels[to].means.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&mean)));
-        }
+        parcels[to].nodes.push(record);
+        parcels[to].means.extend(local.nodes.mean(n as usize));
         if let Some(list) = memories.get(&record.id) {
-            put_memories(&mut parcels[to].memories, record.id, list);
+            parcels[to].add_histories(record.id, list);
         }
     }
-    let packed =
-        parcels.into_iter().map(|p| pack(&[p.elements, p.nodes, p.memories, p.means])).collect();
     let mut share = PartitionData::default();
-    for parcel in exchange_all(comm, packed)? {
-        let [elements, nodes, memories, means] = unpack(&parcel);
-        take_elements(elements, &mut share.elements);
-        share.nodes.extend(
-            nodes
-                .chunks_exact(NODE_WORDS)
-                .map(|w| bytemuck::pod_read_unaligned::<NodeRecord>(bytemuck::cast_slice(w))),
-        );
-        take_memories(memories, |id, list| _ = share.memories.insert(id, list));
-        share.means.extend(
-            means
-                .chunks_exact(MEAN_WORDS)
-                .map(|w| bytemuck::pod_read_unaligned::<OuterStepMean>(bytemuck::cast_slice(w))),
-        );
+    for words in exchange_all(comm, parcels.into_iter().map(Parcel::into_words).collect())? {
+        unpack(words, &mut share);
     }
     Ok(share)
 }
@@ -113,17 +146,22 @@ fn gather_memories(
 ) -> Result<BTreeMap<NodeId, Vec<PairHistory>>, RankLost> {
     let mut all: BTreeMap<NodeId, Vec<PairHistory>> = BTreeMap::new();
     let Some(contact) = contact else { return Ok(all) };
-    let mut parcels = vec![Vec::new(); comm.size() - 1];
+    let mut parcels = vec![Mailbox::default(); comm.size() - 1];
     for (slave, list) in contact.pair_histories().filter(|(_, l)| !l.is_empty()) {
         let id = local.nodes.id[slave as usize];
         for &user in local.halo.users_of(slave) {
-            put_memories(&mut parcels[user as usize], id, list);
+            put_histories(&mut parcels[user as usize], id, list);
         }
         all.entry(id).or_default().extend(list);
     }
     let me = comm.rank() - 1;
-    for (_, parcel) in exchange_all(comm, parcels)?.iter().enumerate().filter(|(w, _)| *w != me) {
-        take_memories(parcel, |id, list| all.entry(id).or_default().extend(list));
+    let parcels = exchange_all(comm, parcels.into_iter().map(Mailbox::into_words).collect())?;
+    for (_, words) in parcels.into_iter().enumerate().filter(|(w, _)| *w != me) {
+        let mut mail = Mailbox::from_words(words);
+        while !mail.is_read() {
+            let (id, list) = take_histories(&mut mail);
+            all.entry(id).or_default().extend(list);
+        }
     }
     for list in all.values_mut() {
         list.sort_unstable_by_key(|m| m.name);
@@ -132,8 +170,8 @@ fn gather_memories(
     Ok(all)
 }
 
-fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
-    let comm = WireElement {
+fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
+    mail.push(WireElement {
         id: e.id,
         part: e.part,
         shape: e.shape as u16,
@@ -143,72 +181,45 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         mass_factor: e.mass_factor,
         share: e.share,
         stable_dt: e.stable_dt,
-        columns: history.len() as u64,
+        columns: columns.len() as u64,
+    });
+    mail.extend(columns);
+}
+
+fn take_element(mail: &mut Mailbox) -> (ElementRecord, Vec<f64>) {
+    let e: WireElement = mail.take();
+    let record = ElementRecord {
+        id: e.id,
+        part: e.part,
+        shape: Shape::ALL[e.shape as usize],
+        nodes: e.nodes,
+        free_faces: e.free_faces as u8,
+        failed: e.free_faces >> 8 & 1 == 1,
+        slow: e.free_faces >> 9 & 1 == 1,
+        thickness: e.thickness,
+        mass_factor: e.mass_factor,
+        share: e.share,
+        stable_dt: e.stable_dt,
     };
-    words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&comm)));
-    words.extend(history.iter().map(|h| h.to_bits()));
+    (record, mail.take_many(e.columns as usize).to_vec())
 }
 
-fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
-    while words.len() >= ELEMENT_WORDS {
-        let (head, rest) = words.split_at(ELEMENT_WORDS);
-        let e: WireElement = bytemuck::pod_read_unaligned(bytemuck::cast_slice(head));
-        let (history, after) = rest.split_at(e.columns as usize);
-        let shape = Shape::ALL[e.shape as usize];
-        let record = ElementRecord {
-            id: e.id,
-            part: e.part,
-            shape,
-            nodes: e.nodes,
-            free_faces: e.free_faces as u8,
-            failed: e.free_faces >> 8 & 1 == 1,
-            slow: e.free_faces >> 9 & 1 == 1,
-            thickness: e.thickness,
-            mass_factor: e.mass_factor,
-            share: e.share,
-            stable_dt: e.stable_dt,
-        };
-        into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
-        words = after;
-    }
+fn put_histories(mail: &mut Mailbox, node: NodeId, list: &[PairHistory]) {
+    mail.push(node);
+    mail.push(list.len() as u64);
+    mail.extend(list);
 }
 
-fn put_memories(words: &mut Vec<u64>, node: NodeId, list: &[PairHistory]) {
-    words.extend([node.0, list.len() as u64]);
-    list.iter().for_each(|m| words.extend(m.to_words()));
-}
-
-fn take_memories(mut words: &[u64], mut take: impl FnMut(NodeId, Vec<PairHistory>)) {
-    while let [id, count, tail @ ..] = words {
-        let (list, after) = tail.split_at(*count as usize * PairHistory::WORDS);
-        take(
-            NodeId(*id),
-            list.chunks_exact(PairHistory::WORDS).map(PairHistory::from_words).collect(),
-        );
-        words = after;
-    }
-}
-
-fn pack(runs: &[Vec<u64>; 4]) -> Vec<u64> {
-    runs.iter().flat_map(|r| std::iter::once(r.len() as u64).chain(r.iter().copied())).collect()
-}
-
-fn unpack(mut words: &[u64]) -> [&[u64]; 4] {
-    std::array::from_fn(|_| match words {
-        [len, rest @ ..] => {
-            let (run, after) = rest.split_at(*len as usize);
-            words = after;
-            run
-        }
-        [] => &[],
-    })
+fn take_histories(mail: &mut Mailbox) -> (NodeId, Vec<PairHistory>) {
+    let (node, count): (NodeId, u64) = (mail.take(), mail.take());
+    (node, mail.take_many(count as usize).to_vec())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::geometry::V3;
     use crate::contact::pairs::PairKey;
+    use crate::math::row::V3;
     use crumple_proto::ids::SegmentId;
 
     /// Encoded data are decoded to the same bits: elements of all shapes with history of any
@@ -254,22 +265,21 @@ mod tests {
         ]);
         let mean =
             OuterStepMean { id: NodeId(4), v: [0.1, -0.0, 1e-300], w: [1.0 / 3.0, 2.0, -3.0] };
-        let mut runs = [const { Vec::new() }; 4];
-        runs[3].extend_from_slice(bytemuck::cast_slice::<OuterStepMean, u64>(&[mean]));
-        sent.iter().for_each(|(e, history)| put_element(&mut runs[0], e, history));
-        remembered.iter().for_each(|(&node, list)| put_memories(&mut runs[2], node, list));
+        let mut parcel = Parcel { means: vec![mean], ..Parcel::default() };
+        sent.iter().for_each(|(e, history)| parcel.add_element(e, history));
+        remembered.iter().for_each(|(&node, list)| parcel.add_histories(node, list));
 
-        let [elements, nodes, memories, means] = unpack(&pack(&runs)).map(<[u64]>::to_vec);
-        let (mut arrived, mut known) = (Vec::new(), BTreeMap::new());
-        take_elements(&elements, &mut arrived);
-        take_memories(&memories, |id, list| _ = known.insert(id, list));
+        let mut arrived = PartitionData::default();
+        unpack(parcel.into_words(), &mut arrived);
         let bits = |all: &[(ElementRecord, Vec<f64>)]| -> Vec<Vec<u64>> {
             all.iter().map(|(_, h)| h.iter().map(|a| a.to_bits()).collect()).collect()
         };
-        assert_eq!(arrived, sent);
-        assert_eq!(bits(&arrived), bits(&sent), "-0 stays -0");
-        assert_eq!((known, nodes.len()), (remembered, 0));
-        assert_eq!(bytemuck::cast_slice::<u64, OuterStepMean>(&means), [mean]);
-        assert_eq!(unpack(&[]).map(<[u64]>::len), [0; 4], "an empty message has no items");
+        assert_eq!(arrived.elements, sent);
+        assert_eq!(bits(&arrived.elements), bits(&sent), "-0 stays -0");
+        assert_eq!((arrived.memories, arrived.nodes.len()), (remembered, 0));
+        assert_eq!(arrived.means, [mean]);
+        let mut none = PartitionData::default();
+        unpack(Parcel::default().into_words(), &mut none);
+        assert!(none.elements.is_empty() && none.nodes.is_empty() && none.memories.is_empty());
     }
 }

@@ -1,8 +1,9 @@
 //! The parallel run as a worker sees it: its partition, ghosts of other workers' nodes and
-//! elements, migration, and the reduction of each step.
+//! elements, migration, the exchange of contact pairs, and the reduction of each step.
 
-pub mod census;
+pub mod convergence;
 pub mod ghosts;
 pub mod migrate;
+pub mod pair_exchange;
 pub mod partition;
 pub mod reduction;

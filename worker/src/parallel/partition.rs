@@ -19,7 +19,7 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
-use crumple_proto::transport::{RankLost, Transport, exchange_all};
+use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, gather_all};
 use std::collections::BTreeMap;
 
 /// Data of one worker, as distributed at the start or migrated.
@@ -79,16 +79,6 @@ struct WireSegment {
 struct WireNode {
     record: NodeRecord,
     owner: u64,
-}
-
-/// Encodes items as words.
-fn words<T: Pod>(items: &[T]) -> Vec<u64> {
-    bytemuck::cast_slice(items).to_vec()
-}
-
-/// Decodes words as items.
-fn items<T: Pod>(words: &[u64]) -> &[T] {
-    bytemuck::cast_slice(words)
 }
 
 /// Builds a worker's local mesh from its partition. With `fresh`, nodal masses are assembled
@@ -154,10 +144,8 @@ pub fn build_local_mesh(
 
 /// Exchanges the boxes of all workers.
 fn exchange_bounds(comm: &mut dyn Transport, mine: &Aabb) -> Result<Vec<Aabb>, RankLost> {
-    let corners = [mine.min, mine.max];
-    let parcels = vec![words(&corners); comm.size() - 1];
-    let boxes = exchange_all(comm, parcels)?;
-    Ok(boxes.iter().map(|w| items::<[f64; 3]>(w)).map(|b| Aabb { min: b[0], max: b[1] }).collect())
+    let boxes = gather_all(comm, vec![mine.min, mine.max])?;
+    Ok(boxes.iter().map(|b| Aabb { min: b[0], max: b[1] }).collect())
 }
 
 /// Returns the local nodes that each other worker has as well, ascending.
@@ -171,11 +159,11 @@ fn find_shared(
     let offered = |b: &Aabb| {
         (0..nodes.local_count)
             .filter(|&i| b.contains(xyz(&nodes.x[i])))
-            .map(|i| nodes.id[i].0)
+            .map(|i| nodes.id[i])
             .collect()
     };
     let others = exchange_all(comm, bounds.iter().map(offered).collect())?;
-    let common = |w: &Vec<u64>| w.iter().filter_map(|&id| nodes.local_index(NodeId(id))).collect();
+    let common = |w: &Vec<NodeId>| w.iter().filter_map(|&id| nodes.local_index(id)).collect();
     Ok(others
         .iter()
         .enumerate()
@@ -220,8 +208,7 @@ fn link_element_forces(
                 slow: u64::from(c.4),
             }
         };
-        let wired: Vec<WireCorner> = at_shared.iter().map(wired).collect();
-        parcels.push(words(&wired));
+        parcels.push(at_shared.iter().map(wired).collect::<Vec<WireCorner>>());
         let fast_out =
             at_shared.iter().filter(|c| settings.subcycles > 1 && !c.4).map(|c| c.3).collect();
         links.push(GhostLink {
@@ -234,8 +221,7 @@ fn link_element_forces(
     let others = exchange_all(comm, parcels)?;
     let mut foreign = Vec::new();
     let mut widths = Vec::new();
-    for (link, parcel) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
-        let theirs: &[WireCorner] = items(parcel);
+    for (link, theirs) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
         link.element_forces_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
             let node = nodes.local_index(c.node).expect("shared nodes are local");
@@ -254,7 +240,7 @@ fn link_element_forces(
         settings.loads.pressures.iter().any(|p| p.faces_of(id).next().is_some())
     });
     links.retain(|l| l.worker != me);
-    Ok(Ghosts { links, ..Ghosts::default() })
+    Ok(Ghosts::new(links))
 }
 
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
@@ -293,9 +279,9 @@ fn copy_ghosts(
     let workers = held_bounds.len();
     let me = nodes.me as usize;
     let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
-    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)].map(f64::to_bits);
-    let scales = exchange_all(comm, vec![mine.to_vec(); workers])?;
-    let of_all = |i: usize| scales.iter().map(move |w| f64::from_bits(w[i]));
+    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)];
+    let scales = gather_all(comm, vec![mine])?;
+    let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
@@ -341,18 +327,18 @@ fn copy_ghosts(
             record: nodes.record(i as usize),
             owner: u64::from(nodes.owner[i as usize]),
         };
-        (words(&wired), words(&corners.iter().map(node).collect::<Vec<_>>()))
+        (wired, corners.iter().map(node).collect())
     };
-    let (segments, corners): (Vec<_>, Vec<_>) = slave_boxes.iter().enumerate().map(offer).unzip();
+    let (segments, corners): (Vec<Vec<WireSegment>>, Vec<Vec<WireNode>>) =
+        slave_boxes.iter().enumerate().map(offer).unzip();
     let segments = exchange_all(comm, segments)?;
     let corners = exchange_all(comm, corners)?;
-    let mut copies: Vec<WireNode> =
-        corners.iter().flat_map(|w| items::<WireNode>(w)).copied().collect();
+    let mut copies: Vec<WireNode> = corners.concat();
     copies.retain(|c| nodes.local_index(c.record.id).is_none());
     copies.sort_unstable_by_key(|c| c.record.id);
     copies.dedup_by_key(|c| c.record.id);
     copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
-    for s in segments.iter().flat_map(|w| items::<WireSegment>(w)) {
+    for s in segments.iter().flatten() {
         let local =
             s.nodes.map(|n| nodes.index_of(n).expect("a worker has all nodes of a segment"));
         surface.segments.push(Segment {
@@ -368,11 +354,15 @@ fn copy_ghosts(
     surface.segments.sort_unstable_by_key(|s| s.id);
     // Owners send the states of ghosts in every step.
     let wanted = |w: usize| {
-        copies.iter().filter(|c| c.owner as usize == w).map(|c| c.record.id.0).collect::<Vec<u64>>()
+        copies
+            .iter()
+            .filter(|c| c.owner as usize == w)
+            .map(|c| c.record.id)
+            .collect::<Vec<NodeId>>()
     };
     let requests = exchange_all(comm, (0..workers).map(wanted).collect())?;
     for link in &mut halo.links {
-        let number = |id: &u64| nodes.index_of(NodeId(*id)).expect("requested nodes are local");
+        let number = |&id: &NodeId| nodes.index_of(id).expect("requested nodes are local");
         link.export = requests[link.worker].iter().map(number).collect();
         link.import = wanted(link.worker).iter().map(number).collect();
         // A segment may come from one worker while its far corner belongs to another one, which
@@ -396,29 +386,29 @@ fn send_users(
         let with = shared[link.worker].iter().filter(own).chain(&link.export);
         with.for_each(|&i| users[i as usize].push(link.worker as u32));
     }
-    let mut parcels = vec![Vec::new(); comm.size() - 1];
+    let mut parcels = vec![Mailbox::default(); comm.size() - 1];
     for (i, list) in users.iter_mut().enumerate() {
         list.sort_unstable();
         list.dedup();
         for &to in list.iter() {
+            let mail = &mut parcels[to as usize];
+            mail.push(nodes.id[i]);
+            mail.push(list.len() as u64);
             let others = list.iter().filter(|&&u| u != to).chain(std::iter::once(&me));
-            let message =
-                [nodes.id[i].0, list.len() as u64].into_iter().chain(others.map(|&u| u64::from(u)));
-            parcels[to as usize].extend(message);
+            others.for_each(|&u| mail.push(u64::from(u)));
         }
     }
-    for (from, parcel) in
-        exchange_all(comm, parcels)?.iter().enumerate().filter(|(w, _)| *w != me as usize)
-    {
-        let mut rest = &parcel[..];
-        while let [id, count, tail @ ..] = rest {
-            let (list, after) = tail.split_at(*count as usize);
+    let parcels = exchange_all(comm, parcels.into_iter().map(Mailbox::into_words).collect())?;
+    for (from, words) in parcels.into_iter().enumerate().filter(|(w, _)| *w != me as usize) {
+        let mut mail = Mailbox::from_words(words);
+        while !mail.is_read() {
+            let (id, count): (NodeId, u64) = (mail.take(), mail.take());
             let i = nodes
-                .index_of(NodeId(*id))
+                .index_of(id)
                 .unwrap_or_else(|| panic!("worker {from} names a node that is not local"));
-            users[i as usize] = list.iter().map(|&u| u as u32).collect();
+            users[i as usize] =
+                mail.take_many::<u64>(count as usize).iter().map(|&u| u as u32).collect();
             users[i as usize].sort_unstable();
-            rest = after;
         }
     }
     halo.user_start = vec![0];

@@ -3,6 +3,7 @@
 //! Phases are timed by the wall clock and corrected for other load on the machine: the phases of
 //! a step are scaled together so that their sum is the CPU time of the step.
 
+use super::census::Count;
 use crate::analysis::bench::median;
 use crate::analysis::cost::element_seconds;
 use crate::input::job::Model;
@@ -11,7 +12,6 @@ use crumple_proto::report::PhaseSeconds;
 use crumple_proto::transport::{RankLost, thread_cpu};
 use crumple_worker::engine::Engine;
 use crumple_worker::math::rigid_motion::MotionTracker;
-use crumple_worker::parallel::census::Count;
 use std::time::Duration;
 
 /// Number of timed steps; phases are medians over them.

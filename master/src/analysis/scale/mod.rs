@@ -6,9 +6,10 @@
 //!
 //! One worker runs the job to each of the times. There, for every number of workers, space is
 //! decomposed as in a run (`decompose/`), and the elements, nodes and messages of each worker are
-//! counted ([`crumple_worker::parallel::census`]). No run has more than one worker, except a
+//! counted ([`census`]). No run has more than one worker, except a
 //! check with two workers from the start.
 
+mod census;
 mod kernels;
 mod model;
 mod report;
@@ -19,10 +20,11 @@ use crate::run::decompose::{Centres, Load, Loads, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{Progress, State};
 use crate::run::stdout::say;
+use census::{Census, Count, messages_to_all};
 use crumple_proto::boxes::CutTree;
-use crumple_worker::contact::TrafficEstimate;
+use crumple_worker::contact::Contact;
 use crumple_worker::engine::Engine;
-use crumple_worker::parallel::census::{Census, Count, messages_to_all};
+use crumple_worker::parallel::pair_exchange::TrafficEstimate;
 use kernels::{Kernels, STEPS, Watch};
 use model::{Costs, Network, Step, Work};
 use std::ops::ControlFlow;
@@ -263,8 +265,11 @@ fn step(
     alone: [f64; 2],
 ) -> Step {
     let none = TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
-    let exchange =
-        |quiet| engine.contact.as_ref().map_or(none, |c| c.exchange(costs.kernels.sweeps, quiet));
+    let exchange = |quiet| {
+        let estimate =
+            |c: &Contact| TrafficEstimate::estimate(c.laws(), costs.kernels.sweeps, quiet);
+        engine.contact.as_ref().map_or(none, estimate)
+    };
     let of = |c: &Count| Work::new(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
     let works: Vec<Work> = counts.iter().map(of).collect();
     Step::new(&works, alone)

@@ -5,9 +5,9 @@
 //! up; no communication overlaps with work, as in `deploy/efficiency.py`. Redecomposition, ties,
 //! field files and cache effects are not included.
 
+use super::census::Count;
 use super::kernels::Kernels;
-use crumple_worker::contact::TrafficEstimate;
-use crumple_worker::parallel::census::Count;
+use crumple_worker::parallel::pair_exchange::TrafficEstimate;
 
 /// Network between any two workers.
 #[derive(Clone, Copy, Debug)]

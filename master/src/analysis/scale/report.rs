@@ -1,9 +1,9 @@
 //! Output of `crumple scale`: table, `scale.csv` and chart.
 
+use super::census::Count;
 use super::model::{LOSSES, Network};
 use super::{Prediction, Sample};
 use crate::analysis::study::chart::series::{Curve, percent_over_doublings};
-use crumple_worker::parallel::census::Count;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -4,6 +4,7 @@ use super::*;
 use crate::run::embedded::{centres, deal, on_threads};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::transport::{Traffic, Transport};
+use crumple_worker::parallel::pair_exchange::message_words;
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step as one_step;
 use std::collections::BTreeSet;
@@ -73,10 +74,11 @@ fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> V
             let told: BTreeSet<u32> =
                 pair.local_nodes().flat_map(|n| engine.halo.users_of(n)).copied().collect();
             (count.pairs, count.told) = (count.pairs + 1, count.told + told.len() as u64);
-            count.told_words += (told.len() * pair.words()) as u64;
+            count.told_words += (told.len() * message_words(pair)) as u64;
         }
         let own = |n: &u32| engine.nodes.is_owned(*n as usize);
-        count.members = engine.bodies.acted_on(&engine.nodes).filter(own).count() as u64;
+        count.members =
+            engine.constraints.bodies.acted_on(&engine.nodes).filter(own).count() as u64;
         let sent = Traffic {
             messages: after.messages - before.messages,
             bytes: after.bytes - before.bytes,

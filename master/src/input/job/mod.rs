@@ -49,7 +49,7 @@ use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
-use crumple_worker::contact::initial_penetration::initial;
+use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use report::{DeckSource, Source};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -10,11 +10,10 @@
 
 use crate::constraints::prescribed::MotionCurve;
 use crate::energy::Work;
+use crate::math::row::V3;
 use crumple_proto::loads::MotionForm;
 use crumple_proto::rigid::RigidBody as BodyJob;
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-
-type V3 = Vector3<f64>;
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
 /// Largest numbers of Newton steps and of fixed-point steps of a rotation. Newton converges
 /// quadratically, the fixed-point iteration by a factor of the angle per step.

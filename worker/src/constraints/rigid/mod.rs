@@ -14,9 +14,9 @@ mod tests;
 mod walls;
 
 use crate::constraints::walls::Walls;
-use crate::contact::geometry::V3;
+use crate::contact::surroundings::NodalForces;
 use crate::energy::Work;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use body::{Body, Momentum};
@@ -24,7 +24,7 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
 use crumple_proto::rigid::RigidBody as BodyJob;
-use crumple_proto::transport::{RankLost, Tag, Transport, exchange_all};
+use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, gather_all, words_of};
 use nalgebra::Matrix3;
 use walls::{WallContact, WallImpulse};
 
@@ -63,10 +63,20 @@ struct Member {
     index: u32,
 }
 
-/// Words of the force and moment on a member in messages.
-pub const ACTING_WORDS: usize = size_of::<NodalWrench>() / 8;
-/// Words per body in the messages of [`Bodies::prepare_contact`].
-pub const MET_WORDS: usize = 2;
+/// Contact of a worker's nodes with a body in a step.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+struct BodyContact {
+    /// Number of touched members.
+    count: u64,
+    /// Largest compliance of a touched member, as a multiple of that of its nodal mass.
+    heaviest: f64,
+}
+
+/// Number of words of the force and moment on a member in messages.
+pub const ACTING_WORDS: usize = words_of::<NodalWrench>();
+/// Number of words per body in the messages of [`Bodies::prepare_contact`].
+pub const MET_WORDS: usize = words_of::<BodyContact>();
 
 /// All rigid bodies.
 #[derive(Debug, Default)]
@@ -98,7 +108,8 @@ pub struct Bodies {
     /// Velocities of walls after the impulses of bodies.
     wall_velocities: Vec<V3>,
     acting: Vec<NodalWrench>,
-    words: Vec<u64>,
+    met: Vec<BodyContact>,
+    mail: Mailbox,
 }
 
 /// Work on bodies that sums over nodes do not contain.
@@ -147,13 +158,8 @@ impl Bodies {
                 w: xyz(&nodes.w[i]),
             }));
         }
-        let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); comm.size() - 1];
-        let parcels = exchange_all(comm, parcels)?;
-        let mut members: Vec<WireMember> = parcels
-            .iter()
-            .flat_map(|w| bytemuck::cast_slice::<u64, WireMember>(w))
-            .copied()
-            .collect();
+        let parcels = gather_all(comm, mine)?;
+        let mut members: Vec<WireMember> = parcels.concat();
         members.sort_unstable_by_key(|m| (m.body, m.node));
         for (b, job) in all.jobs.iter().enumerate() {
             let own: Vec<&WireMember> = members.iter().filter(|m| m.body == b as u64).collect();
@@ -288,7 +294,9 @@ impl Bodies {
         if self.is_empty() {
             return Ok(false);
         }
-        let mut met = vec![(0u64, 0.0f64); self.bodies.len()];
+        let mut met = std::mem::take(&mut self.met);
+        met.clear();
+        met.resize(self.bodies.len(), BodyContact::default());
         for &n in touched.iter().filter(|&&n| nodes.is_owned(n as usize)) {
             let Some(b) = self.body_of(n) else { continue };
             let (body, i) = (&self.bodies[b], n as usize);
@@ -299,23 +307,23 @@ impl Bodies {
             if couples {
                 heavy = heavy.max(2.0 * nodes.inertia[i] * body.softest);
             }
-            met[b] = (met[b].0 + 1, met[b].1.max(heavy));
+            met[b].count += 1;
+            met[b].heaviest = met[b].heaviest.max(heavy);
         }
-        let message: Vec<u64> = met.iter().flat_map(|m| [m.0, m.1.to_bits()]).collect();
-        let mine = comm.rank();
-        for w in (1..comm.size()).filter(|&w| w != mine) {
-            comm.send(w, Tag::Bodies, &message)?;
-        }
-        for w in (1..comm.size()).filter(|&w| w != mine) {
-            comm.recv(w, Tag::Bodies, &mut self.words)?;
-            for (m, o) in met.iter_mut().zip(self.words.chunks_exact(2)) {
-                *m = (m.0 + o[0], m.1.max(f64::from_bits(o[1])));
+        self.mail.start();
+        self.mail.extend(&met);
+        self.mail.exchange_with_all(comm, Tag::Bodies, |mail| {
+            for (sum, theirs) in met.iter_mut().zip(mail.rest::<BodyContact>()) {
+                sum.count += theirs.count;
+                sum.heaviest = sum.heaviest.max(theirs.heaviest);
             }
+        })?;
+        self.coupled = met.iter().any(|m| m.count > 0);
+        for ((share, body), m) in self.share.iter_mut().zip(&self.bodies).zip(&met) {
+            let factor = (m.count as f64 * m.heaviest).min(1.0);
+            *share = if body.is_prescribed() { 0.0 } else { factor };
         }
-        self.coupled = met.iter().any(|m| m.0 > 0);
-        for ((share, body), (count, heavy)) in self.share.iter_mut().zip(&self.bodies).zip(met) {
-            *share = if body.is_prescribed() { 0.0 } else { (count as f64 * heavy).min(1.0) };
-        }
+        self.met = met;
         Ok(self.coupled)
     }
 
@@ -338,9 +346,8 @@ impl Bodies {
         }
     }
 
-    /// Applies the contact forces `total` on the nodes `touched` to bodies, with the `couples`
-    /// there if there are any, then the walls; updates the velocities of these nodes. Returns
-    /// true if `changed` is true on any worker.
+    /// Applies contact forces to bodies, then the walls; updates the velocities of the touched
+    /// nodes. Returns true if `changed` is true on any worker.
     ///
     /// # Errors
     /// A worker is gone.
@@ -348,11 +355,12 @@ impl Bodies {
         &mut self,
         comm: &mut dyn Transport,
         nodes: &mut Nodes,
-        (touched, total, couples): (&[u32], &[V3], &[V3]),
+        forces: NodalForces<'_>,
         walls: &Walls,
         steps: StepSizes,
         changed: bool,
     ) -> Result<bool, RankLost> {
+        let NodalForces { touched, total, couples } = forces;
         self.acting.clear();
         for (k, (&n, force)) in
             touched.iter().zip(total).enumerate().filter(|(_, (n, _))| nodes.is_owned(**n as usize))
@@ -499,19 +507,15 @@ impl Bodies {
     /// Gathers the forces on other workers' members, in ascending (body, node). Returns true if
     /// `flag` is true on any worker.
     fn gather(&mut self, comm: &mut dyn Transport, flag: bool) -> Result<bool, RankLost> {
-        let mine = comm.rank();
+        let Self { acting, mail, .. } = self;
         let mut any = flag;
-        self.words.clear();
-        self.words.push(u64::from(flag));
-        self.words.extend_from_slice(bytemuck::cast_slice(&self.acting));
-        for w in (1..comm.size()).filter(|&w| w != mine) {
-            comm.send(w, Tag::Bodies, &self.words)?;
-        }
-        for w in (1..comm.size()).filter(|&w| w != mine) {
-            comm.recv(w, Tag::Bodies, &mut self.words)?;
-            any |= self.words[0] != 0;
-            self.acting.extend_from_slice(bytemuck::cast_slice(&self.words[1..]));
-        }
+        mail.start();
+        mail.push(u64::from(flag));
+        mail.extend(acting);
+        mail.exchange_with_all(comm, Tag::Bodies, |mail| {
+            any |= mail.take::<u64>() != 0;
+            acting.extend_from_slice(mail.rest());
+        })?;
         self.acting.sort_unstable_by_key(|a| (a.body, a.node));
         Ok(any)
     }

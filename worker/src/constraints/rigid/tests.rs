@@ -1,7 +1,7 @@
 //! Tests of one body without a mesh: conservation, and prescribed motion.
 
 use super::body::{Body, Momentum};
-use crate::contact::geometry::V3;
+use crate::math::row::V3;
 use crumple_proto::loads::{Motion, MotionForm};
 use crumple_proto::rigid::RigidBody;
 use nalgebra::Matrix3;

@@ -7,7 +7,7 @@
 
 use super::body::Body;
 use crate::constraints::walls::Walls;
-use crate::contact::geometry::V3;
+use crate::math::row::V3;
 use crumple_proto::ids::NodeId;
 
 /// Largest number of sweeps, and the relative change at which they end.

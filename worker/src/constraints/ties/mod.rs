@@ -26,19 +26,18 @@
 //! the velocities of masters. They are summed in ascending id of the slaves, and of the masters
 //! of a slave, so that all workers compute the same bits.
 
+mod exchange;
 pub mod project;
 
-use crate::constraints::rigid::Bodies;
 use crate::contact::Contact;
-use crate::contact::geometry::V3;
-use crate::math::row::{Row, xyz};
+use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::Settings;
 use crumple_proto::tie::Tie;
-use crumple_proto::transport::{RankLost, Tag, Transport, exchange_all};
+use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
+use exchange::{Link, PackedNode, of_owners, receive, send};
 use nalgebra::Rotation3;
 use std::collections::{BTreeSet, HashSet};
 
@@ -50,29 +49,6 @@ const NONE: u32 = u32::MAX;
 pub const ARM_SHARE: f64 = 0.81;
 /// `1 + 1/a`.
 const ARM_INERTIA: f64 = ARM_SHARE / (1.0 - ARM_SHARE) + 1.0;
-
-/// A slave or master, as it is sent to all workers at the start.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct PackedNode {
-    number: u64,
-    fixed: u64,
-    mass: f64,
-    inertia: f64,
-    x: [f64; 3],
-    v: [f64; 3],
-    w: [f64; 3],
-}
-
-/// Data exchanged with another worker in every step, by numbers of ties and of masters.
-#[derive(Debug, Default)]
-struct Link {
-    worker: usize,
-    slaves_out: Vec<u32>,
-    slaves_in: Vec<u32>,
-    masters_out: Vec<u32>,
-    masters_in: Vec<u32>,
-}
 
 /// All ties.
 #[derive(Debug, Default)]
@@ -106,24 +82,7 @@ pub struct Ties {
     master_positions: Vec<[f64; 3]>,
     /// Contact forces of this step that were added to masters.
     contact_forces: Vec<V3>,
-    words: Vec<u64>,
-}
-
-/// Nodes and segments that cannot move relative to each other and are excluded from contact.
-#[derive(Clone, Copy)]
-pub struct ContactExclusions<'a> {
-    /// Rigid bodies.
-    pub bodies: &'a Bodies,
-    /// Ties.
-    pub ties: &'a Ties,
-}
-
-impl ContactExclusions<'_> {
-    /// Returns true if the node and the segment belong to one rigid body, or if one is tied to
-    /// the other.
-    pub fn excludes(&self, slave: u32, segment: &[u32; 4]) -> bool {
-        self.bodies.share_body(slave, segment) || self.ties.are_tied(slave, segment)
-    }
+    mail: Mailbox,
 }
 
 impl Ties {
@@ -283,9 +242,8 @@ impl Ties {
             |t: &usize| !self.definitions[*t].faces.iter().any(|elem| failed.contains(elem));
         let here: Vec<u64> =
             (0..self.definitions.len()).filter(|t| !holds(t)).map(|t| t as u64).collect();
-        let parcels = vec![here; comm.size() - 1];
-        let told = exchange_all(comm, parcels)?;
-        let released: BTreeSet<usize> = told.into_iter().flatten().map(|t| t as usize).collect();
+        let released: BTreeSet<usize> =
+            gather_all(comm, here)?.into_iter().flatten().map(|t| t as usize).collect();
         for &t in &released {
             self.add_masses(t, -1.0, nodes);
             if let Some(n) = nodes.index_of(self.definitions[t].node).map(|n| n as usize) {
@@ -365,54 +323,6 @@ impl Ties {
         self.partner_start =
             (0..=nodes.len() as u32).map(|n| pairs.partition_point(|p| p.0 < n) as u32).collect();
         self.partners = pairs.into_iter().map(|p| p.1).collect();
-    }
-
-    /// Requests the required data from other workers, and receives the lists of data they will
-    /// send.
-    fn link(&mut self, comm: &mut dyn Transport, nodes: &Nodes) -> Result<(), RankLost> {
-        let (workers, me) = (comm.size() - 1, comm.rank() - 1);
-        let is_held = |n: u32| (n as usize) < nodes.local_count;
-        let tied: Vec<u64> = self
-            .force_sources
-            .iter()
-            .filter(|&&t| !is_held(self.slave_index[t as usize]))
-            .map(|&t| u64::from(t))
-            .collect();
-        let followed = self.local_slaves.iter().flat_map(|&t| &self.shares[t as usize]);
-        let mut carriers: Vec<u64> = followed
-            .filter(|s| !is_held(self.master_index[s.0 as usize]))
-            .map(|s| u64::from(s.0))
-            .collect();
-        carriers.sort_unstable();
-        carriers.dedup();
-        let wanted = [&[tied.len() as u64], &tied[..], &carriers[..]].concat();
-        let wanted = exchange_all(comm, vec![wanted; workers])?;
-        let own = |list: &[u32], numbers: &[u64]| -> Vec<u32> {
-            let mine = |t: &&u64| nodes.is_owned(list[**t as usize] as usize);
-            numbers.iter().filter(mine).map(|&t| t as u32).collect()
-        };
-        self.links.clear();
-        let mut offered = vec![Vec::new(); workers];
-        for (w, words) in wanted.iter().enumerate().filter(|(w, _)| *w != me) {
-            let (tied, carriers) = halves(words);
-            let link = Link {
-                worker: w,
-                slaves_out: own(&self.slave_index, tied),
-                masters_out: own(&self.master_index, carriers),
-                ..Link::default()
-            };
-            let words =
-                [link.slaves_out.len() as u32].into_iter().chain(link.slaves_out.iter().copied());
-            offered[w] = words.chain(link.masters_out.iter().copied()).map(u64::from).collect();
-            self.links.push(link);
-        }
-        let offered = exchange_all(comm, offered)?;
-        for link in &mut self.links {
-            let (tied, carriers) = halves(&offered[link.worker]);
-            link.slaves_in = tied.iter().map(|&t| t as u32).collect();
-            link.masters_in = carriers.iter().map(|&c| c as u32).collect();
-        }
-        Ok(())
     }
 
     /// Returns true if there are no ties.
@@ -575,23 +485,29 @@ impl Ties {
         if self.is_empty() {
             return Ok(());
         }
-        for link in self.links.iter().filter(|l| !l.masters_out.is_empty()) {
-            self.words.clear();
-            for &c in &link.masters_out {
-                let n = self.master_index[c as usize] as usize;
-                self.words.extend(nodes.v_next[n][..3].iter().map(|v| v.to_bits()));
-                if self.turn {
-                    self.words.extend(nodes.w_next[n][..3].iter().map(|w| w.to_bits()));
-                }
-            }
-            comm.send(link.worker + 1, Tag::Ties, &self.words)?;
-        }
-        let width = if self.turn { 6 } else { 3 };
-        for link in self.links.iter().filter(|l| !l.masters_in.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
-            for (&c, words) in link.masters_in.iter().zip(self.words.chunks_exact(width)) {
-                self.master_velocities[c as usize] = pair(words);
-            }
+        let Self { links, mail, master_index, master_velocities, .. } = self;
+        let local = |c: u32| master_index[c as usize] as usize;
+        if self.turn {
+            let both = |c| [&nodes.v_next, &nodes.w_next].map(|rows| xyz(&rows[local(c)]));
+            send(comm, (links, mail), |l| &l.masters_out, both)?;
+            receive(
+                comm,
+                (links, mail),
+                |l| &l.masters_in,
+                |c, both| {
+                    master_velocities[c as usize] = both;
+                },
+            )?;
+        } else {
+            send(comm, (links, mail), |l| &l.masters_out, |c| xyz(&nodes.v_next[local(c)]))?;
+            receive(
+                comm,
+                (links, mail),
+                |l| &l.masters_in,
+                |c, v| {
+                    master_velocities[c as usize] = [v, [0.0; 3]];
+                },
+            )?;
         }
         for &t in &self.local_slaves {
             let (n, shares) = (self.slave_index[t as usize] as usize, &self.shares[t as usize]);
@@ -626,41 +542,29 @@ impl Ties {
         comm: &mut dyn Transport,
         nodes: &Nodes,
     ) -> Result<(), RankLost> {
-        for link in self.links.iter().filter(|l| !l.masters_out.is_empty()) {
-            self.words.clear();
-            let places =
-                link.masters_out.iter().map(|&c| &nodes.x[self.master_index[c as usize] as usize]);
-            self.words.extend(places.flat_map(xyz).map(f64::to_bits));
-            comm.send(link.worker + 1, Tag::Ties, &self.words)?;
-        }
-        for link in self.links.iter().filter(|l| !l.masters_in.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
-            for (&c, words) in link.masters_in.iter().zip(self.words.chunks_exact(3)) {
-                self.master_positions[c as usize] = pair(words)[0];
-            }
-        }
-        Ok(())
+        let Self { links, mail, master_index, master_positions, .. } = self;
+        let position = |c: u32| xyz(&nodes.x[master_index[c as usize] as usize]);
+        send(comm, (links, mail), |l| &l.masters_out, position)?;
+        receive(comm, (links, mail), |l| &l.masters_in, |c, x| master_positions[c as usize] = x)
     }
 
     /// Sends the forces on owned slaves to the workers that have their masters.
     fn exchange_slave_forces(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let width = if self.turn { 6 } else { 3 };
-        for link in self.links.iter().filter(|l| !l.slaves_out.is_empty()) {
-            self.words.clear();
-            for &t in &link.slaves_out {
-                let all =
-                    self.slave_loads[t as usize].iter().flat_map(|v| v.iter()).map(|v| v.to_bits());
-                self.words.extend(all.take(width));
-            }
-            comm.send(link.worker + 1, Tag::Ties, &self.words)?;
+        let Self { links, mail, slave_loads, .. } = self;
+        if self.turn {
+            send(comm, (links, mail), |l| &l.slaves_out, |t| slave_loads[t as usize])?;
+            receive(comm, (links, mail), |l| &l.slaves_in, |t, load| slave_loads[t as usize] = load)
+        } else {
+            send(comm, (links, mail), |l| &l.slaves_out, |t| slave_loads[t as usize][0])?;
+            receive(
+                comm,
+                (links, mail),
+                |l| &l.slaves_in,
+                |t, force| {
+                    slave_loads[t as usize] = [force, V3::zeros()];
+                },
+            )
         }
-        for link in self.links.iter().filter(|l| !l.slaves_in.is_empty()) {
-            comm.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
-            for (&t, words) in link.slaves_in.iter().zip(self.words.chunks_exact(width)) {
-                self.slave_loads[t as usize] = pair(words).map(V3::from);
-            }
-        }
-        Ok(())
     }
 }
 
@@ -668,17 +572,6 @@ impl Ties {
 fn keep<T>(list: &mut Vec<T>, out: &BTreeSet<usize>) {
     let mut number = 0..;
     list.retain(|_| number.next().is_none_or(|n| !out.contains(&n)));
-}
-
-/// Decodes two vectors from three or six words; with three, the second vector is zero.
-fn pair(words: &[u64]) -> [[f64; 3]; 2] {
-    let at = |k: usize| words.get(k).map_or(0.0, |&w| f64::from_bits(w));
-    [[at(0), at(1), at(2)], [at(3), at(4), at(5)]]
-}
-
-/// Splits a list, preceded by its length, from the list that follows it.
-fn halves(words: &[u64]) -> (&[u64], &[u64]) {
-    words.split_first().map_or((&[], &[]), |(&count, rest)| rest.split_at(count as usize))
 }
 
 /// Returns the weighted mean of the masters' vectors, summed in ascending order.
@@ -689,35 +582,4 @@ fn blend(shares: &[(u32, f64)], of: impl Fn(usize) -> [f64; 3]) -> Row {
         (0..3).for_each(|k| sum[k] += share * v[k]);
     }
     sum
-}
-
-/// Returns the states of nodes, in the order of `ids`, from the workers that own them.
-fn of_owners(
-    comm: &mut dyn Transport,
-    nodes: &Nodes,
-    ids: &[NodeId],
-) -> Result<Vec<PackedNode>, RankLost> {
-    let mut mine: Vec<PackedNode> = Vec::new();
-    for (number, &id) in ids.iter().enumerate() {
-        if let Some(i) = nodes.local_index(id).map(|n| n as usize).filter(|&i| nodes.is_owned(i)) {
-            let record = nodes.record(i);
-            mine.push(PackedNode {
-                number: number as u64,
-                fixed: record.fixed,
-                mass: record.mass,
-                inertia: record.inertia,
-                x: record.x,
-                v: record.v,
-                w: record.w,
-            });
-        }
-    }
-    let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); comm.size() - 1];
-    let mut all = vec![PackedNode::zeroed(); ids.len()];
-    for parcel in exchange_all(comm, parcels)? {
-        for one in bytemuck::cast_slice::<u64, PackedNode>(&parcel) {
-            all[one.number as usize] = *one;
-        }
-    }
-    Ok(all)
 }

@@ -1,7 +1,8 @@
 //! Projection of nodes onto a surface, before the start.
 
-use crate::contact::geometry::{V3, nearest};
+use crate::contact::geometry::nearest;
 use crate::contact::search::linked_cells;
+use crate::math::row::V3;
 use crumple_proto::boxes::Aabb;
 
 /// Largest distance of a node beyond the edge of a face, along the face, over the shorter

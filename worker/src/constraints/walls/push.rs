@@ -11,7 +11,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
-use crumple_proto::transport::{RankLost, Tag, Transport};
+use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport};
 
 /// A node that may touch a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -32,18 +32,11 @@ pub struct RecoilCandidate {
 pub fn collect(
     comm: &mut dyn Transport,
     near: &mut Vec<RecoilCandidate>,
-    words: &mut Vec<u64>,
+    mail: &mut Mailbox,
 ) -> Result<(), RankLost> {
-    let mine = comm.rank();
-    let others = move |size: usize| (1..size).filter(move |&w| w != mine);
-    for w in others(comm.size()) {
-        comm.send(w, Tag::Walls, bytemuck::cast_slice(near))?;
-    }
-    for w in others(comm.size()) {
-        comm.recv(w, Tag::Walls, words)?;
-        near.extend_from_slice(bytemuck::cast_slice(words));
-    }
-    Ok(())
+    mail.start();
+    mail.extend(near);
+    mail.exchange_with_all(comm, Tag::Walls, |mail| near.extend_from_slice(mail.rest()))
 }
 
 /// Returns the velocity along the normal, after the impact of nodes, of a wall of mass `mass`

@@ -4,8 +4,7 @@
 //! it stops only nodes that come from outside. A node comes from outside if it is no deeper
 //! than its motion relative to the wall in one step. Therefore no node is pushed out faster
 //! than its own speed.
-
-use crate::contact::geometry::V3;
+use crate::math::row::V3;
 use crumple_proto::wall::{Wall as WallJob, WallForm};
 
 /// Depth due to round-off, over the size of the wall.

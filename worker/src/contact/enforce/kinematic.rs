@@ -34,8 +34,8 @@
 //! translation and its rotation together, `1 / (1/m_s + a^2/I_s)` with the lever arm a.
 
 use super::{ContactLaw, GAP, Iteration, LawRow, no_longer, overlap, split, stuck, within_cone};
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::math::row::V3;
 use crate::time::StepSizes;
 
 pub(super) const LAW: LawRow = LawRow {

@@ -9,8 +9,8 @@
 //! masses in c.
 
 use super::{ContactLaw, GAP, Iteration, LawRow, overlap, split, stuck, within_cone};
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::math::row::V3;
 use crate::time::StepSizes;
 
 pub(super) const LAW: LawRow = LawRow {

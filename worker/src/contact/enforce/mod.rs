@@ -7,15 +7,13 @@ mod penalty;
 #[cfg(test)]
 mod tests;
 
-pub use lagrange::ITERATIONS;
-pub use penalty::FORMS as PENALTY_FORMS;
-
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
 use crate::time::StepSizes;
 use crumple_proto::job::Contact;
+pub use lagrange::ITERATIONS;
+pub use penalty::FORMS as PENALTY_FORMS;
 
 /// Data of the parts for the contact laws.
 #[derive(Clone, Debug, Default)]

@@ -30,10 +30,9 @@
 
 use super::penalty::Penalty;
 use super::{ContactLaw, Iteration, LawRow};
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
 use crate::time::StepSizes;
 
 pub(super) const LAW: LawRow = LawRow {

@@ -31,10 +31,9 @@
 //! penalty-map).
 
 use super::{ContactLaw, Elasticity, Iteration, LawRow, split, within_cone};
-use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
 use crate::time::StepSizes;
 use crumple_proto::job::Contact;
 

@@ -9,24 +9,19 @@ mod rubbing;
 mod sweeps;
 
 use super::{CONTACT_LAWS, Elasticity};
-use crate::constraints::rigid::Bodies;
-use crate::constraints::ties::{ContactExclusions, Ties};
-use crate::constraints::walls::Walls;
 use crate::contact::Contact;
 use crate::contact::enforce::Iteration;
-use crate::contact::geometry::V3;
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::energy::ContactWork;
-use crate::math::row::{row, xyz};
+use crate::math::row::{V3, row, xyz};
 use crate::nodes::Nodes;
-use crate::parallel::ghosts::Ghosts;
+use crate::testing::Free;
 use crate::time::StepSizes;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::partition::NodeRecord;
-use crumple_proto::transport::threads::{Threads, connect};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use std::sync::Arc;
 
@@ -72,8 +67,6 @@ fn job(law: &str) -> ContactJob {
 struct Scene {
     nodes: Nodes,
     contact: Contact,
-    comm: Threads,
-    _master: Vec<Threads>,
     steps: StepSizes,
     /// Force on each node, without springs [force].
     load: Vec<V3>,
@@ -121,16 +114,14 @@ impl Scene {
             },
         );
         contact.renew(surface, &nodes, |_| Vec::new());
-        let mut ends = connect(2);
-        let comm = ends.remove(1);
         let load = vec![V3::zeros(); points.len()];
         let steps = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
-        Self { nodes, contact, comm, _master: ends, steps, load, springs: Vec::new(), work: 0.0 }
+        Self { nodes, contact, steps, load, springs: Vec::new(), work: 0.0 }
     }
 
     /// Runs one step as in `step.rs`, without elements and walls.
     fn step(&mut self) -> ContactWork {
-        let Self { nodes, contact, comm, steps, load, springs, .. } = self;
+        let Self { nodes, contact, steps, load, springs, .. } = self;
         nodes.force.iter_mut().zip(load.iter()).for_each(|(f, l)| *f = row([l.x, l.y, l.z]));
         for &(i, j, k, rest) in springs.iter() {
             let tension = k * (nodes.x[j][2] - nodes.x[i][2] - rest);
@@ -138,12 +129,11 @@ impl Scene {
             nodes.force[j][2] -= tension;
         }
         nodes.accelerate(steps.dt_velocity);
-        let joined = ContactExclusions { bodies: &Bodies::default(), ties: &Ties::default() };
-        contact.refresh_candidates(nodes, joined, (0.0, steps.dt), steps.dt);
-        contact.find_pairs(nodes, joined, 0.0, *steps);
-        contact.share_pairs(comm, nodes, &Ghosts::default()).unwrap();
+        contact.refresh_candidates(nodes, &Free, (0.0, steps.dt), steps.dt);
+        contact.find_pairs(nodes, &Free, 0.0, *steps);
+        contact.table.index_by_node();
         let before = contact.sweeps;
-        contact.enforce(comm, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
+        contact.enforce(nodes, &mut Free, *steps).unwrap();
         let in_order = |p: &Pair| contact.laws.of_pair(p).iteration() == Iteration::GaussSeidel;
         if contact.laws.iterations().contains(&Iteration::GaussSeidel)
             && contact.sweeps - before < contact.laws.sweeps() as u64

@@ -1,9 +1,7 @@
-//! A contact pair, its key, the history that its slave keeps, and its form in messages.
-
-use crate::contact::geometry::V3;
+//! A contact pair, its key, and the history that its slave keeps.
 use crate::contact::surface::NOT_LOCAL;
 use crate::energy::Work;
-use crate::math::row::{Row, row, xyz};
+use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -183,7 +181,8 @@ pub struct Pair {
 }
 
 /// History of a pair of the last step or of a lost pair, kept by its slave.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct PairHistory {
     /// See [`Pair::key`].
     pub name: PairKey,
@@ -206,7 +205,7 @@ pub struct PairHistory {
     /// See [`Pair::pressure`].
     pub pressure: f64,
     /// Number of steps since the pair was lost, 0 for a pair of the last step.
-    pub age: u32,
+    pub age: u64,
 }
 
 /// Weight of one step in the mean pressure. A mean is needed because forces change from step to
@@ -214,15 +213,12 @@ pub struct PairHistory {
 const PRESSURE_SHARE: f64 = 0.1;
 /// Number of steps for which the history of a lost pair is kept, if its penetration was larger
 /// than the fraction [`KEPT_PENETRATION`] of its contact thickness.
-const KEPT_STEPS: u32 = 50;
+const KEPT_STEPS: u64 = 50;
 const KEPT_PENETRATION: f64 = 0.01;
 /// Distance that a lost pair may have moved before it counts as new, as a fraction of its scale.
 const KEPT_DISTANCE: f64 = 0.5;
 
 impl PairHistory {
-    /// Number of words of a pair history in a message.
-    pub const WORDS: usize = 20;
-
     /// Returns the history after one more step in which the pair does not exist. It keeps the
     /// side, the penetration and the tolerated gap, so that a pair that is found again continues
     /// from them. Returns `None` if the pair is lost for too long, or if its penetration was
@@ -236,7 +232,7 @@ impl PairHistory {
     /// lost. `moved` is its relative motion per step [length], `scale` the length to compare
     /// with [length].
     pub fn is_fresh(&self, moved: f64, scale: f64) -> bool {
-        f64::from(self.age) * moved <= KEPT_DISTANCE * scale
+        self.age as f64 * moved <= KEPT_DISTANCE * scale
     }
 
     /// Returns the stored force for a new normal: the same normal part, and the tangential part
@@ -252,26 +248,6 @@ impl PairHistory {
         self.slip - normal * normal.dot(&self.slip)
     }
 
-    /// Returns the history as words of a message.
-    pub fn to_words(&self) -> [u64; Self::WORDS] {
-        let mut w = [0; Self::WORDS];
-        w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
-        let numbers = [
-            self.side,
-            self.tolerated,
-            self.kept,
-            self.depth,
-            self.thickness,
-            f64::from(self.age),
-            self.pressure,
-        ]
-        .into_iter();
-        let vectors = [self.normal, self.force, self.slip];
-        let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
-        w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
-        w
-    }
-
     /// Returns the target segment of a slave node.
     pub fn segment(&self) -> SegmentId {
         SegmentId(self.name.target[0])
@@ -280,26 +256,6 @@ impl PairHistory {
     /// Returns true if the history belongs to the slave's pair with this segment.
     pub fn is_of(&self, segment: SegmentId) -> bool {
         self.name.target == [segment.0, 0]
-    }
-
-    /// Reads a history that [`PairHistory::to_words`] has written.
-    pub fn from_words(w: &[u64]) -> Self {
-        let (name, rest) = w.split_at(NAME_WORDS);
-        let at = |i: usize| f64::from_bits(rest[i]);
-        let vector = |i: usize| V3::new(at(i), at(i + 1), at(i + 2));
-        Self {
-            name: bytemuck::pod_read_unaligned(bytemuck::cast_slice(name)),
-            side: at(0),
-            tolerated: at(1),
-            kept: at(2),
-            depth: at(3),
-            thickness: at(4),
-            age: at(5) as u32,
-            pressure: at(6),
-            normal: vector(7),
-            force: vector(10),
-            slip: vector(13),
-        }
     }
 }
 
@@ -314,49 +270,6 @@ pub struct OpposingPairs {
     /// True if the predictor forces of all free slaves are a small part of their forces.
     pub settled: bool,
 }
-
-/// Part of a pair that is sent to other workers.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct WirePair {
-    name: PairKey,
-    segment: SegmentId,
-    nodes: [NodeId; FIRST],
-    weight: [f64; FIRST],
-    normal: [f64; 3],
-    tolerated: f64,
-    kept: f64,
-    depth: f64,
-    thickness: f64,
-    force: [f64; 3],
-    mass: f64,
-    /// Bit 0: [`Pair::slave_is_fixed`]. Bit 1: a [`WireLever`] follows.
-    flags: u64,
-}
-const NAME_WORDS: usize = size_of::<PairKey>() / 8;
-/// Number of roles of a pair in [`WirePair`]. The other roles of two segments follow in
-/// [`WireRest`].
-const FIRST: usize = 5;
-const REST: usize = MAX_PAIR_NODES - FIRST;
-
-/// Additional data that is sent for a pair of two segments.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct WireRest {
-    nodes: [NodeId; REST],
-    weight: [f64; REST],
-    area: f64,
-}
-/// Additional data that is sent for a pair whose friction rotates nodes.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct WireLever {
-    arm: [f64; 2],
-    sliding_mass: f64,
-}
-const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
-const REST_WORDS: usize = size_of::<WireRest>() / 8;
-const LEVER_WORDS: usize = size_of::<WireLever>() / 8;
 
 impl Pair {
     /// Returns the pair with the gap between the surfaces [length] and the history of the pair:
@@ -674,80 +587,5 @@ impl Pair {
             pressure: self.pressure,
             age: 0,
         }
-    }
-}
-
-impl Pair {
-    /// Returns the number of words of the pair in a message to another worker.
-    pub fn words(&self) -> usize {
-        let rest = if self.key.is_segment() { REST_WORDS } else { 0 };
-        WIRE_WORDS + rest + if self.has_couple() { LEVER_WORDS } else { 0 }
-    }
-
-    /// Appends the data of the pair that other workers need.
-    pub(super) fn pack(&self, nodes: &Nodes, words: &mut Vec<u64>) {
-        let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
-        let first = WirePair {
-            name: self.key,
-            segment: self.segment,
-            nodes: std::array::from_fn(|r| id(self.nodes[r])),
-            weight: std::array::from_fn(|r| self.weight[r]),
-            normal: self.normal.into(),
-            tolerated: self.tolerated_gap,
-            kept: self.initial_gap,
-            depth: self.penetration,
-            thickness: self.contact_thickness,
-            force: self.force.into(),
-            mass: self.slave_mass,
-            flags: u64::from(self.slave_is_fixed) | u64::from(self.has_couple()) << 1,
-        };
-        words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&first)));
-        if self.key.is_segment() {
-            let rest = WireRest {
-                nodes: std::array::from_fn(|r| id(self.nodes[FIRST + r])),
-                weight: std::array::from_fn(|r| self.weight[FIRST + r]),
-                area: self.area,
-            };
-            words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&rest)));
-        }
-        if self.has_couple() {
-            let lever = WireLever { arm: self.lever_arms, sliding_mass: self.slave_sliding_mass };
-            words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&lever)));
-        }
-    }
-
-    /// Reads the first pair of a message. Returns it with the rest of the message.
-    pub(super) fn unpack<'a>(words: &'a [u64], nodes: &Nodes) -> (Self, &'a [u64]) {
-        let local = |id: NodeId| nodes.index_of(id).unwrap_or(NOT_LOCAL);
-        let (first, mut after) = words.split_at(WIRE_WORDS);
-        let first: WirePair = bytemuck::pod_read_unaligned(bytemuck::cast_slice(first));
-        let mut pair = Self {
-            weight: padded(first.weight),
-            normal: first.normal.into(),
-            tolerated_gap: first.tolerated,
-            initial_gap: first.kept,
-            penetration: first.depth,
-            contact_thickness: first.thickness,
-            force: first.force.into(),
-            slave_mass: first.mass,
-            slave_sliding_mass: first.mass,
-            slave_is_fixed: first.flags & 1 != 0,
-            ..Self::new(first.name, first.segment, first.nodes.map(local))
-        };
-        if pair.key.is_segment() {
-            let rest;
-            (rest, after) = after.split_at(REST_WORDS);
-            let rest: WireRest = bytemuck::pod_read_unaligned(bytemuck::cast_slice(rest));
-            pair.nodes[FIRST..].copy_from_slice(&rest.nodes.map(local));
-            pair.weight[FIRST..].copy_from_slice(&rest.weight);
-            pair.area = rest.area;
-        }
-        if first.flags & 2 != 0 {
-            let lever;
-            (lever, after) = after.split_at(LEVER_WORDS);
-            let lever: WireLever = bytemuck::pod_read_unaligned(bytemuck::cast_slice(lever));
-            (pair.lever_arms, pair.slave_sliding_mass) = (lever.arm, lever.sliding_mass);
-        }
-        (pair, after)
     }
 }

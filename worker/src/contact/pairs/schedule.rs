@@ -10,8 +10,9 @@
 //! of a single worker; phases only determine when a pair is computed.
 
 use super::{MAX_PAIR_NODES, NodalLoad, Pair, PairTable};
-use crate::contact::geometry::V3;
-use crumple_proto::transport::{RankLost, Tag, Transport};
+use crate::contact::surroundings::Peers;
+use crate::math::row::V3;
+use crumple_proto::transport::RankLost;
 
 /// Value for a role of a pair that has no local node.
 const NOWHERE: u32 = u32::MAX;
@@ -33,6 +34,8 @@ pub struct SweepSchedule {
     /// value of `turn` when each pair was last updated, 0 for never.
     felt: Vec<u64>,
     looked: Vec<u64>,
+    /// Forces of other workers' pairs of a phase.
+    received: Vec<(u32, V3)>,
 }
 
 impl SweepSchedule {
@@ -51,7 +54,7 @@ impl PairTable {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn build_schedule(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+    pub fn build_schedule(&mut self, peers: &mut impl Peers) -> Result<(), RankLost> {
         let mut order = std::mem::take(&mut self.schedule);
         order.slots.clear();
         order.slots.resize(self.pairs.len(), [NOWHERE; MAX_PAIR_NODES]);
@@ -66,16 +69,12 @@ impl PairTable {
         // one.
         loop {
             let changed = self.raise_levels(&mut order);
-            if !self.has_shared_pairs() {
-                break;
-            }
-            self.convergence.record_change(changed);
-            self.exchange_levels(comm, &mut order)?;
-            if self.convergence.has_converged() {
+            let is_final =
+                !peers.has_shared_pairs() || peers.exchange_phases(&mut order.phase, changed)?;
+            if is_final {
                 break;
             }
         }
-        self.convergence.restart();
         order.own.clear();
         order.own.extend((0..self.pairs.len() as u32).filter(|&i| self.pairs[i as usize].is_owned));
         order.own.sort_by_key(|&i| order.phase[i as usize]);
@@ -109,26 +108,6 @@ impl PairTable {
         changed
     }
 
-    fn exchange_levels(
-        &mut self,
-        comm: &mut dyn Transport,
-        order: &mut SweepSchedule,
-    ) -> Result<(), RankLost> {
-        for c in &self.shared {
-            self.words.clear();
-            self.convergence.write(&mut self.words);
-            self.words.extend(c.sent.iter().map(|&i| u64::from(order.phase[i as usize])));
-            comm.send(c.worker + 1, Tag::Sweep, &self.words)?;
-        }
-        for c in &self.shared {
-            comm.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
-            let phases = self.convergence.read(&self.words);
-            c.received.iter().zip(phases).for_each(|(&i, &p)| order.phase[i as usize] = p as u32);
-        }
-        self.convergence.end_round();
-        Ok(())
-    }
-
     /// Marks all pairs for an update in the next sweep, because velocities have changed other
     /// than by the forces of the pairs.
     pub fn mark_all_changed(&mut self) {
@@ -138,14 +117,15 @@ impl PairTable {
     /// Sweeps in order over the pairs that may have to change. `update` returns the new force of
     /// a pair, if there is one, and its residual relative to the tolerance. `feel` applies
     /// forces to a node: it takes an index in `touched`, the node there, and its total force and
-    /// moment. Returns the largest residual of the own pairs, relative to the tolerance.
+    /// moment. `peers` returns the other workers. Returns the largest residual of the own pairs,
+    /// relative to the tolerance.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn sweep_in_order<S>(
+    pub fn sweep_in_order<S, P: Peers>(
         &mut self,
-        comm: &mut dyn Transport,
         state: &mut S,
+        peers: impl for<'s> Fn(&'s mut S) -> &'s mut P,
         update: impl Fn(&Pair, &S) -> Option<(V3, f64)>,
         feel: impl Fn(&mut S, u32, u32, NodalLoad<'_>),
     ) -> Result<f64, RankLost> {
@@ -167,35 +147,18 @@ impl PairTable {
                     }
                 }
             }
-            for c in &self.shared {
-                let due = c.sent.iter().filter(|&&i| order.phase[i as usize] == phase);
-                let forces = due
-                    .flat_map(|&i| <[f64; 3]>::from(self.pairs[i as usize].force))
-                    .map(f64::to_bits);
-                self.words.clear();
-                self.words.extend(forces);
-                if !self.words.is_empty() {
-                    comm.send(c.worker + 1, Tag::Sweep, &self.words)?;
+            if !peers(state).has_shared_pairs() {
+                continue;
+            }
+            let mut received = std::mem::take(&mut order.received);
+            received.clear();
+            peers(state).exchange_phase_forces(&self.pairs, &order.phase, phase, &mut received)?;
+            for &(i, force) in &received {
+                if force != self.pairs[i as usize].force {
+                    self.apply_force(i, force, &mut order, state, &feel);
                 }
             }
-            for c in 0..self.shared.len() {
-                let due = |i: &&u32| order.phase[**i as usize] == phase;
-                let expected: Vec<u32> =
-                    self.shared[c].received.iter().filter(due).copied().collect();
-                if expected.is_empty() {
-                    continue;
-                }
-                let mut words = std::mem::take(&mut self.words);
-                comm.recv(self.shared[c].worker + 1, Tag::Sweep, &mut words)?;
-                for (i, f) in expected.into_iter().zip(words.chunks_exact(3)) {
-                    let force =
-                        V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
-                    if force != self.pairs[i as usize].force {
-                        self.apply_force(i, force, &mut order, state, &feel);
-                    }
-                }
-                self.words = words;
-            }
+            order.received = received;
         }
         self.schedule = order;
         Ok(undone)

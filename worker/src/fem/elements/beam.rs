@@ -43,11 +43,11 @@ use super::{
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crumple_proto::job::{BeamSection, Part, Weld};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion};
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -57,7 +57,6 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-type V3 = Vector3<f64>;
 type Turn = UnitQuaternion<f64>;
 
 /// Columns of an element: 1 if it has started, else 0; length then [length]; triads as quaternions

@@ -17,11 +17,10 @@ use super::{
 };
 use crate::fem::columns::State;
 use crate::math::lanes::LANES;
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
-use nalgebra::Vector3;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -30,8 +29,6 @@ pub const ROW: ElementEntry = ElementEntry {
     meaning: "Spring and damper between two nodes, along their line or a fixed direction.",
     build: Constructor::Discrete(build),
 };
-
-type V3 = Vector3<f64>;
 
 /// Columns: 1 if it has started, else 0; length at the start [length]; force on the second corner
 /// [force].

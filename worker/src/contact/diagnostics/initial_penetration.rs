@@ -1,12 +1,12 @@
 //! Checks of the contact surface of the initial mesh, for warnings before the start: initial
 //! penetrations, and shells and beams whose thickness in contact is reduced.
 
-use crate::contact::geometry::{V3, nearest};
+use crate::contact::geometry::nearest;
 use crate::contact::local_search::{BEHIND, BESIDE, is_opposed};
 use crate::contact::search::linked_cells;
 use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::fem::blocks::LocalElement;
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId};

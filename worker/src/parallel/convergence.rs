@@ -6,6 +6,7 @@
 //! workers find this distance in the same rounds: each worker sends to its neighbours the list
 //! of its own neighbours, and all lists that it has newly received.
 
+use crumple_proto::transport::Mailbox;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Number of rounds since the last change, and the graph of workers that share pairs.
@@ -48,28 +49,27 @@ impl ConvergenceDetector {
     }
 
     /// Writes the header of a message to a neighbour.
-    pub fn write(&self, words: &mut Vec<u64>) {
-        words.extend([self.rounds, self.fresh.len() as u64]);
+    pub fn write(&self, mail: &mut Mailbox) {
+        mail.extend(&[self.rounds, self.fresh.len() as u64]);
         for w in &self.fresh {
             let theirs = &self.neighbours[w];
-            words.extend([*w, theirs.len() as u64]);
-            words.extend(theirs);
+            mail.extend(&[*w, theirs.len() as u64]);
+            mail.extend(theirs);
         }
     }
 
-    /// Reads the header of a neighbour's message and returns the rest of the message.
-    pub fn read<'a>(&mut self, words: &'a [u64]) -> &'a [u64] {
-        self.rounds = self.rounds.min(words[0]);
-        let mut rest = &words[2..];
-        for _ in 0..words[1] {
-            let (worker, theirs) = (rest[0], &rest[2..2 + rest[1] as usize]);
+    /// Reads the header of a neighbour's message.
+    pub fn read(&mut self, mail: &mut Mailbox) {
+        let [rounds, count] = mail.take::<[u64; 2]>();
+        self.rounds = self.rounds.min(rounds);
+        for _ in 0..count {
+            let [worker, neighbours] = mail.take::<[u64; 2]>();
+            let theirs = mail.take_many::<u64>(neighbours as usize);
             self.neighbours.entry(worker).or_insert_with(|| {
                 self.heard.push(worker);
                 theirs.to_vec()
             });
-            rest = &rest[2 + theirs.len()..];
         }
-        rest
     }
 
     /// Ends a round after the messages of all neighbours have been read.
@@ -138,19 +138,19 @@ mod tests {
         let mut wave = vec![first];
         for round in 0..4 * workers + reach {
             quiet.iter_mut().enumerate().for_each(|(w, q)| q.record_change(wave.contains(&w)));
-            let sent: Vec<Vec<u64>> = quiet
-                .iter()
-                .map(|q| {
-                    let mut words = Vec::new();
-                    q.write(&mut words);
-                    words.push(77);
-                    words
-                })
-                .collect();
+            let message = |q: &ConvergenceDetector| {
+                let mut mail = Mailbox::default();
+                q.write(&mut mail);
+                mail.push(77u64);
+                mail
+            };
+            let sent: Vec<Mailbox> = quiet.iter().map(message).collect();
             for w in 0..workers {
-                of(w).into_iter().for_each(|o| {
-                    assert_eq!(quiet[w].read(&sent[o]), [77], "the rest of the message remains")
-                });
+                for o in of(w) {
+                    let mut mail = sent[o].clone();
+                    quiet[w].read(&mut mail);
+                    assert_eq!(mail.rest::<u64>(), [77], "the rest of the message remains");
+                }
                 quiet[w].end_round();
                 if quiet[w].has_converged() {
                     over[w] = over[w].min(round);

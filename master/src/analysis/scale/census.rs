@@ -7,22 +7,23 @@
 //! element at it. A worker gets ghosts of all segments that touch the box around its slaves,
 //! extended by the distance that ghosts must cover.
 
-use crate::constraints::rigid::{ACTING_WORDS, MET_WORDS};
-use crate::contact::Contact;
-use crate::contact::beams::with_edges;
-use crate::contact::pairs::Pair;
-use crate::contact::pairs::convergence::distances;
-use crate::contact::surface::{Segment, Surface};
-use crate::engine::Engine;
-use crate::fem::blocks::LocalElement;
-use crate::math::row::xyz;
-use crate::parallel::ghosts;
-use crate::parallel::migrate::centre;
-use crate::parallel::partition::{are_near, covered, seeking};
-use crate::parallel::reduction;
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::transport::MaxReduction;
+use crumple_worker::constraints::rigid::{ACTING_WORDS, MET_WORDS};
+use crumple_worker::contact::Contact;
+use crumple_worker::contact::beams::with_edges;
+use crumple_worker::contact::pairs::Pair;
+use crumple_worker::contact::surface::{Segment, Surface};
+use crumple_worker::engine::Engine;
+use crumple_worker::fem::blocks::LocalElement;
+use crumple_worker::math::row::xyz;
+use crumple_worker::parallel::convergence::distances;
+use crumple_worker::parallel::ghosts;
+use crumple_worker::parallel::migrate::centre;
+use crumple_worker::parallel::pair_exchange;
+use crumple_worker::parallel::partition::{are_near, covered, seeking};
+use crumple_worker::parallel::reduction;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Work and messages of one worker in a step.
@@ -144,7 +145,8 @@ impl Census {
             others.retain(|&w| w != owner);
             self.counts[owner as usize].pairs += 1;
             self.counts[owner as usize].told += others.len() as u64;
-            self.counts[owner as usize].told_words += (others.len() * pair.words()) as u64;
+            self.counts[owner as usize].told_words +=
+                (others.len() * pair_exchange::message_words(pair)) as u64;
             partners.extend(others.iter().flat_map(|&w| [(owner, w), (w, owner)]));
         }
         partners.sort_unstable();
@@ -243,7 +245,7 @@ impl Census {
             holders.iter().for_each(|&w| self.counts[w as usize].held += 1);
             self.counts[owner as usize].owned += 1;
         }
-        for n in engine.bodies.acted_on(&engine.nodes) {
+        for n in engine.constraints.bodies.acted_on(&engine.nodes) {
             let owner = self.owner(n);
             self.counts[owner].members += 1;
         }
@@ -388,7 +390,7 @@ impl Census {
 impl Count {
     /// Returns the numbers of messages and bytes that the worker sends in a step of a run on
     /// `workers` workers. The exchange of contact forces between partners is not included
-    /// because it depends on the number of sweeps ([`crate::contact::Contact::exchange`]).
+    /// because it depends on the number of sweeps ([`pair_exchange::TrafficEstimate`]).
     pub fn traffic(&self, engine: &Engine, workers: usize) -> [f64; 2] {
         let others = workers as f64 - 1.0;
         if workers < 2 {
@@ -411,10 +413,10 @@ impl Count {
             messages += hops;
             words += hops;
         }
-        if !engine.bodies.is_empty() {
+        if !engine.constraints.bodies.is_empty() {
             words += others * (1 + self.members * ACTING_WORDS as u64) as f64;
             if engine.contact.is_some() {
-                words += others * (engine.bodies.bodies.len() * MET_WORDS) as f64;
+                words += others * (engine.constraints.bodies.bodies.len() * MET_WORDS) as f64;
             }
         }
         [messages, 8.0 * words]
@@ -429,7 +431,8 @@ fn worker_of(workers: &[(ElemId, u32)], elem: ElemId) -> Option<u32> {
 /// Returns the number of messages of a step that every worker sends to all others: forces on
 /// rigid bodies, contact of rigid bodies, and nodes that may touch walls with a mass.
 pub fn messages_to_all(engine: &Engine, workers: usize) -> f64 {
-    let (contact, bodies) = (engine.contact.is_some(), !engine.bodies.is_empty());
-    let rounds = usize::from(bodies) + usize::from(contact && bodies) + engine.walls.pushed();
+    let (contact, bodies) = (engine.contact.is_some(), !engine.constraints.bodies.is_empty());
+    let rounds =
+        usize::from(bodies) + usize::from(contact && bodies) + engine.constraints.walls.pushed();
     rounds as f64 * (workers as f64 - 1.0).max(0.0)
 }

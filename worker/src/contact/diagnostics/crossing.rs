@@ -4,10 +4,10 @@
 //! the surface are checked for this from time to time, and crossings are reported.
 
 use crate::contact::folds::{Edge, EdgeTable};
-use crate::contact::geometry::{V3, project_edges};
+use crate::contact::geometry::project_edges;
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
-use crate::math::row::Row;
+use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
