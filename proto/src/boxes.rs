@@ -26,6 +26,7 @@ impl Aabb {
     }
 
     /// Extends the box to contain `p`.
+    #[inline]
     pub fn include(&mut self, p: [f64; 3]) {
         for (c, &pc) in p.iter().enumerate() {
             self.min[c] = self.min[c].min(pc);
@@ -35,16 +36,19 @@ impl Aabb {
 
     /// Returns the box with every face moved outwards by `d` [length], or inwards if `d` is
     /// negative.
+    #[inline]
     pub fn grown(&self, d: f64) -> Self {
         Self { min: self.min.map(|a| a - d), max: self.max.map(|a| a + d) }
     }
 
     /// Returns true if the closed boxes have a point in common.
+    #[inline]
     pub fn intersects(&self, o: &Self) -> bool {
         (0..3).all(|c| self.min[c] <= o.max[c] && o.min[c] <= self.max[c])
     }
 
     /// Returns true if `p` lies in the closed box.
+    #[inline]
     pub fn contains(&self, p: [f64; 3]) -> bool {
         (0..3).all(|c| self.min[c] <= p[c] && p[c] <= self.max[c])
     }

@@ -15,9 +15,6 @@ pub struct CandidatePair {
     /// Bit mask of the segment's nodes that also belong to a segment around the slave. It is set
     /// for shell segments that are separated from the slave by one segment.
     pub shared_node_mask: u8,
-    /// True if the slave had no pair history when the near list was made. Then segments that
-    /// only a slave with history can touch are left out.
-    pub has_no_history: bool,
 }
 
 /// Batch of [`LANES`] slaves and segments.

@@ -75,6 +75,17 @@ struct EdgePairHistory {
     own: bool,
 }
 
+/// Two edges that are near, by their indices: the slave edge and the other edge.
+#[derive(Clone, Copy, Debug)]
+struct EdgeCandidate {
+    edges: [u32; 2],
+    /// Distance beyond which they do not touch in a step [length].
+    reach: f64,
+    /// Path of the nodes ([`Travel::path`](super::travel::Travel::path)) up to which they are
+    /// certainly out of reach [length].
+    due: f64,
+}
+
 /// Edges known to a worker, and the pair histories of its own edges.
 #[derive(Debug, Default)]
 pub struct Edges {
@@ -94,7 +105,7 @@ pub struct Edges {
     /// ascending order of their keys.
     found: Vec<[u32; 2]>,
     /// Those of `found` that are near.
-    candidates: Vec<[u32; 2]>,
+    candidates: Vec<EdgeCandidate>,
     /// Histories in ascending order of their keys.
     memories: Vec<EdgePairHistory>,
     /// Nodes of the histories, ascending, with the indices of the histories.
@@ -220,22 +231,22 @@ impl Edges {
         let [of_own, of_all] = [&own, &all]
             .map(|some| some.iter().map(|&i| EdgeBar::new(edge(i), nodes)).collect::<Vec<_>>());
         let longest = of_own.iter().map(|b| b.half).fold(0.0, f64::max);
-        let largest = own.iter().map(|&i| edge(i).scale).fold(0.0, f64::max);
+        let largest = of_own.iter().map(|b| b.scale).fold(0.0, f64::max);
         let middles: Vec<[f64; 3]> = of_own.iter().map(|b| b.middle.into()).collect();
         let reach = |a: f64, b: f64| REACH * surface.interfaces.most(a + b) + skin;
         let grown =
             |i: &u32| edge(*i).bounds(&nodes.x).grown(reach(edge(*i).scale, largest) + longest);
         let boxes: Vec<Aabb> = all.iter().map(grown).collect();
         find(&boxes, &middles, &mut |b, p| {
-            let (i, other) = (own[p as usize], all[b as usize]);
-            let (slave, met) = (edge(i), edge(other));
-            let reach = reach(slave.scale, met.scale);
-            if of_own[p as usize].is_farther(&of_all[b as usize], reach) {
+            let (one, two) = (&of_own[p as usize], &of_all[b as usize]);
+            let reach = reach(one.scale, two.scale);
+            if one.ids >= two.ids || one.is_farther(two, reach) {
                 return;
             }
+            let (i, other) = (own[p as usize], all[b as usize]);
+            let (slave, met) = (edge(i), edge(other));
             let [j, k] = met.nodes;
-            let may_meet = slave.ids(nodes) < met.ids(nodes)
-                && (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
+            let may_meet = (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
                 && are_within(slave, met, nodes, reach)
                 && !lines.has_beside(slave, surface, &met.nodes)
                 && !lines.has_beside(met, surface, &slave.nodes)
@@ -251,21 +262,22 @@ impl Edges {
 
     /// Selects from the pairs found those that could touch in a step. In such a step nodes move
     /// by at most `step` against each other [length]. The selection is valid until they have
-    /// moved by more than `skin` [length].
-    pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
-        let is_near = |pair: &&[u32; 2]| {
+    /// moved by more than `skin` [length]. `path` is the path of the nodes so far [length].
+    pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, (skin, step): (f64, f64), path: f64) {
+        let near = |pair: &[u32; 2]| {
             let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
             let most = |sum| surface.interfaces.most(sum);
             let scale = most(a.scale + b.scale);
             let near = most(a.half + b.half) + ACTIVE * scale;
             let deepest =
                 if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
-            let reach = near.max(deepest) + step + skin;
-            a.bounds(&nodes.x).grown(reach).intersects(&b.bounds(&nodes.x))
-                && are_within(a, b, nodes, reach)
+            let reach = near.max(deepest) + step;
+            let is_near = a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
+                && are_within(a, b, nodes, reach + skin);
+            is_near.then_some(EdgeCandidate { edges: *pair, reach, due: path })
         };
         self.candidates.clear();
-        self.candidates.extend(self.found.iter().filter(is_near));
+        self.candidates.extend(self.found.iter().filter_map(near));
     }
 
     /// Returns the largest approach rate, as [`approach::rate`], of all pairs found [1/time].
@@ -287,30 +299,35 @@ impl Edges {
     /// Returns for each candidate a node of the slave edge and a segment that has the other
     /// edge.
     pub fn near(&self) -> impl Iterator<Item = (u32, u32)> {
-        let edges = self.candidates.iter().map(|c| c.map(|i| &self.lines.all[i as usize]));
+        let edges = self.candidates.iter().map(|c| c.edges.map(|i| &self.lines.all[i as usize]));
         edges.map(|[a, b]| (a.nodes[0], self.lines.segments(b)[0]))
     }
 
     /// Appends the active pairs of own edges in this step to `out`, in ascending order of their
     /// keys. `stiffness` is per segment, or empty; a pair has the stiffness of its softer side.
+    /// `dt` is the step size [time], `path` the path of the nodes so far [length].
     pub fn find_pairs(
-        &self,
+        &mut self,
         nodes: &Nodes,
         (surface, alive): (&Surface, &[bool]),
         stiffness: &[f64],
-        dt: f64,
+        (dt, path): (f64, f64),
         out: &mut Vec<Pair>,
     ) {
-        for places in &self.candidates {
-            let edges = places.map(|i| &self.lines.all[i as usize]);
-            let Some(met) = project_edges(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x))
-            else {
+        let mut candidates = std::mem::take(&mut self.candidates);
+        for candidate in candidates.iter_mut().filter(|c| c.due <= path) {
+            let edges = candidate.edges.map(|i| &self.lines.all[i as usize]);
+            let ends = edges.map(|e| e.ends(&nodes.x));
+            let beyond = separation(&ends[0], &ends[1]).sqrt() - candidate.reach;
+            if beyond > 0.0 {
+                candidate.due = path + beyond;
                 continue;
-            };
+            }
+            let Some(met) = project_edges(&ends[0], &ends[1]) else { continue };
             let interface = self.lines.interface(edges, surface).filter(|&i| alive[i as usize]);
             let Some(interface) = interface else { continue };
             if let Some(mut pair) =
-                self.evaluate_pair(nodes, (surface, interface), *places, &met, dt)
+                self.evaluate_pair(nodes, (surface, interface), candidate.edges, &met, dt)
             {
                 let of = |e: &Edge| {
                     stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0)
@@ -319,6 +336,7 @@ impl Edges {
                 out.push(pair);
             }
         }
+        self.candidates = candidates;
     }
 
     fn evaluate_pair(
@@ -500,12 +518,17 @@ impl Edges {
 struct EdgeBar {
     middle: V3,
     half: f64,
+    /// See [`Edge::scale`].
+    scale: f64,
+    /// Ids of its nodes.
+    ids: [NodeId; 2],
 }
 
 impl EdgeBar {
     fn new(edge: &Edge, nodes: &Nodes) -> Self {
         let [p, q] = edge.ends(&nodes.x);
-        Self { middle: (p + q) * 0.5, half: 0.5 * (q - p).norm() }
+        let (middle, half) = ((p + q) * 0.5, 0.5 * (q - p).norm());
+        Self { middle, half, scale: edge.scale, ids: edge.ids(nodes) }
     }
 
     /// Returns true if another edge is certainly farther away than `reach` [length].

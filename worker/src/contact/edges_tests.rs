@@ -34,12 +34,12 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
 
 fn search(edges: &mut Edges, surface: &Surface, nodes: &Nodes) {
     edges.search(surface, nodes, &Free, linked_cells, 0.1);
-    edges.pick(nodes, surface, 0.05, 0.0);
+    edges.pick(nodes, surface, (0.05, 0.0), 0.0);
 }
 
-fn pairs(edges: &Edges, surface: &Surface, nodes: &Nodes) -> Vec<PairKey> {
+fn pairs(edges: &mut Edges, surface: &Surface, nodes: &Nodes) -> Vec<PairKey> {
     let mut pairs = Vec::new();
-    edges.find_pairs(nodes, (surface, &[true]), &[], 1e-3, &mut pairs);
+    edges.find_pairs(nodes, (surface, &[true]), &[], (1e-3, 0.0), &mut pairs);
     pairs.iter().map(|p| p.key).collect()
 }
 
@@ -59,7 +59,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
         let mut edges = Edges::new(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
         assert!(
-            !edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(),
+            !edges.is_stale() && pairs(&mut edges, &surface, &nodes).is_empty(),
             "the fold is too flat"
         );
         let (folded, _) = ridge_and_rim(flanks(10.0), 2.0 * HALF);
@@ -67,14 +67,14 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
         nodes.seen.clone_from(&folded.x);
         edges.update_folds(&surface, &nodes);
         assert_eq!(edges.is_stale(), !beforehand, "from {fold} degrees to 10");
-        let met = pairs(&edges, &surface, &nodes);
+        let met = pairs(&mut edges, &surface, &nodes);
         assert_eq!(
             met,
             if beforehand { vec![ridge_on_rim()] } else { vec![] },
             "from {fold} degrees to 10"
         );
         search(&mut edges, &surface, &nodes);
-        assert_eq!(pairs(&edges, &surface, &nodes), [ridge_on_rim()], "after another search");
+        assert_eq!(pairs(&mut edges, &surface, &nodes), [ridge_on_rim()], "after another search");
         assert!(!edges.is_stale());
     }
 }
@@ -88,7 +88,7 @@ fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
         let (nodes, surface) = ridge_and_rim([15.0, 240.0], height * 2.0 * HALF);
         let mut edges = Edges::new(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
-        pairs(&edges, &surface, &nodes).contains(&ridge_on_rim())
+        pairs(&mut edges, &surface, &nodes).contains(&ridge_on_rim())
     };
     assert!(!met_at(1.03), "not yet");
     assert!(met_at(1.01) && met_at(0.99));

@@ -344,7 +344,7 @@ mod tests {
             let beside = |at: V3, q: &[V3; 4], skin| {
                 kernels::projects_outside(at.into(), &q.map(Into::into), skin)
             };
-            let is_apart = kernels::are_separated(at.into(), &q.map(Into::into), reach + skin);
+            let is_apart = kernels::distance_bound(at.into(), &q.map(Into::into)) > reach + skin;
             if Sphere::around(&q).is_farther(&at, reach + skin) || is_apart {
                 prop_assert!((then - near.point).norm() > reach);
             }

@@ -332,13 +332,12 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
     best
 }
 
-/// Returns true for points that are certainly farther than `reach` from their segments. The test
-/// uses the direction from an approximation of the nearest point.
+/// Computes a lower bound of the distance of points from segments [length], along the direction
+/// from an approximation of the nearest point. It is NaN for a point without such a direction.
 #[inline(always)]
-pub fn are_separated<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask {
-    // The nearest point of the parallelogram through the middles of the edges. Any direction is
-    // valid for the test. With a zero or NaN direction the test is false, and the point is not
-    // separated.
+pub fn distance_bound<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> R {
+    // The nearest point of the parallelogram through the middles of the edges. Any direction
+    // gives a valid bound.
     let quarter = R::splat(0.25);
     let from = at - (q[0] + q[1] + q[2] + q[3]) * quarter;
     let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * quarter, (q[2] + q[3] - q[0] - q[1]) * quarter);
@@ -348,9 +347,8 @@ pub fn are_separated<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R:
     let away = from - a * within((fa * bb - fb * ab) / det) - b * within((fb * aa - fa * ab) / det);
     // The whole hull lies beyond the plane through the corner that is nearest along any
     // direction.
-    let enough = reach * away.norm();
-    let [one, two, three, four] = q.map(|p| (at - p).dot(away).gt(enough));
-    R::both(R::both(one, two), R::both(three, four))
+    let [one, two, three, four] = q.map(|p| (at - p).dot(away));
+    one.min(two).min(three.min(four)) / away.norm()
 }
 
 /// Returns true for points whose nearest point on a convex segment certainly lies on the rim,
@@ -383,47 +381,6 @@ pub fn projects_outside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -
     most.gt(R::zero())
 }
 
-/// Input of [`is_within`] for points and segments.
-pub struct PlaneBound<R> {
-    /// Largest distance by which the point is outside the box around the corners along the axes;
-    /// negative inside [length].
-    beyond: R,
-    /// Distance by which the point is outside the layer along the mean plane that contains the
-    /// segment, times `size` [length^3].
-    off: R,
-    /// Length of the normal of this plane, not normalised [length^2].
-    size: R,
-}
-
-/// Computes a cheap lower bound of the distance of points from segments.
-#[inline(always)]
-pub fn plane_bound<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> PlaneBound<R> {
-    let [a, b, c, d] = *q;
-    let mut beyond = R::splat(f64::NEG_INFINITY);
-    for i in 0..3 {
-        let (low, high) = (
-            a.0[i].min(b.0[i]).min(c.0[i].min(d.0[i])),
-            a.0[i].max(b.0[i]).max(c.0[i].max(d.0[i])),
-        );
-        beyond = beyond.max((low - at.0[i]).max(at.0[i] - high));
-    }
-    // The whole segment lies as near to the plane through its first node as its other corners.
-    let normal = (c - a).cross(d - b);
-    let off = |p: Vector<R>| (p - a).dot(normal);
-    let (mut low, mut high) = (R::zero(), R::zero());
-    for p in [b, c, d] {
-        (low, high) = (low.min(off(p)), high.max(off(p)));
-    }
-    let here = off(at);
-    PlaneBound { beyond, off: (low - here).max(here - high), size: normal.norm() }
-}
-
-/// Returns true if the point may be within `limit` of the segment [length].
-#[inline(always)]
-pub fn is_within<R: Real>(slab: &PlaneBound<R>, limit: R) -> R::Mask {
-    R::both(slab.beyond.le(limit), slab.off.le(limit * slab.size))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -447,7 +404,6 @@ mod tests {
             triangle in prop::array::uniform4(any::<bool>()),
             flat in prop::array::uniform4(0..10),
             skin in 0.0..0.3f64,
-            limit in 0.0..2.0f64,
         ) {
             // Per segment: some are triangles, some have no area.
             let mut q = corners;
@@ -463,8 +419,7 @@ mod tests {
             let three = Lane::new(triangle.map(|t| if t { 1.0 } else { 0.0 })).gt(Lane::splat(0.5));
             let all = project(side_by_side(at), &wide, three);
             let beside = projects_outside(side_by_side(at), &wide, skin);
-            let within = is_within(&plane_bound(side_by_side(at), &wide), Lane::splat(limit));
-            let apart = are_separated(side_by_side(at), &wide, Lane::splat(limit));
+            let far = distance_bound(side_by_side(at), &wide);
             for lane in 0..LANES {
                 let one = project(at[lane], &q[lane], triangle[lane]);
                 prop_assert_eq!(is_in::<Lane>(all.found, lane), one.found);
@@ -473,12 +428,8 @@ mod tests {
                     projects_outside(at[lane], &q[lane], skin)
                 );
                 prop_assert_eq!(
-                    is_in::<Lane>(apart, lane),
-                    are_separated(at[lane], &q[lane], limit)
-                );
-                prop_assert_eq!(
-                    is_in::<Lane>(within, lane),
-                    is_within(&plane_bound(at[lane], &q[lane]), limit)
+                    far.lane(lane).to_bits(),
+                    distance_bound(at[lane], &q[lane]).to_bits()
                 );
                 if one.found {
                     prop_assert_eq!(is_in::<Lane>(all.rim, lane), one.rim);

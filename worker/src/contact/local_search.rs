@@ -292,18 +292,16 @@ fn solid_frame(
 /// thickness touch itself in its plane and at every corner.
 fn has_folded_over(nodes: &Nodes, visit: &PairGeometry<'_>, offset: &V3) -> bool {
     let in_ring = |k: &usize| visit.ring >> k & 1 == 1;
-    let mean = |of: &[usize]| {
-        of.iter().map(|&k| v3(&nodes.x[visit.segment.nodes[k] as usize])).sum::<V3>()
-            / of.len() as f64
-    };
-    let corners = if visit.segment.is_triangle() { 3 } else { 4 };
-    let (ring, others): (Vec<usize>, Vec<usize>) = (0..corners).partition(in_ring);
     let near = visit.near;
-    if near.rim || others.is_empty() {
+    let corners = if visit.segment.is_triangle() { 3 } else { 4 };
+    let (ring, others) = ((0..corners).filter(in_ring), (0..corners).filter(|k| !in_ring(k)));
+    if near.rim || others.clone().next().is_none() {
         return false;
     }
-    let inside =
-        others.iter().map(|&k| near.shape[k]).sum::<f64>() * (mean(&others) - mean(&ring)).norm();
+    let at = |k: usize| v3(&nodes.x[visit.segment.nodes[k] as usize]);
+    let of_others = others.clone().map(at).sum::<V3>() / others.clone().count() as f64;
+    let of_ring = ring.clone().map(at).sum::<V3>() / ring.count() as f64;
+    let inside = others.map(|k| near.shape[k]).sum::<f64>() * (of_others - of_ring).norm();
     inside > FOLDED * offset.norm()
 }
 
@@ -584,12 +582,7 @@ mod tests {
         surface.link_faces(7);
         let at = v3(&nodes.x[6]);
         let near = nearest(&at, &surface.segments[1].corners(&nodes.x), false).unwrap();
-        let of = CandidatePair {
-            slave_index: 0,
-            segment: 1,
-            shared_node_mask: 0,
-            has_no_history: false,
-        };
+        let of = CandidatePair { slave_index: 0, segment: 1, shared_node_mask: 0 };
         let mut found = Vec::new();
         find_pairs(
             &nodes,
@@ -681,12 +674,7 @@ mod tests {
             let step = segment.nodes.iter().map(|&n| (v(n) - v(4)).norm()).fold(0.0, f64::max);
             let (at, scale) = (V3::from(at), 2.0 * SCALE);
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
-            let of = CandidatePair {
-                slave_index: 0,
-                segment: 0,
-                shared_node_mask: 0,
-                has_no_history: true,
-            };
+            let of = CandidatePair { slave_index: 0, segment: 0, shared_node_mask: 0 };
             let meeting = ProjectedPair { of, step, near };
             let visit = PairGeometry::new(&surface, 0, &meeting, 1.0).expect("all touch");
             let Some(place) = solid_frame(&nodes, &visit, &at, false) else { return Ok(()) };

@@ -37,13 +37,13 @@ pub mod search;
 mod solver;
 pub mod surface;
 pub mod surroundings;
+mod travel;
 
 use crate::energy::{ContactWork, Work};
-use crate::math::rigid_motion::MotionTracker;
+use crate::math::lanes::Lane;
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use candidates::CandidatePair;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::RankLost;
@@ -54,13 +54,14 @@ use enforce::{Elasticity, Laws};
 use facets::Facets;
 use geometry::Sphere;
 use interfaces::Interfaces;
-use near_list::{CandidateFilter, NearList};
+use near_list::NearList;
 use pairs::{Pair, PairHistory, PairTable, accelerated_velocity};
 use projections::ProjectedPairs;
 use search::{SEARCHES, Search};
 use solver::ContactSolver;
 use surface::{Segment, Surface};
 use surroundings::{Exclusions, Peers, VelocityConstraint};
+use travel::{Travel, spread};
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
@@ -80,20 +81,21 @@ pub struct Contact {
     candidates: Vec<u32>,
     /// Candidates within reach of the next steps.
     near_list: NearList,
-    /// Near list with candidates selected again for slaves that got a history since the near
-    /// list was made.
-    neighbours: Vec<CandidatePair>,
     /// Near candidates that may touch in a step.
     projected_pairs: ProjectedPairs,
     /// Motion since the near list was made, and the relative motion between the last search and
     /// that time [length].
-    motion_since_near_list: MotionTracker,
+    motion_since_near_list: Travel,
     motion_before_near_list: f64,
     /// Stiffness per segment, empty if the law does not use it [force/length].
     stiffness: Vec<f64>,
     /// Start of each slave's run in `pair_histories`, in the order of `surface.slaves`.
     history_start: Vec<u32>,
     pair_histories: Vec<PairHistory>,
+    /// Indices of the slaves that have pair histories, and of those that have got their first
+    /// one since the near list was made or made up to date; ascending.
+    with_history: Vec<u32>,
+    with_first_history: Vec<u32>,
     /// Edges that could touch each other, with their pair histories.
     edges: Edges,
     /// Segments that could touch each other, with their pair histories.
@@ -165,13 +167,14 @@ impl Contact {
             candidate_start: Vec::new(),
             candidates: Vec::new(),
             near_list: NearList::default(),
-            neighbours: Vec::new(),
             projected_pairs: ProjectedPairs::default(),
-            motion_since_near_list: MotionTracker::since(&[]),
+            motion_since_near_list: Travel::since(&[]),
             motion_before_near_list: 0.0,
             stiffness: Vec::new(),
             history_start: Vec::new(),
             pair_histories: Vec::new(),
+            with_history: Vec::new(),
+            with_first_history: Vec::new(),
             edges: Edges::default(),
             table: PairTable::default(),
             free_velocities: Vec::new(),
@@ -205,13 +208,17 @@ impl Contact {
         self.pair_histories.clear();
         self.history_start.clear();
         self.candidate_start.clear();
-        self.near_list.list.clear();
-        for &s in &self.surface.slaves {
+        self.near_list.clear();
+        self.with_history.clear();
+        for (i, &s) in (0..).zip(&self.surface.slaves) {
             self.history_start.push(self.pair_histories.len() as u32);
             let start = self.pair_histories.len();
             self.pair_histories
                 .extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| m.name.is_node()));
             self.pair_histories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
+            if self.pair_histories.len() > start {
+                self.with_history.push(i);
+            }
         }
         self.history_start.push(self.pair_histories.len() as u32);
         self.facets.renew(&self.surface, &self.stiffness, nodes, &memory_of);
@@ -224,13 +231,18 @@ impl Contact {
     /// Returns the bytes in use without pairs and without spare capacity of lists: surface,
     /// candidates, and the data that decides when to search.
     pub fn bytes(&self) -> usize {
-        let lists = [&self.candidate_start, &self.candidates, &self.history_start];
+        let lists = [
+            &self.candidate_start,
+            &self.candidates,
+            &self.history_start,
+            &self.with_history,
+            &self.with_first_history,
+        ];
         self.surface.bytes()
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
             + size_of_val(&self.stiffness[..])
             + self.motion_since_near_list.bytes()
             + self.near_list.bytes()
-            + size_of_val(&self.neighbours[..])
             + self.projected_pairs.bytes()
             + self.record.bytes()
             + self.edges.bytes()
@@ -310,7 +322,7 @@ impl Contact {
         (time, dt): (f64, f64),
         stable: f64,
     ) {
-        let spread = velocity_range(&nodes.v_next);
+        let spread = spread(nodes.v_next.iter().map(|&v| Lane::new(v)));
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.
         let fast = stable * spread > self.surface.thinnest;
@@ -344,21 +356,29 @@ impl Contact {
 
     fn refresh(&mut self, nodes: &Nodes, joined: &dyn Exclusions, step: f64, fast: bool) {
         let fresh = !self.candidate_start.is_empty();
-        let moved =
-            if fresh { 2.0 * self.motion_since_near_list.update(&nodes.x).residual } else { 0.0 };
         // The candidates must include all that can come near in the next steps. If this needs
         // more than half the skin, the step is limited by the whole surface instead.
         let ahead = approach::STEPS * (2.0 * step).max(self.near_list.step);
         let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
-        let used_up = self.motion_before_near_list + moved + ahead > self.skin;
-        if fresh && moved <= self.near_list.skin && step <= self.near_list.step && !used_up {
+        let is_valid = |moved: f64| {
+            let used_up = self.motion_before_near_list + moved + ahead > self.skin;
+            moved <= self.near_list.skin && step <= self.near_list.step && !used_up
+        };
+        if fresh {
+            self.motion_since_near_list.advance(&nodes.x);
+            if !is_valid(self.motion_since_near_list.bound()) {
+                self.motion_since_near_list.fit(&nodes.x);
+            }
+        }
+        let moved = if fresh { self.motion_since_near_list.bound() } else { 0.0 };
+        if fresh && is_valid(moved) {
             if self.edges.is_stale() {
                 self.search_edges(nodes, joined);
                 self.pick(nodes);
             }
             return;
         }
-        self.motion_since_near_list.restart(&nodes.x, Vec::new());
+        self.motion_since_near_list.restart(&nodes.x);
         self.motion_before_near_list += moved;
         let spheres: Vec<Sphere> =
             self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
@@ -383,6 +403,7 @@ impl Contact {
             &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
         };
         self.near_list.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
+        self.with_first_history.clear();
         self.pick(nodes);
     }
 
@@ -393,7 +414,8 @@ impl Contact {
 
     /// Finds the edges and segments that could touch others before the near list is made again.
     fn pick(&mut self, nodes: &Nodes) {
-        self.edges.pick(nodes, &self.surface, self.near_list.skin, self.near_list.step);
+        let path = self.motion_since_near_list.path();
+        self.edges.pick(nodes, &self.surface, (self.near_list.skin, self.near_list.step), path);
         self.edges
             .near()
             .for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
@@ -470,34 +492,17 @@ impl Contact {
         let memory = |i: usize| {
             &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
         };
-        let has_new_past =
-            |n: &CandidatePair| n.has_no_history && !memory(n.slave_index as usize).is_empty();
-        let near = match self.near_list.list.iter().any(has_new_past) {
-            false => &self.near_list.list,
-            true => {
-                self.neighbours.clear();
-                let sphere = |g: usize| Sphere::around(&self.surface.segments[g].corners(&nodes.x));
-                let mut picker =
-                    CandidateFilter::new(nodes, &self.surface, (0.0, self.near_list.step), sphere);
-                for run in self.near_list.list.chunk_by(|a, b| a.slave_index == b.slave_index) {
-                    let i = run[0].slave_index as usize;
-                    if has_new_past(&run[0]) {
-                        let found =
-                            self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize;
-                        picker.add_slave(
-                            i,
-                            &self.candidates[found],
-                            memory(i),
-                            &mut self.neighbours,
-                        );
-                        picker.finish(&mut self.neighbours);
-                    } else {
-                        self.neighbours.extend(run);
-                    }
-                }
-                &self.neighbours
-            }
+        let found = |i: usize| {
+            &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize]
         };
+        self.near_list.renew_slaves(
+            (nodes, &self.surface),
+            &self.with_first_history,
+            found,
+            memory,
+        );
+        self.with_first_history.clear();
+        let near = (&mut self.near_list, self.motion_since_near_list.path());
         self.projected_pairs.project(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
         for meetings in
             self.projected_pairs.all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index)
@@ -528,7 +533,7 @@ impl Contact {
             nodes,
             (&self.surface, &alive),
             &self.stiffness,
-            steps.dt,
+            (steps.dt, self.motion_since_near_list.path()),
             &mut pairs,
         );
         if with_segments {
@@ -695,17 +700,36 @@ impl Contact {
             work.total +=
                 Work::from_impulses(&row((couple * steps.dt_velocity).into()), before, after);
         }
+        self.store_histories();
+        let t = &self.table;
+        self.edges.store_history(t.pairs.iter());
+        self.facets.store_history(t.pairs.iter());
+        work
+    }
+
+    /// Stores the pair histories of the slaves.
+    fn store_histories(&mut self) {
+        let slaves = &self.surface.slaves;
         let before = std::mem::take(&mut self.pair_histories);
-        let mut own = t.pairs.iter().filter(|p| p.is_owned && p.key.is_node()).peekable();
-        for (i, &s) in self.surface.slaves.iter().enumerate() {
+        let with_history = std::mem::take(&mut self.with_history);
+        let mut had = with_history.iter().map(|&i| i as usize).peekable();
+        let pairs = &self.table.pairs;
+        let mut own = pairs.iter().filter(|p| p.is_owned && p.key.is_node()).peekable();
+        // Most slaves have neither a pair nor a history. Their runs start where the next one does.
+        let mut next = 0;
+        loop {
+            let paired =
+                own.peek().map(|p| next + slaves[next..].partition_point(|&s| s < p.nodes[0]));
+            let Some(i) = paired.into_iter().chain(had.peek().copied()).min() else { break };
             let old = self.history_start[i] as usize..self.history_start[i + 1] as usize;
             let start = self.pair_histories.len();
-            self.history_start[i] = start as u32;
-            if old.is_empty() && own.peek().is_none_or(|p| p.nodes[0] != s) {
-                continue;
-            }
-            while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
+            self.history_start[next..=i].fill(start as u32);
+            next = i + 1;
+            while let Some(p) = own.next_if(|p| p.nodes[0] == slaves[i]) {
                 self.pair_histories.push(p.to_history());
+            }
+            if had.next_if_eq(&i).is_none() {
+                self.with_first_history.push(i as u32);
             }
             // Pairs of this step come first, then lost pairs, both in ascending order.
             for m in &before[old] {
@@ -714,21 +738,10 @@ impl Contact {
                 }
             }
             self.pair_histories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
+            if self.pair_histories.len() > start {
+                self.with_history.push(i as u32);
+            }
         }
-        if let Some(end) = self.history_start.last_mut() {
-            *end = self.pair_histories.len() as u32;
-        }
-        self.edges.store_history(t.pairs.iter());
-        self.facets.store_history(t.pairs.iter());
-        work
+        self.history_start[next..].fill(self.pair_histories.len() as u32);
     }
-}
-
-/// Returns an upper bound of the difference of any two of these velocities [length/time].
-fn velocity_range(v: &[Row]) -> f64 {
-    let range = v.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], v| {
-        [std::array::from_fn(|c| v[c].min(low[c])), std::array::from_fn(|c| v[c].max(high[c]))]
-    });
-    let size = |c: usize| (range[1][c] - range[0][c]).max(0.0);
-    (size(0) * size(0) + size(1) * size(1) + size(2) * size(2)).sqrt()
 }

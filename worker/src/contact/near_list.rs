@@ -1,16 +1,20 @@
 //! Near list: candidates that are close enough to be examined in every step. Most candidates of
 //! a global search are not, because its skin is chosen so that searches are rare. The near list
 //! is made again more often, with a fraction of that skin. It leaves out only candidates that
-//! the local search would reject in every step until then, as long as a slave without history
-//! has none.
+//! the local search would reject in every step until then. The candidates of a slave are selected
+//! again when it gets its first history and could touch solids, because only slaves with history
+//! touch some of their faces.
+//!
+//! A candidate that is out of reach in a step is left out until nodes have moved far enough
+//! against each other to bring it within reach ([`NearList::due`]).
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::Sphere;
-use crate::contact::kernels::{are_separated, is_in, projects_outside};
+use crate::contact::kernels::{distance_bound, is_in, projects_outside};
 use crate::contact::local_search::{has_history, reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
-use crate::math::lanes::{LANES, Lane};
+use crate::math::lanes::{LANES, Lane, Real};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 
@@ -31,6 +35,11 @@ const HELD: usize = 256;
 pub struct NearList {
     /// Candidates by slave, ascending, and for each slave by segment.
     pub list: Vec<CandidatePair>,
+    /// For each candidate the path of the nodes ([`Travel::path`]) up to which it is certainly out
+    /// of reach [length].
+    ///
+    /// [`Travel::path`]: crate::contact::travel::Travel::path
+    pub due: Vec<f64>,
     /// Largest relative motion of two nodes for which the list is valid, and largest relative
     /// motion in a step that begins then [length].
     pub skin: f64,
@@ -40,7 +49,13 @@ pub struct NearList {
 impl NearList {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.list[..])
+        size_of_val(&self.list[..]) + size_of_val(&self.due[..])
+    }
+
+    /// Removes all candidates.
+    pub fn clear(&mut self) {
+        self.list.clear();
+        self.due.clear();
     }
 
     /// Filters the candidates of the last global search, which had the skin `skin` [length], to
@@ -57,13 +72,45 @@ impl NearList {
     ) {
         self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.short);
         self.step = (2.0 * step).max(STEP * surface.thinnest);
-        self.list.clear();
+        self.clear();
         let mut picker =
             CandidateFilter::new(nodes, surface, (self.skin, self.step), |g| spheres[g]);
         for place in 0..surface.slaves.len() {
             picker.add_slave(place, found(place), memory(place), &mut self.list);
         }
         picker.finish(&mut self.list);
+        self.due.resize(self.list.len(), 0.0);
+    }
+
+    /// Selects the candidates of the slaves at these indices again, ascending: they have their
+    /// first history. `found` and `memory` are as in [`Self::renew`].
+    pub fn renew_slaves<'a>(
+        &mut self,
+        (nodes, surface): (&Nodes, &Surface),
+        slaves: &[u32],
+        found: impl Fn(usize) -> &'a [u32],
+        memory: impl Fn(usize) -> &'a [PairHistory],
+    ) {
+        let is_solid = |&g: &u32| surface.segments[g as usize].is_solid();
+        let could_touch_solids = |i: &&u32| found(**i as usize).iter().any(is_solid);
+        let mut slaves = slaves.iter().filter(could_touch_solids).peekable();
+        if slaves.peek().is_none() {
+            return;
+        }
+        let sphere = |g: usize| Sphere::around(&surface.segments[g].corners(&nodes.x));
+        let mut picker = CandidateFilter::new(nodes, surface, (self.skin, self.step), sphere);
+        let (mut all, mut rest) = (Vec::with_capacity(self.list.len()), 0);
+        for &i in slaves {
+            let kept = self.list.partition_point(|n| n.slave_index < i);
+            all.extend_from_slice(&self.list[rest..kept]);
+            rest = self.list.partition_point(|n| n.slave_index <= i);
+            picker.add_slave(i as usize, found(i as usize), memory(i as usize), &mut all);
+            picker.finish(&mut all);
+        }
+        all.extend_from_slice(&self.list[rest..]);
+        self.clear();
+        self.due.resize(all.len(), 0.0);
+        self.list = all;
     }
 }
 
@@ -128,12 +175,8 @@ impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
             if ring != 0 && surface.has_lines && segment.is_line() {
                 continue; // a line cannot fold over
             }
-            let of = CandidatePair {
-                slave_index: place as u32,
-                segment: g,
-                shared_node_mask: ring,
-                has_no_history: memory.is_empty(),
-            };
+            let of =
+                CandidatePair { slave_index: place as u32, segment: g, shared_node_mask: ring };
             self.held.push((of, reach + self.skin));
         }
         if self.held.len() >= HELD {
@@ -148,7 +191,7 @@ impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
             let (at, q) = (four.slaves(&self.nodes.x), four.corners(&self.nodes.x));
             let reach = Lane::new(std::array::from_fn(|lane| some[lane.min(some.len() - 1)].1));
             let (apart, beside) =
-                (are_separated(at, &q, reach), projects_outside(at, &q, self.skin));
+                (distance_bound(at, &q).gt(reach), projects_outside(at, &q, self.skin));
             for (lane, &(of, _)) in some.iter().enumerate() {
                 if !(is_in::<Lane>(apart, lane)
                     || of.shared_node_mask != 0 && is_in::<Lane>(beside, lane))

@@ -3,11 +3,12 @@
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::Nearest;
-use crate::contact::kernels::{is_in, is_within, plane_bound, project, projects_outside};
-use crate::contact::local_search::{reach, reach_of_old};
+use crate::contact::kernels::{distance_bound, is_in, project, projects_outside};
+use crate::contact::local_search::{has_history, reach, reach_of_old};
+use crate::contact::near_list::NearList;
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
-use crate::math::lanes::{LANES, Lane};
+use crate::math::lanes::{LANES, Lane, Real};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 
@@ -26,6 +27,8 @@ pub struct ProjectedPair {
 /// Projected pairs of a step.
 #[derive(Debug, Default)]
 pub struct ProjectedPairs {
+    /// Indices of the candidates that may be within reach.
+    due: Vec<u32>,
     /// Candidate pairs within reach, with their largest relative motion [length].
     reached: Vec<(CandidatePair, f64)>,
     /// Projected pairs in the order of the candidates.
@@ -35,23 +38,28 @@ pub struct ProjectedPairs {
 impl ProjectedPairs {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
+        size_of_val(&self.due[..]) + size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
     }
 
-    /// Projects the pairs of `asked` that are within reach and stores them in `all`. `memory`
-    /// returns the pair histories of a slave by its index; `dt` is the step size [time].
+    /// Projects the candidates of the near list that are within reach and stores them in `all`.
+    /// `path` is the path of the nodes since the list was made [length]. `memory` returns the
+    /// pair histories of a slave by its index; `dt` is the step size [time].
     pub fn project<'a>(
         &mut self,
         nodes: &Nodes,
         surface: &Surface,
-        asked: &[CandidatePair],
+        (near, path): (&mut NearList, f64),
         memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
     ) {
+        let mut due = std::mem::take(&mut self.due);
+        due.clear();
+        due.extend((0u32..).zip(&near.due).filter(|(_, due)| **due <= path).map(|(i, _)| i));
         self.reached.clear();
-        for some in asked.chunks(LANES) {
-            self.retain_reached(nodes, surface, some, &memory, dt);
+        for some in due.chunks(LANES) {
+            self.retain_reached(nodes, surface, (near, path), some, &memory, dt);
         }
+        self.due = due;
         self.all.clear();
         for some in self.reached.chunks(LANES) {
             let four = PairBatch::of(surface, some, |s| s.0);
@@ -69,17 +77,19 @@ impl ProjectedPairs {
     }
 
     /// Selects pairs by cheap tests before the projection: the slave must be within reach of the
-    /// segment's box and of its mean plane. If the segment must fold over to be touched, the
-    /// slave must not project outside the segment.
+    /// segment. If the segment must fold over to be touched, the slave must not project outside
+    /// the segment. `some` are indices of candidates; those out of reach are not due before the
+    /// nodes have moved by what is missing.
     fn retain_reached<'a>(
         &mut self,
         nodes: &Nodes,
         surface: &Surface,
-        some: &[CandidatePair],
+        (near, path): (&mut NearList, f64),
+        some: &[u32],
         memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
     ) {
-        let four = PairBatch::of(surface, some, |&s| s);
+        let four = PairBatch::of(surface, some, |&i| near.list[i as usize]);
         let (at, q) = (four.slaves(&nodes.x), four.corners(&nodes.x));
         let v = four.slaves(&nodes.v_next);
         let apart = four.corners(&nodes.v_next).map(|of| (of - v).square());
@@ -91,19 +101,26 @@ impl ProjectedPairs {
             }),
             std::array::from_fn(|lane| reach_of_old(surface, four.slave[lane], four.segment[lane])),
         ];
-        let slab = plane_bound(at, &q);
-        let is_new = is_within(&slab, Lane::new(new));
-        let is_old = is_within(&slab, Lane::new(old));
-        let ring = some.iter().any(|n| n.shared_node_mask != 0);
+        let distance = distance_bound(at, &q);
+        let (beyond_new, beyond_old) = (distance.gt(Lane::new(new)), distance.gt(Lane::new(old)));
+        let distance = distance.to_array();
+        let ring = some.iter().any(|&i| near.list[i as usize].shared_node_mask != 0);
         let is_turned_away = if ring { projects_outside(at, &q, 0.0) } else { Lane::splat(0.0) };
-        for (lane, &of) in some.iter().enumerate() {
-            let segment = four.segment[lane];
+        for (lane, &i) in some.iter().enumerate() {
+            let (of, segment) = (near.list[i as usize], four.segment[lane]);
             let goes_over =
                 |m: &PairHistory| segment.is_solid() && surface.is_beside(m.segment(), segment);
             let is_kept =
                 || memory(of.slave_index).iter().any(|m| m.is_of(segment.id) || goes_over(m));
-            let reaches = is_in::<Lane>(is_new, lane) || is_in::<Lane>(is_old, lane) && is_kept();
-            if reaches && !(of.shared_node_mask != 0 && is_in::<Lane>(is_turned_away, lane)) {
+            let reaches =
+                !is_in::<Lane>(beyond_new, lane) || !is_in::<Lane>(beyond_old, lane) && is_kept();
+            if !reaches {
+                let limit = match has_history(segment, memory(of.slave_index)) {
+                    true => old[lane],
+                    false => reach(surface, four.slave[lane], segment, near.step),
+                };
+                near.due[i as usize] = path + (distance[lane] - limit);
+            } else if !(of.shared_node_mask != 0 && is_in::<Lane>(is_turned_away, lane)) {
                 self.reached.push((of, step[lane]));
             }
         }
@@ -172,12 +189,16 @@ mod tests {
                 slave_index: place,
                 segment,
                 shared_node_mask: (place == 3) as u8,
-                has_no_history: false,
             })
             .collect();
         let meet = |asked: &[CandidatePair]| {
             let mut meetings = ProjectedPairs::default();
-            meetings.project(&nodes, &surface, asked, memory, 1.0);
+            let mut near = NearList {
+                list: asked.to_vec(),
+                due: vec![0.0; asked.len()],
+                ..NearList::default()
+            };
+            meetings.project(&nodes, &surface, (&mut near, 0.0), memory, 1.0);
             let told = |m: &ProjectedPair| {
                 let numbers =
                     m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
