@@ -18,6 +18,6 @@ target=$(cargo metadata --format-version 1 --no-deps |
 mkdir -p out/bench
 "$target/release/crumple" bench --json out/bench/bench.json "$@" | tee out/bench/RESULTS.md
 if [[ $# -eq 0 ]]; then
-    cargo bench -p crumple --bench kernels
-    cargo bench -p crumple --bench kernels -- assembly | tee out/bench/assembly.md
+    cargo bench -p crumple-master --bench kernels
+    cargo bench -p crumple-master --bench kernels -- assembly | tee out/bench/assembly.md
 fi

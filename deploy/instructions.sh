@@ -24,7 +24,7 @@ file=cases/bench/instructions.txt
 target=$(cargo metadata --format-version 1 --no-deps |
     sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/counted
 export RUSTFLAGS="-C target-cpu=x86-64-v2" CARGO_TARGET_DIR=$target
-cargo build --release -p crumple --bench kernels
+cargo build --release -p crumple-master --bench kernels
 kernels=$(find "$target/release/deps" -name 'kernels-*' -executable -type f -printf '%T@ %p\n' |
     sort -n | tail -n 1 | cut -d ' ' -f 2-)
 

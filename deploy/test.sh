@@ -47,6 +47,6 @@ export CRUMPLE_BIN=$target/debug/crumple
 
 cargo test --workspace --features crumple/mpi,crumple/vtkhdf --no-fail-fast "$@"
 # Every kernel of the benchmark once, to check that it still works. Times have no meaning here.
-cargo test --quiet --benches -p crumple --features mpi,vtkhdf
+cargo test --quiet --benches -p crumple-master --features mpi,vtkhdf
 # The scenes of the benchmark at a very small size, for the same reason.
 "$CRUMPLE_BIN" bench --tiny --rounds 1

@@ -1,8 +1,8 @@
 //! Single kernels: the elements of a part, a global search, a contact pass, a message between
 //! workers.
 //!
-//! `cargo bench -p crumple` times all by criterion; `cargo test --benches -p crumple` runs each
-//! once. With `-- assembly` it tells what the order of nodal sums costs; `count NAME TIMES` is for
+//! `cargo bench -p crumple-master` times all by criterion; `cargo test --benches -p crumple-master`
+//! runs each once. With `-- assembly` it tells what the order of nodal sums costs; `count NAME TIMES` is for
 //! `deploy/instructions.sh`.
 
 mod work;

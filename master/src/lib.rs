@@ -1,4 +1,4 @@
-//! The master of Crumple as a library; `main.rs` is the `crumple` binary.
+//! The master of Crumple as a library. The `crumple` binary is the package in `program/`.
 //!
 //! - [`cli`]: the command line
 //! - [`input`]: jobs ([`input::job`]), LS-DYNA keyword decks ([`input::deck`]), checks
@@ -8,11 +8,11 @@
 //!   master
 //! - [`results`]: fields, histories, summary, report page, exports
 //! - [`analysis`]: `crumple study`, `advise`, `scale`, `bench`, `cost`
-//! - [`verify`]: `crumple verify`, the catalogue of verification cases
+//!
+//! `crumple verify` is the crate `crumple-verification` in `tests/verification/`.
 
 pub mod analysis;
 pub mod cli;
 pub mod input;
 pub mod results;
 pub mod run;
-pub mod verify;

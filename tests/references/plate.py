@@ -2,7 +2,7 @@
 
     python3 plate.py ELEMENT N > plate.toml
 
-N = 64 and fully_integrated_quad gave the reference of `master/src/verify/plates.rs`.
+N = 64 and fully_integrated_quad gave the reference of `tests/verification/src/plates.rs`.
 """
 
 import sys

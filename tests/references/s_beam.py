@@ -3,7 +3,7 @@
     python3 s_beam.py QUADS ELEMENT > job.toml
 
 QUADS = 24 (3.33 mm) and fully_integrated_quad gave the references of
-`master/src/verify/crashes.rs`. README.md has the commands.
+`tests/verification/src/crashes.rs`. README.md has the commands.
 """
 
 import math

@@ -1,6 +1,7 @@
 //! Harness of the tests across crates: engines side by side without a master, step by step; the
 //! binary with a deadline.
 
+pub mod imports;
 pub mod program;
 
 pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side};

@@ -2,7 +2,7 @@
 //! be that of the committed table `tests/verification.json`. After a change of results, examine
 //! the table that `crumple verify` writes, and commit it.
 
-use crumple::verify::{Bench, CATALOGUE, Row};
+use crumple_verification::{Bench, CATALOGUE, Row};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -4,8 +4,8 @@
 use super::contact::Law;
 use super::row::Row;
 use super::scene::Scene;
-use crate::input::job::{self, Model};
-use crate::run::embedded::{Ended, run_alone};
+use crumple::input::job::{self, Model};
+use crumple::run::embedded::{Ended, run_alone};
 use crumple_proto::report::Energies;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::energy::momentum;

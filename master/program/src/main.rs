@@ -1,4 +1,5 @@
-//! The `crumple` binary.
+//! The `crumple` binary: one call for each command, into the library of the master or, for
+//! `crumple verify`, into the catalogue of verification cases.
 
 use clap::Parser;
 use crumple::cli::{Cli, Command};
@@ -8,7 +9,7 @@ fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
         Command::Check(args) => crumple::input::check::run(&args),
         Command::Run(args) => crumple::run::launch::run(&args),
-        Command::Verify(args) => crumple::verify::run(&args),
+        Command::Verify(args) => crumple_verification::run(&args),
         Command::Advise { dir } => crumple::analysis::advise::run(&dir),
         Command::Bench(args) => crumple::analysis::bench::run(&args),
         Command::Report { dir } => crumple::results::report::run(&dir),

@@ -7,7 +7,7 @@ use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
-use crate::run::embedded::run_side_by_side;
+use crumple::run::embedded::run_side_by_side;
 use crumple_worker::energy::momentum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;

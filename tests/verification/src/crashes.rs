@@ -14,7 +14,7 @@ use super::measure::Push;
 use super::row::Row;
 use super::scene::Scene;
 use super::{Bench, Check, bench};
-use crate::input::job::Model;
+use crumple::input::job::Model;
 use crumple_worker::energy::momentum;
 use std::f64::consts::FRAC_PI_4;
 use std::ops::ControlFlow;

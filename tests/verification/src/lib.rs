@@ -55,7 +55,7 @@ pub use bench::Bench;
 pub use catalogue::CATALOGUE;
 pub use row::Row;
 
-use crate::cli::VerifyArgs;
+use crumple::cli::VerifyArgs;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
@@ -151,7 +151,7 @@ pub fn run(args: &VerifyArgs) -> u8 {
     let mut outcomes = run_all(&checks, &Bench::new(Some(jobs)));
     refuse_repeats(&mut outcomes);
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
-    crate::run::stdout::write(format_args!("{}", report.markdown()));
+    crumple::run::stdout::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
         eprintln!(
             "error: cannot write to {}: {error}; choose another folder with --out",
