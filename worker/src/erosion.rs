@@ -47,9 +47,9 @@ pub fn erode(
     // since failure is rare.
     let words: Vec<u64> = bared.iter().flatten().map(|n| n.0).collect();
     let parcels = vec![words; comm.size() - 1];
-    let told = exchange_all(comm, parcels)?;
+    let received = exchange_all(comm, parcels)?;
     let bared: Vec<Face> =
-        told.iter().flat_map(|w| w.as_chunks::<4>().0).map(|ids| ids.map(NodeId)).collect();
+        received.iter().flat_map(|w| w.as_chunks::<4>().0).map(|ids| ids.map(NodeId)).collect();
     let here = |face: &&Face| nodes.local_index(face[0]).is_some();
     let bared: Vec<Face> = bared.iter().filter(here).copied().collect();
     if bared.is_empty() {

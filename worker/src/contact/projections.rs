@@ -99,7 +99,7 @@ impl ProjectedPairs {
         for (lane, &of) in some.iter().enumerate() {
             let segment = four.segment[lane];
             let goes_over =
-                |m: &PairHistory| segment.is_solid() && surface.is_beside(m.segment(), segment);
+                |m: &PairHistory| segment.is_solid() && surface.is_adjacent(m.segment(), segment);
             let is_kept =
                 || memory(of.slave_index).iter().any(|m| m.is_of(segment.id) || goes_over(m));
             let reaches = is_in::<Lane>(is_new, lane) || is_in::<Lane>(is_old, lane) && is_kept();
@@ -178,14 +178,14 @@ mod tests {
         let meet = |asked: &[CandidatePair]| {
             let mut meetings = ProjectedPairs::default();
             meetings.project(&nodes, &surface, asked, memory, 1.0);
-            let told = |m: &ProjectedPair| {
+            let result = |m: &ProjectedPair| {
                 let numbers =
                     m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
                 let bits: Vec<u64> =
                     numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
                 (m.of.slave_index, m.of.segment, m.near.rim, bits)
             };
-            meetings.all.iter().map(told).collect::<Vec<_>>()
+            meetings.all.iter().map(result).collect::<Vec<_>>()
         };
         let alone: Vec<_> = asked.iter().flat_map(|n| meet(std::slice::from_ref(n))).collect();
         assert!(

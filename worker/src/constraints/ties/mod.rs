@@ -284,8 +284,9 @@ impl Ties {
         let here: Vec<u64> =
             (0..self.definitions.len()).filter(|t| !holds(t)).map(|t| t as u64).collect();
         let parcels = vec![here; comm.size() - 1];
-        let told = exchange_all(comm, parcels)?;
-        let released: BTreeSet<usize> = told.into_iter().flatten().map(|t| t as usize).collect();
+        let received = exchange_all(comm, parcels)?;
+        let released: BTreeSet<usize> =
+            received.into_iter().flatten().map(|t| t as usize).collect();
         for &t in &released {
             self.add_masses(t, -1.0, nodes);
             if let Some(n) = nodes.index_of(self.definitions[t].node).map(|n| n as usize) {
