@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the manual in docs/ as HTML in book/. Formulas become HTML during the build, by KaTeX.
+# Builds the manual in docs/ as HTML in book/. Formulas become MathML during the build, by KaTeX.
 # Install the programs once:
 #
 #     cargo install --locked mdbook@0.5.4 --no-default-features --features search
