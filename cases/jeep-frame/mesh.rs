@@ -399,11 +399,11 @@ fn add_member(
             right.clone()
         } else {
             let y = plan.gap * (0.5 - k as f64 / n as f64);
-            let beside = |&i: &usize| {
+            let neighbour = |&i: &usize| {
                 let [x, _, z] = mesh.at(i);
                 mesh.point([x, y, z])
             };
-            left.iter().map(beside).collect()
+            left.iter().map(neighbour).collect()
         };
         mesh.strip(part, &row, &next, true);
         if part == FIRST_MEMBER + 1 && engine.contains(&k) {

@@ -2,7 +2,8 @@
 //! workers.
 //!
 //! `cargo bench -p crumple-master` times all by criterion; `cargo test --benches -p crumple-master`
-//! runs each once. With `-- assembly` it tells what the order of nodal sums costs; `count NAME TIMES` is for
+//! runs each once. With `-- assembly` it measures the cost of ordered nodal sums; `count NAME
+//! TIMES` is for
 //! `deploy/instructions.sh`.
 
 mod work;
@@ -11,7 +12,7 @@ use criterion::Criterion;
 use crumple_proto::transport::{Tag, Transport, threads};
 use work::{KERNELS, MESSAGE, assembly, instructions};
 
-/// What two threads take to answer each other.
+/// Times a message from one thread to another and back.
 fn round_trip(c: &mut Criterion) {
     let mut ends = threads::connect(3);
     let (mut there, mut here) = (ends.remove(2), ends.remove(1));
@@ -29,11 +30,11 @@ fn round_trip(c: &mut Criterion) {
         let mut words = Vec::new();
         c.bench_function(&format!("{MESSAGE} words to another thread and back"), |b| {
             b.iter(|| {
-                here.send(2, Tag::Corners, &message).expect("nobody is lost");
-                here.recv(2, Tag::Corners, &mut words).expect("nobody is lost");
+                here.send(2, Tag::Corners, &message).expect("no rank is lost");
+                here.recv(2, Tag::Corners, &mut words).expect("no rank is lost");
             });
         });
-        here.send(2, Tag::Corners, &[]).expect("nobody is lost");
+        here.send(2, Tag::Corners, &[]).expect("no rank is lost");
     });
 }
 

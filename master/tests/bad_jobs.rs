@@ -28,7 +28,7 @@ fn report_of(path: &Path, sets: &[&str]) -> Report {
 }
 
 #[test]
-fn every_bad_job_says_all_that_is_wrong_with_it() {
+fn every_bad_job_reports_all_its_errors() {
     let mut count = 0;
     let mut failures = String::new();
     for entry in std::fs::read_dir(folder("bad")).unwrap() {
@@ -220,21 +220,21 @@ fn subcycles_are_checked() {
     // 2 of 20 columns are narrow; with their neighbours 80 of 400 quads are computed in each
     // cycle.
     let model = strip(&["time.subcycles=4"]);
-    let told = crumple::input::check::describe(&model);
+    let message = crumple::input::check::describe(&model);
     assert!(
-        told.contains(
+        message.contains(
             "subcycles    4: 80 elements in each cycle, 320 in one of 4; 0.4 of the computations"
         ),
-        "{told}"
+        "{message}"
     );
-    let told =
+    let message =
         crumple::input::check::describe(&strip(&["time.subcycles=4", "time.subcycle_layers=0"]));
     assert!(
-        told.contains("subcycles    4: 40 elements in each cycle, 360 in one of 4; 0.325 of"),
-        "{told}"
+        message.contains("subcycles    4: 40 elements in each cycle, 360 in one of 4; 0.325 of"),
+        "{message}"
     );
-    let told = crumple::input::check::describe(&strip(&[]));
-    assert!(told.contains("subcycles    none; time.subcycles = 6 would leave"), "{told}");
+    let message = crumple::input::check::describe(&strip(&[]));
+    assert!(message.contains("subcycles    none; time.subcycles = 6 would leave"), "{message}");
     let none = strip(&["time.subcycles=20"]);
     assert!(
         none.warnings.iter().any(|w| w.message.contains("leaves no slow element")),
@@ -397,8 +397,8 @@ fn sunk(depth: f64, aside: f64) -> String {
 }
 
 #[test]
-fn solids_that_overlap_are_told_with_the_depth_along_what_faces_them() {
-    let told = |depth: f64, aside: f64| {
+fn overlapping_solids_are_reported_with_their_depth() {
+    let message = |depth: f64, aside: f64| {
         let model = crumple::input::job::read_text("cubes.toml".into(), sunk(depth, aside), &[])
             .unwrap_or_else(|r| panic!("{r}"));
         model
@@ -409,14 +409,14 @@ fn solids_that_overlap_are_told_with_the_depth_along_what_faces_them() {
             .join("\n")
     };
     for aside in [0.0, 2.0] {
-        assert_eq!(told(0.0, aside), "", "they only touch");
-        assert_eq!(told(-1.0, aside), "");
-        let shallow = told(0.05, aside);
+        assert_eq!(message(0.0, aside), "", "they only touch");
+        assert_eq!(message(-1.0, aside), "");
+        let shallow = message(0.05, aside);
         assert!(
             shallow.contains("5.000e-2 into") && shallow.contains("tolerated without force"),
             "{aside}: {shallow}"
         );
-        let deep = told(5.0, aside);
+        let deep = message(5.0, aside);
         assert!(
             deep.contains("too deep for contact to detect") && deep.contains("5.000e0 into"),
             "{aside}: {deep}"

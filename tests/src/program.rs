@@ -25,13 +25,13 @@ pub fn crumple() -> PathBuf {
         return path.into();
     }
     let test = std::env::current_exe().expect("the path of the test binary is known");
-    let beside = test.ancestors().nth(2).map(|folder| folder.join("crumple")).unwrap_or_default();
+    let program = test.ancestors().nth(2).map(|folder| folder.join("crumple")).unwrap_or_default();
     assert!(
-        beside.exists(),
+        program.exists(),
         "no {}: run `cargo build` first, or name the binary in CRUMPLE_BIN",
-        beside.display()
+        program.display()
     );
-    beside
+    program
 }
 
 /// Returns the root of the repository.

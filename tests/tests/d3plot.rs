@@ -95,7 +95,7 @@ fn solids_read_back() {
 /// and marked in the database. Every second node and element id is missing, and the ids of
 /// elements are not in the order of the mesh.
 #[test]
-fn what_has_failed_is_marked() {
+fn failed_elements_are_marked() {
     let mut nodes: String = (0..10)
         .map(|n| format!("[{}, {}.0, {}.0, 0.0], ", 2 * n + 3, 5 * (n / 2), 5 * (n % 2)))
         .collect();

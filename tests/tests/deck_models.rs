@@ -46,7 +46,7 @@ fn set(model: &Model, name: &str) -> Vec<u64> {
 }
 
 #[test]
-fn ids_that_shells_and_solids_share_are_told_apart() {
+fn ids_that_shells_and_solids_share_are_distinguished() {
     let model = with("");
     let solid = model.mesh.elements.iter().find(|e| e.shape == Shape::Hex8).unwrap();
     assert_eq!((solid.id.0, model.mesh.elements.len()), (11, 3), "id 1 raised by 10");
@@ -479,7 +479,7 @@ fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
 }
 
 #[test]
-fn shaped_walls_are_led_by_curves() {
+fn shaped_walls_follow_curves() {
     let model = with(
         "*RIGIDWALL_GEOMETRIC_CYLINDER_MOTION_ID\n3,punch\n0\n0,-50,30,0,1,30,0.1\n5,100\n\
         4,1,0,0,-2\n\

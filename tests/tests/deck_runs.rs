@@ -91,7 +91,7 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
 /// A cube on a plate: the force of a transducer on a part is the contact force on that part,
 /// from either side, by parts and by segments. Its digits do not depend on the workers.
 #[test]
-fn transducers_of_a_deck_feel_the_contact() {
+fn transducers_of_a_deck_record_the_contact() {
     // The measured value was 2.4e-5.
     let runs = on_any_workers("tests/decks/scenes/transducers.k", 1e-4);
     let (header, rows) = table(&runs[0], "transducers.csv");
@@ -131,7 +131,7 @@ fn transducers_of_a_deck_feel_the_contact() {
 /// A bar at rest under a force at its end has this force in every section. A plane with the
 /// opposite normal changes the sign, and so do elements on the other side.
 #[test]
-fn cross_sections_of_a_deck_bear_what_is_applied() {
+fn cross_sections_of_a_deck_carry_the_applied_load() {
     // The measured value was 1.6e-6.
     let [one, ..] = on_any_workers("tests/decks/scenes/sections.k", 1e-5);
     for (name, force) in [("cut", 1.0), ("disc", -1.0), ("left", -1.0)] {

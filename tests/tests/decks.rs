@@ -93,7 +93,7 @@ fn with_tabs(line: &str) -> String {
 }
 
 #[test]
-fn every_bad_deck_says_what_is_wrong_with_it() {
+fn every_bad_deck_reports_its_errors() {
     let mut count = 0;
     let mut failures = String::new();
     for entry in fs::read_dir(decks("bad")).unwrap() {
@@ -135,7 +135,7 @@ fn a_report_shows_the_card_and_underlines_the_field() {
 }
 
 #[test]
-fn what_is_left_out_is_told() {
+fn unsupported_keywords_are_reported() {
     let bad = decks("bad/unsupported.k");
     let allowed = read(&bad, &["mesh.allow_unsupported=true".into()])
         .unwrap_or_else(|report| panic!("{report}"));
@@ -200,15 +200,15 @@ fn includes_of_other_systems_are_found() {
 /// The report names what a deck survives: a file cut short, a duplicate card, velocities in
 /// other units.
 #[test]
-fn slips_are_told() {
+fn mistakes_in_decks_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
     let text = fs::read_to_string(decks("good/fixed.k")).unwrap();
-    let told = |text: String| {
+    let message = |text: String| {
         fs::write(&path, text).unwrap();
         good(&path).warnings.iter().map(|w| format!("{}\n", w.message)).collect::<String>()
     };
-    let plain = told(text.clone());
+    let plain = message(text.clone());
     for (said, text) in [
         ("the deck has no *END", text.split("*END").next().unwrap().to_string()),
         (
@@ -218,7 +218,7 @@ fn slips_are_told() {
         ("faster than any wave", text.replace("      -3.0", "  -3.0e+06")),
     ] {
         assert!(
-            !plain.contains(said) && told(text.clone()).contains(said),
+            !plain.contains(said) && message(text.clone()).contains(said),
             "missing text: {said}\n{text}"
         );
     }
@@ -259,7 +259,7 @@ fn a_jobs_own_keys_go_before_its_decks() {
 }
 
 #[test]
-fn check_tells_what_was_made_of_a_deck() {
+fn check_reports_the_conversion_of_a_deck() {
     let text = crumple::input::check::describe(&good(&decks("good/fixed.k")));
     for said in [
         "asked -> used",
@@ -399,7 +399,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
     let first = folder.path().join("first.k");
     let again = folder.path().join("again.k");
     let [first, again] = [&first, &again].map(|path| path.to_str().unwrap());
-    for (job, cards, beside) in [
+    for (job, cards, lists) in [
         (
             "tests/decks/scenes/sled.k",
             &[
@@ -436,7 +436,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
         for card in cards {
             assert!(text.lines().any(|line| line == *card), "{job}: no {card} in\n{text}");
         }
-        for list in beside {
+        for list in lists {
             assert!(
                 !text.lines().any(|line| line.strip_prefix("$crumple: ") == Some(list)),
                 "{job}: {list} in\n{text}"

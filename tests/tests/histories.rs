@@ -241,7 +241,7 @@ fn place(nodes: &Table, ids: [&str; 2]) -> [f64; 3] {
 /// about the middle of the deformed section. The remaining motion is `exp(-8.35 * 4)` of the
 /// slowest mode, critically damped: 3e-15, times its time.
 #[test]
-fn sections_bear_what_is_applied() {
+fn sections_carry_the_applied_load() {
     let force = [0.5, 0.0, 2e-3];
     for workers in ["1", "2"] {
         let load = format!("[[load]]\nnodes = \"tip\"\nforce = {force:?}\n");

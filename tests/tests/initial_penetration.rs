@@ -185,13 +185,17 @@ fn a_contact_that_creates_energy_is_warned_of_and_ends_the_run() {
         run(crumple_with(&["run", "cases/bars"].into_iter().chain(set).collect::<Vec<_>>()))
     };
     let created = |ended: &Ended| ended.summary()["energy"]["contact_created"].as_f64().unwrap();
-    let told = |ended: &Ended| ended.said().contains("contact has created");
+    let warned_of_energy = |ended: &Ended| ended.said().contains("contact has created");
     let stable = bars(1.5).with_code(0);
-    assert!(created(&stable) < 0.01 && !told(&stable), "{}", created(&stable));
+    assert!(created(&stable) < 0.01 && !warned_of_energy(&stable), "{}", created(&stable));
     let warned = bars(1.7).with_code(0);
-    assert!((0.01..0.1).contains(&created(&warned)) && told(&warned), "{}", created(&warned));
+    assert!(
+        (0.01..0.1).contains(&created(&warned)) && warned_of_energy(&warned),
+        "{}",
+        created(&warned)
+    );
     let stopped = bars(3.0).with_code(3);
-    assert!(created(&stopped) > 0.1 && told(&stopped), "{}", created(&stopped));
+    assert!(created(&stopped) > 0.1 && warned_of_energy(&stopped), "{}", created(&stopped));
     let reason = stopped.summary()["reason"].as_str().unwrap().to_string();
     assert!(reason.contains("contact has created"), "{reason}");
 }

@@ -279,7 +279,7 @@ fn friction_by_speed_gives_the_same_bits_on_any_number_of_workers() {
 }
 
 #[test]
-fn mistakes_in_interfaces_are_told_all_at_once() {
+fn mistakes_in_interfaces_are_reported_all_at_once() {
     let sets = [
         "contact.interface=[{name=\"a\", parts=[9], friction=-0.1}, {law=\"glue\", death=0.0}, \
          {parts=[1], skin=1.0}]"

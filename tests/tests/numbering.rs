@@ -222,9 +222,9 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
 
     let mut sorted = there;
     sorted.sort_unstable();
-    let told = rows(&ended, "nodes.csv", 3);
-    let told_ids: Vec<u64> = told[..4].iter().map(|r| r.0[1].parse().unwrap()).collect();
-    assert_eq!(told_ids, sorted, "by ascending id");
+    let written = rows(&ended, "nodes.csv", 3);
+    let written_ids: Vec<u64> = written[..4].iter().map(|r| r.0[1].parse().unwrap()).collect();
+    assert_eq!(written_ids, sorted, "by ascending id");
     let histories = |ended: &Ended, ids: [u64; 4]| {
         let all = rows(ended, "nodes.csv", 3);
         ids.map(|id| {
@@ -281,7 +281,7 @@ fn check_says_so_and_an_exported_deck_has_the_ids_of_the_mesh() {
 }
 
 #[test]
-fn an_element_in_trouble_and_ids_that_are_not_there_are_told_as_the_mesh_has_them() {
+fn messages_name_failed_elements_and_unknown_ids_by_mesh_ids() {
     let sets = ["--set", FINE, "--set", SHUFFLED, "--workers", "2", "--quiet"];
     let said = run(crumple_with(
         &[&["run", "cases/tube-crush", "--set", "time.safety=3"], &sets[..]].concat(),

@@ -54,7 +54,7 @@ fn bits_do_not_depend_on_workers() {
 }
 
 #[test]
-fn a_wrong_precision_is_told_with_what_is_right() {
+fn a_wrong_precision_is_reported_with_the_valid_ones() {
     let sets = ["elements.precision=\"half\"".to_string()];
     let report =
         job::read(&case("tube"), &sets).err().expect("there is no such precision").to_string();

@@ -179,7 +179,7 @@ fn guided_bodies_follow_what_is_left_free() {
 /// A cube with prescribed spin carries a deformable plate through ten turns: its nodes end at
 /// their initial positions.
 #[test]
-fn a_led_body_takes_its_nodes_along() {
+fn a_prescribed_body_moves_its_nodes() {
     let turns = 10.0 * std::f64::consts::TAU;
     let rest = format!(
         "[time]\ndt_max = 0.01\n[[motion]]\nrigid = \"cube\"\nspin = [{:?}, 0.0, {:?}]\n\

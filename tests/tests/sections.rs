@@ -206,7 +206,7 @@ fn own_thicknesses_and_offsets_give_the_same_bits_on_any_number_of_workers() {
 }
 
 #[test]
-fn mistakes_in_thicknesses_and_offsets_are_told_all_at_once() {
+fn mistakes_in_thicknesses_and_offsets_are_reported_all_at_once() {
     let sets = [
         "mesh.thicknesses=[[1, -2.0], [999999, 1.0], [2, 1.0], [2, 3.0]]".to_string(),
         "part.1.offset=30.0".to_string(),

@@ -139,7 +139,7 @@ fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (Scene,
 /// springs: each mode of both has its share of the mass. It was unstable at 0.9 when the single
 /// square's own 5 % and the springs' 10 % were both taken from the safety.
 #[test]
-fn a_lone_element_with_four_springs_bears_its_step() {
+fn a_lone_element_with_four_springs_is_stable_at_its_step() {
     for element in SHELLS {
         for distorted in [false, true] {
             for nu in [0.0, 0.3] {
@@ -164,7 +164,7 @@ fn a_lone_element_with_four_springs_bears_its_step() {
 /// Dampers need mass in proportion to their strength, not to its square: weak ones reduce the
 /// step very little.
 #[test]
-fn a_lone_element_with_dampers_bears_its_step_and_weak_ones_cost_nothing() {
+fn a_lone_element_with_dampers_is_stable_at_its_step_and_weak_ones_cost_nothing() {
     let first = |damping: f64| {
         let (scene, ground) = lone("belytschko_tsay", false, 0.0, damping);
         scene.model(&[("ground", &ground)], 0.3, 0.9, 1).first_dt().0
@@ -205,7 +205,7 @@ fn tied(element: &str, arm: f64, safety: f64) -> Model {
 
 /// The step is stable at full safety.
 #[test]
-fn a_lone_element_tied_with_an_offset_bears_its_step() {
+fn a_lone_element_tied_with_an_offset_is_stable_at_its_step() {
     for element in SHELLS {
         for arm in [0.6, 5.0] {
             let limit = limit(|safety| tied(element, arm, safety));
@@ -246,7 +246,7 @@ fn pressed(turned: bool, form: &str, safety: f64) -> Model {
 /// takes. The law assumes a safety of 0.9 and leaves half of the margin, so the step may be at
 /// least 0.951 of the limit of the elements; bisection finds the true limit.
 #[test]
-fn shells_in_penalty_contact_bear_their_step() {
+fn shells_in_penalty_contact_are_stable_at_their_step() {
     for turned in [false, true] {
         for form in ["soft", "stiffness"] {
             // A scene that comes to rest is stable; `safety` is that of the step, the law

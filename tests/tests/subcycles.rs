@@ -261,7 +261,7 @@ fn workers_and_renewals_change_no_bit() {
 
 /// A mesh without small elements is computed as without the key, and a message reports this.
 #[test]
-fn no_slow_elements_are_told() {
+fn a_job_without_slow_elements_is_reported() {
     let [plain, asked] = [&[][..], &["time.subcycles=3"]].map(|sets| read(&case("plate"), sets));
     assert!(
         asked.warnings.iter().any(|w| w.message.contains("leaves no slow element")),

@@ -561,7 +561,7 @@ fn ties_stand_on_ties_but_for_arms() {
 /// A prescribed motion of a plate and of the nodes tied to it moves both in the same way, and
 /// does the work of both masses once.
 #[test]
-fn led_nodes_take_what_is_tied_along() {
+fn prescribed_nodes_move_tied_slaves() {
     let mut rows = Rows::default();
     let plate = rows.plate(1, [[0.0, 0.0], [40.0, 40.0]], 0.0, [4, 4]);
     let patch = rows.plate(2, [[13.0, 12.0], [27.0, 31.0]], 0.0, [3, 2]);
@@ -595,7 +595,7 @@ fn led_nodes_take_what_is_tied_along() {
 /// A block falls on a patch that is tied to a plate, which lies on a rigid wall with a mass. The
 /// wall receives the impulse in the same step, and the total momentum is conserved.
 #[test]
-fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
+fn a_wall_with_a_mass_receives_impacts_on_tied_nodes() {
     let mut rows = Rows::default();
     rows.plate(1, [[0.0, 0.0], [40.0, 40.0]], 0.0, [4, 4]);
     let patch = rows.plate(2, [[9.0, 8.0], [33.0, 31.0]], 0.0, [6, 6]);
@@ -635,7 +635,7 @@ fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
 }
 
 #[test]
-fn jobs_that_are_wrong_are_told() {
+fn wrong_jobs_are_reported() {
     let said = |rest: &str, words: &[&str]| {
         let report = match model(&format!(
             "end_time = 1.0\n{}",
@@ -779,7 +779,7 @@ fn a_skin_touches_and_bears_nothing() {
 /// A coarse patch in the plane of a fine plate that carries it: contact finds no penetration of
 /// either, from either side, and has no effect.
 #[test]
-fn contact_lets_what_is_tied_be() {
+fn contact_ignores_tied_nodes() {
     let mut rows = Rows::default();
     rows.plate(1, [[0.0, 0.0], [40.0, 40.0]], 0.0, [16, 16]);
     let patch = rows.plate(2, [[9.0, 8.0], [33.0, 31.0]], 0.0, [2, 2]);

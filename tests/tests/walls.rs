@@ -122,11 +122,11 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
 /// Two strips fall: the strip above the rectangle rests on it, the other one falls past it.
 /// Rigid strips do the same.
 #[test]
-fn a_rectangle_lets_pass_what_is_beside_it() {
+fn nodes_outside_a_rectangle_pass_it() {
     let strips = [([1.0, 1.0, 0.2], [6.0, 6.0], [3, 3]), ([12.0, 1.0, 0.2], [6.0, 6.0], [3, 3])];
     for rigid in [
         "",
-        "[[rigid]]\nname = \"on\"\nparts = [1]\n[[rigid]]\nname = \"beside\"\nparts = [2]\n[time]\n\
+        "[[rigid]]\nname = \"on\"\nparts = [1]\n[[rigid]]\nname = \"next\"\nparts = [2]\n[time]\n\
          dt_max = 1e-3\n",
     ] {
         let rest = format!(
@@ -139,9 +139,9 @@ fn a_rectangle_lets_pass_what_is_beside_it() {
             ids.map(|i| end.nodes.x[i][2])
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], z| [l.min(z), h.max(z)])
         };
-        let [on, beside] = [range(0..16), range(16..32)];
+        let [on, next] = [range(0..16), range(16..32)];
         assert!(on[0] > -1e-9 && on[1] < 0.2, "{rigid}: {on:?}");
-        assert!(beside.iter().all(|z| (z + 2.8).abs() < 1e-9), "{rigid}: {beside:?}");
+        assert!(next.iter().all(|z| (z + 2.8).abs() < 1e-9), "{rigid}: {next:?}");
     }
 }
 

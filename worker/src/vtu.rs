@@ -498,7 +498,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_declared_is_refused() {
+    fn undeclared_arrays_are_refused() {
         let dir = scratch("refused");
         let path = dir.join(piece_name(0));
         let cells = Cells::default();

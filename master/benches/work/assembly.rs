@@ -1,6 +1,6 @@
-//! What it costs that bits do not depend on the number of workers: nodes gather corner forces in
-//! ascending element id, against the same kernels whose elements add to their nodes one after the
-//! other, in whatever order they lie.
+//! Cost of bits that do not depend on the number of workers: nodes sum element nodal forces in
+//! ascending element id. It is compared with the same kernels whose elements add to their nodes in
+//! the order of storage.
 //!
 //! The three are timed in turn in one loop, by CPU time, so that a machine that slows down slows
 //! all of them.
@@ -22,11 +22,12 @@ const ROUNDS: usize = 301;
 /// An element's nodes and its first corner slot.
 type Scatter = Vec<([u32; 4], usize)>;
 
-/// Measures, and prints a table; with `once` just that it runs.
+/// Measures and prints a table; with `once` it only checks that the kernels run.
 pub fn run(once: bool) {
     let rounds = if once { 1 } else { ROUNDS };
     println!(
-        "| shells | kernels alone [ns a shell] | nodes gather, in order | elements add, in no order | of the kernels and this |"
+        "| shells | kernels alone [ns a shell] | nodes gather, in order | elements add, \
+         in no order | of the kernels and this |"
     );
     println!("|---:|---:|---:|---:|---:|");
     for (side, count, times) in SIDES {
@@ -69,7 +70,7 @@ fn kernels(e: &mut Engine) {
     ));
 }
 
-/// Elements add to their nodes, which start from nought.
+/// Adds element nodal forces to the nodes, which start from zero.
 fn add(e: &mut Engine, elements: &Scatter) {
     let (nodes, blocks) = (&mut e.nodes, &e.blocks);
     nodes.force.fill([0.0; 4]);

@@ -3,7 +3,7 @@
 
 use super::{KERNELS, Work};
 
-/// What the counter looks for, by its name among the program's symbols.
+/// Runs a kernel. The counter finds this function by its name among the program's symbols.
 #[inline(never)]
 fn counted(work: &mut Work, times: usize) {
     (0..times).for_each(|_| work());

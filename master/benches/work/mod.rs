@@ -1,7 +1,7 @@
-//! The kernels that are timed by `kernels.rs`, and beside it:
+//! Kernels that `kernels.rs` times. Two files measure more:
 //!
 //! - `instructions.rs`: one of them under an instruction counter
-//! - `assembly.rs`: what the order of nodal sums costs
+//! - `assembly.rs`: cost of ordered nodal sums
 
 pub mod assembly;
 pub mod instructions;
@@ -27,7 +27,7 @@ pub type Work = Box<dyn FnMut()>;
 pub struct Kernel {
     /// One word.
     pub name: &'static str,
-    /// What it works on, and how many of these.
+    /// Objects that it processes, and their number.
     pub of: (&'static str, usize),
     /// Makes it ready.
     pub ready: fn() -> Work,
@@ -114,25 +114,25 @@ fn contact() -> Work {
         let comm = &mut ends[1];
         e.pair_exchange
             .exchange_pairs(comm, &e.nodes, &Ghosts::default(), &mut contact.table)
-            .expect("nobody is lost");
+            .expect("no rank is lost");
         let mut around = ContactCoupling {
             comm,
             constraints: &mut e.constraints,
             pair_exchange: &mut e.pair_exchange,
         };
-        contact.enforce(&mut e.nodes, &mut around, steps).expect("nobody is lost");
+        contact.enforce(&mut e.nodes, &mut around, steps).expect("no rank is lost");
     })
 }
 
-/// To another worker in the same thread, so that nobody waits.
+/// Sends a message to another worker in the same thread, so that no rank waits.
 fn message() -> Work {
     let mut ends = threads::connect(3);
     let (mut there, mut here) = (ends.remove(2), ends.remove(1));
     let message = vec![1u64; MESSAGE];
     let mut words = Vec::new();
     Box::new(move || {
-        here.send(2, Tag::Corners, &message).expect("nobody is lost");
-        there.recv(1, Tag::Corners, &mut words).expect("nobody is lost");
+        here.send(2, Tag::Corners, &message).expect("no rank is lost");
+        there.recv(1, Tag::Corners, &mut words).expect("no rank is lost");
         black_box(&words);
     })
 }

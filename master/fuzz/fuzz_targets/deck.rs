@@ -5,7 +5,8 @@ use libfuzzer_sys::fuzz_target;
 use std::cell::RefCell;
 
 thread_local! {
-    static FOLDER: RefCell<tempfile::TempDir> = RefCell::new(tempfile::tempdir().expect("a temporary folder"));
+    static FOLDER: RefCell<tempfile::TempDir> =
+        RefCell::new(tempfile::tempdir().expect("a temporary folder"));
 }
 
 fuzz_target!(|bytes: &[u8]| {

@@ -269,7 +269,7 @@ impl Probe {
     /// Runs Lanczos iterations from `start`, at most [`VECTORS`] vectors.
     fn lanczos(&mut self, start: &[f64]) -> Result<Round, String> {
         let mut vectors = vec![scaled(start, 1.0 / dot(start, start).sqrt())];
-        let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        let (mut diagonal, mut off_diagonal): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         loop {
             let last = vectors.last().expect("there is a first vector").clone();
             let mut next = self.push(&last)?;
@@ -282,7 +282,7 @@ impl Probe {
                 }
             }
             let rest = dot(&next, &next).sqrt();
-            let (eigenvalue, weights) = largest(&diagonal, &beside);
+            let (eigenvalue, weights) = largest(&diagonal, &off_diagonal);
             let residual =
                 rest * weights.last().expect("one weight per vector").abs() / eigenvalue.abs();
             let pushes = diagonal.len();
@@ -297,7 +297,7 @@ impl Probe {
                 }
                 return Ok(Round { eigenvalue, residual, mode, pushes });
             }
-            beside.push(rest);
+            off_diagonal.push(rest);
             vectors.push(scaled(&next, 1.0 / rest));
         }
     }
@@ -316,10 +316,10 @@ const ITERATIONS: usize = 1000;
 
 /// Returns the largest eigenvalue of a symmetric tridiagonal matrix and its unit eigenvector, NaN
 /// if there is none.
-fn largest(diagonal: &[f64], beside: &[f64]) -> (f64, Vec<f64>) {
+fn largest(diagonal: &[f64], off_diagonal: &[f64]) -> (f64, Vec<f64>) {
     let entry = |i: usize, j: usize| match i.abs_diff(j) {
         0 => diagonal[i],
-        1 => beside[i.min(j)],
+        1 => off_diagonal[i.min(j)],
         _ => 0.0,
     };
     let n = diagonal.len();

@@ -55,7 +55,7 @@ pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
         let time = attribute(line, "timestep")
             .and_then(|t| t.parse().ok())
             .filter(|t: &f64| t.is_finite());
-        let file = attribute(line, "file").and_then(|name| beside(collection, name));
+        let file = attribute(line, "file").and_then(|name| same_folder(collection, name));
         Some(Step { time: time?, file: file? })
     };
     let lines = text.lines().filter(|line| line.trim_start().starts_with("<DataSet"));
@@ -74,7 +74,7 @@ pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
     }
     let lines = text.lines().filter(|line| line.trim_start().starts_with("<Piece"));
     let piece = |line: &str| {
-        let file = attribute(line, "Source").and_then(|name| beside(step, name));
+        let file = attribute(line, "Source").and_then(|name| same_folder(step, name));
         file.ok_or_else(|| broken(&format!("cannot read `{line}`")))
     };
     lines.map(piece).collect()
@@ -258,7 +258,7 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
 
 /// Returns the path of a file that is named relative to another one. Only files in its folder or
 /// below are allowed.
-fn beside(file: &Path, name: &str) -> Option<PathBuf> {
+fn same_folder(file: &Path, name: &str) -> Option<PathBuf> {
     let inside = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
     (inside && !name.is_empty()).then(|| file.with_file_name("").join(name))
 }
@@ -334,7 +334,7 @@ mod tests {
     /// A file that is cut anywhere, or that has any one byte of its head changed, is either read
     /// completely or rejected with its name, without a panic.
     #[test]
-    fn damage_is_told_with_the_name_of_the_file() {
+    fn damage_is_reported_with_the_name_of_the_file() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("piece_000.vtu");
         write_triangle(&path);

@@ -74,10 +74,10 @@ pub struct Control<'a> {
     trouble: Option<Failure>,
     /// True after the warning about a deep penetration, and after the warning about energy created
     /// by contact.
-    sunk_told: bool,
-    created_told: bool,
+    penetration_warned: bool,
+    energy_warned: bool,
     /// True after the warning that contact shortens the step.
-    short_told: bool,
+    step_warned: bool,
     closings: Vec<Option<FinalReport>>,
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
@@ -157,9 +157,9 @@ impl<'a> Control<'a> {
             ready_since: None,
             pieces: BTreeMap::new(),
             trouble: None,
-            sunk_told: false,
-            created_told: false,
-            short_told: false,
+            penetration_warned: false,
+            energy_warned: false,
+            step_warned: false,
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
@@ -335,8 +335,8 @@ impl<'a> Control<'a> {
     fn watch_contact(&mut self) {
         let (depth, time) =
             (self.history.penetration, self.history.last.as_ref().map_or(0.0, |r| r.sum.time));
-        if depth > SUNK && !self.sunk_told {
-            self.sunk_told = true;
+        if depth > SUNK && !self.penetration_warned {
+            self.penetration_warned = true;
             let message = format!(
                 "at time {time:.6e} the largest penetration is {depth:.2} of the contact \
                  thickness; from 1 on a node may pass through. Unless the mesh starts with this \
@@ -349,9 +349,9 @@ impl<'a> Control<'a> {
         let steps = self.history.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
         if let Some([contact, elements]) =
             steps.filter(|[contact, elements]| *contact < MUCH_SHORTER * elements)
-            && !self.short_told
+            && !self.step_warned
         {
-            self.short_told = true;
+            self.step_warned = true;
             let message = format!(
                 "at time {time:.6e} the stable step of contact is {contact:.3e}, that of elements \
                  {elements:.3e}: in a longer step, fast bodies could pass through others. \
@@ -412,8 +412,8 @@ impl<'a> Control<'a> {
                     contact.sweeps or a smaller contact.penalty_scale";
         if created > MOST_CREATED {
             self.fail(Failure { elem: None, cycle, time, why: format!("{what}; {cure}") });
-        } else if !self.created_told {
-            self.created_told = true;
+        } else if !self.energy_warned {
+            self.energy_warned = true;
             let message = format!(
                 "at time {time:.6e} {what}; {cure}. The run stops at {:.0} %",
                 100.0 * MOST_CREATED

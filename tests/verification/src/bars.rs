@@ -167,14 +167,14 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
         let restitution = met.each_ref().map(|m| (m.after[1] - m.after[0]) / V);
         for (n, e) in SIZES.iter().zip(restitution) {
             let row = Row::new("restitution", format!("{law}, {n} shells"), "", e);
-            all.push(row.beside(1.0, "[D] 1 as the mesh is refined"));
+            all.push(row.reference(1.0, "[D] 1 as the mesh is refined"));
         }
         let halving = |q: [f64; 3]| (q[0] / q[2]).log2() / 2.0;
         let to_one = halving(restitution.map(|e| (1.0 - e).abs()));
         let variant = || format!("{law}, {SIZES:?} shells");
         all.push(
             Row::new("order of 1 - restitution", variant(), "", to_one)
-                .beside(1.0, "[D] first order, plus dispersion of the front"),
+                .reference(1.0, "[D] first order, plus dispersion of the front"),
         );
         if !is_spring(law) {
             let order = halving(met.each_ref().map(|m| -m.work));

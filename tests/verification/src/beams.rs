@@ -182,7 +182,7 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{n} by {} shells, series of meshes", n / 10);
             all.push(
                 Row::new(format!("free-free, frequency {number}"), variant, "Hz", ours)
-                    .beside(f, "[D] Euler-Bernoulli"),
+                    .reference(f, "[D] Euler-Bernoulli"),
             );
             errors.push(ours - f);
         }
@@ -256,7 +256,7 @@ fn clamped_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         let ours = frequency(bench, &format!("A16 {what} plate"), &scene, &shape, 2)?;
         all.push(
             Row::new(format!("{what} plate, frequency 1"), "16 by 16 shells", "Hz", ours)
-                .beside(f, "[U] coefficients 35.985 and 3.471"),
+                .reference(f, "[U] coefficients 35.985 and 3.471"),
         );
     }
     Ok(all)

@@ -352,7 +352,7 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
         let fastest = b.abs().max(m.abs()).max(a.abs());
         let row = Row::new("largest velocity after", &variant, "m/s", fastest);
         all.push(match is_spring(law) {
-            true => row.beside(1.0, "[D] the plates rebound from springs"),
+            true => row.reference(1.0, "[D] the plates rebound from springs"),
             false => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
         });
         all.push(run.given_row(&variant));

@@ -65,7 +65,7 @@ fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = vec![
         Row::new("peak deflection", variant, "mm", 1e3 * peak).near(18.69, 0.04, C),
         Row::new("time of the peak", variant, "us", 1e6 * when)
-            .beside(475.0, "[C] flat maximum from 480 to 620 us with BT shells"),
+            .reference(475.0, "[C] flat maximum from 480 to 620 us with BT shells"),
         Row::new("mean deflection from 1.2 to 2 ms", variant, "mm", 1e3 * residual / time)
             .near(17.6, 0.04, C),
     ];
@@ -334,7 +334,7 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         let (absorbed, source) = (&ABSORBED[usize::from(is_fine)], SOURCES[usize::from(is_fine)]);
         for ((a, ours), expected) in AT.iter().zip(&crushed.absorbed).zip(absorbed) {
             let quantity = format!("energy absorbed at {:.0} mm", 1e3 * a);
-            all.push(Row::new(quantity, &variant, "kJ", 1e-3 * ours).beside(*expected, source));
+            all.push(Row::new(quantity, &variant, "kJ", 1e-3 * ours).reference(*expected, source));
         }
         all.extend(crushed.rows(
             &variant,
@@ -344,7 +344,7 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         // A crush of 150 mm consumes 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
         all.push(
             Row::new("folds along a face", &variant, "", crushed.folds as f64)
-                .beside(6.0, "[D] 150 mm/0.73 over 2 H, H = 0.983 (C^2 t)^(1/3), an estimate"),
+                .reference(6.0, "[D] 150 mm/0.73 over 2 H, H = 0.983 (C^2 t)^(1/3), an estimate"),
         );
     }
     Ok(all)

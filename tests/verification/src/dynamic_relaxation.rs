@@ -253,8 +253,8 @@ fn large_hemisphere(bench: &Bench) -> Result<Vec<Row>, String> {
             rest(bench, &format!("A30c {element}"), &scene, |e| -displacement(e, b)[1])?;
         let variant = format!("{element}, {N} by {N} on a quarter, P = 400");
         let outward = displacement(&run.engine, a)[0];
-        all.push(Row::new("outward displacement", &variant, "", outward).beside(4.067, U));
-        all.push(Row::new("inward displacement", &variant, "", inward).beside(8.178, U));
+        all.push(Row::new("outward displacement", &variant, "", outward).reference(4.067, U));
+        all.push(Row::new("inward displacement", &variant, "", inward).reference(8.178, U));
     }
     Ok(all)
 }
@@ -375,7 +375,7 @@ fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
                 // The cylinder is known to need a finer mesh; at n = 8 there is no bound.
                 all.push(match n == 16 && what != "pinched cylinder" {
                     true => row.near(1.0, 0.03, TARGET),
-                    false => row.beside(1.0, "target"),
+                    false => row.reference(1.0, "target"),
                 });
             }
         }
@@ -438,17 +438,18 @@ fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
                     )
                 };
                 all.push(row(", as on 96 by 16").near(table[2], 0.01, TABLE));
-                all.push(row("").beside(known, TABLE));
+                all.push(row("").reference(known, TABLE));
             }
             let against = format!("{variant}, against the target");
             all.push(
-                Row::new("thick, load along z, deflection", &against, "", z).beside(1.0, "target"),
+                Row::new("thick, load along z, deflection", &against, "", z)
+                    .reference(1.0, "target"),
             );
             if n == 24 {
                 let y = twist(bench, element, 0.32, n, drilling, false)?;
                 all.push(
                     Row::new("thick, load along y, deflection", &against, "", y)
-                        .beside(1.0, "target"),
+                        .reference(1.0, "target"),
                 );
             }
         }
@@ -464,7 +465,7 @@ fn thin(bench: &Bench) -> Result<Vec<Row>, String> {
         for (along, axis) in [(true, "z"), (false, "y")] {
             let ours = twist(bench, element, 0.0032, N, 0.01, along)?;
             let quantity = format!("thin, load along {axis}, deflection");
-            all.push(Row::new(quantity, &variant, "", ours).beside(
+            all.push(Row::new(quantity, &variant, "", ours).reference(
                 1.0,
                 "target; [C] .003 at 24 by 4 if rigid rotation excites hourglass rates",
             ));
@@ -519,7 +520,7 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
             // With two shells over a flange, half the side halves the distance from the 111.2
             // MPa of converged codes, and more.
             const LE5: &str = "[V:S10] NAFEMS LE5; converged codes 111.2";
-            all.push(if n > 2 { row.near(108.0, 0.05, LE5) } else { row.beside(108.0, LE5) });
+            all.push(if n > 2 { row.near(108.0, 0.05, LE5) } else { row.reference(108.0, LE5) });
         }
     }
     Ok(all)

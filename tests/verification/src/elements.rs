@@ -463,7 +463,7 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     let quantity = "simple shear 4, sigma11/G, order in the step";
     all.push(
         Row::new(quantity, "belytschko_tsay, 1000 and 4000 steps", "", order)
-            .beside(2.0, "catalogue: second order"),
+            .reference(2.0, "catalogue: second order"),
     );
     Ok(all)
 }

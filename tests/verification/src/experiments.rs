@@ -81,7 +81,7 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
         // The catalogue has 3 to 5 % and 8 % for a law of the tested copper.
         all.extend(match gated {
             true => [length.near(long, 0.05, WILKINS), radius.near(wide, 0.08, WILKINS)],
-            false => [length.beside(long, M1), radius.beside(wide, M1)],
+            false => [length.reference(long, M1), radius.reference(wide, M1)],
         });
     }
     Ok(all)
@@ -152,7 +152,7 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             // The line is for the static yield stress, but the steel of the tests hardens with
             // the rate.
             all.push(if rate.is_empty() {
-                row.beside(expected, LINE)
+                row.reference(expected, LINE)
             } else {
                 row.within(expected, 1.0, LINE)
             });

@@ -89,7 +89,7 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(run.given_row(&variant));
             // A corner that hits one node excites mainly the hourglass modes around it.
             all.push(
-                run.hourglass_row(&variant).beside(0.1, "limit of the catalogue for structures"),
+                run.hourglass_row(&variant).reference(0.1, "limit of the catalogue for structures"),
             );
             let aside = after[0].hypot(after[1]) * whole / impulse;
             all.push(
@@ -233,7 +233,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
             "",
             (last - reach) / (0.5 * THICKNESS),
         );
-        all.push(row.beside(1.0, "1 for a round edge, 0 for a square one"));
+        all.push(row.reference(1.0, "1 for a round edge, 0 for a square one"));
         all.push(
             Row::new("largest velocity aside / v", &variant, "", aside / v)
                 .at_most(1e-3, "[D] no sideways force; bound of C03"),
@@ -246,7 +246,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         let fell = -mean_velocity(&run.engine, &[node], 2);
         all.push(
             Row::new("falls at the end / g t", &variant, "", fell / free)
-                .beside(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2 ms"),
+                .reference(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2 ms"),
         );
     }
     Ok(all)
@@ -326,13 +326,13 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                     Row::new("energy won per facet", &variant, "", change).at_most(5e-4, CATALOGUE),
                 );
                 let row = Row::new("change of energy per facet", &variant, "", change);
-                all.push(row.beside(5e-4, "limit of the catalogue, for a smooth surface"));
+                all.push(row.reference(5e-4, "limit of the catalogue, for a smooth surface"));
             } else {
                 let expected = (-2.0 * friction * angle.abs()).exp();
                 let row = Row::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
                 all.push(match law.is_spring() {
                     // The block is thrown off at corners, turns over and flies.
-                    true => row.beside(
+                    true => row.reference(
                         0.904,
                         "[C] rigid block in a nearly round drum, tests/references/drum.py",
                     ),
@@ -345,13 +345,13 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                 });
             }
             let row = Row::new("facets crossed", &variant, "", crossed);
-            all.push(row.beside(0.5 * FACETS as f64, "[D] half a turn"));
+            all.push(row.reference(0.5 * FACETS as f64, "[D] half a turn"));
             all.push(run.given_row(&variant));
             let aside =
                 momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
             let row = Row::new("momentum along the axis / m v", &variant, "", aside);
             all.push(if friction > 0.0 {
-                row.beside(0.0, "[D] zero except for the 7 degrees")
+                row.reference(0.0, "[D] zero except for the 7 degrees")
             } else {
                 row.at_most(1e-3, "[D] no friction; bound of C03")
             });

@@ -114,8 +114,8 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             let top = Row::new("largest pressure, fitted", &variant, "GPa", 1e-9 * square.sqrt());
             if cells < 8 {
-                all.push(half.beside(1e3 * width, D));
-                all.push(top.beside(1e-9 * peak, D));
+                all.push(half.reference(1e3 * width, D));
+                all.push(top.reference(1e-9 * peak, D));
             } else {
                 let known = if law.is_spring() { YIELDING } else { "" };
                 all.push(half.near(1e3 * width, 0.02, D).known(known));

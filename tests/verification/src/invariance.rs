@@ -239,7 +239,7 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(match keeps {
             // The walls take their share of the energy of nodes that hit them; the ledger books
             // it.
-            true => row.beside(1.0, "[D] 1 less the energy that the walls absorb"),
+            true => row.reference(1.0, "[D] 1 less the energy that the walls absorb"),
             false => row.at_most(1.0, "limit of the catalogue: never grows"),
         });
         let gained = energies.contact / run.initial;

@@ -229,7 +229,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_that_cannot_be_told_apart_are_refused() {
+    fn rows_with_equal_keys_are_refused() {
         let row = |quantity: &str| Row::new(quantity, "lagrange", "", 1.0);
         let outcome = |id, quantities: &[&str]| Outcome {
             id,

@@ -60,7 +60,7 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
         let row = Row::new("cantilever, frequency 1", &variant, "Hz", crossings.frequency());
         // Lumped masses: second order in the mesh.
         const D: &str = "[D] Euler-Bernoulli, catalogue A15";
-        all.push(if n == 20 { row.near(f, 0.01, D) } else { row.beside(f, D) });
+        all.push(if n == 20 { row.near(f, 0.01, D) } else { row.reference(f, D) });
         all.push(run.closing_row(&variant, 1e-3));
     }
     Ok(all)

@@ -101,7 +101,7 @@ fn of_mesh(
             let source = sources[usize::from(yields)];
             let close = |row: Row, known: f64| match own || n == 16 {
                 true => row.near(known, 0.02, source).known(if own { "" } else { MESH }),
-                false => row.beside(known, source),
+                false => row.reference(known, source),
             };
             let swing = loaded(bench, element, n, yields)?;
             let (when, most) = swing.extremum([0.0, 1e-3], true);
@@ -123,7 +123,7 @@ fn of_mesh(
                     fields(&swing.run.engine).iter().map(|f| f.plastic_strain).fold(0.0, f64::max);
                 all.push(
                     Row::new("largest plastic strain", &variant, "", strain)
-                        .beside(0.015, sources[0]),
+                        .reference(0.015, sources[0]),
                 );
             } else if known[2].is_finite() {
                 let row =
@@ -136,7 +136,7 @@ fn of_mesh(
                         "mm",
                         1e3 * most,
                     )
-                    .beside(5.495, "[D] Mindlin modal sum, small deflections"),
+                    .reference(5.495, "[D] Mindlin modal sum, small deflections"),
                 );
             }
             let energies = &swing.run.energies;
@@ -200,7 +200,7 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
             "",
             zigzag / most,
         );
-        all.push(row.beside(0.0, "catalogue: visible without control"));
+        all.push(row.reference(0.0, "catalogue: visible without control"));
         if coefficient > 0.0 {
             let energies = &run.energies;
             let share = energies.hourglass / energies.internal;
@@ -208,7 +208,7 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
                 Row::new("hourglass energy / internal energy at the end", &variant, "", share);
             all.push(match support {
                 "simply supported" => row.at_most(0.02, "limit of the catalogue"),
-                _ => row.beside(0.02, "limit of the catalogue for edges that are held"),
+                _ => row.reference(0.02, "limit of the catalogue for edges that are held"),
             });
         }
     }

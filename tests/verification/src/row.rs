@@ -84,7 +84,7 @@ impl Row {
     }
 
     /// Sets a reference without a bound.
-    pub fn beside(self, reference: f64, source: &'static str) -> Self {
+    pub fn reference(self, reference: f64, source: &'static str) -> Self {
         self.bound(reference, Tolerance::Recorded, source)
     }
 

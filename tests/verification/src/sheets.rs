@@ -172,7 +172,7 @@ fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(if n == 24 {
                 row.near(f, 0.01, "[D] Mindlin, catalogue A16")
             } else {
-                row.beside(f, "[D] Mindlin")
+                row.reference(f, "[D] Mindlin")
             });
         }
     }

@@ -318,7 +318,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                     "",
                     farthest * omega / (r * unit),
                 );
-                all.push(row.beside(0.0, "catalogue: 1e-6, F/k_t for springs"));
+                all.push(row.reference(0.0, "catalogue: 1e-6, F/k_t for springs"));
                 continue;
             }
             all.push(

@@ -123,12 +123,12 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
             let after = |b: usize| {
                 Row::new(format!("velocity of bar {} after", b + 1), &variant, "m/s", met.after[b])
             };
-            all.extend((0..2).map(|b| after(b).beside(v[1 - b], "[D] as the mesh is refined")));
+            all.extend((0..2).map(|b| after(b).reference(v[1 - b], "[D] as the mesh is refined")));
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match (law.is_spring(), across) {
-                (true, _) => lost.beside(0.0, "[D] a spring returns the energy that it stores"),
+                (true, _) => lost.reference(0.0, "[D] a spring returns the energy that it stores"),
                 (false, 1) => stopped(lost, 0.25 / n as f64),
-                (false, _) => lost.beside(0.25 / n as f64, "[D] end nodes, 1/4N"),
+                (false, _) => lost.reference(0.25 / n as f64, "[D] end nodes, 1/4N"),
             });
             all.extend(met.run.energy_rows(&variant, 1e-3));
         }
@@ -171,7 +171,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                     let variant = format!("{}, {mesh}, {n} cubes, safety {safety}", law.name);
                     all.push(
                         Row::new("restitution", &variant, "", e)
-                            .beside(1.0, "[D] 1 as the mesh is refined"),
+                            .reference(1.0, "[D] 1 as the mesh is refined"),
                     );
                     if !law.is_spring() {
                         let [most, least] = chain.map(|e| 1.0 - e);
@@ -193,9 +193,10 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                 let [least, most] =
                     [between(chains[0][1], chains[2][0]), between(chains[0][0], chains[2][1])];
                 all.push(match law.is_spring() {
-                    true => {
-                        row.beside(0.5 * (least + most), "[C] chains that collide without a spring")
-                    }
+                    true => row.reference(
+                        0.5 * (least + most),
+                        "[C] chains that collide without a spring",
+                    ),
                     // Either loss may be off by the 5 % of its own row.
                     false => row.within(
                         0.5 * (least + most),
@@ -246,9 +247,9 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
         vec![
             Row::new("time of impact", variant, "us", 1e6 * span.0).near(20.0, 0.01, D),
             duration("contact duration").near(68.654, 0.01, D),
-            duration("contact duration, 2L/c_d").beside(68.95, LINEAR),
+            duration("contact duration, 2L/c_d").reference(68.95, LINEAR),
             force_row("mean force").near(1.8644, 0.01, D),
-            force_row("mean force, rho c_d v a^2").beside(1.856, LINEAR),
+            force_row("mean force, rho c_d v a^2").reference(1.856, LINEAR),
             // The value tends to 1 as the mesh is refined; on a hundred cells the front of the
             // wave keeps some energy as oscillation.
             Row::new(

@@ -320,9 +320,9 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
         1e-3,
         vec![
             Row::new("stress behind the plastic front", &variant, "MPa", 1e-6 * stress)
-                .beside(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
+                .reference(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
             Row::new("strain behind the plastic front", &variant, "", strain)
-                .beside(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
+                .reference(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
             Row::new(
                 "stress behind the plastic front, finite strain",
                 &variant,

@@ -241,7 +241,7 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
             "[D] (dt/dt_natural)^2 of our own step, about 1e5",
         ),
         Row::new("mass added / mass of the plate, with mass_scaling_limit = 1", variant, "", share)
-            .beside(0.01, "limit of the catalogue, or the job is refused"),
+            .reference(0.01, "limit of the catalogue, or the job is refused"),
         Row::new(
             "refused at the default limit, 1 for yes",
             variant,

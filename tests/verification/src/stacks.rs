@@ -185,7 +185,7 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
         let share =
             Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
         all.push(
-            share.beside(1.0, "[D] a bar without lateral strain, less the remaining vibration"),
+            share.reference(1.0, "[D] a bar without lateral strain, less the remaining vibration"),
         );
     }
     Ok(all)

@@ -127,7 +127,11 @@ fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
     // The tolerances of the catalogue are for eight cells, and for the foot of the references.
     let gated = n == 8 && end == Foot::Held;
     let check = |row: Row, reference: f64, tolerance: f64, source: &'static str| {
-        if gated { row.near(reference, tolerance, source) } else { row.beside(reference, source) }
+        if gated {
+            row.near(reference, tolerance, source)
+        } else {
+            row.reference(reference, source)
+        }
     };
     let [radius, length] = m.at(80e-6);
     let mut all = vec![
@@ -166,10 +170,10 @@ fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
         let [radius, length] = m.at(1e-6 * t);
         all.push(
             Row::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius)
-                .beside(r, OWN),
+                .reference(r, OWN),
         );
         all.push(
-            Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).beside(l, OWN),
+            Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).reference(l, OWN),
         );
     }
     Ok(m.with_energy(&variant, all))
@@ -197,7 +201,7 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         ];
         let rows = rows.map(|(row, reference, tolerance)| match end {
             Foot::Held => row.near(reference, tolerance, S),
-            Foot::Pushed => row.beside(reference, S),
+            Foot::Pushed => row.reference(reference, S),
         });
         all.extend(m.with_energy(&variant, rows.into()));
     }
@@ -270,14 +274,14 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
             1e-3,
             vec![
                     duration("contact duration").near(5.560, 0.02, C),
-                    duration("contact duration, of a half space").beside(1e3 * time, D),
+                    duration("contact duration, of a half space").reference(1e3 * time, D),
                     Row::new("largest force", &variant, "N", most)
                         .near(FORCE, 0.03, C)
                         .known(yields),
                     Row::new("largest force, of a half space", &variant, "N", most)
-                        .beside(force, D),
+                        .reference(force, D),
                     way("way of the centre of mass").near(1.9504, 0.03, C),
-                    way("way of the centre of mass, of a half space").beside(1e3 * deepest, D),
+                    way("way of the centre of mass, of a half space").reference(1e3 * deepest, D),
                     run.hourglass_row(&variant),
                     Row::new(
                         "rebound / v",

@@ -122,7 +122,7 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
         // Five or ten elements do not resolve a front: duration and force have bounds on the
         // fine mesh only.
         let fine = |row: Row, reference| {
-            if n == 100 { row.near(reference, 0.01, D) } else { row.beside(reference, D) }
+            if n == 100 { row.near(reference, 0.01, D) } else { row.reference(reference, D) }
         };
         all.push(fine(Row::new("time of impact", &variant, "us", 1e6 * s.span.0), 666.7));
         all.push(fine(
@@ -220,9 +220,9 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
         1e-3,
         vec![
             Row::new("stress behind the plastic front", variant, "MPa", 1e-6 * stress)
-                .beside(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
+                .reference(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
             Row::new("strain behind the plastic front", variant, "", strain)
-                .beside(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
+                .reference(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
             Row::new(
                 "stress behind the plastic front, finite strain",
                 variant,

@@ -28,7 +28,7 @@
 use crate::contact::approach;
 use crate::contact::folds::{Edge, EdgeTable, FoldWedge, Kind};
 use crate::contact::geometry::{EdgeProjection, project_edges, separation};
-use crate::contact::local_search::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
+use crate::contact::local_search::{ACTIVE, BEHIND, OUTSIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
@@ -248,8 +248,8 @@ impl Edges {
             let [j, k] = met.nodes;
             let may_meet = (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
                 && are_within(slave, met, nodes, reach)
-                && !lines.has_beside(slave, surface, &met.nodes)
-                && !lines.has_beside(met, surface, &slave.nodes)
+                && !lines.has_adjacent(slave, surface, &met.nodes)
+                && !lines.has_adjacent(met, surface, &slave.nodes)
                 && !joined.excludes(slave.nodes[0], &[slave.nodes[1], j, k, k])
                 && !joined.are_tied(slave.nodes[1], &[j, k, k, k])
                 && lines.interface([slave, met], surface).is_some();
@@ -417,7 +417,7 @@ impl Edges {
             };
             // An upright edge that stands a little deep in a face has the same depth and
             // distance at the face's edges. It must not touch these edges.
-            let margin = if solid { (BESIDE * scale).max(-gap) } else { END * scale };
+            let margin = if solid { (OUTSIDE * scale).max(-gap) } else { END * scale };
             if solid && gap < -BEHIND * scale || to_end(0).min(to_end(1)) < margin {
                 return None;
             }
@@ -509,8 +509,8 @@ impl Edges {
     /// the histories of other workers' edges if the pair is lost or if no step has passed since
     /// they were collected: such an edge may have no owner any more.
     pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &PairHistory)> {
-        let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
-        told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
+        let sent = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
+        sent.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
     }
 }
 

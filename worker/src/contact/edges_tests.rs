@@ -83,7 +83,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
 /// with the ridge is found as soon as the distance is the contact thickness; an edge that is
 /// already deeper is not found.
 #[test]
-fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
+fn an_edge_across_a_fold_is_paired_when_it_touches() {
     let met_at = |height: f64| {
         let (nodes, surface) = ridge_and_rim([15.0, 240.0], height * 2.0 * HALF);
         let mut edges = Edges::new(&surface, &nodes, |_| Vec::new(), false);

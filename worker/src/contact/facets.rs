@@ -361,12 +361,14 @@ impl Facets {
         same.or_else(|| {
             let from = self.by_met.partition_point(|e| e.0 < met.id);
             let of_met = self.by_met[from..].iter().take_while(|e| e.0 == met.id);
-            let beside = of_met.map(|e| self.memories[e.1 as usize].memory).filter(|m| {
+            let neighbours = of_met.map(|e| self.memories[e.1 as usize].memory).filter(|m| {
                 let before = m.name.slave_quarter().0;
-                before != slave.id && alike(m) && surface.is_beside(before, slave)
+                before != slave.id && alike(m) && surface.is_adjacent(before, slave)
             });
             // Other workers do not know the stick point.
-            beside.min_by_key(|m| (m.age, m.name)).map(|m| PairHistory { slip: V3::zeros(), ..m })
+            neighbours
+                .min_by_key(|m| (m.age, m.name))
+                .map(|m| PairHistory { slip: V3::zeros(), ..m })
         })
     }
 
@@ -408,8 +410,8 @@ impl Facets {
     /// Returns the histories of own segments, once for each of their nodes; see
     /// [`Edges::pair_histories`](super::edges::Edges::pair_histories).
     pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &PairHistory)> {
-        let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
-        told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
+        let sent = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
+        sent.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
     }
 }
 
@@ -446,7 +448,7 @@ struct FacetPairGeometry<'a> {
 /// node with it.
 fn is_of(memory: &PairHistory, surface: &Surface, met: &Segment) -> bool {
     let before = SegmentId(memory.name.target[0]);
-    before == met.id || surface.is_beside(before, met)
+    before == met.id || surface.is_adjacent(before, met)
 }
 
 /// Returns true if a segment with this normal is convex. A segment that is not convex cannot be

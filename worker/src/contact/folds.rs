@@ -177,7 +177,7 @@ impl EdgeTable {
     }
 
     /// Returns true if a segment or a solid that has this edge has any of the nodes `others`.
-    pub fn has_beside(&self, edge: &Edge, surface: &Surface, others: &[u32; 2]) -> bool {
+    pub fn has_adjacent(&self, edge: &Edge, surface: &Surface, others: &[u32; 2]) -> bool {
         let has = |s: &Segment| others.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
         self.segments(edge).iter().any(|&g| has(&surface.segments[g as usize]))
     }

@@ -322,7 +322,7 @@ mod tests {
         /// Candidates that the near list leaves out stay out of reach, or outside the border,
         /// while point and corners move by half the skin each.
         #[test]
-        fn what_is_far_or_beside_stays_so_within_the_skin(
+        fn far_and_outside_points_stay_so_within_the_skin(
             corners in prop::array::uniform4(prop::array::uniform3(-0.2..0.2f64)),
             triangle in any::<bool>(),
             at in prop::array::uniform3(-2.5..2.5f64),
@@ -341,21 +341,21 @@ mod tests {
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
             let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
-            let beside = |at: V3, q: &[V3; 4], skin| {
+            let is_outside = |at: V3, q: &[V3; 4], skin| {
                 kernels::projects_outside(at.into(), &q.map(Into::into), skin)
             };
             let is_apart = kernels::distance_bound(at.into(), &q.map(Into::into)) > reach + skin;
             if Sphere::around(&q).is_farther(&at, reach + skin) || is_apart {
                 prop_assert!((then - near.point).norm() > reach);
             }
-            if beside(at, &q, skin) {
+            if is_outside(at, &q, skin) {
                 // The local search rejects both.
-                prop_assert!(beside(then, &later, 0.0) || near.rim);
+                prop_assert!(is_outside(then, &later, 0.0) || near.rim);
             }
             // A plane convex segment: a point outside its border projects onto its rim. Nothing
             // is stated about segments that are not convex or are warped that much.
             let flat = q.map(|p| V3::new(p.x, p.y, 0.0));
-            if beside(at, &flat, 0.0) {
+            if is_outside(at, &flat, 0.0) {
                 prop_assert!(nearest(&at, &flat, triangle).is_none_or(|n| n.rim));
             }
         }

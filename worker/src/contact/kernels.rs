@@ -418,13 +418,13 @@ mod tests {
             let wide: [Vector<Lane>; 4] = std::array::from_fn(|k| side_by_side(q.map(|q| q[k])));
             let three = Lane::new(triangle.map(|t| if t { 1.0 } else { 0.0 })).gt(Lane::splat(0.5));
             let all = project(side_by_side(at), &wide, three);
-            let beside = projects_outside(side_by_side(at), &wide, skin);
+            let outside = projects_outside(side_by_side(at), &wide, skin);
             let far = distance_bound(side_by_side(at), &wide);
             for lane in 0..LANES {
                 let one = project(at[lane], &q[lane], triangle[lane]);
                 prop_assert_eq!(is_in::<Lane>(all.found, lane), one.found);
                 prop_assert_eq!(
-                    is_in::<Lane>(beside, lane),
+                    is_in::<Lane>(outside, lane),
                     projects_outside(at[lane], &q[lane], skin)
                 );
                 prop_assert_eq!(

@@ -38,7 +38,7 @@ const PLANE: f64 = 0.02;
 pub(super) const BEHIND: f64 = 0.2;
 /// Distance outside the border of a solid's face up to which a node still touches it, as a
 /// fraction of the scale.
-pub(super) const BESIDE: f64 = 0.02;
+pub(super) const OUTSIDE: f64 = 0.02;
 /// Two surfaces are opposed where the product of their unit normals is below this value. At the
 /// corner of a block that lies flat on a face the product is -1/sqrt(3) with the mean of the
 /// corner's three normals. It is 0 for a top face and a side face.
@@ -63,7 +63,7 @@ pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64
     let before =
         most(surface.node_half[slave as usize] + segment.half_thickness) + ACTIVE * scale + step;
     let near = match segment.is_solid() {
-        true => TURNED * (before.max(BEHIND * scale) + BESIDE * scale + step),
+        true => TURNED * (before.max(BEHIND * scale) + OUTSIDE * scale + step),
         false => before,
     };
     near.min(REACH * scale)
@@ -240,12 +240,12 @@ fn shell_frame(
     visit: &PairGeometry<'_>,
     offset: &V3,
     known: Option<f64>,
-    beside: impl Fn() -> Option<f64>,
+    neighbour_side: impl Fn() -> Option<f64>,
 ) -> ContactFrame {
     let near = visit.near;
     let (distance, height) = (offset.norm(), offset.dot(&near.normal));
     let here = if height < 0.0 { -1.0 } else { 1.0 };
-    let side = if near.rim { here } else { known.or_else(beside).unwrap_or(here) };
+    let side = if near.rim { here } else { known.or_else(neighbour_side).unwrap_or(here) };
     let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
     let (normal, reached) =
         if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
@@ -278,8 +278,8 @@ fn solid_frame(
     let then = later(*slave);
     let met = nearest(&then, &segment.nodes.map(later), segment.is_triangle())?;
     let offset = then - met.point;
-    let beside = (offset - met.normal * offset.dot(&met.normal)).norm();
-    (!met.rim || beside <= BESIDE * scale).then_some(ContactFrame {
+    let outside = (offset - met.normal * offset.dot(&met.normal)).norm();
+    (!met.rim || outside <= OUTSIDE * scale).then_some(ContactFrame {
         normal: near.normal,
         side: 1.0,
         reached: height,
@@ -395,7 +395,7 @@ fn evaluate_pair(
     // A node that slid over an edge keeps the history from the neighbouring segment. A segment
     // of another body that faces the same way gives no history.
     let slid_here = |m: &&PairHistory, normal: &V3| {
-        m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment)
+        m.normal.dot(normal) > 0.7 && surface.is_adjacent(m.segment(), segment)
     };
     // History of the last step comes before lost history, whichever segment it belongs to.
     let kept = |normal: &V3| {
@@ -417,7 +417,7 @@ fn evaluate_pair(
         // A node past the middle surface of one segment is not on the other side of the next
         // segment.
         let past = |m: &&PairHistory| {
-            m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment)
+            m.depth > m.thickness && is_fresh(m) && surface.is_adjacent(m.segment(), segment)
         };
         if surface.has_lines && segment.is_line() {
             line_frame(visit, &offset, known.or_else(|| memory.iter().find(past)).map(|m| m.normal))
@@ -493,7 +493,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_depth_that_no_motion_explains_is_let_be() {
+    fn a_depth_without_motion_is_tolerated() {
         let pair = Pair::new(PairKey::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
         let memory = pair.with_history(None, -0.25, 0.0).to_history();
         let tolerated =
@@ -505,7 +505,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_let_be_is_given_back_at_a_speed_whatever_the_step() {
+    fn tolerated_gaps_are_reduced_at_a_speed_whatever_the_step() {
         let pair = Pair::new(PairKey::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
         let (speed, depth) = (2.0, 0.25);
         let mut memory = pair.with_history(None, -depth, -depth).to_history();

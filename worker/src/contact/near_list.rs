@@ -190,11 +190,11 @@ impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
             let four = PairBatch::of(self.surface, some, |s| s.0);
             let (at, q) = (four.slaves(&self.nodes.x), four.corners(&self.nodes.x));
             let reach = Lane::new(std::array::from_fn(|lane| some[lane.min(some.len() - 1)].1));
-            let (apart, beside) =
+            let (apart, outside) =
                 (distance_bound(at, &q).gt(reach), projects_outside(at, &q, self.skin));
             for (lane, &(of, _)) in some.iter().enumerate() {
                 if !(is_in::<Lane>(apart, lane)
-                    || of.shared_node_mask != 0 && is_in::<Lane>(beside, lane))
+                    || of.shared_node_mask != 0 && is_in::<Lane>(outside, lane))
                 {
                     near.push(of);
                 }

@@ -109,7 +109,7 @@ impl ProjectedPairs {
         for (lane, &i) in some.iter().enumerate() {
             let (of, segment) = (near.list[i as usize], four.segment[lane]);
             let goes_over =
-                |m: &PairHistory| segment.is_solid() && surface.is_beside(m.segment(), segment);
+                |m: &PairHistory| segment.is_solid() && surface.is_adjacent(m.segment(), segment);
             let is_kept =
                 || memory(of.slave_index).iter().any(|m| m.is_of(segment.id) || goes_over(m));
             let reaches =
@@ -199,14 +199,14 @@ mod tests {
                 ..NearList::default()
             };
             meetings.project(&nodes, &surface, (&mut near, 0.0), memory, 1.0);
-            let told = |m: &ProjectedPair| {
+            let result = |m: &ProjectedPair| {
                 let numbers =
                     m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
                 let bits: Vec<u64> =
                     numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
                 (m.of.slave_index, m.of.segment, m.near.rim, bits)
             };
-            meetings.all.iter().map(told).collect::<Vec<_>>()
+            meetings.all.iter().map(result).collect::<Vec<_>>()
         };
         let alone: Vec<_> = asked.iter().flat_map(|n| meet(std::slice::from_ref(n))).collect();
         assert!(

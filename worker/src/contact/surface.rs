@@ -346,7 +346,7 @@ impl Surface {
     }
 
     /// Returns true if a segment has a common node with another one, given by its id.
-    pub fn is_beside(&self, id: SegmentId, segment: &Segment) -> bool {
+    pub fn is_adjacent(&self, id: SegmentId, segment: &Segment) -> bool {
         let other = self.segments.binary_search_by_key(&id, |s| s.id).map(|i| &self.segments[i]);
         other.is_ok_and(|other| other.nodes.iter().any(|n| segment.nodes.contains(n)))
     }

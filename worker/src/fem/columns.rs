@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_put_in_comes_out_beside_what_was_there() {
+    fn inserted_columns_come_out_next_to_old_ones() {
         for precision in [Precision::Double, Precision::Single] {
             let mut columns = HistoryColumns::new(precision, 9, 3);
             let state = |element: usize| [0, 1, 2].map(|column| (10 * element + column) as f64);

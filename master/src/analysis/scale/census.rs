@@ -63,9 +63,9 @@ pub struct Count {
     /// Own contact pairs.
     pub pairs: u64,
     /// Copies of own pairs that are sent to other workers.
-    pub told: u64,
+    pub copies: u64,
     /// Words of these messages.
-    pub told_words: u64,
+    pub copied_words: u64,
     /// Workers with common contact pairs.
     pub partners: u64,
     /// Rounds after which the worker knows that none of the workers connected to it by contact
@@ -144,8 +144,8 @@ impl Census {
             others.dedup();
             others.retain(|&w| w != owner);
             self.counts[owner as usize].pairs += 1;
-            self.counts[owner as usize].told += others.len() as u64;
-            self.counts[owner as usize].told_words +=
+            self.counts[owner as usize].copies += others.len() as u64;
+            self.counts[owner as usize].copied_words +=
                 (others.len() * pair_exchange::message_words(pair)) as u64;
             partners.extend(others.iter().flat_map(|&w| [(owner, w), (w, owner)]));
         }
@@ -406,7 +406,7 @@ impl Count {
             let spins = engine.contact.as_ref().is_some_and(|c| c.has_couples(&engine.nodes));
             words += (self.near_workers * ghosts::RIGID_MOTION_WORDS as u64) as f64
                 + (self.exports * ghosts::ghost_words(spins)) as f64;
-            words += self.told_words as f64;
+            words += self.copied_words as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {
             // Convergence of all sweeps.

@@ -84,7 +84,7 @@ impl Work {
         let [mut messages, mut bytes] = traffic;
         if let Some(e) = partners {
             messages += units(count.partners) * e.messages;
-            bytes += 8.0 * (units(count.partners) * e.words[0] + units(count.told) * e.words[1]);
+            bytes += 8.0 * (units(count.partners) * e.words[0] + units(count.copies) * e.words[1]);
         }
         let surface = units(count.segments + count.exterior_segments + count.slaves);
         let motion = if exchange.is_some() { k.motion * units(count.held) } else { 0.0 };

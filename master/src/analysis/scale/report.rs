@@ -129,7 +129,7 @@ fn csv(samples: &[Sample]) -> String {
     let mut out = String::from(
         "time,cycle,workers,elements least,elements most,elements at shared nodes most,\
          held nodes most,copied nodes most,copied segments most,neighbours most,\
-         workers near most,workers told of pairs most,near candidates most,pairs most,\
+         workers near most,workers with copies of pairs most,near candidates most,pairs most,\
          messages most,messages to all others,bytes most,\
          step [us],own work of the slowest [us],efficiency [%],scaled efficiency [%]",
     );

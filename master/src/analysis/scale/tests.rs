@@ -71,10 +71,10 @@ fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> V
         let contact = engine.contact.as_ref().unwrap();
         count.near = contact.count_near().map(|(_, n)| n as u64).sum();
         for pair in contact.owned_table() {
-            let told: BTreeSet<u32> =
+            let receivers: BTreeSet<u32> =
                 pair.local_nodes().flat_map(|n| engine.halo.users_of(n)).copied().collect();
-            (count.pairs, count.told) = (count.pairs + 1, count.told + told.len() as u64);
-            count.told_words += (told.len() * message_words(pair)) as u64;
+            (count.pairs, count.copies) = (count.pairs + 1, count.copies + receivers.len() as u64);
+            count.copied_words += (receivers.len() * message_words(pair)) as u64;
         }
         let own = |n: &u32| engine.nodes.is_owned(*n as usize);
         count.members =

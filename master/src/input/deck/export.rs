@@ -556,7 +556,7 @@ fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     let referring = ["pressure", "load", "motion", "wall"];
     if referring.iter().any(|key| deck.rest.contains_key(*key)) {
         for curve in &job.curve {
-            curves.beside(deck, Some(&curve.name));
+            curves.write_table(deck, Some(&curve.name));
         }
     }
 }

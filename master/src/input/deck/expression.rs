@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_formula_is_told() {
+    fn invalid_formulas_are_reported() {
         for text in [
             "",
             "1+",

@@ -236,11 +236,11 @@ impl Reader<'_> {
         let line = |span: (u32, u32)| {
             String::from_utf8_lossy(&bytes[span.0 as usize..span.1 as usize]).into_owned()
         };
-        let beside = path.parent().unwrap_or(Path::new(""));
+        let folder = path.parent().unwrap_or(Path::new(""));
         match block.name.as_str() {
             "INCLUDE" => {
                 for (name, span) in names(&block.lines, line) {
-                    let found = self.resolve_include(&name, beside);
+                    let found = self.resolve_include(&name, folder);
                     let place = block.span(span, 0, (span.1 - span.0) as usize);
                     self.file(&found, name, Some(place), format);
                 }
@@ -249,7 +249,7 @@ impl Reader<'_> {
                 let root = if block.name == "INCLUDE_PATH" {
                     PathBuf::new()
                 } else {
-                    beside.to_path_buf()
+                    folder.to_path_buf()
                 };
                 let folders =
                     names(&block.lines, line).into_iter().map(|(name, _)| root.join(name));
@@ -266,12 +266,12 @@ impl Reader<'_> {
 
     /// Returns the file for a name: as it is, or in forms of other systems, in quotes or with
     /// backslashes.
-    fn resolve_include(&self, name: &str, beside: &Path) -> PathBuf {
+    fn resolve_include(&self, name: &str, folder: &Path) -> PathBuf {
         let bare = name.trim_matches(['"', '\'']);
         let names = [name.to_string(), bare.to_string(), bare.replace('\\', "/")];
-        let places = || self.folders.iter().map(PathBuf::as_path).chain([beside]);
+        let places = || self.folders.iter().map(PathBuf::as_path).chain([folder]);
         let all = names.iter().flat_map(|name| places().map(move |folder| folder.join(name)));
-        all.into_iter().find(|p| p.is_file()).unwrap_or_else(|| beside.join(name))
+        all.into_iter().find(|p| p.is_file()).unwrap_or_else(|| folder.join(name))
     }
 }
 

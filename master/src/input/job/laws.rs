@@ -86,11 +86,11 @@ impl Blocks {
             }
         }
         // Each part that uses a material repeats the checks of the material.
-        let mut told: Vec<(String, String)> = Vec::new();
+        let mut reported: Vec<(String, String)> = Vec::new();
         for problem in problems {
             let key = (problem.path.clone(), problem.message.clone());
-            if !told.contains(&key) {
-                told.push(key);
+            if !reported.contains(&key) {
+                reported.push(key);
                 findings.add(problem);
             }
         }
@@ -131,7 +131,7 @@ pub fn thinned(settings: &Settings, initial: &InitialPenetrations) -> Option<Pro
 pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
     let (unseen, seen): (Vec<_>, Vec<_>) =
         initial.penetrations.iter().copied().partition(|p| p.unseen);
-    let tell = |found: &[Penetration], what: &str, help: &str| {
+    let warn = |found: &[Penetration], what: &str, help: &str| {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
         let Penetration { node, depth, elem, .. } = deepest;
         let count = found.len();
@@ -144,7 +144,7 @@ pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
     let kept = "move the parts apart; otherwise these penetrations are tolerated without force, \
                 and contact acts from that depth on";
     let never = "move the parts apart; otherwise they pass through each other there";
-    let seen = tell(&seen, "the thickness of shells, beams, or other solids", kept);
-    let unseen = tell(&unseen, "other solids, too deep for contact to detect", never);
+    let seen = warn(&seen, "the thickness of shells, beams, or other solids", kept);
+    let unseen = warn(&unseen, "other solids, too deep for contact to detect", never);
     seen.into_iter().chain(unseen).collect()
 }

@@ -10,7 +10,7 @@ use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Maximum number of problems of one kind that are reported singly.
-const TOLD: usize = 20;
+const MAX_REPORTED: usize = 20;
 /// Largest id that an f64 represents exactly.
 const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
 /// Area over the square of the longest side below which the area of an element is only round-off.
@@ -542,18 +542,18 @@ fn outline(x: &[[f64; 3]]) -> Outline {
 /// Reports the first problems of each kind singly and counts the others.
 struct Few<'f> {
     findings: &'f mut Findings,
-    told: BTreeMap<&'static str, (usize, String)>,
+    counts: BTreeMap<&'static str, (usize, String)>,
 }
 
 impl<'f> Few<'f> {
     fn new(findings: &'f mut Findings) -> Self {
-        Few { findings, told: BTreeMap::new() }
+        Few { findings, counts: BTreeMap::new() }
     }
 
     fn error(&mut self, kind: &'static str, path: String, message: String, help: &str) {
-        let entry = self.told.entry(kind).or_insert((0, String::new()));
+        let entry = self.counts.entry(kind).or_insert((0, String::new()));
         entry.0 += 1;
-        if entry.0 <= TOLD {
+        if entry.0 <= MAX_REPORTED {
             entry.1.clone_from(&path);
             self.findings.add(Problem::error(path, message, help));
         }
@@ -562,9 +562,10 @@ impl<'f> Few<'f> {
 
 impl Drop for Few<'_> {
     fn drop(&mut self) {
-        for (kind, (count, path)) in std::mem::take(&mut self.told) {
-            if count > TOLD {
-                let message = format!("{} more problems of this kind ({kind})", count - TOLD);
+        for (kind, (count, path)) in std::mem::take(&mut self.counts) {
+            if count > MAX_REPORTED {
+                let message =
+                    format!("{} more problems of this kind ({kind})", count - MAX_REPORTED);
                 self.findings.add(Problem::error(path, message, ""));
             }
         }

@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_set_is_said() {
+    fn keys_that_cannot_be_set_are_reported() {
         for (argument, said) in [
             ("part.rial.thickness=5", "did you mean `rail`"),
             ("part.0.thickness=5", "no entry with the name or id `0`"),

@@ -70,7 +70,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
     };
     if let (Some(table), Some(contact)) = (tree.get("contact"), &job.contact) {
         let used_by = |one: &Contact, laws: &[&str]| laws.contains(&one.law.as_str());
-        let mut tell = |path: String, key: &str, law: &str, laws: &[&str]| {
+        let mut warn = |path: String, key: &str, law: &str, laws: &[&str]| {
             let message = format!("law = \"{law}\" does not use `{key}`");
             findings.add(Problem::warning(
                 path,
@@ -82,7 +82,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
         for (key, laws) in OF_LAWS {
             // Interfaces inherit this value.
             if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
-                tell(format!("contact.{key}"), key, &contact.law, laws);
+                warn(format!("contact.{key}"), key, &contact.law, laws);
             }
             let Some(Kind::Array(interfaces)) = table.get("interface").map(|node| &node.kind)
             else {
@@ -91,7 +91,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             for (i, (table, one)) in interfaces.iter().zip(&all[1..]).enumerate() {
                 let path = format!("contact.interface.{i}");
                 if written(table, &path, key) && !used_by(one, laws) {
-                    tell(format!("{path}.{key}"), key, &one.law, laws);
+                    warn(format!("{path}.{key}"), key, &one.law, laws);
                 }
             }
         }
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_uses_is_told_and_what_is_used_is_not() {
+    fn only_unused_keys_are_reported() {
         let plain = ["part.one.element=belytschko_tsay", "part.one.warping=true"];
         assert_eq!(
             warned(&[&["contact.law=penalty", "contact.penalty_scale=0.2"][..], &plain].concat()),

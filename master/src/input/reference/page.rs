@@ -280,7 +280,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dimensions_are_told_from_other_brackets() {
+    fn dimensions_are_distinguished_from_other_brackets() {
         let cut = |text: &str| split(text);
         assert_eq!(cut("A length [length]."), ("A length.".into(), Some("length".into())));
         assert_eq!(

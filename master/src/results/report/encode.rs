@@ -10,7 +10,7 @@
 
 use super::scene::Scene;
 use super::series::{ABSENT, SCALARS, Series};
-use super::surface::NOBODY;
+use super::surface::NO_ELEMENT;
 use flate2::{Compression, write::ZlibEncoder};
 use serde::Serialize;
 use std::io::Write;
@@ -81,7 +81,7 @@ pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
     let before = std::iter::once(&0).chain(&corners);
     out.u32(corners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));
     for side in 0..2 {
-        let owner = |o: u32| if o == NOBODY { 0 } else { o + 1 };
+        let owner = |o: u32| if o == NO_ELEMENT { 0 } else { o + 1 };
         let owners: Vec<u32> = scene.faces.iter().map(|f| owner(f.owners[side])).collect();
         let before = std::iter::once(&0).chain(&owners);
         out.u32(owners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));

@@ -2,7 +2,7 @@
 //! large.
 
 use super::series::{Series, spread};
-use super::surface::{Face, NOBODY, without_repeats};
+use super::surface::{Face, NO_ELEMENT, without_repeats};
 use std::collections::{HashMap, HashSet};
 
 /// A selection from a series. Faces refer to indices in `nodes` and `elements`, which hold
@@ -101,7 +101,7 @@ fn extent(series: &Series, nodes: &[u32]) -> ([f32; 3], f32) {
 
 /// Renumbers from zero in ascending order of the old numbers, which are returned.
 fn renumber<'a>(numbers: impl Iterator<Item = &'a mut u32>) -> Vec<u32> {
-    let mut places: Vec<&mut u32> = numbers.filter(|n| **n != NOBODY).collect();
+    let mut places: Vec<&mut u32> = numbers.filter(|n| **n != NO_ELEMENT).collect();
     let mut old: Vec<u32> = places.iter().map(|n| **n).collect();
     old.sort_unstable();
     old.dedup();
@@ -122,12 +122,12 @@ mod tests {
         let series = row_of_cubes(3, &[1, 1, 1]);
         let scene = Scene::new(&series, faces(&series));
         assert_eq!((scene.faces.len(), scene.nodes.len(), scene.elements), (14, 16, vec![0, 1, 2]));
-        let mut shells = vec![Face { corners: [9, 4, 7, 7], owners: [5, NOBODY] }];
+        let mut shells = vec![Face { corners: [9, 4, 7, 7], owners: [5, NO_ELEMENT] }];
         shells.push(Face { corners: [4, 9, 12, 30], owners: [8, 5] });
         let scene = Scene::new(&series, shells);
         assert_eq!(scene.nodes, [4, 7, 9, 12, 30]);
         assert_eq!(scene.elements, [5, 8]);
-        assert_eq!(scene.faces[0], Face { corners: [2, 0, 1, 1], owners: [0, NOBODY] });
+        assert_eq!(scene.faces[0], Face { corners: [2, 0, 1, 1], owners: [0, NO_ELEMENT] });
         assert_eq!(scene.faces[1], Face { corners: [0, 2, 3, 4], owners: [1, 0] });
     }
 
@@ -142,7 +142,7 @@ mod tests {
             let (i, j) = (e / 16, e % 16);
             Face {
                 corners: [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)],
-                owners: [e, NOBODY],
+                owners: [e, NO_ELEMENT],
             }
         };
         let fine = Scene::new(&series, (0..256).map(quad).collect());

@@ -15,7 +15,7 @@ pub struct Face {
 }
 
 /// Code of a side without element.
-pub const NOBODY: u32 = u32::MAX;
+pub const NO_ELEMENT: u32 = u32::MAX;
 
 /// Faces of a hexahedron by its corners, as in `Shape::faces` of the mesh, in any orientation.
 const OF_HEXAHEDRON: [[usize; 4]; 6] =
@@ -30,13 +30,13 @@ pub fn faces(series: &Series) -> Vec<Face> {
         let c = e.corners;
         match e.shape {
             Shape::Line => {
-                faces.push(Face { corners: [c[0], c[1], c[1], c[1]], owners: [owner, NOBODY] })
+                faces.push(Face { corners: [c[0], c[1], c[1], c[1]], owners: [owner, NO_ELEMENT] })
             }
             Shape::Triangle => {
-                faces.push(Face { corners: [c[0], c[1], c[2], c[2]], owners: [owner, NOBODY] })
+                faces.push(Face { corners: [c[0], c[1], c[2], c[2]], owners: [owner, NO_ELEMENT] })
             }
             Shape::Quad => {
-                faces.push(Face { corners: [c[0], c[1], c[2], c[3]], owners: [owner, NOBODY] })
+                faces.push(Face { corners: [c[0], c[1], c[2], c[3]], owners: [owner, NO_ELEMENT] })
             }
             Shape::Hexahedron => {
                 for face in OF_HEXAHEDRON {
@@ -47,7 +47,7 @@ pub fn faces(series: &Series) -> Vec<Face> {
                         Some(of_other) => faces[of_other].owners[1] = owner,
                         None => {
                             between.insert(key, faces.len());
-                            faces.push(Face { corners, owners: [owner, NOBODY] });
+                            faces.push(Face { corners, owners: [owner, NO_ELEMENT] });
                         }
                     }
                 }
@@ -56,7 +56,7 @@ pub fn faces(series: &Series) -> Vec<Face> {
     }
     let there = |frame: usize, owner: u32| {
         let state = &series.frames[frame].state;
-        owner != NOBODY && state.get(owner as usize).is_some_and(|&s| s != ABSENT)
+        owner != NO_ELEMENT && state.get(owner as usize).is_some_and(|&s| s != ABSENT)
     };
     let seen =
         |f: &Face| (0..series.frames.len()).any(|k| there(k, f.owners[0]) != there(k, f.owners[1]));
@@ -127,7 +127,7 @@ pub mod tests {
         let series = row_of_cubes(5, &[1, 1, 0, 2, 1]);
         let faces = faces(&series);
         let inner: Vec<[u32; 2]> =
-            faces.iter().map(|f| f.owners).filter(|o| o[1] != NOBODY).collect();
+            faces.iter().map(|f| f.owners).filter(|o| o[1] != NO_ELEMENT).collect();
         assert_eq!(inner, [[1, 2], [2, 3]]);
         assert_eq!(faces.len() - inner.len(), 5 * 4 + 2);
     }

@@ -91,7 +91,7 @@ fn a_guided_body_turns_about_what_is_left() {
 
 /// Prescribed rotation and displacement, with the third translation free.
 #[test]
-fn a_led_body_goes_where_it_must() {
+fn a_prescribed_body_follows_its_curve() {
     let motion = |form, dofs, amount| Motion { nodes: Vec::new(), dofs, form, amount, curve: None };
     let spin = motion(MotionForm::Spin { centre: [0.0; 3] }, 0b11_1000, [0.0, 0.6, 0.8]);
     let led = RigidBody {

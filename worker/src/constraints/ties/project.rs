@@ -7,7 +7,7 @@ use crumple_proto::boxes::Aabb;
 
 /// Largest distance of a node beyond the edge of a face, along the face, over the shorter
 /// diagonal of the face. Faces of a curved surface leave such gaps between them.
-const BESIDE: f64 = 0.05;
+const MAX_OUTSIDE: f64 = 0.05;
 
 /// Corners of a face; a triangle repeats the third [length].
 pub type Face = [[f64; 3]; 4];
@@ -53,9 +53,10 @@ pub fn feet(
         let (corners, at) = (faces[f].map(V3::from), V3::from(points[p]));
         let Some(near) = nearest(&at, &corners, faces[f][2] == faces[f][3]) else { return };
         let off = at - near.point;
-        let beside = off - near.normal * near.normal.dot(&off);
+        let outside = off - near.normal * near.normal.dot(&off);
         let distance = off.norm();
-        let reached = distance <= tolerance(f, p) && beside.norm() <= BESIDE * diagonal(&faces[f]);
+        let reached =
+            distance <= tolerance(f, p) && outside.norm() <= MAX_OUTSIDE * diagonal(&faces[f]);
         if reached && feet[p].is_none_or(|old| distance < old.distance) {
             feet[p] = Some(Foot { face: f, shape: near.shape, point: near.point.into(), distance });
         }
@@ -94,9 +95,9 @@ mod tests {
         assert_eq!(found[1].map(|f| f.face), Some(0), "the first of two faces");
         assert_eq!(found[2].map(|f| (f.face, f.shape)), Some((2, [0.5, 0.25, 0.25, 0.0])));
         assert_eq!(found[3], None, "too far off");
-        let beside = found[4].unwrap();
+        let outside = found[4].unwrap();
         assert_eq!(
-            (beside.point, beside.shape),
+            (outside.point, outside.shape),
             ([0.0, 0.5, 0.0], [0.5, 0.0, 0.0, 0.5]),
             "the tolerance is a twentieth of the diagonal, 0.07"
         );

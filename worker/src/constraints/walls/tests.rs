@@ -203,7 +203,7 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
 /// A wall with prescribed motion accelerates a node to its own velocity, tangentially within
 /// the cone of friction, and does the work.
 #[test]
-fn a_led_wall_takes_along_what_it_meets() {
+fn a_prescribed_wall_moves_nodes_in_contact() {
     let dt = 1e-3;
     let motion = Motion {
         nodes: Vec::new(),

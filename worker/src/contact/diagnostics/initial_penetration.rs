@@ -2,7 +2,7 @@
 //! penetrations, and shells and beams whose thickness in contact is reduced.
 
 use crate::contact::geometry::nearest;
-use crate::contact::local_search::{BEHIND, BESIDE, is_opposed};
+use crate::contact::local_search::{BEHIND, OUTSIDE, is_opposed};
 use crate::contact::search::linked_cells;
 use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::fem::blocks::LocalElement;
@@ -155,7 +155,7 @@ fn in_solids(
         let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
         let depth = -offset.dot(&near.normal);
         let behind =
-            depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
+            depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= OUTSIDE * scale;
         let touches = surface.interface(p as usize, s).is_some();
         let other = touches && !s.nodes.contains(&slave) && !s.behind.contains(&slave);
         (behind && other && is_opposed(nodes, surface, p as usize, &near.normal))

@@ -392,18 +392,12 @@ fn a_node_between_two_plates_ends_at_rest() {
 fn an_impact_does_not_feel_where_on_the_patch_it_is() {
     let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1);
     let (m, v, dt) = (1.0, 10.0, 1e-3);
-    let beside = 1e-9;
+    let off = 1e-9;
     for law in ["lagrange", "kinematic", "penalty"] {
         let mut first = None;
-        for (x, y) in [
-            (0.5, 0.5),
-            (0.0, 0.5),
-            (beside, 0.5),
-            (-beside, 0.5),
-            (0.0, 0.0),
-            (beside, -beside),
-            (0.3, beside),
-        ] {
+        for (x, y) in
+            [(0.5, 0.5), (0.0, 0.5), (off, 0.5), (-off, 0.5), (0.0, 0.0), (off, -off), (0.3, off)]
+        {
             let grid = (0..9).map(|i| V3::new((i % 3) as f64 - 1.0, (i / 3) as f64 - 1.0, 0.0));
             let mut points: Vec<NodeRecord> =
                 grid.map(|p| mass((turn * p).into(), [0.0; 3], 1e6)).collect();
@@ -502,16 +496,16 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
     let side = |leave: usize, back: f64| {
         let mut scene =
             Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], 1e-3);
-        let go = |scene: &mut Scene, x: f64, z: f64| {
+        let evaluate = |scene: &mut Scene, x: f64, z: f64| {
             scene.nodes.x[6] = row([x, 0.5, z]);
             (scene.nodes.v[6], scene.nodes.v_next[6]) = ([0.0; 4], [0.0; 4]);
             scene.step();
             scene.pairs().first().map(|p| p.normal.z)
         };
-        assert!(go(&mut scene, 0.9, 0.2 * HALF).unwrap() > 0.0, "from above");
-        assert!(go(&mut scene, 0.9, deep).unwrap() > 0.0, "beyond the middle plane");
-        (0..leave).for_each(|_| assert_eq!(go(&mut scene, 0.9, 10.0), None, "away"));
-        go(&mut scene, back, deep).unwrap()
+        assert!(evaluate(&mut scene, 0.9, 0.2 * HALF).unwrap() > 0.0, "from above");
+        assert!(evaluate(&mut scene, 0.9, deep).unwrap() > 0.0, "beyond the middle plane");
+        (0..leave).for_each(|_| assert_eq!(evaluate(&mut scene, 0.9, 10.0), None, "away"));
+        evaluate(&mut scene, back, deep).unwrap()
     };
     assert!(side(0, 1.1) > 0.0, "on the next segment");
     assert!(side(5, 0.9) > 0.0, "lost for five steps");

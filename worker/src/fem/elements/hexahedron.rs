@@ -159,7 +159,7 @@ impl<R: Real> Response<R> {
     #[inline(always)]
     fn zero_failed(&mut self, failed: R::Mask) {
         zero_failed(failed, self.force.as_flattened_mut());
-        self.totals.let_go(failed);
+        self.totals.zero_failed(failed);
     }
 }
 

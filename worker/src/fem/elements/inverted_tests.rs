@@ -119,7 +119,7 @@ fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
 
 /// Elements that failed by their law before are not counted as inverted.
 #[test]
-fn what_its_law_failed_is_not_inverted() {
+fn elements_failed_by_their_law_are_not_inverted() {
     for (element, triangular) in FORMULATIONS {
         let brittle = steel(
             "j2",

@@ -410,7 +410,7 @@ impl<R: Real> Totals<R> {
     /// Removes failed elements from the totals: they add no energy, do not limit the step and are
     /// never reported as trouble.
     #[inline(always)]
-    fn let_go(&mut self, failed: R::Mask) {
+    fn zero_failed(&mut self, failed: R::Mask) {
         self.internal = R::select(failed, R::zero(), self.internal);
         self.hourglass = R::select(failed, R::zero(), self.hourglass);
         self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);

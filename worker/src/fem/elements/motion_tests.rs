@@ -29,11 +29,11 @@ fn shells() -> Vec<(String, Patch)> {
         let mut all =
             Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
         all.hourglass = Some(HourglassForm::Viscous);
-        let beside = Part { offset: 1.0, ..all.clone() };
+        let with_offset = Part { offset: 1.0, ..all.clone() };
         let named = [
             (element.to_string(), plain),
             (format!("{element}, all options"), all),
-            (format!("{element}, offset"), beside),
+            (format!("{element}, offset"), with_offset),
         ];
         named.map(|(name, part)| {
             let mut patch = patch(part, triangular);
@@ -415,7 +415,7 @@ fn padding_adds_nothing_and_ranges_add_up() {
 }
 
 #[test]
-fn trouble_is_told() {
+fn failures_are_reported() {
     for (element, triangular) in FORMULATIONS {
         let (nodes, quads) = grid(4, 1, 4.0, 1.0);
         let cells = if triangular { triangles(&quads) } else { quads };
@@ -449,7 +449,7 @@ fn trouble_is_told() {
 }
 
 #[test]
-fn set_up_tells_everything_that_is_wrong() {
+fn set_up_reports_all_errors() {
     let part =
         Part { element: Some("belytchko_tsay".into()), thickness: -1.0, points: 11, ..part(1.0) };
     let paths = |part: &Part, material: Material, shape| {

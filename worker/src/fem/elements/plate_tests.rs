@@ -242,7 +242,7 @@ fn the_step_is_stable_with_the_usual_safety() {
 /// Verification A23(c): a free square is stable for 1/sqrt(1 + nu) of L/c and no more, for any
 /// thickness; its step is 1.05 of that.
 #[test]
-fn a_lone_square_bears_its_step_with_the_usual_safety() {
+fn a_lone_square_is_stable_at_its_step_with_the_usual_safety() {
     let (nodes, quads) = grid(1, 1, 1.0, 1.0);
     for t in [0.01, 0.5] {
         for element in QUADS {
@@ -266,7 +266,7 @@ fn nodes_of(nodes: &[[f64; 3]]) -> [[f64; 3]; 4] {
 
 /// Single quads and triangles of any shape, thickness and Poisson's ratio.
 #[test]
-fn any_lone_element_bears_its_step_with_the_usual_safety() {
+fn any_lone_element_is_stable_at_its_step_with_the_usual_safety() {
     let quads = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let shears: [fn([f64; 2]) -> [f64; 2]; 5] = [
         |x| x,
@@ -301,7 +301,7 @@ fn any_lone_element_bears_its_step_with_the_usual_safety() {
 
 /// Squares whose corners are alternately above and below their plane, up to upright sides.
 #[test]
-fn any_warped_element_bears_its_step_with_the_usual_safety() {
+fn any_warped_element_is_stable_at_its_step_with_the_usual_safety() {
     let mut worst = [("", f64::INFINITY, 0.0); QUADS.len()];
     for warp in [0.1, 0.25, 0.5, 1.0, 2.0] {
         let nodes = [[0.0, 0.0, warp], [1.0, 0.0, -warp], [1.0, 1.0, warp], [0.0, 1.0, -warp]];

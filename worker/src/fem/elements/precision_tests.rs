@@ -64,7 +64,7 @@ fn shells_give_nearly_the_forces_of_double_precision() {
 /// Corners are sums of modes in double precision: the sum of the forces of an element vanishes as
 /// it does there.
 #[test]
-fn forces_of_an_element_add_up_to_nought() {
+fn forces_of_an_element_sum_to_zero() {
     let law = &laws()[0];
     for mut patch in shells(Precision::Single, law, [0.0; 3]) {
         let mut noise = Noise(3);

@@ -103,7 +103,7 @@ impl<R: Real> Response<R> {
     pub fn zero_failed(&mut self, failed: R::Mask) {
         zero_failed(failed, self.force.as_flattened_mut());
         zero_failed(failed, self.moment.as_flattened_mut());
-        self.totals.let_go(failed);
+        self.totals.zero_failed(failed);
     }
 }
 
@@ -372,8 +372,8 @@ impl<R: Real> Generalised<'_, R> {
 
 impl<R: Real> Response<R> {
     /// Builds the response of the kernel `K` from corner modes in the axes of the element and the
-    /// columns of the section. `energies` are internal and hourglass energy; `healthy` are the lanes
-    /// with the strain increments of a valid step.
+    /// columns of the section. `energies` are internal and hourglass energy; `healthy` are the
+    /// lanes with the strain increments of a valid step.
     #[inline(always)]
     pub fn new<K: Kernel>(
         g: &Geometry<R>,
@@ -493,7 +493,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         }
         if section.deletes {
             let gone = section.delete_inverted(history, calm, totals.sound, rows.magnitude());
-            totals.let_go(gone);
+            totals.zero_failed(gone);
             zero_corners::<L, W>(gone, force, moment);
         }
         totals

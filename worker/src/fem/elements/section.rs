@@ -668,9 +668,9 @@ impl Section {
 
     /// Deletes inverted elements of a part with [`Self::deletes`]. Returns the lanes with deleted
     /// elements, now or before. `calm` are the lanes that have an area and the strain increments of
-    /// a valid step, `sound` those that are valid in all respects. `moves` is a sum over coordinates
-    /// and velocities: if it is not finite, no element is deleted and the run must stop. A deleted
-    /// element keeps no state, since its shape gives no valid one.
+    /// a valid step, `sound` those that are valid in all respects. `moves` is a sum over
+    /// coordinates and velocities: if it is not finite, no element is deleted and the run must
+    /// stop. A deleted element keeps no state, since its shape gives no valid one.
     #[cold]
     #[inline(never)]
     pub fn delete_inverted<R: Real>(

@@ -114,7 +114,7 @@ fn critical(of: &Part, triangular: bool, nu: f64, n: usize, by: [f64; 2]) -> f64
 /// Bisection as in A23: stretched and compressed elements are stable for 0.9 of their step, as
 /// undeformed ones are.
 #[test]
-fn stretched_and_pressed_elements_bear_their_step_with_the_usual_safety() {
+fn stretched_and_pressed_elements_are_stable_at_their_step_with_the_usual_safety() {
     for (element, triangular) in FORMULATIONS {
         for by in [[1.4, 1.4], [2.0, 2.0], [2.0, 1.0], [3.0, 0.5], [0.6, 0.6]] {
             for (n, nu, t, thinning) in [
@@ -138,7 +138,7 @@ fn stretched_and_pressed_elements_bear_their_step_with_the_usual_safety() {
 /// Shells with an offset of the middle surface are also stable, undeformed and stretched: fine
 /// meshes, whose offset is long compared with their sides, and coarse ones.
 #[test]
-fn shells_with_an_offset_bear_their_step_with_the_usual_safety() {
+fn shells_with_an_offset_are_stable_at_their_step_with_the_usual_safety() {
     for (element, triangular) in FORMULATIONS {
         for offset in [1.0, -1.0, 4.0] {
             for (n, nu, t, by) in [
@@ -182,10 +182,10 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
                 "{element}: {now} for {wanted}"
             );
             let mut patch = patch;
-            let told = patch.forces(0.0).stable_dt;
+            let stable_dt = patch.forces(0.0).stable_dt;
             assert!(
-                (told / now - 1.0).abs() < 1e-3,
-                "{element}: {told} for {now}: slightly less in single precision"
+                (stable_dt / now - 1.0).abs() < 1e-3,
+                "{element}: {stable_dt} for {now}: slightly less in single precision"
             );
             let as_built = fresh.element.stable_dt_now(fresh.history.element(0), &fresh.corners(0));
             assert!(

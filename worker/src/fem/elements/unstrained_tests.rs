@@ -99,13 +99,13 @@ fn follow(
             }
             // Corners that no element writes would show as NaN in later sums.
             [force, moment].into_iter().for_each(|rows| rows.fill([f64::NAN; 4]));
-            let told = mesh.step(if cycle == 0 { 0.0 } else { 0.01 });
-            assert_eq!(told.trouble, None, "{name}, cycle {cycle}");
+            let report = mesh.step(if cycle == 0 { 0.0 } else { 0.01 });
+            assert_eq!(report.trouble, None, "{name}, cycle {cycle}");
             let View { history, force, moment, .. } = mesh.view();
             let history = (0..cells.len()).flat_map(|e| history.element(e).to_vec());
             let rows = force.iter().chain(&*moment).flatten().copied();
-            let told = [told.stable_dt, told.internal, told.hourglass];
-            told.into_iter().chain(rows).chain(history).map(bits).collect::<Vec<_>>()
+            let report = [report.stable_dt, report.internal, report.hourglass];
+            report.into_iter().chain(rows).chain(history).map(bits).collect::<Vec<_>>()
         });
         assert!(now[0] == now[1], "{name}, cycle {cycle}");
         let marks = kicked.chunks(lanes).map(|group| cycle < 10 || !group.contains(&true));

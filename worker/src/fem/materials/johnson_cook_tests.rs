@@ -148,7 +148,7 @@ fn shells_and_solids_agree_in_shear() {
 }
 
 #[test]
-fn what_is_missing_or_wrong_is_told() {
+fn missing_or_wrong_parameters_are_reported() {
     let mut material = steel(&[
         ("damage", Param::List(vec![1.0, 2.0])),
         ("melting_temperature", Param::Number(10.0)),

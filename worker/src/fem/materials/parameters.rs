@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_wrong_is_told_at_once() {
+    fn all_errors_are_reported_at_once() {
         let parameters = [
             ("young_modulus".to_string(), Param::Number(210.0)),
             ("poisson".to_string(), Param::Number(0.7)),

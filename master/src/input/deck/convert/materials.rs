@@ -155,7 +155,7 @@ impl DeckConverter {
         if lcss > 0 {
             let place = record.place("lcss");
             if let Some(curve) = self.curve(lcss, place) {
-                let points = from_nought(curve.points);
+                let points = starting_at_zero(curve.points);
                 table.put(
                     "hardening",
                     curve.lines.first().copied().unwrap_or(place),
@@ -187,7 +187,7 @@ impl DeckConverter {
             table.put("yield_stress", record.place("sigy"), record.real("sigy"));
             self.hardening_modulus(record, record.real("e"), record.real("etan"), table);
         } else {
-            table.put("hardening", record.place("es"), rows(&from_nought(points)));
+            table.put("hardening", record.place("es"), rows(&starting_at_zero(points)));
         }
     }
 
@@ -326,7 +326,7 @@ fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
 }
 
 /// Returns the points from plastic strain zero on. A table that begins later is constant before.
-fn from_nought(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+fn starting_at_zero(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if let Some(&[first, stress]) = points.first()
         && first > 0.0
     {

@@ -266,8 +266,8 @@ impl DeckConverter {
             used += &format!("{and}c0_triangle");
         }
         if bt {
-            let (form, told) = self.hourglass(record, sections, table, false);
-            used += &format!("; hourglass {form}{told}");
+            let (form, origin) = self.hourglass(record, sections, table, false);
+            used += &format!("; hourglass {form}{origin}");
         }
         let asked = match card.integer("elform") {
             0 => format!("shells, theory {elform}"),
@@ -311,7 +311,7 @@ impl DeckConverter {
             return;
         };
         table.put("element", card.place("elform"), "hexahedron");
-        let (form, told) = match wanted {
+        let (form, origin) = match wanted {
             Some(form) => {
                 table.put("hourglass", card.place("elform"), form);
                 (form, "")
@@ -328,7 +328,7 @@ impl DeckConverter {
         self.map(
             format!("part {id}"),
             format!("solids, elform {elform}"),
-            format!("hexahedron; hourglass {form}{told}"),
+            format!("hexahedron; hourglass {form}{origin}"),
         );
     }
 
@@ -368,13 +368,13 @@ impl DeckConverter {
             let coefficient = if coefficient > 0.0 { coefficient } else { DEFAULT_HOURGLASS };
             table.put("hourglass_coefficient", place, coefficient);
         }
-        let told = match form {
+        let origin = match form {
             0 => " (ihq blank)",
             1..=5 => "",
             6 | 7 | 9 | 10 if solids => "",
             _ => " (this ihq is not available)",
         };
-        (name, told)
+        (name, origin)
     }
 
     /// Returns the shells of each part with individual thicknesses at the corners, by index.

@@ -47,8 +47,8 @@ pub fn write(deck: &mut Deck, job: &Job) {
             (!(number == 1 && contact.name.is_empty())).then_some((number, name.as_str()));
         card(deck, one, (&ids, job.end_time), heading, &mut sets);
     }
-    let beside: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
-    differing(deck, "contact", contact, &Contact::default(), &beside);
+    let excluded: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
+    differing(deck, "contact", contact, &Contact::default(), &excluded);
     let entries: Vec<Value> =
         contact.interface.iter().zip(&names[1..]).filter_map(|(i, name)| rest(i, name)).collect();
     if !entries.is_empty()

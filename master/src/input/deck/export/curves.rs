@@ -13,13 +13,13 @@ const CONSTANT: &str = "constant factor of 1";
 pub struct TimeCurves<'j> {
     job: &'j Job,
     ids: BTreeMap<Option<String>, u64>,
-    beside: Vec<String>,
+    tables: Vec<String>,
 }
 
 impl<'j> TimeCurves<'j> {
     /// Starts without curves.
     pub fn new(job: &'j Job) -> Self {
-        Self { job, ids: BTreeMap::new(), beside: Vec::new() }
+        Self { job, ids: BTreeMap::new(), tables: Vec::new() }
     }
 
     fn points(&self, name: Option<&str>) -> Vec<[f64; 2]> {
@@ -48,16 +48,16 @@ impl<'j> TimeCurves<'j> {
     }
 
     /// Writes the curve after `$crumple:` too, and returns its name there.
-    pub fn beside(&mut self, deck: &mut Deck, name: Option<&str>) -> String {
+    pub fn write_table(&mut self, deck: &mut Deck, name: Option<&str>) -> String {
         let known = name.unwrap_or(CONSTANT).to_string();
-        if !self.beside.contains(&known) {
+        if !self.tables.contains(&known) {
             let rows =
                 self.points(name).into_iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();
             deck.entry(
                 "curve",
                 Table::from_iter([named(&known), ("points".into(), Value::from(rows))]),
             );
-            self.beside.push(known.clone());
+            self.tables.push(known.clone());
         }
         known
     }

@@ -121,7 +121,7 @@ fn led(
         true => curves.id(deck, of),
         false => {
             // A curve times the speed differs in its last digits.
-            let name = curves.beside(deck, of);
+            let name = curves.write_table(deck, of);
             exact.insert(key.into(), Value::from(v.to_vec()));
             exact.insert("curve".into(), name.into());
             curves.scaled(deck, of, length)
