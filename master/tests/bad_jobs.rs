@@ -298,14 +298,9 @@ fn damaged_jobs_do_not_panic() {
     let text = std::fs::read(plate()).unwrap();
     let there = tempfile::tempdir().unwrap();
     let path = there.path().join("job.toml");
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
-    let mut random = |below: usize| {
-        // xorshift64 (Marsaglia 2003): the same damage on every machine.
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state % below as u64) as usize
-    };
+    // The same damage on every machine.
+    let mut generator = fastrand::Rng::with_seed(1);
+    let mut random = |below: usize| generator.usize(..below);
     const PIECES: [&[u8]; 16] = [
         b"nan",
         b"-inf",

@@ -8,17 +8,7 @@ use std::path::Path;
 
 #[test]
 fn the_committed_reference_is_current() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/REFERENCE.md");
-    let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    let differ = page()
-        .lines()
-        .zip(committed.lines())
-        .find(|(now, then)| now != then)
-        .map(|(now, _)| now.to_string());
-    assert!(
-        committed == page(),
-        "run `crumple schema --reference > cases/REFERENCE.md`; first difference: {differ:?}"
-    );
+    expect_test::expect_file!["../../cases/REFERENCE.md"].assert_eq(&page());
 }
 
 /// The keys that the schema adds to the checks of the reader are those of the tables of the

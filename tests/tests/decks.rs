@@ -459,14 +459,6 @@ fn exported_cards_say_what_other_programs_have_to_know() {
 
 #[test]
 fn the_page_of_keywords_is_current() {
-    let path = program::root().join("cases/DECKS.md");
     let page = crumple::input::deck::reference::page();
-    if std::env::var_os("CRUMPLE_BLESS").is_some() {
-        fs::write(&path, &page).unwrap();
-    }
-    assert_eq!(
-        fs::read_to_string(&path).unwrap(),
-        page,
-        "run this test with CRUMPLE_BLESS=1 and check the changes"
-    );
+    expect_test::expect_file!["../../cases/DECKS.md"].assert_eq(&page);
 }

@@ -80,16 +80,12 @@ impl Scene {
 /// Returns true if small random initial velocities grow.
 fn grows(model: &Model) -> bool {
     const NOISE: f64 = 1e-12;
-    let mut seed = 7u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        NOISE * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
-    };
+    let mut random = fastrand::Rng::with_seed(7);
     let mut grown = false;
     let ended = run_alone(model, |e: &mut Engine| {
         if e.clock.cycle == 0 {
             for n in (0..e.nodes.local_count).filter(|&n| e.nodes.fixed[n] & 0b111 == 0) {
-                (0..3).for_each(|c| e.nodes.v[n][c] += random());
+                (0..3).for_each(|c| e.nodes.v[n][c] += NOISE * (2.0 * random.f64() - 1.0));
             }
         }
         let largest = e.nodes.v.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));

@@ -5,8 +5,8 @@
 //! need features that this one did not. Times are shares of the CPU time of that run. Elements of
 //! all parts are assumed to be equally expensive.
 
-use crate::analysis::connectivity::Sets;
 use crate::results::summary::{Cpu, MeanMax, PartSummary};
+use petgraph::unionfind::UnionFind;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -156,28 +156,31 @@ fn rigid(s: &Summary) -> Vec<Advice> {
     let stiff =
         |p: &&PartSummary| p.elements > 0 && !p.rigid && p.plastic_strain_max <= PROOF_STRAIN;
     let count = s.parts.iter().map(|p| p.pieces.len()).sum();
-    let mut sets = Sets { parent: (0..count).collect() };
+    let mut sets = UnionFind::<usize>::new(count);
     let pieces = || s.parts.iter().filter(stiff).flat_map(|p| &p.pieces);
     let among: Vec<usize> = pieces().map(|p| p.number).collect();
     for piece in pieces() {
-        piece
-            .joined
-            .iter()
-            .filter(|&o| among.contains(o))
-            .for_each(|&o| sets.join(piece.number, o));
+        for &other in piece.joined.iter().filter(|&other| among.contains(other)) {
+            sets.union(piece.number, other);
+        }
     }
-    let mut groups: BTreeMap<usize, Vec<&PartSummary>> = BTreeMap::new();
+    // In the order of the parts.
+    let mut groups: Vec<(usize, Vec<&PartSummary>)> = Vec::new();
     for p in s.parts.iter().filter(stiff) {
-        let mut roots: Vec<usize> = p.pieces.iter().map(|piece| sets.root(piece.number)).collect();
+        let mut roots: Vec<usize> =
+            p.pieces.iter().map(|piece| sets.find_mut(piece.number)).collect();
         roots.dedup();
         // A rigid body would weld a part whose pieces are not connected by stiff parts.
         if let [root] = roots[..] {
-            groups.entry(root).or_default().push(p);
+            match groups.iter_mut().find(|(of, _)| *of == root) {
+                Some((_, group)) => group.push(p),
+                None => groups.push((root, vec![p])),
+            }
         }
     }
     // If no part yielded, the stresses of the model matter, and rigid bodies have none.
     if s.parts.iter().filter(|p| p.elements > 0).count()
-        == groups.values().map(Vec::len).sum::<usize>()
+        == groups.iter().map(|(_, group)| group.len()).sum::<usize>()
     {
         return Vec::new();
     }
@@ -199,7 +202,7 @@ fn rigid(s: &Summary) -> Vec<Advice> {
         let parts = group.iter().map(|p| p.id).collect();
         Advice { why, at_most: seconds(s, &["elements"]) * share(s, within), settings, parts }
     };
-    groups.into_values().map(advise).collect()
+    groups.into_iter().map(|(_, group)| advise(group)).collect()
 }
 
 /// Finds parts whose mesh is finer than needed for their fields.

@@ -2,6 +2,7 @@
 
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::Mesh;
+use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -18,20 +19,16 @@ pub struct Piece {
 /// one piece.
 pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
     let mut places: HashMap<(u32, NodeId), usize> = HashMap::new();
-    let mut sets = Sets::default();
+    let mut sets = UnionFind::<usize>::new_empty();
     for e in &mesh.elements {
         let corners: Vec<usize> = e
             .corners()
             .iter()
-            .map(|&node| {
-                let next = places.len();
-                *places.entry((e.part, node)).or_insert_with(|| {
-                    sets.parent.push(next);
-                    next
-                })
-            })
+            .map(|&node| *places.entry((e.part, node)).or_insert_with(|| sets.new_set()))
             .collect();
-        corners.iter().for_each(|&c| sets.join(corners[0], c));
+        for &corner in &corners {
+            sets.union(corners[0], corner);
+        }
     }
     // Numbers in order of part and lowest node, independent of the order of the table.
     let mut ordered: Vec<((u32, NodeId), usize)> = places.into_iter().collect();
@@ -41,7 +38,7 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
     let mut at: BTreeMap<NodeId, BTreeSet<usize>> = BTreeMap::new();
     for ((part, node), place) in ordered {
         let next = numbers.len();
-        let number = *numbers.entry(sets.root(place)).or_insert_with(|| {
+        let number = *numbers.entry(sets.find_mut(place)).or_insert_with(|| {
             parts.entry(part).or_default().push(Piece { number: next, joined: Vec::new() });
             next
         });
@@ -57,30 +54,6 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
         piece.joined = joined.remove(&piece.number).unwrap_or_default().into_iter().collect();
     }
     parts
-}
-
-/// Disjoint sets of numbers (union-find).
-#[derive(Default)]
-pub struct Sets {
-    /// For each number another one of its set; the representative of a set is its own parent.
-    pub parent: Vec<usize>,
-}
-
-impl Sets {
-    /// Returns the representative of the set that contains `a`.
-    pub fn root(&mut self, mut a: usize) -> usize {
-        while self.parent[a] != a {
-            self.parent[a] = self.parent[self.parent[a]];
-            a = self.parent[a];
-        }
-        a
-    }
-
-    /// Merges the sets that contain `a` and `b`.
-    pub fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
-    }
 }
 
 #[cfg(test)]

@@ -99,12 +99,8 @@ pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
         );
     }
     let mut probe = Probe::new(model, at)?;
-    let mut seed = 7u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    let mut start: Vec<f64> = probe.free.iter().map(|_| random()).collect();
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut start: Vec<f64> = probe.free.iter().map(|_| 2.0 * random.f64() - 1.0).collect();
     let (mut eigenvalue, mut residual, mut pushes) = (0.0f64, f64::INFINITY, 0);
     for _ in 0..ROUNDS {
         let round = probe.lanczos(&start)?;

@@ -284,14 +284,13 @@ mod tests {
     fn a_page_stays_below_its_limit_and_says_what_was_left_out() {
         let mut series = row_of_cubes(400, &[1; 400]);
         let frame = series.frames[1].clone();
-        // Motion that does not compress, from a congruential generator.
-        let mut state = 1u32;
+        // Motion that does not compress.
+        let mut random = fastrand::Rng::with_seed(1);
         for k in 2..40 {
             let mut next = frame.clone();
             next.time = f64::from(k);
             for c in next.position.iter_mut().flatten() {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                *c += (state >> 8) as f32 / (1 << 24) as f32;
+                *c += random.f32();
             }
             series.frames.push(next);
         }
