@@ -1,8 +1,8 @@
 //! The surroundings of contact: constraints on its nodes, and other workers.
 //!
-//! Contact knows neither. It states what it needs from them, and the caller implements these traits (`worker/src/coupling.rs`), so the
-//! contact iteration is serial: it works on the pairs of this worker and on copies of the pairs of
-//! other workers, as if there were one worker only.
+//! Contact knows neither. It states what it needs from them, and the caller implements these traits
+//! (`worker/src/coupling.rs`). So the contact iteration is serial: it works on the pairs of this
+//! worker and on copies of the pairs of other workers, as if there were one worker only.
 
 use crate::contact::pairs::Pair;
 use crate::math::row::{Row, V3};
