@@ -52,7 +52,7 @@ fn keys_of_an_added_contact_law_are_checked_from_its_table() {
     let unknown = problems(&[STICKY, "contact.stickines=0.5"]);
     assert!(unknown.contains("`stickiness`"), "the nearest key is named: {unknown}");
     let word = problems(&[STICKY, "contact.stickiness=\"much\""]);
-    assert!(word.contains("has to be a number"), "{word}");
+    assert!(word.contains("has to be a finite number"), "{word}");
     let idle = problems(&["contact.stickiness=0.5"]);
     assert!(idle.contains("does not use `stickiness`") && idle.contains("sticky"), "{idle}");
     let of_other = problems(&[STICKY, "contact.penalty_scale=0.5"]);
