@@ -10,7 +10,7 @@ mod tie;
 mod wall;
 
 pub use beam::{Beam, BeamSection, Weld};
-pub use contact::{Contact, Interface};
+pub use contact::{Contact, Interface, Setting};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use rigid::Rigid;

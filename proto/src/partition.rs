@@ -56,6 +56,7 @@ pub struct Settings {
     /// all elements are computed in every cycle.
     pub subcycles: u64,
     /// Contact, if the model has any; default values of omitted lengths are filled in.
+    #[serde(with = "contact_text")]
     pub contact: Option<Contact>,
     /// True if nodes can rotate, because there are shells, beams or rigid bodies. Otherwise no
     /// rotational columns are stored, migrated or sent.
@@ -64,6 +65,25 @@ pub struct Settings {
     pub buffer: f64,
     /// Number of cycles between forced redecompositions, 0 for none (for tests).
     pub force_every: u64,
+}
+
+/// Contact in messages is text, because the keys of contact laws are not fixed, and a message has
+/// no names of fields. Text keeps all digits of a number.
+mod contact_text {
+    use super::Contact;
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(contact: &Option<Contact>, to: S) -> Result<S::Ok, S::Error> {
+        let text = contact.as_ref().map(toml::to_string).transpose();
+        text.map_err(S::Error::custom)?.serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Contact>, D::Error> {
+        let text = Option::<String>::deserialize(from)?;
+        text.map(|text| toml::from_str(&text)).transpose().map_err(D::Error::custom)
+    }
 }
 
 /// Cost of an element in a cycle in which it is not computed (its part of the nodal update)

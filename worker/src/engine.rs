@@ -102,7 +102,7 @@ impl Engine {
             ledger: Ledger::default(),
             histories: Histories::default(),
             balance: None,
-            timer: Timer::new(),
+            timer: Timer::default(),
             inverted: Vec::new(),
             centre: [0.0; 3],
             nodes: local.nodes,

@@ -9,6 +9,7 @@
 //! - [`constraints`]: prescribed motion, rigid bodies, ties, rigid walls
 //! - [`coupling`]: the constraints and the other workers, as contact sees them
 //! - [`parallel`]: partition, ghosts, migration, the reduction of each step
+//! - [`parameter`], [`registry`]: keys of laws; tables of laws that can be extended
 //! - [`math`]: SIMD lanes, best-fit rigid motion, exact sums
 //! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed
 //!   elements
@@ -29,6 +30,8 @@ pub mod math;
 pub mod nodes;
 pub mod output;
 pub mod parallel;
+pub mod parameter;
+pub mod registry;
 pub mod serve;
 pub mod step;
 #[cfg(test)]

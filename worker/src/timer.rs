@@ -14,12 +14,14 @@ pub struct Timer {
     recorder: Option<Box<Recorder>>,
 }
 
-impl Timer {
+impl Default for Timer {
     /// Starts with no time booked.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self { seconds: [0.0; PHASES.len()], last: Instant::now(), recorder: None }
     }
+}
 
+impl Timer {
     /// Starts a lap and does not book the time before it.
     pub fn restart(&mut self) {
         self.last = Instant::now();

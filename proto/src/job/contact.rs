@@ -2,11 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Automatic single-surface contact of all parts or of some parts, and interfaces with their own
 /// settings.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Contact {
     /// Name in messages.
     pub name: String,
@@ -45,48 +47,10 @@ pub struct Contact {
     /// if that is more, at most one median side. It changes the number and duration of searches and
     /// which parts count as near, but no bit of the motion.
     pub skin: f64,
-    /// Iteration for coupled pairs (Lagrange). `gauss_seidel` (default) updates one pair after the
-    /// other in ascending order of their keys (`cases/studies/README.md`, sandwich). `split`
-    /// updates all pairs from the same state, with nodal masses split among their pairs; it needs
-    /// more sweeps.
-    pub iteration: String,
-    /// Largest number of plain sweeps over all pairs in a step (Lagrange), or of passes (kinematic;
-    /// 1 in PRONTO3D).
-    pub sweeps: usize,
-    /// Largest number of accelerated sweeps in a step (Lagrange); 0 for none. They follow the plain
-    /// sweeps if these leave more than 1e-4 of the velocity that a force has to change. This
-    /// happens with layers of less than a hundredth of the mass of their neighbours. With
-    /// `sweeps = 1` none follow. See `cases/studies/README.md`, sandwich.
-    pub accelerated: usize,
-    /// Velocity that a force leaves to be changed, over the velocity that it has to change
-    /// (Lagrange). Relative change below which a force stays as it is (kinematic). See
-    /// `cases/studies/README.md`, bars.
-    pub tolerance: f64,
     /// Distribution of a contact force to the nodes of a segment: `shape` (N_k) or `mass` (m_k/M2
     /// of Wang 2007, eq. 7). `mass` does not conserve angular momentum if the nodal masses of a
     /// segment differ (Lagrange). See `cases/studies/README.md`, hertz and tumble.
     pub weighting: String,
-    /// Partition factor beta (kinematic): fraction of the correction that one surface takes as
-    /// slave of the other. It is the surface of the lower part, or within a part of the lower
-    /// element. The other surface takes the rest as slave of the first. Pairs whose surfaces are
-    /// not slaves of each other are not partitioned. See `cases/studies/README.md`, bars-solids.
-    pub partition: f64,
-    /// Form of the penalty stiffness (penalty, mortar): `soft`, from nodal masses and the step, or
-    /// `stiffness`. `stiffness` is E A / d with Young's modulus E and area A of the segment, and d
-    /// the shortest edge of a solid or the longest diagonal of a shell. With the law `mortar` it is
-    /// the stiffness of a pressure. See `cases/studies/README.md`, reversal and hertz.
-    pub penalty_form: String,
-    /// Factor on the penalty stiffness of either form (penalty, mortar). See
-    /// `cases/studies/README.md`, bars, reversal and penalty-map.
-    pub penalty_scale: f64,
-    /// Normal damping of the penalty, as a fraction of the critical damping of the masses in
-    /// contact (penalty, mortar). Without damping, a sliding body bounces on the contact springs,
-    /// and its friction is too small (`cases/studies/README.md`, slide). With 0.1 an impact of bars
-    /// loses as much as with the Lagrange law.
-    pub penalty_damping: f64,
-    /// Reduce the penalty stiffness where it would make the step unstable, with a warning (penalty,
-    /// mortar). Without it a run may become unstable (`cases/studies/README.md`, penalty-map).
-    pub penalty_cap: bool,
     /// Contact between edges: free edges of shells, folds, and sharp edges of solids. Without it
     /// edges pass through each other between their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
@@ -107,6 +71,10 @@ pub struct Contact {
     pub against: Vec<u32>,
     /// Parts that are in contact by interfaces only.
     pub exclude: Vec<u32>,
+    /// Settings of the laws, by key. Each law publishes the keys that it uses.
+    #[serde(flatten)]
+    #[schemars(skip)]
+    pub parameters: BTreeMap<String, Setting>,
     /// Interfaces: pairs of parts with other settings than above, or without contact. The last
     /// interface that names a pair of parts applies to it.
     pub interface: Vec<Interface>,
@@ -115,7 +83,8 @@ pub struct Contact {
 /// Interface: contact between some parts, with its own settings. A key that is not given is as in
 /// `[contact]`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Interface {
     /// Name in messages and for `--set contact.interface.NAME.key`.
     pub name: String,
@@ -147,30 +116,25 @@ pub struct Interface {
     pub thickness: Option<f64>,
     /// As in `[contact]`.
     pub thickness_scale: Option<f64>,
-    /// As in `[contact]`.
-    pub iteration: Option<String>,
-    /// As in `[contact]`.
-    pub sweeps: Option<usize>,
-    /// As in `[contact]`.
-    pub tolerance: Option<f64>,
-    /// As in `[contact]`.
-    pub partition: Option<f64>,
-    /// As in `[contact]`.
-    pub penalty_form: Option<String>,
-    /// As in `[contact]`.
-    pub penalty_scale: Option<f64>,
-    /// As in `[contact]`.
-    pub penalty_damping: Option<f64>,
-    /// As in `[contact]`.
-    pub penalty_cap: Option<bool>,
     /// As in `[contact]`. If false, this interface does not apply to beams, and an earlier
     /// interface remains in effect for them.
     pub beams: Option<bool>,
+    /// Settings of the laws, by key. Those that are not given are as in `[contact]`.
+    #[serde(flatten)]
+    #[schemars(skip)]
+    pub parameters: BTreeMap<String, Setting>,
 }
 
 impl Contact {
     /// Name of the law for no contact.
     pub const NO_LAW: &str = "none";
+
+    /// Returns the same settings with a key of a law set to `value`.
+    #[must_use]
+    pub fn with(mut self, key: &str, value: impl Into<Setting>) -> Self {
+        self.parameters.insert(key.into(), value.into());
+        self
+    }
 
     /// Returns the settings of one of its interfaces.
     pub fn of(&self, interface: &Interface) -> Self {
@@ -188,16 +152,11 @@ impl Contact {
             death,
             thickness,
             thickness_scale,
-            iteration,
-            sweeps,
-            tolerance,
-            partition,
-            penalty_form,
-            penalty_scale,
-            penalty_damping,
-            penalty_cap,
             beams,
+            parameters: own,
         } = interface.clone();
+        let mut parameters = self.parameters.clone();
+        parameters.extend(own);
         let default = Self::default().law;
         let of_all = if self.law == Self::NO_LAW { &default } else { &self.law };
         let dynamic = if friction.is_some() {
@@ -216,24 +175,16 @@ impl Contact {
             death: death.or(self.death),
             thickness: thickness.or(self.thickness.filter(|_| thickness_scale.is_none())),
             thickness_scale: thickness_scale.unwrap_or(self.thickness_scale),
-            iteration: iteration.unwrap_or_else(|| self.iteration.clone()),
-            sweeps: sweeps.unwrap_or(self.sweeps),
-            tolerance: tolerance.unwrap_or(self.tolerance),
-            partition: partition.unwrap_or(self.partition),
-            penalty_form: penalty_form.unwrap_or_else(|| self.penalty_form.clone()),
-            penalty_scale: penalty_scale.unwrap_or(self.penalty_scale),
-            penalty_damping: penalty_damping.unwrap_or(self.penalty_damping),
-            penalty_cap: penalty_cap.unwrap_or(self.penalty_cap),
             search: self.search.clone(),
             skin: self.skin,
             weighting: self.weighting.clone(),
-            accelerated: self.accelerated,
             edges: self.edges,
             beams: beams.or(self.beams),
             thickness_limit: self.thickness_limit,
             parts,
             against,
             exclude,
+            parameters,
             interface: Vec::new(),
         }
     }
@@ -284,23 +235,64 @@ impl Default for Contact {
             thickness_scale: 1.0,
             search: "cells".into(),
             skin: 0.0,
-            iteration: "gauss_seidel".into(),
-            sweeps: 20,
-            accelerated: 100,
-            tolerance: 1e-6,
             weighting: "shape".into(),
-            partition: 0.5,
-            penalty_form: "soft".into(),
-            penalty_scale: 0.35,
-            penalty_damping: 0.1,
-            penalty_cap: true,
             edges: true,
             beams: None,
             thickness_limit: 1.0,
             parts: Vec::new(),
             against: Vec::new(),
             exclude: Vec::new(),
+            parameters: BTreeMap::new(),
             interface: Vec::new(),
         }
+    }
+}
+
+/// Value of a key that a law publishes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Setting {
+    /// True or false.
+    Flag(bool),
+    /// A number written without a point.
+    Whole(i64),
+    /// A number written with a point.
+    Number(f64),
+    /// A word.
+    Word(String),
+}
+
+impl Setting {
+    /// Returns the value of a number; `None` for a flag or a word.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Whole(value) => Some(*value as f64),
+            Self::Flag(_) | Self::Word(_) => None,
+        }
+    }
+}
+
+impl From<bool> for Setting {
+    fn from(value: bool) -> Self {
+        Self::Flag(value)
+    }
+}
+
+impl From<i64> for Setting {
+    fn from(value: i64) -> Self {
+        Self::Whole(value)
+    }
+}
+
+impl From<f64> for Setting {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<&str> for Setting {
+    fn from(value: &str) -> Self {
+        Self::Word(value.into())
     }
 }

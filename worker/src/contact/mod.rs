@@ -149,6 +149,7 @@ impl Contact {
     /// to workers.
     pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
         let laws = Laws::new(job, parts);
+        let accelerated = laws.accelerated();
         let method = SEARCHES
             .iter()
             .find(|s| s.name == job.search)
@@ -182,7 +183,7 @@ impl Contact {
             record: SearchRecord::default(),
             searches: 0,
             sweeps: 0,
-            accelerated: job.accelerated,
+            accelerated,
             unsettled: [0; 2],
             capped_pairs: 0,
             penetration: 0.0,

@@ -4,8 +4,9 @@ use super::laws;
 use super::resolve::Numbers;
 use super::tree::{Entry, Kind, Node};
 use super::validate::nearest;
-use crumple_proto::job::{Contact, Interface, Job};
+use crumple_proto::job::{Contact, Interface, Job, Setting};
 use crumple_proto::problem::Problem;
+use crumple_worker::parameter::Form;
 
 /// Converts the list `[[contact]]` to `[contact]`, with the other entries of the list as its
 /// interfaces. Values keep their places.
@@ -56,14 +57,12 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         let own = i.checked_sub(1).and_then(|i| toml::Table::try_from(&contact.interface[i]).ok());
         check_one(path, &one, |key| own.as_ref().is_none_or(|own| own.contains_key(key)), numbers);
     }
-    if contact.each().any(|c| ["penalty", "mortar"].contains(&c.law.as_str()) && c.penalty_cap)
-        && job.time.safety >= 1.0
-    {
-        let message =
-            format!("safety = {} leaves penalty springs no margin of stability", job.time.safety);
-        let help = "reduce it (0.9 is usual), or use contact.law lagrange or kinematic, which need \
-                    no margin";
-        numbers.findings.add(Problem::error("time.safety", message, help));
+    let conflict = |c: &Contact| {
+        let law = laws::contact_law(&c.law)?;
+        (law.conflict)(&law.values(c), job.time.safety)
+    };
+    if let Some(problem) = contact.each().find_map(|c| conflict(&c)) {
+        numbers.findings.add(problem);
     }
     if contact.interface.len() >= usize::from(u16::MAX) {
         let message = format!("{} interfaces are too many", contact.interface.len());
@@ -131,19 +130,24 @@ fn check_one(
 ) {
     let at = |key: &str| format!("{path}.{key}");
     let laws: Vec<&str> = laws::contact_laws().into_iter().chain([Contact::NO_LAW]).collect();
-    let words: [(&str, &str, &[&str]); 3] = [
-        ("law", &contact.law, &laws),
-        ("iteration", &contact.iteration, &laws::iterations()),
-        ("penalty_form", &contact.penalty_form, laws::penalty_forms()),
-    ];
-    for (key, word, known) in words.into_iter().filter(|w| is_own(w.0)) {
-        numbers.word(&at(key), word, known);
+    if is_own("law") {
+        numbers.word(&at("law"), &contact.law, &laws);
+    }
+    for (row, _) in laws::contact_keys().into_iter().filter(|(row, _)| is_own(row.key)) {
+        match (contact.parameters.get(row.key), row.form, row.range) {
+            (Some(Setting::Word(word)), Form::Word(known), _) => {
+                numbers.word(&at(row.key), word, known);
+            }
+            (Some(value), _, Some(range)) => {
+                let value = value.number().unwrap_or(f64::NAN);
+                numbers.need((range.fits)(value), &at(row.key), value, range.wanted);
+            }
+            _ => {}
+        }
     }
     let mut need = |right: bool, key: &str, value: f64, wanted: &str| {
         numbers.need(right || !is_own(key), &at(key), value, wanted);
     };
-    let (beta, wanted) = (contact.partition, "between 0 and 1; 0.5 treats both surfaces alike");
-    need((0.0..=1.0).contains(&beta), "partition", beta, wanted);
     let is_some = |x: f64| x >= 0.0 && x.is_finite();
     need(is_some(contact.friction), "friction", contact.friction, "0 or above");
     let dynamic = contact.friction_dynamic.unwrap_or(0.0);
@@ -159,10 +163,4 @@ fn check_one(
     let death = contact.death.unwrap_or(f64::INFINITY);
     need(death > contact.birth, "death", death, "later than `birth`");
     need(death > contact.birth || is_own("death"), "birth", contact.birth, "before `death`");
-    need(contact.sweeps >= 1, "sweeps", contact.sweeps as f64, "at least 1");
-    need(contact.tolerance > 0.0, "tolerance", contact.tolerance, "above 0; 1e-6 is usual");
-    let scale = contact.penalty_scale;
-    need(scale > 0.0, "penalty_scale", scale, "above 0; 0.1 to 0.4 is usual for the soft form");
-    let damping = contact.penalty_damping;
-    need((0.0..=1.0).contains(&damping), "penalty_damping", damping, "from 0 to 1");
 }

@@ -8,24 +8,34 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::diagnostics::initial_penetration::{InitialPenetrations, Penetration};
-use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
+use crumple_worker::contact::enforce::{CONTACT_LAWS, LawRow};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::{Element, build_block, formulation};
 use crumple_worker::fem::materials;
+use crumple_worker::parameter::ParameterRow;
 
 /// Returns the names of the contact laws.
 pub fn contact_laws() -> Vec<&'static str> {
     CONTACT_LAWS.iter().map(|law| law.name).collect()
 }
 
-/// Returns the names of the iterations of the Lagrange law.
-pub fn iterations() -> Vec<&'static str> {
-    ITERATIONS.iter().map(|iteration| iteration.0).collect()
+/// Returns the contact law with this name, if there is one.
+pub fn contact_law(name: &str) -> Option<&'static LawRow> {
+    CONTACT_LAWS.iter().find(|law| law.name == name)
 }
 
-/// Returns the names of the forms of the penalty stiffness.
-pub fn penalty_forms() -> &'static [&'static str] {
-    PENALTY_FORMS
+/// Returns the keys of contact laws, each once, with the names of the laws that use it.
+pub fn contact_keys() -> Vec<(&'static ParameterRow, Vec<&'static str>)> {
+    let mut keys: Vec<(&ParameterRow, Vec<&str>)> = Vec::new();
+    for law in CONTACT_LAWS.iter() {
+        for row in law.keys() {
+            match keys.iter_mut().find(|(known, _)| known.key == row.key) {
+                Some((_, laws)) => laws.push(law.name),
+                None => keys.push((row, vec![law.name])),
+            }
+        }
+    }
+    keys
 }
 
 /// Returns the names of the global searches.

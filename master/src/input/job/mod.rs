@@ -17,7 +17,7 @@
 
 mod contact;
 mod histories;
-mod laws;
+pub mod laws;
 mod loads;
 mod mesh;
 mod numbering;

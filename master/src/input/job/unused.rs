@@ -1,26 +1,12 @@
 //! Warns of settings in a job that no feature of the job uses, because the user expects an
 //! effect.
 
-use super::laws::Used;
+use super::laws::{Used, contact_keys};
 use super::tree::{Kind, Node, Place};
 use super::validate::Findings;
 use crumple_proto::job::{Contact, HourglassForm, Job, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
-
-/// Keys of `[contact]` and the laws that use them. All laws use the other keys.
-const OF_LAWS: &[(&str, &[&str])] = &[
-    ("iteration", &["lagrange"]),
-    ("weighting", &["lagrange"]),
-    ("sweeps", &["lagrange", "kinematic"]),
-    ("accelerated", &["lagrange"]),
-    ("tolerance", &["lagrange", "kinematic"]),
-    ("partition", &["kinematic"]),
-    ("penalty_form", &["penalty", "mortar"]),
-    ("penalty_scale", &["penalty", "mortar"]),
-    ("penalty_damping", &["penalty", "mortar"]),
-    ("penalty_cap", &["penalty", "mortar"]),
-];
 
 /// Key, description of its users, and a function that returns true if a part has such a user.
 type User = (&'static str, &'static str, fn(&Part, &Used) -> bool);
@@ -79,7 +65,8 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             ));
         };
         let all: Vec<Contact> = contact.each().collect();
-        for (key, laws) in OF_LAWS {
+        for (row, laws) in &contact_keys() {
+            let key = row.key;
             // Interfaces inherit this value.
             if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
                 warn(format!("contact.{key}"), key, &contact.law, laws);

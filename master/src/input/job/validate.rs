@@ -10,7 +10,7 @@ use crumple_proto::problem::Problem;
 use serde_json::Value;
 use std::sync::LazyLock;
 
-static SCHEMA: LazyLock<Value> = LazyLock::new(crumple_proto::job::Job::schema);
+static SCHEMA: LazyLock<Value> = LazyLock::new(crate::input::reference::job_schema);
 
 /// The problems so far, and the paths below which nothing more is reported.
 #[derive(Debug, Default)]

@@ -4,7 +4,8 @@ use super::schema;
 use crumple_cases::GENERATORS;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{DefaultValue, ELASTIC, LAWS, ParameterRow};
+use crumple_worker::fem::materials::{ELASTIC, LAWS};
+use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -167,7 +168,7 @@ impl Page<'_> {
     fn laws(&mut self) {
         let _ = write!(self.text, "\nEvery law has these keys:\n\n");
         self.parameters(ELASTIC);
-        for law in LAWS {
+        for law in LAWS.iter() {
             let _ = write!(self.text, "\n### `law = \"{}\"`\n\n{}\n", law.name, law.meaning);
             if !law.parameters.is_empty() {
                 self.text.push('\n');
@@ -185,10 +186,20 @@ impl Page<'_> {
                 DefaultValue::Needed => "*required*".into(),
                 DefaultValue::Absent => "none".into(),
                 DefaultValue::Number(n) => n.to_string(),
+                DefaultValue::Whole(n) => n.to_string(),
+                DefaultValue::Flag(flag) => flag.to_string(),
+                DefaultValue::Word(word) => format!("`\"{word}\"`"),
                 DefaultValue::Depends(words) => words.into(),
             };
-            let form =
-                if row.form.starts_with('[') { format!("`{}`", row.form) } else { row.form.into() };
+            let form = match row.form {
+                Form::Number => "number".into(),
+                Form::Whole => "whole number".into(),
+                Form::Flag => "true or false".into(),
+                Form::Word(words) => {
+                    words.iter().map(|w| format!("`\"{w}\"`")).collect::<Vec<_>>().join(", ")
+                }
+                Form::List(form) => format!("`{form}`"),
+            };
             self.row(&[&format!("`{}`", row.key), &form, &dimension, &default, &meaning]);
         }
     }
@@ -202,9 +213,10 @@ impl Page<'_> {
     }
 
     fn contact_laws(&mut self) {
-        self.head(&["`law`", "meaning"]);
-        for row in CONTACT_LAWS {
-            self.row(&[&format!("`{}`", row.name), row.meaning]);
+        self.head(&["`law`", "its keys", "meaning"]);
+        for row in CONTACT_LAWS.iter() {
+            let keys: Vec<String> = row.keys().map(|p| format!("`{}`", p.key)).collect();
+            self.row(&[&format!("`{}`", row.name), &keys.join(", "), row.meaning]);
         }
     }
 

@@ -1,29 +1,79 @@
 //! The schema of a job, completed with names of laws, formulations and generators, and with their
 //! keys.
 
+use crate::input::job::laws::contact_keys;
 use crumple_cases::GENERATORS;
 use crumple_proto::job::{Contact, Job};
 use crumple_proto::mesh::Shape;
-use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
+use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{DefaultValue, ELASTIC, LAWS, ParameterRow};
+use crumple_worker::fem::materials::{ELASTIC, LAWS};
+use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use serde_json::{Map, Value, json};
 
 /// The draft that most editors support. The schema needs no later one.
 const DRAFT: &str = "http://json-schema.org/draft-07/schema#";
 
+/// Returns the schema against which jobs are read: that of the types of a job, with the keys that
+/// contact laws publish.
+pub fn job_schema() -> Value {
+    let mut schema = Job::schema();
+    for (row, laws) in contact_keys() {
+        let mut entry = of_key(row);
+        let laws: Vec<String> = laws.into_iter().map(|law| format!("`{law}`")).collect();
+        entry["description"] = format!("{} Used by {}.", row.meaning, laws.join(", ")).into();
+        schema["$defs"]["Contact"]["properties"][row.key] = entry;
+    }
+    for row in CONTACT_LAWS.iter().flat_map(|law| law.parameters) {
+        let mut entry = of_key(row);
+        entry["type"] = json!([entry["type"], "null"]);
+        entry["default"] = Value::Null;
+        entry["description"] = "As in `[contact]`.".into();
+        if let Some(words) = entry["enum"].as_array_mut() {
+            words.push(Value::Null);
+        }
+        schema["$defs"]["Interface"]["properties"][row.key] = entry;
+    }
+    schema
+}
+
+/// Returns the schema of the values of a key.
+fn of_key(row: &ParameterRow) -> Value {
+    let mut entry = json!({ "description": row.meaning });
+    match row.otherwise {
+        DefaultValue::Number(default) => entry["default"] = default.into(),
+        DefaultValue::Whole(default) => entry["default"] = default.into(),
+        DefaultValue::Flag(default) => entry["default"] = default.into(),
+        DefaultValue::Word(default) => entry["default"] = default.into(),
+        DefaultValue::Needed | DefaultValue::Absent | DefaultValue::Depends(_) => {}
+    }
+    match row.form {
+        Form::Number => entry["type"] = "number".into(),
+        Form::Whole => {
+            entry["type"] = "integer".into();
+            entry["format"] = "uint".into();
+            entry["minimum"] = 0.into();
+        }
+        Form::Flag => entry["type"] = "boolean".into(),
+        Form::Word(words) => {
+            entry["type"] = "string".into();
+            entry["enum"] = words.into();
+        }
+        Form::List(_) => entry["type"] = "array".into(),
+    }
+    entry
+}
+
 /// Returns the JSON Schema of jobs for editors.
 pub fn schema() -> Value {
-    let mut schema = Job::schema();
+    let mut schema = job_schema();
     schema["$schema"] = DRAFT.into();
     let defs = &mut schema["$defs"];
     words(&mut defs["Contact"]["properties"]["search"], SEARCHES.iter().map(|s| s.name));
     for of in ["Contact", "Interface"] {
         let contact = &mut defs[of]["properties"];
         words(&mut contact["law"], CONTACT_LAWS.iter().map(|l| l.name).chain([Contact::NO_LAW]));
-        words(&mut contact["iteration"], ITERATIONS.iter().map(|i| i.0));
-        words(&mut contact["penalty_form"], PENALTY_FORMS.iter().copied());
     }
     words(
         &mut defs["Part"]["properties"]["element"],
@@ -51,15 +101,7 @@ fn of_law(name: &str, parameters: &[ParameterRow]) -> Value {
     let all = || ELASTIC.iter().chain(parameters);
     let needed: Vec<&str> =
         all().filter(|p| p.otherwise == DefaultValue::Needed).map(|p| p.key).collect();
-    let entry = |p: &ParameterRow| {
-        let mut entry = json!({ "description": p.meaning });
-        match p.otherwise {
-            DefaultValue::Number(default) => entry["default"] = default.into(),
-            DefaultValue::Needed | DefaultValue::Absent | DefaultValue::Depends(_) => {}
-        }
-        entry["type"] = if p.form == "number" { "number" } else { "array" }.into();
-        (p.key.to_string(), entry)
-    };
+    let entry = |p: &ParameterRow| (p.key.to_string(), of_key(p));
     let properties: Map<String, Value> = all().map(entry).collect();
     json!({
         "if": { "properties": { "law": { "const": name } } },

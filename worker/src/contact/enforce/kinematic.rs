@@ -33,7 +33,10 @@
 //! its total within the cone. Where friction turns nodes, the slave's mass is that of its
 //! translation and its rotation together, `1 / (1/m_s + a^2/I_s)` with the lever arm a.
 
-use super::{ContactLaw, GAP, Iteration, LawRow, no_longer, overlap, split, stuck, within_cone};
+use super::{
+    ContactLaw, DefaultValue, Form, GAP, Iteration, LawRow, ParameterRow, Range, SWEEPS, TOLERANCE,
+    no_longer, overlap, split, stuck, within_cone,
+};
 use crate::contact::pairs::Pair;
 use crate::math::row::V3;
 use crate::time::StepSizes;
@@ -41,9 +44,32 @@ use crate::time::StepSizes;
 pub(super) const LAW: LawRow = LawRow {
     name: "kinematic",
     meaning: "Partitioned kinematic predictor and corrector, as in PRONTO3D.",
-    build: |c, _| {
-        let (sweeps, tolerance) = (c.sweeps, c.tolerance);
-        Box::new(Kinematic { partition: c.partition, sweeps, tolerance })
+    parameters: &[
+        SWEEPS,
+        TOLERANCE,
+        ParameterRow {
+            key: "partition",
+            form: Form::Number,
+            otherwise: DefaultValue::Number(0.5),
+            range: Some(Range {
+                wanted: "between 0 and 1; 0.5 treats both surfaces alike",
+                fits: |beta| (0.0..=1.0).contains(&beta),
+            }),
+            meaning: "Partition factor beta: fraction of the correction that one surface takes as \
+                      slave of the other. It is the surface of the lower part, or within a part \
+                      of the lower element. The other surface takes the rest as slave of the \
+                      first. Pairs whose surfaces are not slaves of each other are not \
+                      partitioned. See `cases/studies/README.md`, bars-solids.",
+        },
+    ],
+    global: &[],
+    conflict: |_, _| None,
+    build: |values, _| {
+        Box::new(Kinematic {
+            partition: values.number("partition"),
+            sweeps: values.whole("sweeps"),
+            tolerance: values.number("tolerance"),
+        })
     },
 };
 

@@ -8,7 +8,10 @@
 //! the stick point within the cone mu f_n. [`Iteration`] defines the order of the pairs and the
 //! masses in c.
 
-use super::{ContactLaw, GAP, Iteration, LawRow, overlap, split, stuck, within_cone};
+use super::{
+    ContactLaw, DefaultValue, Form, GAP, Iteration, LawRow, ParameterRow, SWEEPS, TOLERANCE,
+    overlap, split, stuck, within_cone,
+};
 use crate::contact::pairs::Pair;
 use crate::math::row::V3;
 use crate::time::StepSizes;
@@ -17,17 +20,48 @@ pub(super) const LAW: LawRow = LawRow {
     name: "lagrange",
     meaning: "Local Lagrange multipliers: forces that close the gaps by the end of the step, \
               iterated over all pairs.",
-    build: |c, _| {
-        let iteration = ITERATIONS.iter().find(|i| i.0 == c.iteration);
-        let iteration = iteration.unwrap_or_else(|| panic!("no iteration {}", c.iteration)).1;
-        let carry = if c.accelerated > 0 && c.sweeps > 1 { 1.0 } else { CARRY };
-        Box::new(Lagrange { carry, sweeps: c.sweeps, tolerance: c.tolerance, iteration })
+    parameters: &[
+        ParameterRow {
+            key: "iteration",
+            form: Form::Word(&[SPLIT, GAUSS_SEIDEL]),
+            otherwise: DefaultValue::Word(GAUSS_SEIDEL),
+            range: None,
+            meaning: "Iteration for coupled pairs. `gauss_seidel` (default) updates one pair after \
+                      the other in ascending order of their keys (`cases/studies/README.md`, \
+                      sandwich). `split` updates all pairs from the same state, with nodal masses \
+                      split among their pairs; it needs more sweeps.",
+        },
+        SWEEPS,
+        TOLERANCE,
+    ],
+    global: &[ParameterRow {
+        key: "accelerated",
+        form: Form::Whole,
+        otherwise: DefaultValue::Whole(100),
+        range: None,
+        meaning: "Largest number of accelerated sweeps in a step; 0 for none. They follow the \
+                  plain sweeps if these leave more than 1e-4 of the velocity that a force has to \
+                  change. This happens with layers of less than a hundredth of the mass of their \
+                  neighbours. With `sweeps = 1` none follow. See `cases/studies/README.md`, \
+                  sandwich.",
+    }],
+    conflict: |_, _| None,
+    build: |values, _| {
+        let iteration = match values.word("iteration").as_str() {
+            SPLIT => Iteration::Split,
+            GAUSS_SEIDEL => Iteration::GaussSeidel,
+            other => panic!("no iteration {other}"),
+        };
+        let (sweeps, accelerated) = (values.whole("sweeps"), values.whole("accelerated"));
+        let carry = if accelerated > 0 && sweeps > 1 { 1.0 } else { CARRY };
+        let tolerance = values.number("tolerance");
+        Box::new(Lagrange { carry, sweeps, accelerated, tolerance, iteration })
     },
 };
 
-/// Methods of iteration with their names in a job.
-pub const ITERATIONS: &[(&str, Iteration)] =
-    &[("split", Iteration::Split), ("gauss_seidel", Iteration::GaussSeidel)];
+/// Names of the iterations in a job.
+const SPLIT: &str = "split";
+const GAUSS_SEIDEL: &str = "gauss_seidel";
 
 /// Fraction of the last step's normal force with which sweeps start if none are accelerated.
 /// Where sweeps do not converge, as with a light layer between heavy ones, a force that pushes
@@ -49,6 +83,7 @@ const ENDS: f64 = 2.0;
 struct Lagrange {
     carry: f64,
     sweeps: usize,
+    accelerated: usize,
     tolerance: f64,
     iteration: Iteration,
 }
@@ -60,6 +95,10 @@ impl ContactLaw for Lagrange {
 
     fn iteration(&self) -> Iteration {
         self.iteration
+    }
+
+    fn accelerated(&self) -> usize {
+        self.accelerated
     }
 
     fn converges(&self) -> bool {

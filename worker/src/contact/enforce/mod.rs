@@ -10,10 +10,11 @@ mod tests;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
 use crate::math::row::{Row, V3};
+use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
+use crate::registry::Registry;
 use crate::time::StepSizes;
 use crumple_proto::job::Contact;
-pub use lagrange::ITERATIONS;
-pub use penalty::FORMS as PENALTY_FORMS;
+use crumple_proto::problem::Problem;
 
 /// Data of the parts for the contact laws.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +68,10 @@ pub trait ContactLaw: Send + Sync {
     fn converges(&self) -> bool {
         false
     }
+    /// Returns the largest number of accelerated sweeps within a step.
+    fn accelerated(&self) -> usize {
+        0
+    }
     /// Returns the residual of plain sweeps above which accelerated sweeps follow, as a multiple
     /// of the permitted residual ([`ContactLaw::refine`]).
     fn coarse(&self) -> f64 {
@@ -114,12 +119,54 @@ pub struct LawRow {
     pub name: &'static str,
     /// Description in one line.
     pub meaning: &'static str,
-    /// Builds the law from the job's numbers. Panics on names that the master's checks reject.
-    pub build: fn(&Contact, &Elasticity) -> Box<dyn ContactLaw>,
+    /// Its keys in `[contact]` and in interfaces, besides those of all laws. Laws with the same key
+    /// have the same row of it.
+    pub parameters: &'static [ParameterRow],
+    /// Its keys in `[contact]` that interfaces cannot change.
+    pub global: &'static [ParameterRow],
+    /// Returns a conflict of its values with a safety factor of the step, with a path relative to
+    /// the job.
+    pub conflict: fn(&Values<'_>, f64) -> Option<Problem>,
+    /// Builds the law from its values. Panics on words that the master's checks reject.
+    pub build: fn(&Values<'_>, &Elasticity) -> Box<dyn ContactLaw>,
+}
+
+impl LawRow {
+    /// Returns all its keys.
+    pub fn keys(&self) -> impl Iterator<Item = &'static ParameterRow> + use<> {
+        self.parameters.iter().chain(self.global)
+    }
+
+    /// Returns its values in the settings of an interface.
+    pub fn values<'a>(&self, contact: &'a Contact) -> Values<'a> {
+        Values::new([self.parameters, self.global], &contact.parameters)
+    }
 }
 
 /// All contact laws.
-pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, kinematic::LAW, penalty::LAW, mortar::LAW];
+pub static CONTACT_LAWS: Registry<LawRow> =
+    Registry::new(&[lagrange::LAW, kinematic::LAW, penalty::LAW, mortar::LAW]);
+
+/// Key of laws that iterate.
+const SWEEPS: ParameterRow = ParameterRow {
+    key: "sweeps",
+    form: Form::Whole,
+    otherwise: DefaultValue::Whole(20),
+    range: Some(Range { wanted: "at least 1", fits: |n| n >= 1.0 }),
+    meaning: "Largest number of plain sweeps over all pairs in a step (Lagrange), or of passes \
+              (kinematic; 1 in PRONTO3D).",
+};
+
+/// Key of laws that iterate.
+const TOLERANCE: ParameterRow = ParameterRow {
+    key: "tolerance",
+    form: Form::Number,
+    otherwise: DefaultValue::Number(1e-6),
+    range: Some(Range { wanted: "above 0; 1e-6 is usual", fits: |x| x > 0.0 }),
+    meaning: "Velocity that a force leaves to be changed, over the velocity that it has to change \
+              (Lagrange). Relative change below which a force stays as it is (kinematic). See \
+              `cases/studies/README.md`, bars.",
+};
 
 /// Returns true if segments touch segments in an interface of a job.
 pub fn by_segments(job: &Contact) -> bool {
@@ -133,6 +180,7 @@ pub struct Laws {
     /// Methods of iteration of the laws, each once.
     iterations: Vec<Iteration>,
     sweeps: usize,
+    accelerated: usize,
     coarse: f64,
 }
 
@@ -145,7 +193,7 @@ impl Laws {
         let build = |contact: Contact| {
             let row = CONTACT_LAWS.iter().find(|row| row.name == contact.law);
             let row = row.unwrap_or_else(|| panic!("no contact law {}", contact.law));
-            (row.build)(&contact, parts)
+            (row.build)(&row.values(&contact), parts)
         };
         let of = job.each().map(|c| (c.law != Contact::NO_LAW).then(|| build(c)));
         let of: Vec<Option<Box<dyn ContactLaw>>> = of.collect();
@@ -156,9 +204,10 @@ impl Laws {
             }
         }
         let sweeps = of.iter().flatten().map(|law| law.sweeps()).max().unwrap_or(0);
+        let accelerated = of.iter().flatten().map(|law| law.accelerated()).max().unwrap_or(0);
         let coarse = of.iter().flatten().filter(|law| law.converges()).map(|law| law.coarse());
         let coarse = coarse.fold(f64::INFINITY, f64::min);
-        Self { of, iterations, sweeps, coarse }
+        Self { of, iterations, sweeps, accelerated, coarse }
     }
 
     /// Returns the number of interfaces.
@@ -187,6 +236,11 @@ impl Laws {
     /// Returns the largest number of sweeps of any law within a step.
     pub fn sweeps(&self) -> usize {
         self.sweeps
+    }
+
+    /// Returns the largest number of accelerated sweeps of any law within a step.
+    pub fn accelerated(&self) -> usize {
+        self.accelerated
     }
 
     /// Returns the smallest [`ContactLaw::coarse`] of the laws that converge.

@@ -28,7 +28,7 @@
 //! Not included: forces from the change of the area itself, with which a body that slides off an
 //! edge while it is pressed down would release the energy of its springs.
 
-use super::penalty::Penalty;
+use super::penalty::{PARAMETERS, Penalty, no_margin};
 use super::{ContactLaw, Iteration, LawRow};
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
@@ -39,7 +39,10 @@ pub(super) const LAW: LawRow = LawRow {
     name: "mortar",
     meaning: "Segment to segment penalty: pressure from penetration over the common area of two \
               segments, for any meshes.",
-    build: |c, parts| Box::new(Mortar(Penalty::new(c, parts))),
+    parameters: PARAMETERS,
+    global: &[],
+    conflict: no_margin,
+    build: |values, parts| Box::new(Mortar(Penalty::new(values, parts))),
 };
 
 struct Mortar(Penalty);

@@ -30,21 +30,82 @@
 //! no stiffness above half of it is used unless the job requests it (`cases/studies/README.md`,
 //! penalty-map).
 
-use super::{ContactLaw, Elasticity, Iteration, LawRow, split, within_cone};
+use super::{
+    ContactLaw, DefaultValue, Elasticity, Form, Iteration, LawRow, ParameterRow, Range, Values,
+    split, within_cone,
+};
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
 use crate::math::row::{Row, V3};
 use crate::time::StepSizes;
-use crumple_proto::job::Contact;
+use crumple_proto::problem::Problem;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "penalty",
     meaning: "Penalty springs between slaves and the segments that they penetrate.",
-    build: |c, parts| Box::new(Penalty::new(c, parts)),
+    parameters: PARAMETERS,
+    global: &[],
+    conflict: no_margin,
+    build: |values, parts| Box::new(Penalty::new(values, parts)),
 };
 
-/// Forms of the stiffness, as named in a job.
-pub const FORMS: &[&str] = &["soft", "stiffness"];
+/// Names of the forms of the stiffness in a job.
+const SOFT: &str = "soft";
+const STIFFNESS: &str = "stiffness";
+
+pub(super) const PARAMETERS: &[ParameterRow] = &[
+    ParameterRow {
+        key: "penalty_form",
+        form: Form::Word(&[SOFT, STIFFNESS]),
+        otherwise: DefaultValue::Word(SOFT),
+        range: None,
+        meaning: "Form of the penalty stiffness: `soft`, from nodal masses and the step, or \
+                  `stiffness`. `stiffness` is E A / d with Young's modulus E and area A of the \
+                  segment, and d the shortest edge of a solid or the longest diagonal of a shell. \
+                  With the law `mortar` it is the stiffness of a pressure. See \
+                  `cases/studies/README.md`, reversal and hertz.",
+    },
+    ParameterRow {
+        key: "penalty_scale",
+        form: Form::Number,
+        otherwise: DefaultValue::Number(0.35),
+        range: Some(Range {
+            wanted: "above 0; 0.1 to 0.4 is usual for the soft form",
+            fits: |scale| scale > 0.0,
+        }),
+        meaning: "Factor on the penalty stiffness of either form. See `cases/studies/README.md`, \
+                  bars, reversal and penalty-map.",
+    },
+    ParameterRow {
+        key: "penalty_damping",
+        form: Form::Number,
+        otherwise: DefaultValue::Number(0.1),
+        range: Some(Range { wanted: "from 0 to 1", fits: |d| (0.0..=1.0).contains(&d) }),
+        meaning: "Normal damping of the penalty, as a fraction of the critical damping of the \
+                  masses in contact. Without damping, a sliding body bounces on the contact \
+                  springs, and its friction is too small (`cases/studies/README.md`, slide). With \
+                  0.1 an impact of bars loses as much as with the Lagrange law.",
+    },
+    ParameterRow {
+        key: "penalty_cap",
+        form: Form::Flag,
+        otherwise: DefaultValue::Flag(true),
+        range: None,
+        meaning: "Reduce the penalty stiffness where it would make the step unstable, with a \
+                  warning. Without it a run may become unstable (`cases/studies/README.md`, \
+                  penalty-map).",
+    },
+];
+
+/// Returns the problem of a safety factor that leaves nothing to the springs.
+pub(super) fn no_margin(values: &Values<'_>, safety: f64) -> Option<Problem> {
+    (values.flag("penalty_cap") && safety >= 1.0).then(|| {
+        let message = format!("safety = {safety} leaves penalty springs no margin of stability");
+        let help = "reduce it (0.9 is usual), or use contact.law lagrange or kinematic, which need \
+                    no margin";
+        Problem::error("time.safety", message, help)
+    })
+}
 
 pub(super) struct Penalty {
     scale: f64,
@@ -57,11 +118,12 @@ pub(super) struct Penalty {
 }
 
 impl Penalty {
-    pub(super) fn new(job: &Contact, parts: &Elasticity) -> Self {
-        let moduli = (job.penalty_form == "stiffness").then(|| parts.moduli.clone());
+    pub(super) fn new(values: &Values<'_>, parts: &Elasticity) -> Self {
+        let moduli = (values.word("penalty_form") == STIFFNESS).then(|| parts.moduli.clone());
         let room = 0.5 * 4.0 * (1.0 - parts.safety * parts.safety);
-        let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };
-        Self { scale: job.penalty_scale, damping: job.penalty_damping, moduli, most }
+        let most = if values.flag("penalty_cap") { room.max(0.0) } else { f64::INFINITY };
+        let (scale, damping) = (values.number("penalty_scale"), values.number("penalty_damping"));
+        Self { scale, damping, moduli, most }
     }
 
     /// Returns the stiffness that the job requests, and the largest one with a stable step

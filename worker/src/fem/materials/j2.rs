@@ -21,7 +21,7 @@
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate};
-use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Law, ParameterRow};
+use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -37,35 +37,40 @@ pub const LAW: Law = Law {
 const PARAMETERS: &[ParameterRow] = &[
     ParameterRow {
         key: "yield_stress",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Depends("needed without `hardening`"),
+        range: None,
         meaning: "Yield stress at zero plastic strain [force/length^2].",
     },
     ParameterRow {
         key: "hardening_modulus",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Number(0.0),
+        range: None,
         meaning: "Slope of the yield stress over plastic strain; only with `yield_stress` \
                   [force/length^2].",
     },
     ParameterRow {
         key: "hardening",
-        form: "[[strain, stress], ...]",
+        form: Form::List("[[strain, stress], ...]"),
         otherwise: DefaultValue::Absent,
+        range: None,
         meaning: "Table that replaces both: effective plastic strain, from 0, and yield stress; \
                   linear between rows, constant beyond the last [force/length^2].",
     },
     ParameterRow {
         key: "cowper_symonds",
-        form: "[C, p]",
+        form: Form::List("[C, p]"),
         otherwise: DefaultValue::Absent,
+        range: None,
         meaning: "Strain rate: factor `1 + (rate/C)^(1/p)` on the yield stress; C is a rate \
                   [1/time].",
     },
     ParameterRow {
         key: "failure_strain",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Absent,
+        range: None,
         meaning: "Effective plastic strain at which a point fails; then its stress is zero.",
     },
 ];

@@ -17,7 +17,7 @@
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate, Thermal};
-use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Law, ParameterRow};
+use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -33,69 +33,80 @@ pub const LAW: Law = Law {
 const PARAMETERS: &[ParameterRow] = &[
     ParameterRow {
         key: "a",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Needed,
+        range: None,
         meaning: "Yield stress at zero plastic strain [force/length^2].",
     },
     ParameterRow {
         key: "b",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Needed,
+        range: None,
         meaning: "Hardening, `a + b strain^n` [force/length^2].",
     },
     ParameterRow {
         key: "n",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Needed,
+        range: None,
         meaning: "Hardening exponent.",
     },
     ParameterRow {
         key: "c",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Number(0.0),
+        range: None,
         meaning: "Strain rate: factor `1 + c ln(rate/reference_rate)`.",
     },
     ParameterRow {
         key: "reference_rate",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Depends("needed with `c`, and with `damage` that has a D4"),
+        range: None,
         meaning: "Strain rate below which the rate has no effect [1/time].",
     },
     ParameterRow {
         key: "m",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Absent,
+        range: None,
         meaning: "Temperature: factor `1 - T*^m` with T* from 0 at `reference_temperature` to 1 at \
                   `melting_temperature`.",
     },
     ParameterRow {
         key: "reference_temperature",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Number(0.0),
+        range: None,
         meaning: "Initial temperature [temperature].",
     },
     ParameterRow {
         key: "melting_temperature",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Depends("needed with `m`"),
+        range: None,
         meaning: "Melting temperature [temperature].",
     },
     ParameterRow {
         key: "specific_heat",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Depends("needed with `m`"),
+        range: None,
         meaning: "Specific heat capacity [energy/(mass temperature)].",
     },
     ParameterRow {
         key: "taylor_quinney",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Number(0.9),
+        range: None,
         meaning: "Fraction of plastic work that becomes heat.",
     },
     ParameterRow {
         key: "damage",
-        form: "[D1, D2, D3, D4, D5]",
+        form: Form::List("[D1, D2, D3, D4, D5]"),
         otherwise: DefaultValue::Absent,
+        range: None,
         meaning: "Failure: the plastic strain at failure is \
                   `(D1 + D2 exp(D3 triaxiality)) (1 + D4 ln rate*) (1 + D5 T*)`.",
     },

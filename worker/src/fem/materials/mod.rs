@@ -10,9 +10,12 @@ mod johnson_cook;
 mod parameters;
 mod plasticity;
 
+pub use crate::parameter::{DefaultValue, Form, ParameterRow};
+pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
 use crate::math::lanes::{Lane, Lane32, Lanes, Real};
+use crate::registry::Registry;
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use plasticity::Plasticity;
@@ -201,43 +204,20 @@ pub type BuildResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
 /// A law in three dimensions, or all problems of its material.
 pub type BuildSolidResult = Result<Box<dyn Solid>, Vec<Problem>>;
 
-/// A parameter of a law, as in the reference of jobs.
-pub struct ParameterRow {
-    /// Key in the material.
-    pub key: &'static str,
-    /// Form of the value: a number, or a list such as `[C, p]`.
-    pub form: &'static str,
-    /// Default value.
-    pub otherwise: DefaultValue,
-    /// Meaning, with the dimension in brackets.
-    pub meaning: &'static str,
-}
-
-/// Value of a parameter that is not given.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DefaultValue {
-    /// None: the parameter is required.
-    Needed,
-    /// The property does not exist.
-    Absent,
-    /// A number.
-    Number(f64),
-    /// The default depends on other parameters, as this text explains.
-    Depends(&'static str),
-}
-
 /// Parameters of all laws.
 pub const ELASTIC: &[ParameterRow] = &[
     ParameterRow {
         key: "youngs_modulus",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Needed,
+        range: None,
         meaning: "Young's modulus [force/length^2].",
     },
     ParameterRow {
         key: "poisson",
-        form: "number",
+        form: Form::Number,
         otherwise: DefaultValue::Needed,
+        range: None,
         meaning: "Poisson's ratio; below 0.5 for solids.",
     },
 ];
@@ -258,7 +238,7 @@ pub struct Law {
 }
 
 /// All laws.
-pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW, johnson_cook::LAW];
+pub static LAWS: Registry<Law> = Registry::new(&[elastic::LAW, j2::LAW, johnson_cook::LAW]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,
 /// with paths relative to it.

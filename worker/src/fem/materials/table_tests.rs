@@ -40,7 +40,7 @@ fn last_help(problems: Option<Vec<crumple_proto::problem::Problem>>) -> String {
 
 #[test]
 fn the_tables_name_what_laws_read() {
-    for law in LAWS {
+    for law in LAWS.iter() {
         let mut listed: Vec<String> =
             ELASTIC.iter().chain(law.parameters).map(|r| r.key.to_string()).collect();
         listed.sort();
@@ -60,7 +60,7 @@ fn the_tables_name_what_laws_read() {
 /// Required parameters cannot be omitted; all others can.
 #[test]
 fn the_tables_say_what_may_be_left_out() {
-    for law in LAWS {
+    for law in LAWS.iter() {
         let sample = sample(law);
         assert!(build(&sample).is_ok(), "{}", law.name);
         for row in
@@ -98,7 +98,7 @@ fn stress(material: &Material) -> [f64; 9] {
 /// A number that is not given has the value of the table: the same bits.
 #[test]
 fn the_tables_give_the_defaults() {
-    for law in LAWS {
+    for law in LAWS.iter() {
         let sample = sample(law);
         for row in law.parameters {
             let DefaultValue::Number(default) = row.otherwise else { continue };

@@ -95,14 +95,9 @@ fn what_sticks_does_so_at_the_surface() {
     let (m, inertia, dt) = (1.5, 2e-3, 1e-3);
     let (node, turns) = (0.8, 3e-3);
     for of in [("lagrange", "split"), ("lagrange", "gauss_seidel"), ("kinematic", "split")] {
-        let job = ContactJob {
-            friction: 2.0,
-            sweeps: 500,
-            tolerance: 0.0,
-            partition: 1.0,
-            iteration: of.1.into(),
-            ..job(of.0)
-        };
+        let job = ContactJob { friction: 2.0, ..job(of.0) };
+        let job = job.with("sweeps", 500).with("tolerance", 0.0);
+        let job = job.with("partition", 1.0).with("iteration", of.1);
         let mut points: Vec<NodeRecord> =
             square([node; 4]).into_iter().map(|p| turning(p, turns)).collect();
         points.push(turning(mass([0.3, -0.4, THICK], [2.0, 1.0, -10.0], m), inertia));

@@ -3,7 +3,7 @@
 use super::*;
 
 fn kinematic(partition: f64) -> ContactJob {
-    ContactJob { partition, ..job("kinematic") }
+    job("kinematic").with("partition", partition)
 }
 
 /// Two plates that face each other. All nodes are slaves of the segment of the other plate. The
@@ -160,9 +160,10 @@ fn pressed_plates_pass_the_load_once() {
         // Much larger than the residual of the Lagrange law, and much smaller than the load for a
         // penalty penetration of one thickness.
         let load = if of.law == "penalty" { 100.0 } else { 5e3 };
-        let of = ContactJob {
-            penalty_scale: if of.penalty_form == "stiffness" { 1e5 } else { 0.1 },
-            ..of
+        let of = if is_stiff(&of) {
+            of.with("penalty_scale", 1e5)
+        } else {
+            of.with("penalty_scale", 0.1)
         };
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], V3::zeros());
         (0..8).for_each(|i| scene.load[i].z = if i < 4 { load } else { -load });

@@ -12,7 +12,7 @@ fn penalty_is_a_spring_that_keeps_momentum_and_energy() {
         let (m, v, dt) = (3.0, 1.0, 1e-3);
         let mut points = square([2.0; 4]);
         points.push(mass([0.0, 0.0, THICK + 1e-4], [0.0, 0.0, -v], m));
-        let job = ContactJob { penalty_scale: scale, ..job("penalty") };
+        let job = job("penalty").with("penalty_scale", scale);
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], dt);
         let (p, before) = (scene.momentum(), scene.energy());
         let mut deepest = 0.0f64;
@@ -52,11 +52,9 @@ fn stiffness_is_bounded_by_the_masses_that_it_moves() {
         let mut points = square([segment; 4]);
         points.push(mass([0.0, 0.0, THICK], [0.0, 0.0, -v], m));
         // 1e9 times the stiffness of the segment, E A / d = sqrt 2.
-        let job = ContactJob {
-            penalty_form: "stiffness".into(),
-            penalty_scale: 1e9 / 2f64.sqrt(),
-            ..job("penalty")
-        };
+        let job = job("penalty")
+            .with("penalty_form", "stiffness")
+            .with("penalty_scale", 1e9 / 2f64.sqrt());
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], dt);
         let (p, before) = (scene.momentum(), scene.energy());
         (0..200).for_each(|_| _ = scene.step());
@@ -116,7 +114,7 @@ fn rods(of: &ContactJob, dt: f64) -> Scene {
 /// the touching end.
 fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
     // The present step bounds the stiffness; there is no previous one.
-    let bounded = of.law == "penalty" && of.penalty_cap;
+    let bounded = of.law == "penalty" && of.parameters.get("penalty_cap") != Some(&false.into());
     let mut scene = rods(of, if bounded { dt } else { 0.1 });
     scene.steps = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
     scene.nodes.v[4 * (CELLS + 1)][2] += kick;
@@ -135,12 +133,10 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
 fn stiff(beta: f64, cap: bool) -> ContactJob {
     // E A / d of the segment is 4 / (2 sqrt 2).
     let penalty_scale = beta / 2f64.sqrt();
-    ContactJob {
-        penalty_form: "stiffness".into(),
-        penalty_scale,
-        penalty_cap: cap,
-        ..job("penalty")
-    }
+    job("penalty")
+        .with("penalty_form", "stiffness")
+        .with("penalty_scale", penalty_scale)
+        .with("penalty_cap", cap)
 }
 
 /// A24, C01: a spring of beta cell stiffnesses between two long rods lowers their stable step to
@@ -177,14 +173,14 @@ fn a_stiff_penalty_lowers_the_stable_step_as_it_should_and_the_bound_keeps_it() 
 /// residual of the Lagrange law, and the ends bounce.
 #[test]
 fn lagrange_and_kinematic_contact_do_not_lower_the_stable_step() {
-    let gauss_seidel = ContactJob { iteration: "gauss_seidel".into(), ..job("lagrange") };
+    let gauss_seidel = job("lagrange").with("iteration", "gauss_seidel");
     for of in [job("lagrange"), gauss_seidel, job("kinematic")] {
         let (below, above) = (growth(&of, 0.99, 0.02), growth(&of, 1.02, 0.02));
         assert!(
             below < 10.0 && above > 100.0,
-            "{} {}: growth {below} below, {above} above",
+            "{} {:?}: growth {below} below, {above} above",
             of.law,
-            of.iteration
+            of.parameters
         );
     }
 }

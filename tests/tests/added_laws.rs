@@ -1,0 +1,95 @@
+//! A contact law and a material law that only this test has: one file, and one row added to a
+//! table. Job keys, checks, schema, warnings and the run follow from the row.
+
+mod laws;
+
+use crumple_tests::{case, read, run_side_by_side};
+use crumple_worker::contact::enforce::CONTACT_LAWS;
+use crumple_worker::fem::materials::LAWS;
+use std::sync::Once;
+
+/// Adds the rows of this test, before a job is read.
+fn add() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        CONTACT_LAWS.add(&laws::sticky::LAW);
+        LAWS.add(&laws::maxwell::LAW);
+    });
+}
+
+const STICKY: &str = "contact.law=sticky";
+
+/// Returns the warnings and errors of the colliding bodies with these settings.
+fn problems(sets: &[&str]) -> String {
+    add();
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    match crumple::input::job::read(&case("tumble"), &sets) {
+        Ok(model) => model.warnings.iter().map(|w| format!("{}: {w:?}\n", w.path)).collect(),
+        Err(report) => report.to_string(),
+    }
+}
+
+/// The law gets its number: stiffer contact gives other bits, a default gives those of the table,
+/// and the number of workers changes none.
+#[test]
+fn an_added_contact_law_runs_with_its_own_key() {
+    add();
+    let digest = |sets: &[&str], workers| {
+        let run = run_side_by_side(&read(&case("tumble"), sets), workers, 900, 0);
+        assert!(run.pairs.iter().any(|pairs| !pairs.is_empty()), "there is contact");
+        run.digest()
+    };
+    let plain = digest(&[STICKY], 1);
+    assert_eq!(plain, digest(&[STICKY, "contact.stickiness=0.25"], 1), "the default");
+    assert_eq!(plain, digest(&[STICKY], 3), "three workers");
+    assert_ne!(plain, digest(&[STICKY, "contact.stickiness=0.1"], 1), "another value");
+}
+
+#[test]
+fn keys_of_an_added_contact_law_are_checked_from_its_table() {
+    let wrong = problems(&[STICKY, "contact.stickiness=-1.0"]);
+    assert!(wrong.contains("`stickiness` is -1.0") && wrong.contains("from 0 to 1"), "{wrong}");
+    let unknown = problems(&[STICKY, "contact.stickines=0.5"]);
+    assert!(unknown.contains("`stickiness`"), "the nearest key is named: {unknown}");
+    let word = problems(&[STICKY, "contact.stickiness=\"much\""]);
+    assert!(word.contains("has to be a finite number"), "{word}");
+    let idle = problems(&["contact.stickiness=0.5"]);
+    assert!(idle.contains("does not use `stickiness`") && idle.contains("sticky"), "{idle}");
+    let of_other = problems(&[STICKY, "contact.penalty_scale=0.5"]);
+    assert!(of_other.contains("does not use `penalty_scale`"), "{of_other}");
+    let used = problems(&[STICKY, "contact.stickiness=0.5", "contact.weighting=\"mass\""]);
+    assert!(!used.contains("does not use"), "every law uses `weighting`: {used}");
+}
+
+#[test]
+fn the_schema_lists_added_laws() {
+    add();
+    let schema = crumple::input::reference::schema();
+    let contact = &schema["$defs"]["Contact"]["properties"];
+    assert_eq!(contact["stickiness"]["default"], 0.25);
+    let names = contact["law"]["enum"].as_array().expect("names of laws");
+    assert!(names.iter().any(|name| name == "sticky"));
+    let page = crumple::input::reference::page();
+    assert!(page.contains("| `sticky` | `stickiness` |"));
+    assert!(page.contains("### `law = \"maxwell\"`") && page.contains("`relaxation_time`"));
+}
+
+/// Bars of the added material, with its required parameter, a wrong one, and none.
+#[test]
+fn an_added_material_law_is_read_and_runs() {
+    add();
+    let bars = |more: &str| {
+        let text = std::fs::read_to_string(case("bars").join("job.toml")).expect("the job of bars");
+        let text = text.replacen("law = \"elastic\"", &format!("law = \"maxwell\"\n{more}"), 1);
+        assert!(text.contains("maxwell"), "the bars are elastic");
+        crumple::input::job::read_text(case("bars").join("job.toml"), text, &[])
+    };
+    let model = bars("relaxation_time = 1e-3").unwrap_or_else(|report| panic!("{report}"));
+    let run = |model| run_side_by_side(model, 2, 100, 0).digest();
+    let elastic = read(&case("bars"), &[]);
+    assert_ne!(run(&model), run(&elastic), "stress relaxes");
+    let missing = bars("").err().expect("a required parameter is missing").to_string();
+    assert!(missing.contains("relaxation_time is missing"), "{missing}");
+    let unknown = bars("relaxation = 1.0").err().expect("an unknown parameter").to_string();
+    assert!(unknown.contains("did you mean 'relaxation_time'"), "{unknown}");
+}

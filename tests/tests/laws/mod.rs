@@ -1,0 +1,4 @@
+//! Laws that only tests have, one per file.
+
+pub mod maxwell;
+pub mod sticky;
