@@ -4,6 +4,7 @@
 
 use bytemuck::Pod;
 use crumple_worker::vtu::{self, Array, BYTE_ORDER, CELL_ARRAYS, Kind, POINT_ARRAYS};
+use roxmltree::{Document, Node};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -48,18 +49,15 @@ struct Stored {
 pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
     let text = text(collection)?;
     let broken = |why: &str| format!("{}: {why}", collection.display());
-    if !text.contains(r#"type="Collection""#) || !text.trim_end().ends_with("</VTKFile>") {
-        return Err(broken("is not a complete collection of field files"));
-    }
-    let step = |line: &str| {
-        let time = attribute(line, "timestep")
-            .and_then(|t| t.parse().ok())
-            .filter(|t: &f64| t.is_finite());
-        let file = attribute(line, "file").and_then(|name| same_folder(collection, name));
-        Some(Step { time: time?, file: file? })
+    let file = read_xml(&text, "Collection")
+        .ok_or_else(|| broken("is not a complete collection of field files"))?;
+    let step = |set: &Node| {
+        let time: f64 = set.attribute("timestep")?.parse().ok()?;
+        let file = same_folder(collection, set.attribute("file")?)?;
+        time.is_finite().then_some(Step { time, file })
     };
-    let lines = text.lines().filter(|line| line.trim_start().starts_with("<DataSet"));
-    lines.map(|line| step(line).ok_or_else(|| broken(&format!("cannot read `{line}`")))).collect()
+    let sets = file.descendants().filter(|node| node.has_tag_name("DataSet"));
+    sets.map(|set| step(&set).ok_or_else(|| broken(&unread(&text, &set)))).collect()
 }
 
 /// Returns the files of the pieces that a step (`.pvtu`) names.
@@ -69,15 +67,11 @@ pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
 pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
     let text = text(step)?;
     let broken = |why: &str| format!("{}: {why}", step.display());
-    if !text.contains(r#"type="PUnstructuredGrid""#) || !text.trim_end().ends_with("</VTKFile>") {
-        return Err(broken("is not a complete list of field pieces"));
-    }
-    let lines = text.lines().filter(|line| line.trim_start().starts_with("<Piece"));
-    let piece = |line: &str| {
-        let file = attribute(line, "Source").and_then(|name| same_folder(step, name));
-        file.ok_or_else(|| broken(&format!("cannot read `{line}`")))
-    };
-    lines.map(piece).collect()
+    let file = read_xml(&text, "PUnstructuredGrid")
+        .ok_or_else(|| broken("is not a complete list of field pieces"))?;
+    let pieces = file.descendants().filter(|node| node.has_tag_name("Piece"));
+    let path = |piece: &Node| same_folder(step, piece.attribute("Source")?);
+    pieces.map(|piece| path(&piece).ok_or_else(|| broken(&unread(&text, &piece)))).collect()
 }
 
 impl Piece {
@@ -94,22 +88,24 @@ impl Piece {
         let foreign = "is not a field file of this program";
         let head = bytes.windows(MARK.len()).position(|w| w == MARK).ok_or(foreign)?;
         let start = head + MARK.len();
-        let head = std::str::from_utf8(&bytes[..head]).map_err(|_| foreign)?;
-        let order = head.lines().find_map(|line| attribute(line, "byte_order")).ok_or(foreign)?;
+        // The bytes after the mark are no XML, so the text before it is closed here.
+        let head =
+            std::str::from_utf8(&bytes[..head]).map_err(|_| foreign)?.to_owned() + "</VTKFile>";
+        let file = read_xml(&head, "UnstructuredGrid").ok_or(foreign)?;
+        let order = file.root_element().attribute("byte_order").ok_or(foreign)?;
         if order != BYTE_ORDER {
             return Err(format!("is from a machine with another byte order, {order}"));
         }
-        let time = head.lines().find(|line| attribute(line, "Name") == Some("TimeValue"));
-        let time = time.and_then(|line| {
-            line.split_once("format=\"ascii\">")?.1.split('<').next()?.parse().ok()
-        });
-        let count =
-            |name| head.lines().find_map(|line| attribute(line, name)?.parse::<usize>().ok());
+        let arrays_of = || file.descendants().filter(|node| node.has_tag_name("DataArray"));
+        let time = arrays_of().find(|array| array.attribute("Name") == Some("TimeValue"));
+        let time = time.and_then(|array| array.text()?.parse().ok()).ok_or(foreign)?;
+        let piece = file.descendants().find(|node| node.has_tag_name("Piece")).ok_or(foreign)?;
+        let count = |name| piece.attribute(name).and_then(|n| n.parse::<usize>().ok());
         let (points, cells) =
             (count("NumberOfPoints").ok_or(foreign)?, count("NumberOfCells").ok_or(foreign)?);
         let mut arrays = HashMap::new();
-        for line in head.lines().filter(|line| attribute(line, "format") == Some("appended")) {
-            let (name, stored) = stored(line, &bytes[start..])?;
+        for array in arrays_of().filter(|array| array.attribute("format") == Some("appended")) {
+            let (name, stored) = stored(&head, &array, &bytes[start..])?;
             let numbers = stored.bytes.len() / size_of_kind(stored.kind);
             if numbers_due(&name, points, cells).is_some_and(|due| due != Some(numbers)) {
                 return Err(format!(
@@ -119,14 +115,7 @@ impl Piece {
             let bytes = start + stored.bytes.start..start + stored.bytes.end;
             arrays.insert(name, Stored { bytes, ..stored });
         }
-        let piece = Self {
-            time: time.ok_or(foreign)?,
-            points,
-            cells,
-            path: path.to_owned(),
-            arrays,
-            bytes,
-        };
+        let piece = Self { time, points, cells, path: path.to_owned(), arrays, bytes };
         piece.check_cells()?;
         Ok(piece)
     }
@@ -223,18 +212,17 @@ fn size_of_kind(kind: Kind) -> usize {
     }
 }
 
-/// Returns name and position of the array that a line declares. The position is in the bytes
-/// after the XML.
-fn stored(line: &str, bytes: &[u8]) -> Result<(String, Stored), String> {
-    let unread = || format!("has an array that cannot be read: `{line}`");
-    let name = attribute(line, "Name").ok_or_else(unread)?;
+/// Returns name and position of the array that `array` of the XML `head` declares. The position
+/// is in the bytes after the XML.
+fn stored(head: &str, array: &Node, bytes: &[u8]) -> Result<(String, Stored), String> {
+    let unread = || format!("has an array that is damaged: {}", unread(head, array));
+    let name = array.attribute("Name").ok_or_else(unread)?;
     let kinds = [Kind::F32, Kind::U32, Kind::I64, Kind::U8];
     let kind = kinds
         .into_iter()
-        .find(|k| Some(k.vtk_name()) == attribute(line, "type"))
+        .find(|k| Some(k.vtk_name()) == array.attribute("type"))
         .ok_or_else(unread)?;
-    let at =
-        attribute(line, "offset").and_then(|text| text.parse::<usize>().ok()).ok_or_else(unread)?;
+    let at = array.attribute("offset").and_then(|n| n.parse::<usize>().ok()).ok_or_else(unread)?;
     let torn = || format!("ends within array `{name}`: it is incomplete");
     let begin = at.checked_add(LENGTH).ok_or_else(unread)?;
     let length = bytes.get(at..begin).ok_or_else(torn)?;
@@ -251,9 +239,18 @@ fn text(path: &Path) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
-    let (_, rest) = line.split_once(&format!(" {name}=\""))?;
-    rest.split_once('"').map(|(value, _)| value)
+/// Returns the XML of a file of VTK with this type of content; none if it is no such file, or
+/// incomplete.
+fn read_xml<'t>(text: &'t str, content: &str) -> Option<Document<'t>> {
+    let file = Document::parse(text).ok()?;
+    let root = file.root_element();
+    let is_it = root.has_tag_name("VTKFile") && root.attribute("type") == Some(content);
+    is_it.then_some(file)
+}
+
+/// Returns a message that quotes a tag that cannot be read.
+fn unread(text: &str, tag: &Node) -> String {
+    format!("cannot read `{}`", &text[tag.range()])
 }
 
 /// Returns the path of a file that is named relative to another one. Only files in its folder or

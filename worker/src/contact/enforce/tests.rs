@@ -353,7 +353,7 @@ fn a_node_between_two_plates_ends_at_rest() {
     let v = 10.0;
     // Largest velocity at the end as a fraction of the approach, and distance of the node from
     // its symmetric position.
-    let rebound = |m: f64, sweeps: usize| {
+    let rebound = |m: f64, sweeps: i64| {
         let at = |z: f64, v: f64| {
             square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0))
         };
@@ -361,7 +361,7 @@ fn a_node_between_two_plates_ends_at_rest() {
             .chain(at(1.5 * THICK, -v))
             .chain([mass([0.0; 3], [0.0; 3], m)])
             .collect();
-        let job = ContactJob { sweeps, tolerance: 1e-6, ..job("lagrange") };
+        let job = job("lagrange").with("sweeps", sweeps).with("tolerance", 1e-6);
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[8], 1e-3);
         let before = scene.energy();
         (0..40).for_each(|_| _ = scene.step());
