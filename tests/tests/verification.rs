@@ -1,26 +1,41 @@
-//! The quick checks of the catalogue, entry by entry: the set of passing and failing rows must
-//! be that of the committed table `tests/verification.json`. After a change of results, examine
-//! the table that `crumple verify` writes, and commit it.
+//! The checks of the catalogue against the committed table `tests/verification.json`: the rows, the
+//! verdict and the value of each. `deploy/verify.sh` also runs the slow checks. After a change of
+//! results, examine the table that `crumple verify` writes, and commit it.
 
-use crumple_verification::{Bench, CATALOGUE, Row};
+use crumple_verification::row::Tolerance;
+use crumple_verification::{Bench, CATALOGUE, Check, Row};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Mutex;
 
-/// Quantity and variant of a row, and true if it passes.
-type Verdicts = BTreeMap<(String, String), bool>;
+/// Fraction of its tolerance by which a value may differ from the committed one. Results do not
+/// depend on the width of the vectors, but other compilers and processors may round in another way.
+/// A tenth lets no verdict creep away unnoticed.
+const OF_TOLERANCE: f64 = 0.1;
+/// The same as a fraction of the value, for tolerances that are close to rounding.
+const OF_VALUE: f64 = 1e-6;
 
-fn committed(id: &str, check: &str) -> Verdicts {
+/// Committed value of a row, and true if it passes, by quantity and variant.
+type Committed = BTreeMap<(String, String), (f64, bool)>;
+
+fn table() -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("verification.json");
-    let table: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn committed(table: &Value, id: &str, check: &str) -> Committed {
     let find = |list: &Value, key: &str, name: &str| {
         list.as_array().unwrap().iter().find(|e| e[key] == name).unwrap_or(&Value::Null).clone()
     };
     let checks = find(&table["entries"], "id", id)["checks"].clone();
     let rows = find(&checks, "name", check)["rows"].clone();
     let text = |v: &Value| v.as_str().unwrap().to_string();
-    let row =
-        |r: &Value| ((text(&r["quantity"]), text(&r["variant"])), r["passes"].as_bool().unwrap());
+    let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+    let row = |r: &Value| {
+        let name = (text(&r["quantity"]), text(&r["variant"]));
+        (name, (number(&r["ours"]), r["passes"].as_bool().unwrap()))
+    };
     rows.as_array()
         .unwrap_or_else(|| panic!("{id} {check} is not in the table"))
         .iter()
@@ -28,30 +43,61 @@ fn committed(id: &str, check: &str) -> Verdicts {
         .collect()
 }
 
+/// Returns the distance by which a value may differ from the committed one; none for rows without a
+/// bound.
+fn band(row: &Row) -> Option<f64> {
+    let tolerance = match row.tolerance {
+        Tolerance::Relative(fraction) => fraction * row.reference.abs(),
+        Tolerance::Absolute(distance) => distance,
+        Tolerance::AtMost | Tolerance::AtLeast => row.reference.abs(),
+        Tolerance::Recorded => return None,
+    };
+    Some((OF_TOLERANCE * tolerance).max(OF_VALUE * row.ours.abs()))
+}
+
+/// Returns why a row does not agree with the committed one, or `None` if it does.
+fn difference(row: &Row, then: Option<&(f64, bool)>) -> Option<String> {
+    let name = format!("{} ({})", row.quantity, row.variant);
+    let Some(&(value, passed)) = then else {
+        return Some(format!("{name}: not in the table"));
+    };
+    if row.passes() != passed {
+        return Some(format!("{name}: {} instead of {value}: another verdict", row.ours));
+    }
+    let band = band(row)?;
+    let moved = match passed {
+        true => (row.ours - value).abs(),
+        // A known failure may become smaller.
+        false => (row.ours - row.reference).abs() - (value - row.reference).abs(),
+    };
+    // A NaN is no agreement.
+    (!(moved <= band)).then(|| format!("{name}: {} instead of {value} +- {band:e}", row.ours))
+}
+
+/// Runs a check and returns its differences from the table.
+fn differences(table: &Value, id: &str, check: &Check, bench: &Bench) -> Vec<String> {
+    let rows = match (check.run)(bench) {
+        Ok(rows) => rows,
+        Err(why) => return vec![format!("{id} {}: {why}", check.name)],
+    };
+    let then = committed(table, id, check.name);
+    let key = |r: &Row| (r.quantity.clone(), r.variant.clone());
+    let mut found: Vec<String> =
+        rows.iter().filter_map(|r| difference(r, then.get(&key(r)))).collect();
+    if rows.len() != then.len() {
+        found.push(format!("{} rows instead of {}", rows.len(), then.len()));
+    }
+    let unexplained = rows.iter().filter(|r| !r.passes() && r.known.is_empty());
+    found.extend(unexplained.map(|r| format!("{} ({}): no reason", r.quantity, r.variant)));
+    found.into_iter().map(|text| format!("{id} {}: {text}", check.name)).collect()
+}
+
 fn quick(id: &str) {
     let entry = CATALOGUE.iter().find(|e| e.id == id).unwrap();
-    let bench = Bench::new(None);
-    for check in entry.checks.iter().filter(|c| c.quick) {
-        let rows = (check.run)(&bench).unwrap_or_else(|why| panic!("{id} {}: {why}", check.name));
-        for r in rows.iter().filter(|r| !r.passes()) {
-            eprintln!(
-                "{id} {} ({}): {} against {}; {}",
-                r.quantity, r.variant, r.ours, r.reference, r.known
-            );
-        }
-        let verdict = |r: &Row| ((r.quantity.clone(), r.variant.clone()), r.passes());
-        let now: Verdicts = rows.iter().map(verdict).collect();
-        assert_eq!(now.len(), rows.len(), "{id} {}: rows have the same name", check.name);
-        let then = committed(id, check.name);
-        let changed: Vec<_> =
-            now.iter().filter(|(row, passes)| then.get(*row) != Some(*passes)).collect();
-        assert!(
-            changed.is_empty(),
-            "{id} {}: results differ from the table: {changed:?}",
-            check.name
-        );
-        assert_eq!(now.len(), then.len(), "{id} {}: rows of the table are missing", check.name);
-    }
+    let (table, bench) = (table(), Bench::new(None));
+    let checks = entry.checks.iter().filter(|c| c.quick);
+    let found: Vec<String> = checks.flat_map(|c| differences(&table, id, c, &bench)).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 macro_rules! entries {
@@ -75,4 +121,53 @@ fn every_entry_with_a_quick_check_is_tested() {
     let quick: Vec<&str> =
         CATALOGUE.iter().filter(|e| e.checks.iter().any(|c| c.quick)).map(|e| e.id).collect();
     assert_eq!(quick, TESTED);
+}
+
+#[test]
+#[ignore = "takes minutes: deploy/verify.sh runs it"]
+fn slow_checks_agree_with_the_table() {
+    let (table, bench) = (table(), Bench::new(None));
+    let slow = CATALOGUE.iter().flat_map(|e| e.checks.iter().map(|c| (e.id, c)));
+    let left = Mutex::new(slow.filter(|(_, c)| !c.quick));
+    let found = Mutex::new(Vec::new());
+    let work = || {
+        loop {
+            let next = left.lock().unwrap().next();
+            let Some((id, check)) = next else { return };
+            found.lock().unwrap().extend(differences(&table, id, check, &bench));
+        }
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..cores).for_each(|_| _ = scope.spawn(work)));
+    let found = found.into_inner().unwrap();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn every_failure_of_the_table_has_a_reason_and_a_source() {
+    let table = table();
+    let mut seen = 0;
+    for entry in table["entries"].as_array().unwrap() {
+        for check in entry["checks"].as_array().unwrap() {
+            let rows =
+                check["rows"].as_array().unwrap_or_else(|| panic!("{} failed", check["name"]));
+            for row in rows.iter().filter(|row| row["passes"] == false) {
+                let name = format!("{} {}, {}", entry["id"], row["quantity"], row["variant"]);
+                assert_ne!(row["known"], "", "{name}: no reason");
+                assert_ne!(row["source"], "", "{name}: no source");
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 0, "no failures: check that the table is read");
+}
+
+#[test]
+fn a_value_outside_its_band_is_a_difference() {
+    let row = |ours| Row::new("x", "", "", ours).near(100.0, 0.1, "");
+    let differs = |ours, then| difference(&row(ours), Some(&then)).is_some();
+    assert!(!differs(102.0, (101.1, true)) && differs(102.0, (100.9, true)));
+    assert!(differs(120.0, (101.0, true)) && differs(102.0, (120.0, false)));
+    assert!(!differs(120.9, (120.0, false)) && differs(121.1, (120.0, false)));
+    assert!(!differs(112.0, (120.0, false)) && differs(f64::NAN, (120.0, false)));
 }

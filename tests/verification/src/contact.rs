@@ -221,7 +221,7 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             let row =
                 Row::new("velocity of the segment after", &variant, "m/s", down(segment.all()));
             all.push(row.within(of_segment, 0.02 * v, D).known(INSIDE_A_STEP));
-            all.push(run.given_row(&variant));
+            all.push(run.given_row(&variant).known(INSIDE_A_STEP));
             let drift = run.momentum_drift(2, run.momentum[0][2].abs());
             all.push(
                 Row::new("change of momentum / m v", &variant, "", drift).at_most(1e-12, "exact"),

@@ -36,7 +36,7 @@ mod pressure_patch;
 mod report;
 mod ridges;
 mod rigid;
-mod row;
+pub mod row;
 mod scene;
 mod sections;
 mod sheets;

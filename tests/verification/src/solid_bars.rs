@@ -39,6 +39,11 @@ pub const STEP: Check = Check { name: "step traction, cubes", quick: true, run: 
 
 /// Setting without bulk viscosity.
 pub const INVISCID: &str = "bulk_viscosity = [0.0, 0.0]";
+/// Reason why penalty laws deviate for coarse bars although their springs are stiff.
+const SPRING: &str = "a spring between the bars delays the front and is compressed, on a coarse \
+                      mesh also with the stiffness of an element: the contact of the penalty law \
+                      lasts 2.7 % too long with 20 cubes, 1.1 % with 50 and 0.5 % with 100, as at \
+                      its default scale (2.9, 1.2 and 0.5 %)";
 const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: range of their \
                      losses over the time of impact within a step, and 5 % (good)";
 const LENGTH: f64 = 1.0;
@@ -119,7 +124,12 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
                 )
                 .at_most(1e-10, "exact"),
             ];
-            all.extend(rows.into_iter().map(|r| if law.is_soft() { r.known(SOFT) } else { r }));
+            let known = match (law.is_soft(), law.is_spring()) {
+                (true, _) => SOFT,
+                (false, true) => SPRING,
+                (false, false) => "",
+            };
+            all.extend(rows.into_iter().map(|r| r.known(known)));
             let after = |b: usize| {
                 Row::new(format!("velocity of bar {} after", b + 1), &variant, "m/s", met.after[b])
             };
