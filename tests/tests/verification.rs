@@ -70,8 +70,8 @@ fn difference(row: &Row, then: Option<&(f64, bool)>) -> Option<String> {
         // A known failure may become smaller.
         false => (row.ours - row.reference).abs() - (value - row.reference).abs(),
     };
-    // A NaN is no agreement.
-    (!(moved <= band)).then(|| format!("{name}: {} instead of {value} +- {band:e}", row.ours))
+    (moved.is_nan() || moved > band)
+        .then(|| format!("{name}: {} instead of {value} +- {band:e}", row.ours))
 }
 
 /// Runs a check and returns its differences from the table.

@@ -2,8 +2,8 @@
 //! surfaces penetrate, with the key `stickiness` s.
 
 use crumple_worker::contact::enforce::{ContactLaw, Iteration, LawRow};
-use crumple_worker::math::row::V3;
 use crumple_worker::contact::pairs::Pair;
+use crumple_worker::math::row::V3;
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow, Range};
 use crumple_worker::time::StepSizes;
 
