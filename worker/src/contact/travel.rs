@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn a_fit_removes_rotation_from_the_bound_and_not_from_the_path() {
         let points: Vec<Vector3<f64>> = (0..20)
-            .map(|i| f64::from(i))
+            .map(f64::from)
             .map(|a| Vector3::new(a.sin(), (1.7 * a).cos(), (0.3 * a).sin()))
             .collect();
         let turned = |angle: f64, dent: f64| -> Vec<Row> {

@@ -108,13 +108,12 @@ impl<const M: usize> Bounds<M> {
             (force * force).gt(R::splat(fraction * fraction) * square)
         };
         let mut moment = drill[0].abs();
-        for c in 1..DRILLING_MODES {
-            moment = Real::max(moment, drill[c].abs());
+        for other in &drill[1..DRILLING_MODES] {
+            moment = Real::max(moment, other.abs());
         }
         let mut beyond = exceeds(moment, squares.drilling, DRILLING_BOUND);
-        for c in 0..M {
-            let square = squares.of(self.modes[c]);
-            beyond = R::either(beyond, exceeds(stabilising[c], square, self.strength));
+        for (&force, &mode) in stabilising[..M].iter().zip(&self.modes) {
+            beyond = R::either(beyond, exceeds(force, squares.of(mode), self.strength));
         }
         if R::any(beyond) {
             let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
