@@ -373,7 +373,7 @@ pub struct Part {
     pub thinning: bool,
     /// Drilling stiffness as a fraction of the shear stiffness G h A / 4
     /// (`cases/studies/README.md`, twist and twist-thin). In quads with a plastic law, its moments
-    /// are bounded by a hundredth of the plastic moment of a side.
+    /// of a node are bounded by 1/400 of the plastic moment of a side.
     #[serde(default = "drilling")]
     pub drilling: f64,
 }

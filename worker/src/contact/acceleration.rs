@@ -133,8 +133,8 @@ impl Acceleration {
             way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
         }
         let part = local_product(&own, &ends, &way, peers)?;
-        let go = |((p, end), way): ((&&Pair, &V3), &V3)| within(p, end + way * part);
-        let forces = own.iter().zip(&ends).zip(&way).map(go).collect();
+        let forces_of = |((p, end), way): ((&&Pair, &V3), &V3)| within(p, end + way * part);
+        let forces = own.iter().zip(&ends).zip(&way).map(forces_of).collect();
         Ok(AccelerationStep { changed, forces: Some(forces) })
     }
 }

@@ -2,7 +2,7 @@
 //! other.
 //!
 //! Two bounds are combined. The path is the sum over the steps of the largest relative
-//! displacement of any two nodes. It is cheap and tells candidates how long they can be left out
+//! displacement of any two nodes. It is cheap and shows how long candidates can be left out
 //! ([`Travel::path`]). The residual of a rigid motion is smaller for bodies that rotate and for
 //! nodes that vibrate; it is fitted only if the path does not suffice.
 

@@ -99,8 +99,8 @@ fn accelerated_sweeps_settle_whatever_the_masses() {
                 let (error, sweeps) = row_of(&law, &masses);
                 let plain = row_of(&law.clone().with("accelerated", 0), &masses).0;
                 eprintln!(
-                    "{} {:?}, {light} of {ratio}: error {error:.1e} in {sweeps} sweeps, {plain:.1e} \
-                     in 20",
+                    "{} {:?}, {light} of {ratio}: error {error:.1e} in {sweeps} sweeps, \
+                     {plain:.1e} in 20",
                     law.law, law.parameters
                 );
                 assert!(error < 1e-5, "{law:?}, {masses:?}: {error}");
