@@ -1,6 +1,6 @@
 //! The time step: one cycle of the central-difference scheme. Start reading here.
 //!
-//! [`STAGES`] is the whole step. Every stage is a function of this file, and its time is booked for
+//! `STAGES` is the whole step. Every stage is a function of this file, and its time is booked for
 //! the phase in its row.
 
 use crate::constraints::ConstraintWork;
