@@ -6,7 +6,7 @@
 //!
 //! One worker runs the job to each of the times. There, for every number of workers, space is
 //! decomposed as in a run (`decompose/`), and the elements, nodes and messages of each worker are
-//! counted ([`census`]). No run has more than one worker, except a
+//! counted (`census.rs`). No run has more than one worker, except a
 //! check with two workers from the start.
 
 mod census;
