@@ -1,6 +1,7 @@
 //! The job as it is written in `job.toml`: plain data. The master reads and checks it.
 
 mod beam;
+mod checkpoint;
 mod contact;
 mod loads;
 mod output;
@@ -10,6 +11,7 @@ mod tie;
 mod wall;
 
 pub use beam::{Beam, BeamSection, Weld};
+pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{Contact, Interface, Setting};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
@@ -53,6 +55,9 @@ pub struct Job {
     /// Decomposition and redecomposition.
     #[serde(default)]
     pub parallel: Parallel,
+    /// Checkpoints.
+    #[serde(default)]
+    pub checkpoint: Checkpoint,
     /// Materials.
     #[serde(default)]
     pub material: Vec<MaterialSpec>,

@@ -11,6 +11,7 @@
 //! - [`transport`]: transport of messages, by threads or MPI
 
 pub mod boxes;
+pub mod checkpoint;
 pub mod histories;
 pub mod ids;
 pub mod job;

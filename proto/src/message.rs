@@ -3,10 +3,15 @@
 //! Start-up: the master sends `Start` to each worker. Workers then run, and send `Report`,
 //! `History` and `Fields` unasked. The master sends `Order`s. The workers agree among
 //! themselves on the cycle before which all of them execute an order. Workers answer a `Recut`
-//! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. At
-//! the end each worker sends `Closing` with the states of its nodes.
+//! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
+//! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
+//! on disk. At the end each worker sends `Closing` with the states of its nodes.
+//!
+//! A run that continues from a checkpoint begins with `Resume` instead of `Start`, and its first
+//! boxes come from requests as in a repartition.
 
 use crate::boxes::{Aabb, CutTree};
+use crate::checkpoint::{Captured, FileRecord, Saved};
 use crate::partition::{ElementRecord, NodeRecord, Settings};
 use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
 use crate::trace::Recording;
@@ -25,6 +30,20 @@ pub enum ToWorker {
         elements: Vec<ElementRecord>,
         /// All nodes of these elements.
         nodes: Vec<NodeRecord>,
+        /// True if the worker records spans and moments for `--trace`.
+        trace: bool,
+    },
+    /// Continuation of a run from a checkpoint; sent instead of `Start`. Requests for the
+    /// distribution of the load and `Cuts` follow, as in a repartition.
+    Resume {
+        /// Settings that are equal on all workers.
+        settings: Box<Settings>,
+        /// Folder of the checkpoint.
+        folder: String,
+        /// File with the common state.
+        common: FileRecord,
+        /// Files of the workers of that time.
+        pieces: Vec<FileRecord>,
         /// True if the worker records spans and moments for `--trace`.
         trace: bool,
     },
@@ -68,7 +87,9 @@ pub enum Action {
     Renew(CutTree),
     /// Repartition (*low* redecomposition): the boxes are computed again as well.
     Recut,
-    /// End of the run with complete output.
+    /// A checkpoint of the present state. The run continues.
+    Checkpoint,
+    /// End of the run with complete output, and a checkpoint before it if the job has checkpoints.
     Stop,
 }
 
@@ -86,6 +107,11 @@ pub enum ToMaster {
         /// Simulated time [time].
         time: f64,
     },
+    /// The worker has copied its state for a checkpoint. All rows and fields that `Captured`
+    /// counts were sent before.
+    Captured(Captured),
+    /// The files of a checkpoint are on disk, or could not be written.
+    Saved(Saved),
     /// Warning that does not end the run.
     Warning(String),
     /// The worker has stopped for a `Recut` order and waits for requests.

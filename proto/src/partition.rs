@@ -3,7 +3,7 @@
 
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
-use crate::job::{Contact, Part, Precision};
+use crate::job::{Compression, Contact, Part, Precision};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
 use crate::rigid::RigidBody;
@@ -33,6 +33,8 @@ pub struct Settings {
     pub histories: HistoryRequests,
     /// Folder for field files.
     pub field_dir: String,
+    /// Checkpoints.
+    pub checkpoint: CheckpointSettings,
     /// Materials, in the job's order.
     pub materials: Vec<Material>,
     /// Parts in ascending id; the `part` of a record is an index into this list.
@@ -65,6 +67,19 @@ pub struct Settings {
     pub buffer: f64,
     /// Number of cycles between forced redecompositions, 0 for none (for tests).
     pub force_every: u64,
+}
+
+/// Settings of checkpoints.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct CheckpointSettings {
+    /// Folder for all checkpoints of the run.
+    pub dir: String,
+    /// Times after which a checkpoint is written, ascending [time].
+    pub times: Vec<f64>,
+    /// True if a run that is stopped writes a checkpoint.
+    pub at_stop: bool,
+    /// Compression of the files.
+    pub compression: Compression,
 }
 
 /// Contact in messages is text, because the keys of contact laws are not fixed, and a message has

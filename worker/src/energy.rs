@@ -6,6 +6,7 @@ use crate::math::row::{Row, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::report::Energies;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};
 
@@ -75,7 +76,7 @@ pub struct ContactWork {
 }
 
 /// Energies and work accumulated on this worker.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Ledger {
     internal: f64,
     hourglass: f64,
@@ -87,7 +88,7 @@ pub struct Ledger {
 }
 
 /// Work so far, and the part of it between the present time and the next mid-step [energy].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct LedgerEntry {
     total: f64,
     ahead: f64,
@@ -99,12 +100,29 @@ impl LedgerEntry {
         self.ahead = work.after;
     }
 
+    fn add(&mut self, o: &Self) {
+        self.total += o.total;
+        self.ahead += o.ahead;
+    }
+
     fn at_present(&self) -> f64 {
         self.total - self.ahead
     }
 }
 
 impl Ledger {
+    /// Adds the ledger of another worker.
+    pub fn add(&mut self, o: &Self) {
+        let Self { internal, hourglass, contact, friction, starting, wall, external } = o;
+        self.internal += internal;
+        self.hourglass += hourglass;
+        self.contact.add(contact);
+        self.friction.add(friction);
+        self.starting.add(starting);
+        self.wall.add(wall);
+        self.external.add(external);
+    }
+
     /// Books the energies of a pass over elements.
     pub fn book_elements(&mut self, t: &PassTotals) {
         self.internal += t.internal;

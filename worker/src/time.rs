@@ -2,6 +2,7 @@
 //! times at which output is due.
 
 use crumple_proto::partition::Settings;
+use serde::{Deserialize, Serialize};
 
 /// Step sizes of the central difference scheme around the present time.
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +37,8 @@ pub enum ElementSet {
     Fast,
 }
 
-/// Time, cycle and step sizes.
-#[derive(Clone, Debug)]
+/// Time, cycle and step sizes. All of it is state, equal on all workers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Clock {
     /// Simulated time [time].
     pub time: f64,
@@ -61,6 +62,8 @@ pub struct Clock {
     pub rows: u64,
     /// Number of field outputs written.
     pub fields: usize,
+    /// Number of times of checkpoints that have passed.
+    checkpoints: usize,
 }
 
 /// Relative round-off: a time this close to a due time has reached it, and a number of steps this
@@ -99,6 +102,7 @@ impl Clock {
             min_dt: f64::INFINITY,
             rows: 0,
             fields: 0,
+            checkpoints: 0,
         };
         c.select_dt(settings, stable_dt);
         c.first_dt = c.dt;
@@ -180,6 +184,15 @@ impl Clock {
     pub fn is_history_due(&self, settings: &Settings) -> bool {
         self.starts_outer_step(settings)
             && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
+    }
+
+    /// Returns true if a time at which the job requests a checkpoint has passed since the last call
+    /// that returned true.
+    pub fn pass_checkpoint_time(&mut self, times: &[f64]) -> bool {
+        let passed = |t: &&f64| self.time >= **t * (1.0 - SLACK);
+        let count = times[self.checkpoints.min(times.len())..].iter().take_while(passed).count();
+        self.checkpoints += count;
+        count > 0
     }
 
     /// Returns true if field files are due at the present time. Fields are due only one cycle

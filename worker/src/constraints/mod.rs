@@ -16,6 +16,7 @@
 
 pub mod prescribed;
 pub mod rigid;
+mod state;
 pub mod ties;
 pub mod walls;
 
@@ -30,6 +31,7 @@ use crumple_proto::partition::Settings;
 use crumple_proto::transport::{RankLost, Transport};
 use prescribed::Prescribed;
 use rigid::Bodies;
+pub use state::ConstraintState;
 use ties::Ties;
 use walls::Walls;
 

@@ -19,6 +19,7 @@ use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};
+use serde::{Deserialize, Serialize};
 use push::{RecoilCandidate, collect, speed_after};
 pub use shape::Surface;
 
@@ -36,6 +37,16 @@ pub struct Wall {
     next: V3,
     /// True for each node here that the wall acts on; empty if it acts on all.
     meets: Vec<bool>,
+}
+
+/// State of a wall, equal on all workers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct WallState {
+    surface: Surface,
+    last: V3,
+    next: V3,
+    /// Position at the end of the step of a prescribed motion [length].
+    to: Option<V3>,
 }
 
 /// Motion of a wall.
@@ -86,6 +97,28 @@ impl Walls {
             w.meets.clear();
             if w.job.nodes.is_some() || !w.job.except.is_empty() {
                 w.meets.extend(nodes.id.iter().map(|&id| w.job.allows(id)));
+            }
+        }
+    }
+
+    /// Returns the states of all walls.
+    pub fn state(&self) -> Vec<WallState> {
+        let of = |wall: &Wall| {
+            // Friction and mass are those of the job; `meets` is by local node.
+            let Wall { job: _, surface, friction: _, drive, last, next, meets: _ } = wall;
+            let to = if let Drive::Led(_, to) = drive { Some(*to) } else { None };
+            WallState { surface: surface.clone(), last: *last, next: *next, to }
+        };
+        self.walls.iter().map(of).collect()
+    }
+
+    /// Sets the states of all walls.
+    pub fn restore(&mut self, states: &[WallState]) {
+        for (wall, state) in self.walls.iter_mut().zip(states) {
+            wall.surface = state.surface.clone();
+            (wall.last, wall.next) = (state.last, state.next);
+            if let (Drive::Led(_, to), Some(known)) = (&mut wall.drive, state.to) {
+                *to = known;
             }
         }
     }

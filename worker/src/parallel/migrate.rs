@@ -3,6 +3,7 @@
 
 use crate::contact::Contact;
 use crate::contact::pairs::PairHistory;
+use crate::fem::blocks::LocalElement;
 use crate::nodes::{Nodes, OuterStepMean};
 use crate::parallel::partition::{LocalMesh, PartitionData};
 use bytemuck::{Pod, Zeroable};
@@ -11,7 +12,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Element in a message, followed by `columns` history numbers.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -82,7 +83,7 @@ impl Parcel {
 }
 
 /// Adds the items of a message to a partition.
-fn unpack(words: Vec<u64>, share: &mut PartitionData) {
+pub fn unpack(words: Vec<u64>, share: &mut PartitionData) {
     let mut mail = Mailbox::from_words(words);
     let header: Header = mail.take();
     share.elements.extend((0..header.elements).map(|_| take_element(&mut mail)));
@@ -102,31 +103,120 @@ pub fn migrate(
     local: &LocalMesh,
     contact: Option<&Contact>,
 ) -> Result<PartitionData, RankLost> {
+    let to = |e: &LocalElement| tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
+    let parcels = pack_local(comm, local, contact, comm.size() - 1, to)?;
+    exchange(comm, parcels)
+}
+
+/// Returns the message of [`migrate`] that has all elements of this worker. Collective, because
+/// pair histories come from the owners of the pairs.
+///
+/// # Errors
+/// A worker is gone.
+pub fn pack_all(
+    comm: &mut dyn Transport,
+    local: &LocalMesh,
+    contact: Option<&Contact>,
+) -> Result<Vec<u64>, RankLost> {
+    Ok(pack_local(comm, local, contact, 1, |_| 0)?.swap_remove(0))
+}
+
+/// Sends every element of a partition that no engine has built yet to the worker whose box contains
+/// its centre. Returns the new partition of this worker. Collective.
+///
+/// # Errors
+/// A worker is gone.
+pub fn distribute(
+    comm: &mut dyn Transport,
+    tree: &CutTree,
+    share: &PartitionData,
+) -> Result<PartitionData, RankLost> {
+    let nodes: HashMap<NodeId, &NodeRecord> = share.nodes.iter().map(|n| (n.id, n)).collect();
+    let means: HashMap<NodeId, &OuterStepMean> = share.means.iter().map(|m| (m.id, m)).collect();
+    let elements = share.elements.iter().map(|(e, columns)| {
+        let to = tree.worker_of(centre_of_record(e, |id| nodes[&id].x));
+        (e, e.nodes, columns.clone(), to)
+    });
+    let parcels = pack(comm.size() - 1, elements, |id| NodeShare {
+        record: *nodes[&id],
+        mean: means.get(&id).copied().copied(),
+        histories: share.memories.get(&id).map(Vec::as_slice),
+    });
+    exchange(comm, parcels)
+}
+
+/// Returns the centre of an element whose nodes are at `place` [length].
+pub fn centre_of_record(e: &ElementRecord, place: impl Fn(NodeId) -> [f64; 3]) -> [f64; 3] {
+    let used = e.shape.corners();
+    std::array::from_fn(|c| e.nodes[..used].iter().map(|&n| place(n)[c]).sum::<f64>() / used as f64)
+}
+
+/// Sends the messages to the workers. Returns the partition that this worker receives.
+fn exchange(
+    comm: &mut dyn Transport,
+    parcels: Vec<Vec<u64>>,
+) -> Result<PartitionData, RankLost> {
+    let mut share = PartitionData::default();
+    for words in exchange_all(comm, parcels)? {
+        unpack(words, &mut share);
+    }
+    Ok(share)
+}
+
+/// Data of a node that go with its elements.
+struct NodeShare<'a> {
+    record: NodeRecord,
+    mean: Option<OuterStepMean>,
+    histories: Option<&'a [PairHistory]>,
+}
+
+/// Returns `count` messages; own element `e` is in message `to(e)`.
+fn pack_local(
+    comm: &mut dyn Transport,
+    local: &LocalMesh,
+    contact: Option<&Contact>,
+    count: usize,
+    to: impl Fn(&LocalElement) -> usize,
+) -> Result<Vec<Vec<u64>>, RankLost> {
     let memories = gather_memories(comm, local, contact)?;
-    let mut parcels: Vec<Parcel> = (0..comm.size() - 1).map(|_| Parcel::default()).collect();
-    let mut goes: Vec<(u32, usize)> = Vec::new();
-    for b in &local.blocks.blocks {
-        for (i, e) in local.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-            let to = tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
-            parcels[to].add_element(&e.record, &b.state(i).to_vec());
-            goes.extend(e.nodes.map(|n| (n, to)));
+    let elements = local.blocks.blocks.iter().flat_map(|b| {
+        let own = local.blocks.elements[b.first..b.first + b.count].iter().enumerate();
+        own.map(|(i, e)| (&e.record, e.nodes, b.state(i).to_vec(), to(e)))
+    });
+    Ok(pack(count, elements, |n: u32| {
+        let record = local.nodes.record(n as usize);
+        NodeShare {
+            record,
+            mean: local.nodes.mean(n as usize),
+            histories: memories.get(&record.id).map(Vec::as_slice),
         }
+    }))
+}
+
+/// Returns `count` messages with elements and their nodes. An element comes with its nodes, its
+/// history columns and the number of its message.
+fn pack<'a, 'b, N: Copy + Ord>(
+    count: usize,
+    elements: impl Iterator<Item = (&'a ElementRecord, [N; 8], Vec<f64>, usize)>,
+    node: impl Fn(N) -> NodeShare<'b>,
+) -> Vec<Vec<u64>> {
+    let mut parcels: Vec<Parcel> = (0..count).map(|_| Parcel::default()).collect();
+    let mut goes: Vec<(N, usize)> = Vec::new();
+    for (e, nodes, columns, to) in elements {
+        parcels[to].add_element(e, &columns);
+        goes.extend(nodes.map(|n| (n, to)));
     }
     goes.sort_unstable();
     goes.dedup();
     for (n, to) in goes {
-        let record = local.nodes.record(n as usize);
+        let NodeShare { record, mean, histories } = node(n);
         parcels[to].nodes.push(record);
-        parcels[to].means.extend(local.nodes.mean(n as usize));
-        if let Some(list) = memories.get(&record.id) {
+        parcels[to].means.extend(mean);
+        if let Some(list) = histories {
             parcels[to].add_histories(record.id, list);
         }
     }
-    let mut share = PartitionData::default();
-    for words in exchange_all(comm, parcels.into_iter().map(Parcel::into_words).collect())? {
-        unpack(words, &mut share);
-    }
-    Ok(share)
+    parcels.into_iter().map(Parcel::into_words).collect()
 }
 
 /// Returns the centre of an element [length].

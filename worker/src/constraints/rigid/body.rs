@@ -13,6 +13,7 @@ use crate::energy::Work;
 use crate::math::row::V3;
 use crumple_proto::loads::MotionForm;
 use crumple_proto::rigid::RigidBody as BodyJob;
+use serde::{Deserialize, Serialize};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
 /// Largest numbers of Newton steps and of fixed-point steps of a rotation. Newton converges
@@ -21,7 +22,7 @@ const NEWTON: usize = 12;
 const FIXED_POINT: usize = 40;
 
 /// Rigid body.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Body {
     /// Mass [mass].
     pub mass: f64,
@@ -33,6 +34,8 @@ pub struct Body {
     pub softest: f64,
     /// True for each fixed or prescribed degree of freedom: translations, then rotations.
     held: [bool; 6],
+    /// Prescribed motions; not part of a checkpoint.
+    #[serde(skip)]
     courses: Vec<(u64, MotionCurve)>,
     start: V3,
     /// Rotational velocities at the last and next mid-step [1/time].
@@ -59,7 +62,7 @@ pub struct Body {
 }
 
 /// Velocity of the centre and angular momentum about it, in space.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Momentum {
     /// Velocity [length/time].
     pub velocity: V3,
@@ -76,7 +79,17 @@ impl Momentum {
     }
 }
 
+/// Returns the prescribed motions of a body with their degrees of freedom.
+fn courses(job: &BodyJob, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)> {
+    job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect()
+}
+
 impl Body {
+    /// Sets the prescribed motions of a body from a checkpoint.
+    pub fn restore(&mut self, job: &BodyJob, given: &[Vec<[f64; 2]>]) {
+        self.courses = courses(job, given);
+    }
+
     /// Builds a body at time 0.
     pub fn new(
         job: &BodyJob,
@@ -104,7 +117,7 @@ impl Body {
             inverse,
             softest: if smallest > 0.0 { 1.0 / smallest } else { 0.0 },
             held: std::array::from_fn(|c| prescribed >> c & 1 == 1),
-            courses: job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect(),
+            courses: courses(job, curves),
             start: centre,
             centre,
             turn: UnitQuaternion::identity(),

@@ -26,6 +26,7 @@ use crumple_proto::partition::Settings;
 use crumple_proto::rigid::RigidBody as BodyJob;
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, gather_all, words_of};
 use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
 use walls::{WallContact, WallImpulse};
 
 /// Index that marks a node that is no member.
@@ -78,9 +79,11 @@ pub const ACTING_WORDS: usize = words_of::<NodalWrench>();
 /// Number of words per body in the messages of [`Bodies::prepare_contact`].
 pub const MET_WORDS: usize = words_of::<BodyContact>();
 
-/// All rigid bodies.
-#[derive(Debug, Default)]
+/// All rigid bodies. A checkpoint has all fields that are not skipped: those are derived from the
+/// job and the local mesh, or belong to one step.
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Bodies {
+    #[serde(skip)]
     jobs: Vec<BodyJob>,
     /// The bodies, in the order of the job.
     pub bodies: Vec<Body>,
@@ -90,10 +93,13 @@ pub struct Bodies {
     /// Positions of all members relative to the centre at time 0, per body in ascending node id
     /// [length].
     arms: Vec<Vec<V3>>,
+    #[serde(skip)]
     members: Vec<Member>,
     /// Ghosts that are members.
+    #[serde(skip)]
     copies: Vec<Member>,
     /// Body of each node here; empty without bodies.
+    #[serde(skip)]
     body_of: Vec<u32>,
     /// Momenta without contact and walls.
     free: Vec<Momentum>,
@@ -104,11 +110,15 @@ pub struct Bodies {
     /// Damping impulses on each body in this step: without contact, and on its contact forces.
     damped: Vec<[(V3, V3); 2]>,
     /// Impulses of walls in this step.
+    #[serde(skip)]
     pushes: Vec<WallImpulse>,
     /// Velocities of walls after the impulses of bodies.
     wall_velocities: Vec<V3>,
+    #[serde(skip)]
     acting: Vec<NodalWrench>,
+    #[serde(skip)]
     met: Vec<BodyContact>,
+    #[serde(skip)]
     mail: Mailbox,
 }
 
@@ -171,6 +181,12 @@ impl Bodies {
         all.share = vec![0.0; all.bodies.len()];
         all.damped = vec![[(V3::zeros(), V3::zeros()); 2]; all.bodies.len()];
         Ok(all)
+    }
+
+    /// Sets the definitions of bodies from a checkpoint.
+    pub fn restore(&mut self, jobs: &[BodyJob], curves: &[Vec<[f64; 2]>]) {
+        self.jobs = jobs.to_vec();
+        self.bodies.iter_mut().zip(jobs).for_each(|(body, job)| body.restore(job, curves));
     }
 
     /// Finds the members that are present here.

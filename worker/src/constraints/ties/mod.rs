@@ -39,6 +39,7 @@ use crumple_proto::tie::Tie;
 use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
 use exchange::{Link, PackedNode, of_owners, receive, send};
 use nalgebra::Rotation3;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
 
 /// Index of a node that is not present here.
@@ -50,8 +51,8 @@ pub const ARM_SHARE: f64 = 0.81;
 /// `1 + 1/a`.
 const ARM_INERTIA: f64 = ARM_SHARE / (1.0 - ARM_SHARE) + 1.0;
 
-/// All ties.
-#[derive(Debug, Default)]
+/// All ties. A checkpoint has all fields that are not skipped: those are derived from the local mesh.
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Ties {
     definitions: Vec<Tie>,
     /// True if any tie includes rotations or has an offset; and true if any has an offset.
@@ -65,15 +66,22 @@ pub struct Ties {
     /// Masters of each tie by number, with their weights.
     shares: Vec<Vec<(u32, f64)>>,
     /// Local indices of slaves and of masters.
+    #[serde(skip)]
     slave_index: Vec<u32>,
+    #[serde(skip)]
     master_index: Vec<u32>,
     /// Ties whose slave is present here, and ties with a master that is present here.
+    #[serde(skip)]
     local_slaves: Vec<u32>,
+    #[serde(skip)]
     force_sources: Vec<u32>,
+    #[serde(skip)]
     links: Vec<Link>,
     /// For each node here, the start of its range in `partners`: the partners of a slave, or
     /// the slaves of which the node is a partner.
+    #[serde(skip)]
     partner_start: Vec<u32>,
+    #[serde(skip)]
     partners: Vec<u32>,
     /// Force and moment on each slave, as far as they are known here.
     slave_loads: Vec<[V3; 2]>,
@@ -82,6 +90,7 @@ pub struct Ties {
     master_positions: Vec<[f64; 3]>,
     /// Contact forces of this step that were added to masters.
     contact_forces: Vec<V3>,
+    #[serde(skip)]
     mail: Mailbox,
 }
 

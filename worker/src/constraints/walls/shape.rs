@@ -5,13 +5,14 @@
 //! than its motion relative to the wall in one step. Therefore no node is pushed out faster
 //! than its own speed.
 use crate::math::row::V3;
+use serde::{Deserialize, Serialize};
 use crumple_proto::wall::{Wall as WallJob, WallForm};
 
 /// Depth due to round-off, over the size of the wall.
 const ROUNDING: f64 = 1e-9;
 
 /// Surface of a wall at the present time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Surface {
     /// Unit normal, or unit vector along the axis.
     pub direction: V3,
@@ -21,7 +22,7 @@ pub struct Surface {
     form: Form,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 enum Form {
     Plane,
     /// Directions and lengths of the sides; unlimited lengths are infinite.
