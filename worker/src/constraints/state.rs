@@ -1,0 +1,52 @@
+//! State of all constraints for a checkpoint. Every worker has all rigid bodies, walls and ties
+//! with the same values, so it is stored once.
+
+use super::Constraints;
+use super::prescribed::Prescribed;
+use super::rigid::Bodies;
+use super::ties::Ties;
+use super::walls::{WallState, Walls};
+use crumple_proto::partition::Settings;
+use serde::{Deserialize, Serialize};
+
+/// State of all constraints, equal on all workers.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ConstraintState {
+    bodies: Bodies,
+    walls: Vec<WallState>,
+    ties: Ties,
+}
+
+/// State of all constraints, as it is written.
+#[derive(Debug, Serialize)]
+pub struct ConstraintStateView<'a> {
+    bodies: &'a Bodies,
+    walls: Vec<WallState>,
+    ties: &'a Ties,
+}
+
+impl Constraints {
+    /// Returns the state that all workers have in common. The impulses of walls,
+    /// [`Walls::impulse`], are sums of one worker and not part of it.
+    pub fn state(&self) -> ConstraintStateView<'_> {
+        // Prescribed motions are functions of time; `before_walls` belongs to one step.
+        let Self { prescribed: _, bodies, walls, ties, before_walls: _ } = self;
+        ConstraintStateView { bodies, walls: walls.state(), ties }
+    }
+
+    /// Builds the constraints of a run that continues from a state.
+    pub fn restore(settings: &Settings, state: ConstraintState) -> Self {
+        let curves = &settings.loads.curves;
+        let mut walls = Walls::new(&settings.walls, curves);
+        walls.restore(&state.walls);
+        let mut bodies = state.bodies;
+        bodies.restore(&settings.rigid, curves);
+        Self {
+            prescribed: Prescribed::new(&settings.loads),
+            bodies,
+            walls,
+            ties: state.ties,
+            before_walls: Vec::new(),
+        }
+    }
+}
