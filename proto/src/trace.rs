@@ -27,6 +27,8 @@ pub enum Kind {
     High,
     /// Repartition (*low* redecomposition).
     Low,
+    /// Checkpoint.
+    Checkpoint,
     /// End of the run.
     Stop,
 }

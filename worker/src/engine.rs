@@ -1,6 +1,8 @@
 //! The serial engine of one worker. It builds mesh, state and laws from its partition and owns
 //! them.
 
+pub mod checkpoint;
+
 use crate::constraints::Constraints;
 use crate::contact::Contact;
 use crate::contact::beams::with_edges;

@@ -14,6 +14,7 @@ use crumple_proto::histories::{
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 
 /// State of a worker from which its share of a row is computed.
@@ -50,7 +51,7 @@ pub struct Histories {
 
 /// Contact forces in an outer step: sums over its cycles so far, divided by its number of cycles
 /// [force].
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct SurfaceForces {
     between_parts: BTreeMap<[u32; 2], [f64; 3]>,
     on_transducers: BTreeMap<(u32, [u64; 4]), [f64; 3]>,
@@ -94,7 +95,37 @@ struct LocalSection {
     nodes: Vec<u32>,
 }
 
+/// Contact forces that are state between outer steps: those of the complete outer step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ContactSums(SurfaceForces);
+
+impl ContactSums {
+    /// Adds the forces of another worker.
+    pub fn add(&mut self, o: &Self) {
+        let add = |sum: &mut [f64; 3], more: &[f64; 3]| (0..3).for_each(|c| sum[c] += more[c]);
+        for (&parts, force) in &o.0.between_parts {
+            add(self.0.between_parts.entry(parts).or_default(), force);
+        }
+        for (&pair, force) in &o.0.on_transducers {
+            add(self.0.on_transducers.entry(pair).or_default(), force);
+        }
+    }
+}
+
 impl Histories {
+    /// Returns the state at the start of an outer step.
+    pub fn contact_sums(&self) -> ContactSums {
+        // Nodes and sections are found for each partition. The start of an outer step sets the
+        // accelerations, and replaces `felt_before`.
+        let Self { nodes: _, sections: _, accelerations: _, felt, felt_before: _ } = self;
+        ContactSums(felt.clone())
+    }
+
+    /// Sets the state at the start of an outer step.
+    pub fn restore(&mut self, sums: ContactSums) {
+        self.felt = sums.0;
+    }
+
     /// Finds the requested nodes and elements on this worker.
     pub fn bind_local(
         &mut self,

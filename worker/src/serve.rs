@@ -1,19 +1,26 @@
 //! One worker: takes orders, runs the engine, sends reports.
 
+use crate::checkpoint::{
+    self,
+    writer::{Task, Writer},
+};
 use crate::engine::{Engine, StepConsensus};
 use crate::fem::blocks::Blocks;
 use crate::parallel::partition::PartitionData;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
+use crumple_proto::checkpoint::{Captured, FileRecord};
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
 use crumple_proto::report::{Failure, FinalReport, StepReport};
 use crumple_proto::trace::{Event, Kind};
 use crumple_proto::transport::{RankLost, Tag, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
-use std::time::Duration;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// Number of cycles between two reports to the master.
 const REPORT_EVERY: u64 = 10;
@@ -37,6 +44,11 @@ pub struct Worker {
     crossed: bool,
     /// Number of inverted shells named in warnings.
     named: u64,
+    /// True if a checkpoint is ordered.
+    checkpoint_due: bool,
+    writer: Writer,
+    /// Messages and bytes sent before the checkpoint from which the run continues.
+    sent_before: [u64; 2],
 }
 
 /// Largest number of inverted shells that a worker names.
@@ -50,24 +62,97 @@ const NEWEST: f64 = 0.02;
 /// # Errors
 /// Another rank is gone.
 pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
-    let ToWorker::Start { settings, tree, elements, nodes, trace } =
-        await_message(comm, 0, Tag::Order)?
-    else {
-        return Ok(()); // the job is invalid; the master reports why
+    let (mut worker, trace) = match await_message(comm, 0, Tag::Order)? {
+        ToWorker::Start { settings, tree, elements, nodes, trace } => {
+            let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
+            let share = PartitionData { elements, nodes, ..PartitionData::default() };
+            (Worker::new(Engine::new(comm, *settings, tree, share)?), trace)
+        }
+        ToWorker::Resume { settings, folder, common, pieces, trace } => {
+            let from = (Path::new(&folder), &common, &pieces[..]);
+            (resume(comm, *settings, from)?, trace)
+        }
+        _ => return Ok(()), // the job is invalid; the master reports why
     };
-    let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
-    let share = PartitionData { elements, nodes, ..PartitionData::default() };
-    let mut engine = Engine::new(comm, *settings, tree, share)?;
     if trace {
-        engine.timer.record(comm)?;
+        worker.engine.timer.record(comm)?;
     }
-    let mut worker = Worker::new(engine);
     let ran = worker.run(comm);
     if ran.is_err() {
         worker.send_recording(comm)?;
     }
     ran?;
     worker.finalize(comm)
+}
+
+/// Reads the files of a checkpoint and builds a worker that continues from there.
+fn resume(
+    comm: &mut dyn Transport,
+    settings: Settings,
+    (folder, common, pieces): (&Path, &FileRecord, &[FileRecord]),
+) -> Result<Worker, RankLost> {
+    let (me, workers) = (comm.rank() - 1, comm.size() - 1);
+    let state = match checkpoint::read_state(folder, common, pieces, (me, workers)) {
+        Ok(state) => state,
+        Err(why) => {
+            let trouble = Failure { elem: None, cycle: 0, time: 0.0, why };
+            post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))?;
+            return Err(RankLost { rank: me + 1 });
+        }
+    };
+    let loads: Vec<_> = checkpoint::loads(&settings, &state.share).collect();
+    let tree = loop {
+        let question = await_message(comm, 0, Tag::Order)?;
+        match answer(comm, question, &mut |_, f| loads.iter().for_each(|&(c, l)| f(c, l)))? {
+            None => {}
+            Some(ToWorker::Cuts(tree)) => break tree,
+            Some(_) => return Err(RankLost { rank: 0 }), // it sends no orders yet
+        }
+    };
+    let (sent, crossed, named) = (state.own.sent, state.own.crossed, state.own.named);
+    let restored = (state.common, state.own);
+    let engine = Engine::restore(comm, settings, tree, state.share, restored)?;
+    Ok(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) })
+}
+
+/// Calls a function with the centre and the load of every own element. The number is the cost of a
+/// contact pair over that of an element.
+type EachLoad<'a> = dyn FnMut(f64, &mut dyn FnMut([f64; 3], f64)) + 'a;
+
+/// Answers a request of the master for extents or histograms of the load. Returns all other
+/// messages.
+fn answer(
+    comm: &mut dyn Transport,
+    question: ToWorker,
+    each_load: &mut EachLoad<'_>,
+) -> Result<Option<ToWorker>, RankLost> {
+    match question {
+        ToWorker::Extents { tree, entries } => {
+            let mut extents = vec![Aabb::EMPTY; entries.len()];
+            each_load(0.0, &mut |centre, _| {
+                if let Some(i) = entries.iter().position(|&e| e == tree.entry_of(centre)) {
+                    extents[i].include(centre);
+                }
+            });
+            post(comm, 0, Tag::Report, &ToMaster::Extents(extents))?;
+        }
+        ToWorker::Histograms { tree, of, bins, pair_weight } => {
+            let mut histograms = vec![vec![0.0; bins]; of.len()];
+            each_load(pair_weight, &mut |centre, load| {
+                let entry = tree.entry_of(centre);
+                for (h, &(_, axis, lo, hi)) in
+                    histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry)
+                {
+                    let place =
+                        (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
+                    h[(place.max(0.0) as usize).min(bins - 1)] += load;
+                }
+            });
+            post(comm, 0, Tag::Report, &ToMaster::Histograms(histograms))?;
+        }
+        other => return Ok(Some(other)),
+    }
+    Ok(None)
 }
 
 impl Worker {
@@ -84,6 +169,9 @@ impl Worker {
             stopped: false,
             crossed: false,
             named: 0,
+            checkpoint_due: false,
+            writer: Writer::default(),
+            sent_before: [0; 2],
         }
     }
 
@@ -92,7 +180,13 @@ impl Worker {
     /// # Errors
     /// Another rank is gone.
     pub fn run(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        while !self.engine.clock.is_over(&self.engine.settings) && !self.stopped {
+        while !self.engine.clock.is_over(&self.engine.settings) {
+            if self.starts_outer_step() {
+                self.save_if_due(comm)?;
+                if self.stopped {
+                    break;
+                }
+            }
             self.write_fields_if_due(comm, false)?;
             self.cpu_before = thread_cpu().saturating_sub(comm.wait_cpu());
             let force_every = self.engine.settings.force_every;
@@ -124,8 +218,51 @@ impl Worker {
             }
             if self.engine.clock.cycle.is_multiple_of(REPORT_EVERY) {
                 self.send_report(comm)?;
+                if let Some(saved) = self.writer.poll() {
+                    post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
+                }
             }
         }
+        Ok(())
+    }
+
+    fn starts_outer_step(&self) -> bool {
+        self.engine.clock.starts_outer_step(&self.engine.settings)
+    }
+
+    /// Copies the state for a checkpoint if one is due, in the same cycle on all workers, and starts
+    /// to write it.
+    fn save_if_due(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let Engine { clock, settings, .. } = &mut self.engine;
+        let asked = &settings.checkpoint;
+        let timed = clock.pass_checkpoint_time(&asked.times);
+        if !(std::mem::take(&mut self.checkpoint_due) || timed || self.stopped && asked.at_stop) {
+            return Ok(());
+        }
+        if let Some(saved) = self.writer.wait() {
+            post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
+        }
+        let began = Instant::now();
+        let mut copied = self.engine.copy_state(comm)?;
+        (copied.own.crossed, copied.own.named) = (self.crossed, self.named);
+        (0..2).for_each(|i| copied.own.sent[i] += self.sent_before[i]);
+        let Engine { clock, settings, .. } = &self.engine;
+        let captured = Captured {
+            cycle: clock.cycle,
+            time: clock.time,
+            rows: clock.rows,
+            fields: clock.fields as u64,
+        };
+        post(comm, 0, Tag::Report, &ToMaster::Captured(captured))?;
+        self.writer.start(Task {
+            copied,
+            dir: settings.checkpoint.dir.clone().into(),
+            cycle: clock.cycle,
+            worker: comm.rank() - 1,
+            compression: settings.checkpoint.compression,
+            copy: began.elapsed(),
+        });
+        self.engine.timer.lap(Phase::Output);
         Ok(())
     }
 
@@ -315,6 +452,7 @@ impl Worker {
     fn execute(&mut self, comm: &mut dyn Transport, action: Action) -> Result<(), RankLost> {
         match action {
             Action::Stop => self.stopped = true,
+            Action::Checkpoint => self.checkpoint_due = true,
             Action::Renew(tree) => self.engine.renew(comm, tree)?,
             Action::Recut => {
                 post(comm, 0, Tag::Report, &ToMaster::Ready)?;
@@ -328,35 +466,21 @@ impl Worker {
     /// Answers the master's requests for extents and histograms of the load until the new boxes
     /// arrive.
     fn answer_requests(&mut self, comm: &mut dyn Transport) -> Result<CutTree, RankLost> {
-        loop {
-            match await_message(comm, 0, Tag::Order)? {
-                ToWorker::Extents { tree, entries } => {
-                    let mut extents = vec![Aabb::EMPTY; entries.len()];
-                    self.engine.for_each_load(0.0, 0.0, |centre, _| {
-                        if let Some(i) = entries.iter().position(|&e| e == tree.entry_of(centre)) {
-                            extents[i].include(centre);
-                        }
-                    });
-                    post(comm, 0, Tag::Report, &ToMaster::Extents(extents))?;
-                }
-                ToWorker::Histograms { tree, of, bins, pair_weight } => {
-                    let mut histograms = vec![vec![0.0; bins]; of.len()];
-                    self.engine.for_each_load(self.cost, pair_weight, |centre, load| {
-                        let entry = tree.entry_of(centre);
-                        for (h, &(_, axis, lo, hi)) in
-                            histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry)
-                        {
-                            let place = (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE)
-                                * bins as f64;
-                            h[(place.max(0.0) as usize).min(bins - 1)] += load;
-                        }
-                    });
-                    post(comm, 0, Tag::Report, &ToMaster::Histograms(histograms))?;
-                }
-                ToWorker::Cuts(tree) => return Ok(tree),
-                other => self.enqueue(other),
+        let (engine, cost) = (&self.engine, self.cost);
+        let mut aside = Vec::new();
+        let tree = loop {
+            let question = await_message(comm, 0, Tag::Order)?;
+            let mut each_load = |pair_weight: f64, f: &mut dyn FnMut([f64; 3], f64)| {
+                engine.for_each_load(cost, pair_weight, f);
+            };
+            match answer(comm, question, &mut each_load)? {
+                None => {}
+                Some(ToWorker::Cuts(tree)) => break tree,
+                Some(other) => aside.push(other),
             }
-        }
+        };
+        aside.into_iter().for_each(|message| self.enqueue(message));
+        Ok(tree)
     }
 
     /// Sends the last outputs, the final report and the states of owned nodes.
@@ -368,6 +492,9 @@ impl Worker {
         self.warn_of_crossings(comm)?;
         self.write_fields_if_due(comm, true)?;
         self.send_recording(comm)?;
+        if let Some(saved) = self.writer.wait() {
+            post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
+        }
         let e = &self.engine;
         let traffic = comm.traffic();
         let closing = FinalReport {
@@ -375,8 +502,8 @@ impl Worker {
             time: e.clock.time,
             phases: e.timer.seconds,
             dt: [e.clock.first_dt, e.clock.min_dt, e.clock.last_dt],
-            messages: traffic.messages,
-            bytes: traffic.bytes,
+            messages: traffic.messages + self.sent_before[0],
+            bytes: traffic.bytes + self.sent_before[1],
             searches: e.contact.as_ref().map_or(0, |c| c.searches),
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
             unsettled: e.contact.as_ref().map_or([0; 2], |c| c.unsettled),
@@ -400,6 +527,7 @@ fn kind(action: &Action) -> Kind {
     match action {
         Action::Renew(_) => Kind::High,
         Action::Recut => Kind::Low,
+        Action::Checkpoint => Kind::Checkpoint,
         Action::Stop => Kind::Stop,
     }
 }

@@ -35,6 +35,7 @@ mod projections;
 mod resultants;
 pub mod search;
 mod solver;
+pub mod state;
 pub mod surface;
 pub mod surroundings;
 mod travel;

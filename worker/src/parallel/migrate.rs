@@ -104,7 +104,8 @@ pub fn migrate(
     contact: Option<&Contact>,
 ) -> Result<PartitionData, RankLost> {
     let to = |e: &LocalElement| tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
-    let parcels = pack_local(comm, local, contact, comm.size() - 1, to)?;
+    let workers = comm.size() - 1;
+    let parcels = pack_local(comm, local, contact, workers, to)?;
     exchange(comm, parcels)
 }
 

@@ -6,7 +6,7 @@ use crate::results::vtkhdf;
 use crumple_proto::histories::HistoryRequests;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
-use crumple_proto::partition::{Material, Param, Settings};
+use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::beams;
 use std::collections::{BTreeMap, HashMap};
@@ -110,6 +110,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         "at least 1; 1.1 is usual",
     );
 
+    check_checkpoints(job, &mut numbers);
     parts_and_materials(job, numbers.findings);
     loads(job, &mut Numbers { findings });
     walls::check(job, findings);
@@ -128,6 +129,21 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         ));
     }
     super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
+}
+
+fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {
+    let checkpoint = &job.checkpoint;
+    if let Err(wanted) = checkpoint.interval() {
+        let message = format!("`every` is \"{}\"", checkpoint.every);
+        numbers.findings.add(Problem::error("checkpoint.every", message, wanted));
+    }
+    for (index, &t) in checkpoint.at.iter().enumerate() {
+        numbers.need(t >= 0.0, &format!("checkpoint.at.{index}"), t, "a time, 0 or above");
+    }
+    if checkpoint.keep == 0 {
+        let help = "take at least 1; `every = \"off\"` writes no checkpoints";
+        numbers.findings.add(Problem::error("checkpoint.keep", "`keep` is 0", help));
+    }
 }
 
 fn parts_and_materials(job: &Job, findings: &mut Findings) {
@@ -248,6 +264,7 @@ pub fn settings(
         field_times: field_times(job),
         histories: HistoryRequests::default(),
         field_dir: String::new(),
+        checkpoint: checkpoint_settings(job),
         materials: job.material.iter().map(material).collect(),
         parts,
         axes: Vec::new(),
@@ -264,6 +281,18 @@ pub fn settings(
         force_every: job.parallel.force_every,
     };
     (settings, order)
+}
+
+/// Returns the settings of checkpoints; their folder is known when the run begins.
+fn checkpoint_settings(job: &Job) -> CheckpointSettings {
+    let mut times = job.checkpoint.at.clone();
+    times.sort_by(f64::total_cmp);
+    CheckpointSettings {
+        dir: String::new(),
+        times,
+        at_stop: job.checkpoint.interval().is_ok_and(|every| every.is_some()),
+        compression: job.checkpoint.compression,
+    }
 }
 
 fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {

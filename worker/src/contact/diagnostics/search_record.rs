@@ -53,7 +53,13 @@ impl SearchRecord {
         self.nodes.len() + self.parts.len()
     }
 
-    fn of_parts(&self, segments: &[Segment]) -> Vec<u8> {
+    /// Sets the marks of parts from a checkpoint.
+    pub fn restore(&mut self, parts: Vec<u8>) {
+        self.parts = parts;
+    }
+
+    /// Returns the marks of all parts so far.
+    pub fn of_parts(&self, segments: &[Segment]) -> Vec<u8> {
         let mut parts = self.parts.clone();
         for s in segments {
             let marks = s

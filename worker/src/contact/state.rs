@@ -1,0 +1,105 @@
+//! State of contact for a checkpoint, besides pair histories, which belong to nodes.
+
+use super::Contact;
+use serde::{Deserialize, Serialize};
+
+/// State and sums of one worker. Those of several workers are merged into one.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ContactState {
+    searches: u64,
+    sweeps: u64,
+    unsettled: [u64; 2],
+    capped_pairs: u64,
+    penetration: f64,
+    approach: f64,
+    interface_started: Vec<bool>,
+    /// Marks of parts, see [`super::diagnostics::search_record`].
+    parts: Vec<u8>,
+}
+
+impl ContactState {
+    /// Adds the state of another worker: sums, or the value that the next step uses of all workers.
+    pub fn add(&mut self, o: &Self) {
+        self.searches += o.searches;
+        self.sweeps += o.sweeps;
+        (0..2).for_each(|i| self.unsettled[i] = self.unsettled[i].max(o.unsettled[i]));
+        self.capped_pairs += o.capped_pairs;
+        self.penetration = self.penetration.max(o.penetration);
+        self.approach = self.approach.max(o.approach);
+        if self.interface_started.is_empty() {
+            self.interface_started.clone_from(&o.interface_started); // equal on all workers
+        }
+        self.parts.resize(self.parts.len().max(o.parts.len()), 0);
+        self.parts.iter_mut().zip(&o.parts).for_each(|(a, b)| *a |= b);
+    }
+}
+
+impl Contact {
+    /// Returns the state of this worker.
+    pub fn state(&self) -> ContactState {
+        // A new field is an error here: state has to be added, all else to the second list.
+        let Self {
+            searches,
+            sweeps,
+            unsettled,
+            capped_pairs,
+            penetration,
+            approach,
+            interface_started,
+            record,
+            // Pair histories are saved with their nodes.
+            pair_histories: _,
+            edges: _,
+            facets: _,
+            // From the job.
+            laws: _,
+            search_method: _,
+            skin: _,
+            by_mass: _,
+            speeds: _,
+            with_edges: _,
+            beams_only: _,
+            accelerated: _,
+            // Computed from the mesh, and again after each change of the partition.
+            surface,
+            candidate_start: _,
+            candidates: _,
+            near_list: _,
+            projected_pairs: _,
+            motion_since_near_list: _,
+            motion_before_near_list: _,
+            stiffness: _,
+            history_start: _,
+            with_history: _,
+            with_first_history: _,
+            // Of one step.
+            table: _,
+            free_velocities: _,
+            free_spins: _,
+        } = self;
+        ContactState {
+            searches: *searches,
+            sweeps: *sweeps,
+            unsettled: *unsettled,
+            capped_pairs: *capped_pairs,
+            penetration: *penetration,
+            approach: *approach,
+            interface_started: interface_started.clone(),
+            parts: record.of_parts(&surface.segments),
+        }
+    }
+
+    /// Sets the state. Call it after [`Contact::renew`].
+    pub fn restore(&mut self, state: ContactState) {
+        self.searches = state.searches;
+        self.sweeps = state.sweeps;
+        self.unsettled = state.unsettled;
+        self.capped_pairs = state.capped_pairs;
+        self.penetration = state.penetration;
+        self.approach = state.approach;
+        if !state.interface_started.is_empty() {
+            self.interface_started = state.interface_started;
+        }
+        self.record.restore(state.parts);
+    }
+}

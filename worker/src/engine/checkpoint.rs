@@ -1,0 +1,220 @@
+//! Checkpoints of the engine: what is state, how it is captured, and how an engine continues.
+//!
+//! The state of elements, nodes and pairs is saved as in migration: a checkpoint has the message
+//! that a worker would send if all its elements moved to one other worker. History columns have
+//! names there, so new laws and elements need no code here. The rest of the state does not belong
+//! to nodes or elements: it is the same on all workers ([`CommonState`]), or a sum of what one
+//! worker did ([`WorkerState`]), which may go to any worker.
+
+use super::Engine;
+use crate::constraints::{ConstraintState, Constraints};
+use crate::contact::Contact;
+use crate::contact::state::ContactState;
+use crate::energy::Ledger;
+use crate::fem::blocks::Blocks;
+use crate::histories::{ContactSums, Histories};
+use crate::loads::Loads;
+use crate::math::rigid_motion::MotionTracker;
+use crate::parallel::migrate::{distribute, pack_all};
+use crate::parallel::pair_exchange::PairExchange;
+use crate::parallel::partition::{LocalMesh, PartitionData, build_local_mesh};
+use crate::parallel::reduction::StepReduction;
+use crate::time::Clock;
+use crate::timer::Timer;
+use crumple_proto::boxes::CutTree;
+use crumple_proto::partition::Settings;
+use crumple_proto::report::{PHASES, PhaseSeconds};
+use crumple_proto::transport::{RankLost, Transport};
+use crumple_proto::wire;
+use serde::{Deserialize, Serialize};
+
+/// State that all workers have in common, as it is read.
+#[derive(Debug, Deserialize)]
+pub struct CommonState {
+    /// Time, cycle and step sizes.
+    pub clock: Clock,
+    constraints: ConstraintState,
+    /// Limits of the step due to elements and to contact [time].
+    limits: [f64; 2],
+    slow_dt: f64,
+}
+
+/// Sums of one worker.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct WorkerState {
+    ledger: Ledger,
+    by_part: Vec<[f64; 2]>,
+    wall_impulse: Vec<[f64; 3]>,
+    contact: ContactState,
+    contact_sums: ContactSums,
+    seconds: PhaseSeconds,
+    /// Messages and bytes sent.
+    pub sent: [u64; 2],
+    /// True after a warning that an edge crosses a surface.
+    pub crossed: bool,
+    /// Number of inverted shells named in warnings.
+    pub named: u64,
+}
+
+impl WorkerState {
+    /// Adds the sums of another worker.
+    pub fn add(&mut self, o: &Self) {
+        self.ledger.add(&o.ledger);
+        self.by_part.resize(self.by_part.len().max(o.by_part.len()), [0.0; 2]);
+        for (a, b) in self.by_part.iter_mut().zip(&o.by_part) {
+            (0..2).for_each(|i| a[i] += b[i]);
+        }
+        self.wall_impulse.resize(self.wall_impulse.len().max(o.wall_impulse.len()), [0.0; 3]);
+        for (a, b) in self.wall_impulse.iter_mut().zip(&o.wall_impulse) {
+            (0..3).for_each(|i| a[i] += b[i]);
+        }
+        self.contact.add(&o.contact);
+        self.contact_sums.add(&o.contact_sums);
+        (0..PHASES.len()).for_each(|i| self.seconds[i] += o.seconds[i]);
+        (0..2).for_each(|i| self.sent[i] += o.sent[i]);
+        self.crossed |= o.crossed;
+        self.named += o.named;
+    }
+}
+
+/// The words of a worker's file, and those of the common state.
+pub struct Copied {
+    /// Elements, nodes and pair histories, as in migration.
+    pub parcel: Vec<u64>,
+    /// Sums of this worker.
+    pub own: WorkerState,
+    /// Common state; empty except on the first worker.
+    pub common: Vec<u64>,
+}
+
+impl Engine {
+    /// Copies the state. An outer step must begin. All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn copy_state(&mut self, comm: &mut dyn Transport) -> Result<Copied, RankLost> {
+        let local = LocalMesh {
+            nodes: std::mem::take(&mut self.nodes),
+            blocks: std::mem::take(&mut self.blocks),
+            halo: std::mem::take(&mut self.halo),
+            surface: None,
+        };
+        let parcel = pack_all(comm, &local, self.contact.as_ref());
+        (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
+        // A new field is an error here: state has to be added, all else to the last list.
+        let Self {
+            clock,
+            constraints,
+            agreement,
+            contact,
+            blocks,
+            ledger,
+            histories,
+            timer,
+            // Saved with elements and nodes.
+            nodes: _,
+            // From the job, or computed for each partition.
+            settings: _,
+            tree: _,
+            halo: _,
+            pair_exchange: _,
+            loads: _,
+            motion: _,
+            centre: _,
+            // Set when an outer step begins; empty between steps.
+            balance: _,
+            inverted: _,
+        } = self;
+        #[derive(Serialize)]
+        struct View<'a, C: Serialize> {
+            clock: &'a Clock,
+            constraints: C,
+            limits: [f64; 2],
+            slow_dt: f64,
+        }
+        let view = View {
+            clock,
+            constraints: constraints.state(),
+            limits: [agreement.elements_dt, agreement.contact_dt],
+            slow_dt: blocks.slow_dt,
+        };
+        let traffic = comm.traffic();
+        Ok(Copied {
+            parcel: parcel?,
+            own: WorkerState {
+                ledger: *ledger,
+                by_part: blocks.by_part.clone(),
+                wall_impulse: constraints.walls.impulse.clone(),
+                contact: contact.as_ref().map(Contact::state).unwrap_or_default(),
+                contact_sums: histories.contact_sums(),
+                seconds: timer.seconds,
+                sent: [traffic.messages, traffic.bytes],
+                crossed: false,
+                named: 0,
+            },
+            common: if comm.rank() == 1 { wire::encode(&view) } else { Vec::new() },
+        })
+    }
+
+    /// Builds the engine of a run that continues. `share` are the elements that this worker has
+    /// read, from anywhere; they move to the workers whose boxes have them. All workers call this
+    /// together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn restore(
+        comm: &mut dyn Transport,
+        settings: Settings,
+        tree: CutTree,
+        share: PartitionData,
+        (common, own): (CommonState, WorkerState),
+    ) -> Result<Self, RankLost> {
+        let mut share = distribute(comm, &tree, &share)?;
+        let memories = std::mem::take(&mut share.memories);
+        let means = std::mem::take(&mut share.means);
+        let mut local = build_local_mesh(comm, &settings, share, false)?;
+        if settings.subcycles > 1 {
+            local.nodes.retain_outer_means(&means);
+        }
+        let mut constraints = Constraints::restore(&settings, common.constraints);
+        constraints.bind_local(comm, &mut local.nodes)?;
+        if own.wall_impulse.len() == constraints.walls.impulse.len() {
+            constraints.walls.impulse = own.wall_impulse;
+        }
+        let mut agreement = StepReduction::new();
+        [agreement.elements_dt, agreement.contact_dt] = common.limits;
+        let mut timer = Timer::default();
+        timer.seconds = own.seconds;
+        let mut histories = Histories::default();
+        histories.restore(own.contact_sums);
+        let contact = settings.contact.as_ref();
+        let mut engine = Self {
+            clock: common.clock,
+            loads: Loads::new(&settings.loads),
+            constraints,
+            contact: contact.map(|c| Contact::new(c, &super::elasticity(&settings))),
+            pair_exchange: PairExchange::default(),
+            motion: MotionTracker::since(&[]),
+            ledger: own.ledger,
+            histories,
+            balance: None,
+            timer,
+            inverted: Vec::new(),
+            centre: [0.0; 3],
+            nodes: local.nodes,
+            blocks: local.blocks,
+            halo: local.halo,
+            settings,
+            tree,
+            agreement,
+        };
+        let Blocks { by_part, slow_dt, .. } = &mut engine.blocks;
+        (*by_part, *slow_dt) = (own.by_part, common.slow_dt);
+        by_part.resize(engine.settings.parts.len(), [0.0; 2]);
+        engine.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
+        if let Some(contact) = &mut engine.contact {
+            contact.restore(own.contact);
+        }
+        Ok(engine)
+    }
+}
