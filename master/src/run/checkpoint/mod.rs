@@ -1,0 +1,254 @@
+//! The master's part in checkpoints: when they are due, and the manifest that makes the files of
+//! the workers a checkpoint.
+//!
+//! The master orders a checkpoint; all workers copy their states in the same cycle and send
+//! `Captured`. Rows of histories and fields that belong to the time before were sent earlier, and
+//! later ones need a message of every worker. So when the last `Captured` arrives, the master's own
+//! state belongs to exactly that cycle, and is copied too. When all files are on disk, the manifest
+//! is renamed into place.
+
+pub mod compare;
+pub mod find;
+pub mod manifest;
+
+use crate::results::history::Course;
+use crate::run::balance::Accounts;
+use crumple_proto::checkpoint::{COMMON, Captured, FileRecord, Saved, folder_name, write};
+use crumple_proto::job::Checkpoint;
+use crumple_proto::wire;
+use manifest::{Manifest, Stamp, sync};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Name of the file with the state of the master.
+const MASTER: &str = "master.bin";
+
+/// State of the master.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct MasterState {
+    /// Extremes and last rows of the history.
+    pub course: Course,
+    /// Length of each file that grows with the run [byte].
+    pub lengths: BTreeMap<String, u64>,
+    /// Index and time of the field outputs.
+    pub steps: Vec<(usize, f64)>,
+    /// Costs so far.
+    pub accounts: Accounts,
+    /// Wall time so far [s].
+    pub wall_s: f64,
+    /// True for each warning that was given and is given once.
+    pub warned: [bool; 3],
+    /// Continuations so far.
+    pub restarts: Vec<Restart>,
+    /// Interval of history rows, and times of fields [time].
+    pub history_interval: f64,
+    /// See `history_interval`.
+    pub field_times: Vec<f64>,
+}
+
+/// Continuation of a run from a checkpoint.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Restart {
+    /// Cycle from which it continued.
+    pub cycle: u64,
+    /// Simulated time from which it continued [time].
+    pub time: f64,
+    /// Number of workers from there on.
+    pub workers: usize,
+    /// Transport from there on.
+    pub transport: String,
+    /// Changes of the job, as `key=value`.
+    pub changes: Vec<String>,
+}
+
+/// Number and cost of the checkpoints of a run.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct CheckpointSummary {
+    /// Number of checkpoints written by this process.
+    pub written: u64,
+    /// Size of the last one [byte].
+    pub bytes: u64,
+    /// Time for which the slowest worker did not advance, sum over checkpoints [s].
+    pub copy_s: f64,
+    /// Time for which the slowest worker wrote while it advanced, sum over checkpoints [s].
+    pub write_s: f64,
+}
+
+/// A checkpoint that is not complete.
+#[derive(Default)]
+struct Pending {
+    captured: Captured,
+    /// Number of workers that have captured their state.
+    copies: usize,
+    master: Option<MasterState>,
+    /// Files, or the reason why a worker could not write them.
+    saved: Vec<Result<Vec<FileRecord>, String>>,
+    copy_s: f64,
+    write_s: f64,
+}
+
+/// All checkpoints of a run.
+pub struct Checkpoints {
+    run: PathBuf,
+    dir: PathBuf,
+    interval: Option<Duration>,
+    keep: usize,
+    workers: usize,
+    elements: usize,
+    stamp: Stamp,
+    /// Time of the last order, or of the start.
+    last: Instant,
+    ordered: bool,
+    pending: BTreeMap<u64, Pending>,
+    /// Number and cost.
+    pub summary: CheckpointSummary,
+    /// Cycle and time of the last complete one.
+    pub newest: Option<(u64, f64)>,
+}
+
+impl Checkpoints {
+    /// Prepares the checkpoints of a run in the folder `run`.
+    pub fn new(run: &Path, asked: &Checkpoint, workers: usize, elements: usize) -> Self {
+        Self {
+            run: run.to_owned(),
+            dir: run.join(find::DIR),
+            interval: asked.interval().unwrap_or_default(),
+            keep: asked.keep.max(1),
+            workers,
+            elements,
+            stamp: Stamp::default(),
+            last: Instant::now(),
+            ordered: false,
+            pending: BTreeMap::new(),
+            summary: CheckpointSummary::default(),
+            newest: None,
+        }
+    }
+
+    /// Sets the job that manifests name.
+    pub fn set_stamp(&mut self, stamp: Stamp) {
+        self.stamp = stamp;
+    }
+
+    /// Returns the folder for all checkpoints.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Returns true if a checkpoint should be ordered now: the interval is over, or one is
+    /// `asked` for. It is then counted as ordered.
+    pub fn take_due(&mut self, asked: bool) -> bool {
+        let over = self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
+        let due = (asked || over) && !self.ordered && self.pending.is_empty();
+        if due {
+            self.ordered = true;
+            self.last = Instant::now();
+        }
+        due
+    }
+
+    /// Counts a worker that has captured its state. Returns true if it is the last one; the state
+    /// of the master has to follow at once.
+    pub fn add_captured(&mut self, captured: Captured) -> bool {
+        let pending = self.pending.entry(captured.cycle).or_default();
+        pending.captured = captured;
+        pending.copies += 1;
+        pending.copies == self.workers
+    }
+
+    /// Sets the state of the master for the checkpoint of a cycle.
+    pub fn add_master(&mut self, cycle: u64, state: MasterState) {
+        if let Some(pending) = self.pending.get_mut(&cycle) {
+            pending.master = Some(state);
+        }
+    }
+
+    /// Adds the files of a worker. After the last worker it makes the checkpoint complete and
+    /// returns a message for the user, or a warning.
+    pub fn add_saved(&mut self, saved: Saved) -> Option<Result<String, String>> {
+        let pending = self.pending.get_mut(&saved.cycle)?;
+        pending.saved.push(saved.files);
+        pending.copy_s = pending.copy_s.max(saved.copy_s);
+        pending.write_s = pending.write_s.max(saved.write_s);
+        if pending.saved.len() < self.workers {
+            return None;
+        }
+        let pending = self.pending.remove(&saved.cycle)?;
+        self.ordered = false;
+        let (copy_s, write_s, captured) = (pending.copy_s, pending.write_s, pending.captured);
+        let folder = self.dir.join(folder_name(saved.cycle));
+        Some(match self.complete(&folder, pending) {
+            Ok(bytes) => {
+                self.summary.written += 1;
+                self.summary.bytes = bytes;
+                self.summary.copy_s += copy_s;
+                self.summary.write_s += write_s;
+                self.newest = Some((captured.cycle, captured.time));
+                self.prune();
+                Ok(format!(
+                    "checkpoint at T={:.4e}, cycle {}: {:.1} MB in {}",
+                    captured.time,
+                    captured.cycle,
+                    bytes as f64 / 1e6,
+                    folder.display()
+                ))
+            }
+            Err(why) => {
+                // Without a manifest it is no checkpoint. If it cannot be removed, that is harmless.
+                let _ = std::fs::remove_dir_all(&folder);
+                let kept = self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
+                    format!("the one of cycle {cycle} is kept")
+                });
+                Err(format!(
+                    "the checkpoint of cycle {} could not be written: {why}; {kept}, and the run \
+                     continues. Free space or make the folder writable",
+                    captured.cycle
+                ))
+            }
+        })
+    }
+
+    /// Writes the state of the master and the manifest. Returns the bytes of all files.
+    fn complete(&self, folder: &Path, pending: Pending) -> Result<u64, String> {
+        let named = |path: &Path, error: io::Error| format!("{}: {error}", path.display());
+        let mut files = Vec::new();
+        for saved in pending.saved {
+            files.extend(saved?);
+        }
+        let state = pending.master.ok_or("not all workers have copied their states")?;
+        let common = files.iter().position(|f| f.name == COMMON).ok_or("a file is missing")?;
+        let common = files.swap_remove(common);
+        files.sort_by(|a, b| a.name.cmp(&b.name));
+        for name in state.lengths.keys() {
+            let path = self.run.join(name);
+            sync(&path).map_err(|error| named(&path, error))?;
+        }
+        let master = write(folder, MASTER, &wire::encode(&state), Default::default())
+            .map_err(|error| named(folder, error))?;
+        let manifest = Manifest {
+            program: env!("CARGO_PKG_VERSION").into(),
+            captured: pending.captured,
+            stamp: self.stamp.clone(),
+            elements: self.elements,
+            master,
+            common,
+            pieces: files,
+        };
+        manifest.write(folder).map_err(|error| named(folder, error))?;
+        Ok(manifest.files().map(|f| f.bytes).sum())
+    }
+
+    /// Removes all complete checkpoints except the newest ones.
+    fn prune(&self) {
+        let complete = |f: &PathBuf| f.join(manifest::MANIFEST).exists();
+        let folders = find::folders(&self.dir).into_iter().filter(complete);
+        for folder in folders.skip(self.keep) {
+            // Without its manifest a folder is no checkpoint, even if the rest stays.
+            let _ = std::fs::remove_file(folder.join(manifest::MANIFEST));
+            let _ = std::fs::remove_dir_all(folder);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Lock of a run's folder, so that no two runs write into it. The operating system releases the
+//! lock when its owner ends, in whatever way.
+
+use std::fs::{File, TryLockError};
+use std::io::Write;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+/// Name of the file.
+const NAME: &str = "run.lock";
+
+/// A lock that is held.
+pub struct Lock {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Lock {
+    /// Locks a folder.
+    ///
+    /// # Errors
+    /// Another run holds the lock, or the folder cannot be written; the message names it.
+    pub fn acquire(folder: &Path) -> Result<Self, String> {
+        let path = folder.join(NAME);
+        let named = |error: std::io::Error| {
+            format!("{}: {error}; choose another folder with --out", path.display())
+        };
+        std::fs::create_dir_all(folder).map_err(named)?;
+        loop {
+            let mut file = File::options()
+                .create(true)
+                .read(true)
+                .write(true)
+                .truncate(false)
+                .open(&path)
+                .map_err(named)?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => {
+                    let owner = std::fs::read_to_string(&path).unwrap_or_default();
+                    return Err(format!(
+                        "{}: another run writes into this folder (process {}); wait for its end, \
+                         or choose another folder with --out",
+                        folder.display(),
+                        owner.trim()
+                    ));
+                }
+                // Some file systems have no locks.
+                Err(TryLockError::Error(error))
+                    if error.kind() == std::io::ErrorKind::Unsupported => {}
+                Err(TryLockError::Error(error)) => return Err(named(error)),
+            }
+            // The last owner may have removed the file between the two calls.
+            let same = |m: std::fs::Metadata| file.metadata().is_ok_and(|f| f.ino() == m.ino());
+            if std::fs::metadata(&path).is_ok_and(same) {
+                file.set_len(0).map_err(named)?;
+                write!(file, "{}", std::process::id()).map_err(named)?;
+                return Ok(Self { path, _file: file });
+            }
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // A file that stays is harmless: it is not locked.
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_has_one_owner_and_a_file_that_stayed_locks_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let first = Lock::acquire(dir.path()).unwrap();
+        let refused = Lock::acquire(dir.path()).err().unwrap();
+        assert!(refused.contains(&std::process::id().to_string()), "{refused}");
+        drop(first);
+        std::fs::write(dir.path().join(NAME), "99999").unwrap();
+        let second = Lock::acquire(dir.path()).unwrap();
+        drop(second);
+        assert!(!dir.path().join(NAME).exists());
+    }
+}
