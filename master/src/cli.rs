@@ -89,6 +89,14 @@ pub enum Command {
 pub struct JobArgs {
     /// A .toml job file, a folder with job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn).
     pub job: PathBuf,
+    /// Workers, and changes of the job.
+    #[command(flatten)]
+    pub options: JobOptions,
+}
+
+/// Workers, and changes of the job.
+#[derive(Args, Clone, Debug, Default)]
+pub struct JobOptions {
     /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core;
     /// under mpirun, ranks - 1].
     #[arg(long, value_name = "N", value_parser = workers)]
@@ -117,9 +125,24 @@ pub struct CheckArgs {
 /// `crumple run`.
 #[derive(Args, Clone, Debug)]
 pub struct RunArgs {
-    /// The job.
+    /// A .toml job file, a folder with job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn). With
+    /// --resume, the job of the checkpoint if it was moved.
+    #[arg(required_unless_present = "resume")]
+    pub job: Option<PathBuf>,
+    /// Workers, and changes of the job.
     #[command(flatten)]
-    pub job: JobArgs,
+    pub options: JobOptions,
+    /// Continue the run in this folder, or the one of this checkpoint, from its newest whole
+    /// checkpoint. Results are as if it had never ended, on any number of workers.
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub resume: Option<PathBuf>,
+    /// Start again from the newest checkpoint if the run is lost: a worker or a host fails, or the
+    /// process is killed. Gives up after N failures, or if there was no new checkpoint between two.
+    #[arg(long, value_name = "N")]
+    pub retries: Option<u32>,
+    /// With --retries, start the run by this command, such as "mpirun -n 5".
+    #[arg(long, value_name = "COMMAND", requires = "retries")]
+    pub launcher: Option<String>,
     /// Folder for results [default: out/ and the name of the job].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -245,7 +268,7 @@ impl ScaleArgs {
     }
 }
 
-impl JobArgs {
+impl JobOptions {
     /// Returns all `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
         let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());
@@ -257,7 +280,25 @@ impl RunArgs {
     /// Returns all `key=value`, in order, `--end-time` as the last.
     pub fn sets(&self) -> Vec<String> {
         let end_time = self.end_time.map(|t| format!("end_time={t:?}"));
-        self.job.sets().into_iter().chain(end_time).collect()
+        self.options.sets().into_iter().chain(end_time).collect()
+    }
+
+    /// Returns the options that a supervised run gets. One that continues after a loss gets no
+    /// changes of the job again: its checkpoint has them.
+    pub fn passed_on(&self, without_changes: bool) -> Vec<String> {
+        let mut words = Vec::new();
+        if let Some(workers) = self.options.workers {
+            words.extend(["--workers".to_string(), workers.to_string()]);
+        }
+        if !without_changes {
+            words.extend(self.sets().into_iter().flat_map(|set| ["--set".to_string(), set]));
+        }
+        if let Some(trace) = &self.trace {
+            words.extend(["--trace".to_string(), trace.to_string_lossy().into_owned()]);
+        }
+        let flags = [("--quiet", self.quiet), ("--no-report", self.no_report)];
+        words.extend(flags.iter().filter(|f| f.1).map(|f| f.0.to_string()));
+        words
     }
 
     /// Returns the folder for results: the given one, otherwise `out/` and the name of the job file
@@ -266,7 +307,7 @@ impl RunArgs {
         if let Some(out) = &self.out {
             return out.clone();
         }
-        PathBuf::from("out").join(name_of(&self.job.job))
+        PathBuf::from("out").join(name_of(self.job.as_deref().unwrap_or(Path::new("job"))))
     }
 }
 
@@ -351,7 +392,7 @@ mod tests {
         let line = "crumple run x.toml --set a=1 --end-time 1e-3 --set b=2 --workers 3";
         let Command::Run(args) = Cli::parse_from(line.split(' ')).command else { panic!() };
         assert_eq!(args.sets(), ["a=1", "b=2", "end_time=0.001"]);
-        assert_eq!((args.job.workers, args.out_dir()), (Some(3), PathBuf::from("out/x")));
+        assert_eq!((args.options.workers, args.out_dir()), (Some(3), PathBuf::from("out/x")));
     }
 
     #[test]

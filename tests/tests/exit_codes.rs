@@ -284,8 +284,8 @@ fn a_worker_that_panics_is_a_lost_worker() {
                 &mut model,
                 &mut master,
                 results,
-                true,
-                &StopFlag::default(),
+                crumple::run::control::Origin::default(),
+                (true, &StopFlag::default()),
             );
             let text = fs::read_to_string(&trace).unwrap();
             serde_json::from_str::<serde_json::Value>(&text).expect("the trace is valid JSON");

@@ -1,7 +1,7 @@
 //! The time line of a run: its contents, and their agreement with the summary.
 
 use crumple::results::summary::Summary;
-use crumple::run::control::{self, Results};
+use crumple::run::control::{self, Origin, Results};
 use crumple::run::stop::StopFlag;
 use crumple_proto::report::PHASES;
 use crumple_proto::transport::threads::connect;
@@ -22,7 +22,8 @@ fn traced(sets: &[&str]) -> (Summary, Vec<Value>) {
             scope.spawn(move || crumple_worker::serve::serve(&mut end).unwrap());
         }
         let results = Results { out: out.path(), trace: Some(&path) };
-        control::run(&mut model, &mut master, results, true, &StopFlag::default()).unwrap()
+        let (origin, stop) = (Origin::default(), StopFlag::default());
+        control::run(&mut model, &mut master, results, origin, (true, &stop)).unwrap()
     });
     let trace: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     assert!(trace["otherData"]["clocks"].as_str().unwrap().contains("one clock"));

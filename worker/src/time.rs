@@ -62,8 +62,8 @@ pub struct Clock {
     pub rows: u64,
     /// Number of field outputs written.
     pub fields: usize,
-    /// Number of times of checkpoints that have passed.
-    checkpoints: usize,
+    /// Time up to which requested times of checkpoints have passed, negative at the start [time].
+    passed: f64,
 }
 
 /// Relative round-off: a time this close to a due time has reached it, and a number of steps this
@@ -102,7 +102,7 @@ impl Clock {
             min_dt: f64::INFINITY,
             rows: 0,
             fields: 0,
-            checkpoints: 0,
+            passed: -1.0,
         };
         c.select_dt(settings, stable_dt);
         c.first_dt = c.dt;
@@ -189,10 +189,8 @@ impl Clock {
     /// Returns true if a time at which the job requests a checkpoint has passed since the last call
     /// that returned true.
     pub fn pass_checkpoint_time(&mut self, times: &[f64]) -> bool {
-        let passed = |t: &&f64| self.time >= **t * (1.0 - SLACK);
-        let count = times[self.checkpoints.min(times.len())..].iter().take_while(passed).count();
-        self.checkpoints += count;
-        count > 0
+        let before = std::mem::replace(&mut self.passed, self.time);
+        times.iter().map(|t| t * (1.0 - SLACK)).any(|t| before < t && t <= self.time)
     }
 
     /// Returns true if field files are due at the present time. Fields are due only one cycle

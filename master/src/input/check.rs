@@ -353,9 +353,9 @@ fn figure(x: f64) -> String {
 /// error. Returns the exit code.
 pub fn run(args: &crate::cli::CheckArgs) -> u8 {
     let read = || -> Result<(Model, String), Report> {
-        let model = crate::input::job::read(&args.job.job, &args.job.sets())?;
+        let model = crate::input::job::read(&args.job.job, &args.job.options.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let workers = model.workers(args.job.workers, cores)?;
+        let workers = model.workers(args.job.options.workers, cores)?;
         let text = describe(&model) + &crate::analysis::cost::describe(&model, workers);
         Ok((model, text))
     };

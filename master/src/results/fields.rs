@@ -32,6 +32,45 @@ impl Series {
         Self { dir: dir.to_owned(), steps: Vec::new() }
     }
 
+    /// Continues a series after a checkpoint: removes all other steps in the folder.
+    ///
+    /// # Errors
+    /// A step cannot be removed, or a collection cannot be written.
+    pub fn restore(&mut self, steps: &[(usize, f64)]) -> io::Result<()> {
+        let kept: Vec<String> = steps.iter().map(|s| vtu::step_folder(s.0)).collect();
+        let entries = match std::fs::read_dir(&self.dir) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            entries => entries?,
+        };
+        for entry in entries {
+            let entry = entry?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if entry.file_type()?.is_dir() && !kept.contains(&name) {
+                std::fs::remove_dir_all(entry.path())?;
+            }
+        }
+        self.steps = steps.to_vec();
+        if steps.is_empty() { Ok(()) } else { self.write_collections() }
+    }
+
+    /// Returns the steps so far.
+    pub fn steps(&self) -> &[(usize, f64)] {
+        &self.steps
+    }
+
+    /// Writes the collections. Steps with one worker have no ghosts.
+    fn write_collections(&self) -> io::Result<()> {
+        write_collection(&self.dir.join(COLLECTION), STEP_FILE, &self.steps)?;
+        let has_ghosts = |step: &&(usize, f64)| {
+            self.dir.join(vtu::step_folder(step.0)).join(STEP_EXTERIOR_FILE).exists()
+        };
+        let steps: Vec<_> = self.steps.iter().filter(has_ghosts).copied().collect();
+        if steps.is_empty() {
+            return Ok(());
+        }
+        write_collection(&self.dir.join(EXTERIOR_COLLECTION), STEP_EXTERIOR_FILE, &steps)
+    }
+
     /// Returns the folder of the series.
     pub fn dir(&self) -> &Path {
         &self.dir
@@ -44,12 +83,10 @@ impl Series {
         write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name))?;
         self.steps.retain(|&(index, _)| index != step_index);
         self.steps.push((step_index, time));
-        write_collection(&self.dir.join(COLLECTION), STEP_FILE, &self.steps)?;
         if workers > 1 {
             write_step(&folder.join(STEP_EXTERIOR_FILE), (0..workers).map(vtu::exterior_name))?;
-            write_collection(&self.dir.join(EXTERIOR_COLLECTION), STEP_EXTERIOR_FILE, &self.steps)?;
         }
-        Ok(())
+        self.write_collections()
     }
 }
 

@@ -4,13 +4,12 @@
 //! times of `history.csv` and refer to the same instants.
 
 use crate::input::job::Model;
-use crate::results::history::{self, Labels, Unwritten};
+use crate::results::history::{self, Labels, Tables, Unwritten};
 use crumple_proto::ids::NodeId;
 use crumple_proto::report::HistoryPart;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io;
-use std::path::Path;
 
 /// A file of one kind.
 type Table = csv::Writer<File>;
@@ -36,7 +35,7 @@ pub struct Histories {
 }
 
 /// Names of all files.
-const NAMES: [&str; 7] = [
+pub(crate) const NAMES: [&str; 7] = [
     "parts.csv",
     "walls.csv",
     "contacts.csv",
@@ -47,12 +46,17 @@ const NAMES: [&str; 7] = [
 ];
 
 impl Histories {
-    /// Creates the files in `dir`, and removes files of an older run.
+    /// Creates the files and removes those of an older run, or continues after the row `last`.
     ///
     /// # Errors
     /// A file cannot be written or removed.
-    pub(crate) fn new(dir: &Path, model: &Model) -> Result<Self, Unwritten> {
-        for path in NAMES.map(|name| dir.join(name)) {
+    pub(crate) fn new(
+        tables: Tables<'_>,
+        model: &Model,
+        last: Option<&HistoryPart>,
+    ) -> Result<Self, Unwritten> {
+        let is_kept = |name: &&str| tables.lengths.is_some_and(|l| l.contains_key(*name));
+        for path in NAMES.iter().filter(|name| !is_kept(name)).map(|name| tables.dir.join(name)) {
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err((path, error)),
                 _ => {}
@@ -61,17 +65,12 @@ impl Histories {
         let (settings, asked) = (&model.settings, &model.settings.histories);
         let u = Labels::from_units(&model.job.units);
         let begin = |name: &str, columns: &[(&str, &str)]| -> Result<Table, Unwritten> {
-            let path = dir.join(name);
             let header = columns.iter().map(|(name, unit)| match *unit {
                 "" => name.to_string(),
                 unit => format!("{name} [{unit}]"),
             });
-            let mut table = history::create_file(&path)?;
             let first = [format!("time [{}]", u.time)];
-            let written =
-                table.write_record(first.into_iter().chain(header)).map_err(io::Error::from);
-            written.and_then(|()| table.flush()).map_err(|error| (path, error))?;
-            Ok(table)
+            tables.open(name, first.into_iter().chain(header))
         };
         let of_parts = asked.parts.then(|| {
             let (e, p) = (u.energy.as_str(), u.momentum.as_str());
@@ -132,7 +131,10 @@ impl Histories {
             of_sections: of_sections.transpose()?,
             of_transducers: of_transducers.transpose()?,
             touching,
-            last_walls: (0.0, vec![[0.0; 3]; settings.walls.len()]),
+            last_walls: last.map_or_else(
+                || (0.0, vec![[0.0; 3]; settings.walls.len()]),
+                |row| (row.time, row.wall_impulse.clone()),
+            ),
         })
     }
 

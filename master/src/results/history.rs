@@ -1,17 +1,19 @@
 //! `history.csv`: one row per history interval, summed over the workers' contributions.
 
 use crate::input::job::{Model, fastest_wave};
-use crate::results::histories::Histories;
+use crate::results::histories::{Histories, NAMES};
 use crumple_proto::report::HistoryPart;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::io::{Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Name of the file.
 const FILE: &str = "history.csv";
 
 /// A complete row, summed over workers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Row {
     /// The sums; penetration is the maximum.
     pub sum: HistoryPart,
@@ -45,13 +47,9 @@ pub struct Extras {
     pub high: u64,
 }
 
-/// The history of a run.
-pub struct History {
-    file: csv::Writer<File>,
-    workers: usize,
-    walls: Vec<String>,
-    kinds: Histories,
-    parts: BTreeMap<u64, Vec<HistoryPart>>,
+/// Extremes and last rows of a history: all that it knows of the rows so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Course {
     /// First complete row.
     pub first: Option<Row>,
     /// Last complete row.
@@ -65,16 +63,27 @@ pub struct History {
     /// Cycle of the first of the last consecutive rows with much energy in oscillations from step
     /// to step.
     swings_from: Option<u64>,
-    /// True with subcycles. The energy then oscillates about its balance by a fraction of the
-    /// largest energy supplied so far, even if part of that energy has left the model.
-    subcycled: bool,
     most_came_in: f64,
     /// Largest sum of kinetic, internal and hourglass energy so far [energy].
     most: f64,
-    /// Work of contact that counts as zero [energy].
-    round_off: f64,
     /// Largest `created` so far.
     pub worst_created: f64,
+}
+
+/// The history of a run.
+pub struct History {
+    file: csv::Writer<File>,
+    workers: usize,
+    walls: Vec<String>,
+    kinds: Histories,
+    parts: BTreeMap<u64, Vec<HistoryPart>>,
+    /// The rows so far.
+    pub course: Course,
+    /// True with subcycles. The energy then oscillates about its balance by a fraction of the
+    /// largest energy supplied so far, even if part of that energy has left the model.
+    subcycled: bool,
+    /// Work of contact that counts as zero [energy].
+    round_off: f64,
 }
 
 /// Fraction of the energy in oscillations that a step above the stability limit soon reaches and
@@ -151,9 +160,47 @@ pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
 /// A file that cannot be written, and the reason.
 pub(crate) type Unwritten = (PathBuf, std::io::Error);
 
-/// Creates a file for writing.
-pub(crate) fn create_file(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
-    csv::Writer::from_path(path).map_err(|error| (path.to_owned(), error.into()))
+/// The files of the histories, and the rows that they keep.
+#[derive(Clone, Copy)]
+pub struct Tables<'a> {
+    /// Folder of the files.
+    pub dir: &'a Path,
+    /// Length to keep of each file, if the run continues from a checkpoint [byte].
+    pub lengths: Option<&'a BTreeMap<String, u64>>,
+}
+
+impl Tables<'_> {
+    /// Opens a file: a new one with this header, or the one of the run that continues, without the
+    /// rows after the checkpoint.
+    pub(crate) fn open<H: AsRef<[u8]>>(
+        &self,
+        name: &str,
+        header: impl IntoIterator<Item = H>,
+    ) -> Result<csv::Writer<File>, Unwritten> {
+        let path = self.dir.join(name);
+        let failed = |error: std::io::Error| (path.clone(), error);
+        if let Some(&length) = self.lengths.and_then(|lengths| lengths.get(name)) {
+            let mut file = File::options().write(true).open(&path).map_err(failed)?;
+            if file.metadata().map_err(failed)?.len() < length {
+                let why = "the file is shorter than at the checkpoint: it was changed meanwhile";
+                return Err(failed(std::io::Error::other(why)));
+            }
+            file.set_len(length).map_err(failed)?;
+            file.seek(SeekFrom::End(0)).map_err(failed)?;
+            return Ok(csv::Writer::from_writer(file));
+        }
+        let mut file = csv::Writer::from_path(&path).map_err(|error| failed(error.into()))?;
+        file.write_record(header).map_err(|error| failed(error.into()))?;
+        file.flush().map_err(failed)?;
+        Ok(file)
+    }
+
+    /// Returns the present length of each file.
+    pub(crate) fn present(dir: &Path) -> BTreeMap<String, u64> {
+        let names = NAMES.iter().copied().chain([FILE]);
+        let length = |name: &str| std::fs::metadata(dir.join(name)).ok().map(|m| m.len());
+        names.filter_map(|name| Some((name.to_string(), length(name)?))).collect()
+    }
 }
 
 /// Returns the names of the columns of a job's `history.csv`, with their units.
@@ -196,31 +243,26 @@ pub fn columns(model: &Model) -> Vec<String> {
 }
 
 impl History {
-    /// Creates the file and the histories by kind.
+    /// Creates the file and the histories by kind, or continues those of a `course`.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn new(dir: &Path, workers: usize, model: &Model) -> Result<Self, Unwritten> {
-        let mut file = create_file(&dir.join(FILE))?;
-        let (kinds, walls) = (Histories::new(dir, model)?, wall_names(&model.settings.walls));
-        file.write_record(columns(model)).map_err(|e| (dir.join(FILE), e.into()))?;
+    pub fn new(
+        tables: Tables<'_>,
+        workers: usize,
+        model: &Model,
+        course: Course,
+    ) -> Result<Self, Unwritten> {
+        let walls = wall_names(&model.settings.walls);
         Ok(Self {
-            file,
+            kinds: Histories::new(tables, model, course.last.as_ref().map(|row| &row.sum))?,
+            file: tables.open(FILE, columns(model))?,
             workers,
             walls,
-            kinds,
             parts: BTreeMap::new(),
-            first: None,
-            last: None,
-            worst_error: 0.0,
-            penetration: 0.0,
-            pairs: 0,
-            swings_from: None,
+            course,
             subcycled: model.settings.subcycles > 1,
-            most_came_in: 0.0,
-            most: 0.0,
             round_off: 0.5 * model.total_mass() * (STILL * fastest_wave(&model.job)).powi(2),
-            worst_created: 0.0,
         })
     }
 
@@ -228,8 +270,8 @@ impl History {
     /// it also returns true if the last rows have had much energy in oscillations for longer than
     /// a rebound.
     pub fn swings_on(&self, above_limit: bool) -> bool {
-        let Some(last) = &self.last else { return false };
-        let long = self.swings_from.is_some_and(|from| last.sum.cycle - from >= TURNING);
+        let Some(last) = &self.course.last else { return false };
+        let long = self.course.swings_from.is_some_and(|from| last.sum.cycle - from >= TURNING);
         (above_limit && long) || last.swing > MOST_SWING
     }
 
@@ -247,27 +289,27 @@ impl History {
         let parts = self.parts.remove(&number).unwrap_or_default();
         let sum = add_up(&parts);
         // The initial energy is that of the first row minus the work done until then.
-        let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
+        let initial = self.course.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
-        self.most_came_in = if self.subcycled { self.most_came_in.max(came_in) } else { came_in };
-        let came_in = self.most_came_in;
+        self.course.most_came_in = if self.subcycled { self.course.most_came_in.max(came_in) } else { came_in };
+        let came_in = self.course.most_came_in;
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
         let there = sum.energies.supplied(initial).max(sum.energies.internal);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
-        self.worst_error = self.worst_error.max(error.abs());
-        self.penetration = self.penetration.max(sum.penetration);
-        self.pairs = self.pairs.max(sum.pairs);
+        self.course.worst_error = self.course.worst_error.max(error.abs());
+        self.course.penetration = self.course.penetration.max(sum.penetration);
+        self.course.pairs = self.course.pairs.max(sum.pairs);
         let e = &sum.energies;
-        self.most = self.most.max(e.kinetic.max(0.0) + e.internal + e.hourglass);
-        let created = created(e.contact, self.most, self.round_off);
-        self.worst_created = self.worst_created.max(created);
+        self.course.most = self.course.most.max(e.kinetic.max(0.0) + e.internal + e.hourglass);
+        let created = created(e.contact, self.course.most, self.round_off);
+        self.course.worst_created = self.course.worst_created.max(created);
         let row = Row { sum, error, swing, created };
-        let swings_from = self.swings_from.unwrap_or(row.sum.cycle);
-        self.swings_from = (swing > MUCH_SWING).then_some(swings_from);
+        let swings_from = self.course.swings_from.unwrap_or(row.sum.cycle);
+        self.course.swings_from = (swing > MUCH_SWING).then_some(swings_from);
         self.write(&row, extras)?;
         self.kinds.write(&row.sum)?;
-        self.first.get_or_insert_with(|| row.clone());
-        self.last = Some(row);
+        self.course.first.get_or_insert_with(|| row.clone());
+        self.course.last = Some(row);
         Ok(())
     }
 
@@ -297,7 +339,7 @@ impl History {
         record.push(controlling);
         for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {
             let before =
-                self.last.as_ref().map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
+                self.course.last.as_ref().map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
             let dt = s.time - before.0;
             record.extend(impulse.map(number));
             // The wall's force on the model, mean since the last row.

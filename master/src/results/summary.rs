@@ -126,6 +126,34 @@ pub struct Cpu {
     pub bytes_per_cycle: f64,
 }
 
+/// Continuation of a run from a checkpoint.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Restart {
+    /// Cycle from which it continued.
+    pub cycle: u64,
+    /// Simulated time from which it continued [time].
+    pub time: f64,
+    /// Number of workers from there on.
+    pub workers: usize,
+    /// Transport from there on.
+    pub transport: String,
+    /// Changes of the job, as `key=value`.
+    pub changes: Vec<String>,
+}
+
+/// Number and cost of the checkpoints of a run.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct CheckpointSummary {
+    /// Number of checkpoints written by this process.
+    pub written: u64,
+    /// Size of the last one [byte].
+    pub bytes: u64,
+    /// Time for which the slowest worker did not advance, sum over checkpoints [s].
+    pub copy_s: f64,
+    /// Time for which the slowest worker wrote while it advanced, sum over checkpoints [s].
+    pub write_s: f64,
+}
+
 /// A part: its settings, and its results.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PartSummary {
@@ -286,6 +314,10 @@ pub struct Summary {
     pub parts: Vec<PartSummary>,
     /// Rigid walls of the job.
     pub walls: Vec<Wall>,
+    /// Continuations from checkpoints.
+    pub restarts: Vec<Restart>,
+    /// Checkpoints of the process that ended the run.
+    pub checkpoints: CheckpointSummary,
     /// blake3 hash of the state; see [`state_digest`].
     pub state_digest: String,
 }

@@ -152,6 +152,7 @@ fn words(event: &Event) -> String {
     let of = |kind: &Kind| match kind {
         Kind::High => "high redecomposition",
         Kind::Low => "low redecomposition",
+        Kind::Checkpoint => "checkpoint",
         Kind::Stop => "stop",
     };
     match event {

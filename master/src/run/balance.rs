@@ -2,6 +2,7 @@
 //! workers.
 
 use crumple_proto::report::StepReport;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// A redecomposition that is due.
@@ -79,7 +80,38 @@ pub struct Balance {
     flip: bool,
 }
 
+/// Sums over a run that continues after a checkpoint.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Accounts {
+    critical_s: f64,
+    total_s: f64,
+    renewal_s: f64,
+    worst: f64,
+    low: u64,
+    high: u64,
+}
+
 impl Balance {
+    /// Returns the sums so far.
+    pub fn accounts(&self) -> Accounts {
+        Accounts {
+            critical_s: self.critical_s,
+            total_s: self.total_s,
+            renewal_s: self.renewal_s.iter().copied().fold(0.0, f64::max),
+            worst: self.worst,
+            low: self.low,
+            high: self.high,
+        }
+    }
+
+    /// Continues with the sums of the run before the checkpoint. The worker with the largest time
+    /// of redecompositions is not known any more; all get it.
+    pub fn restore(&mut self, a: &Accounts) {
+        (self.critical_s, self.total_s) = (a.critical_s, a.total_s);
+        self.renewal_s.fill(a.renewal_s);
+        (self.worst, self.low, self.high) = (a.worst, a.low, a.high);
+    }
+
     /// Creates the balance of a run without reports.
     pub fn new(workers: usize, limits: Limits) -> Self {
         Self {

@@ -1,15 +1,21 @@
 //! The run on one page: distribute the model, receive reports, decide, write results, stop.
 
+mod watch;
+
 use crate::input::job::Model;
 use crate::results::fields::Series;
-use crate::results::history::{Extras, History};
-use crate::results::summary::{self, Outline, Status, Summary};
+use crate::results::history::{Course, Extras, History, Tables};
+use crate::results::summary::{self, Outline, Restart, Status, Summary};
 use crate::results::trace::Trace;
 use crate::run::balance::{Balance, Due, Limits};
+use crate::run::checkpoint::find::{Resumption, tidy};
+use crate::run::checkpoint::manifest::Stamp;
+use crate::run::checkpoint::{Checkpoints, MasterState};
 use crate::run::decompose::{Loads, Workers, bisect, drifted};
 use crate::run::progress::{Progress, State};
 use crate::run::stop::StopFlag;
 use crumple_proto::boxes::CutTree;
+use crumple_proto::checkpoint::Captured;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
@@ -81,6 +87,13 @@ pub struct Control<'a> {
     closings: Vec<Option<FinalReport>>,
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
+    checkpoints: Checkpoints,
+    /// The checkpoint from which the run continues, until the workers have it.
+    from: Option<Resumption>,
+    /// Continuations so far.
+    restarts: Vec<Restart>,
+    /// Wall time before the checkpoint [s].
+    wall_before: f64,
 }
 
 /// Output locations of a run.
@@ -92,6 +105,15 @@ pub struct Results<'a> {
     pub trace: Option<&'a Path>,
 }
 
+/// The job as manifests name it, and the checkpoint from which the run continues, if any.
+#[derive(Default)]
+pub struct Origin {
+    /// The job.
+    pub stamp: Stamp,
+    /// The checkpoint, and the changes of the job since then.
+    pub from: Option<(Resumption, Vec<String>)>,
+}
+
 /// Runs a job with the workers at the other ranks of `comm`. The model loses its mesh after the
 /// distribution.
 ///
@@ -101,10 +123,10 @@ pub fn run(
     model: &mut Model,
     comm: &mut dyn Transport,
     results: Results<'_>,
-    quiet: bool,
-    stop: &StopFlag,
+    origin: Origin,
+    (quiet, stop): (bool, &StopFlag),
 ) -> Result<Summary, RunError> {
-    let mut control = Control::new(model, comm, results, quiet)?;
+    let mut control = Control::new(model, comm, results, origin, quiet)?;
     let ended = control.supervise(stop);
     let traced = control.write_trace();
     ended?;
@@ -119,6 +141,7 @@ impl<'a> Control<'a> {
         model: &'a mut Model,
         comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
+        Origin { stamp, from }: Origin,
         quiet: bool,
     ) -> Result<Self, RunError> {
         let workers = comm.size() - 1;
@@ -129,10 +152,29 @@ impl<'a> Control<'a> {
             move |error| RunError::Output { path, error }
         };
         std::fs::create_dir_all(out).map_err(failed(out))?;
-        if fields.exists() {
-            std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // from an earlier run
+        let mut checkpoints =
+            Checkpoints::new(out, &job.checkpoint, workers, model.mesh.elements.len());
+        checkpoints.set_stamp(stamp);
+        let mut series = Series::new(&fields);
+        let known = from.as_ref().map(|(from, _)| from.master.clone());
+        match &from {
+            Some((from, _)) => {
+                tidy(checkpoints.dir(), Some(&from.folder));
+                checkpoints.newest =
+                    Some((from.manifest.captured.cycle, from.manifest.captured.time));
+                series.restore(&from.master.steps).map_err(failed(&fields))?;
+                remove_file(&out.join("summary.json"))?; // of the run before
+            }
+            None => {
+                tidy(checkpoints.dir(), None);
+                if fields.exists() {
+                    std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an earlier run
+                }
+            }
         }
-        let history = History::new(out, workers, model)
+        let lengths = known.as_ref().map(|known| &known.lengths);
+        let course = known.as_ref().map_or_else(Course::default, |known| known.course.clone());
+        let history = History::new(Tables { dir: out, lengths }, workers, model, course)
             .map_err(|(path, error)| RunError::Output { path, error })?;
         let trace = trace.map(|path| {
             let failed = |error| RunError::Trace { path: path.to_owned(), error };
@@ -144,11 +186,24 @@ impl<'a> Control<'a> {
             low_every_at_least: job.parallel.low_every_at_least,
             forced: job.parallel.force_every > 0,
         };
+        let known = known.unwrap_or_default();
+        let mut balance = Balance::new(workers, limits);
+        if from.is_some() {
+            balance.restore(&known.accounts);
+        }
+        let mut restarts = known.restarts;
+        let from = from.map(|(from, changes)| {
+            let Captured { cycle, time, .. } = from.manifest.captured;
+            let transport = comm.name().into();
+            restarts.push(Restart { cycle, time, workers, transport, changes });
+            from
+        });
+        let [penetration_warned, energy_warned, step_warned] = known.warned;
         Ok(Self {
             began: Instant::now(),
             tree: CutTree::single(),
-            balance: Balance::new(workers, limits),
-            series: Series::new(&fields),
+            balance,
+            series,
             progress: Progress::new(settings.end_time, quiet),
             out: out.to_owned(),
             orders: 0,
@@ -157,9 +212,13 @@ impl<'a> Control<'a> {
             ready_since: None,
             pieces: BTreeMap::new(),
             trouble: None,
-            penetration_warned: false,
-            energy_warned: false,
-            step_warned: false,
+            penetration_warned,
+            energy_warned,
+            step_warned,
+            checkpoints,
+            from,
+            restarts,
+            wall_before: known.wall_s,
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
@@ -174,7 +233,10 @@ impl<'a> Control<'a> {
     /// Distributes the model and supervises the run until all workers have sent their final
     /// reports.
     fn supervise(&mut self, stop: &StopFlag) -> Result<(), RunError> {
-        self.deal_out()?;
+        match self.from.take() {
+            None => self.deal_out()?,
+            Some(from) => self.continue_from(&from)?,
+        }
         while self.closings.iter().any(Option::is_none) {
             let heard = self.listen()?;
             if stop.is_raised() && !self.stop_ordered {
@@ -182,6 +244,8 @@ impl<'a> Control<'a> {
                 self.progress
                     .println("stopping: the workers finish their cycle and write their state");
                 self.order(Action::Stop);
+            } else if !self.stop_ordered && self.checkpoints.take_due(stop.take_request()) {
+                self.order(Action::Checkpoint);
             } else if let Some(due) = self.balance.due().filter(|_| !self.stop_ordered) {
                 self.redecompose(&due);
             }
@@ -220,6 +284,63 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
+    /// Sends the checkpoint to the workers, which read it, and computes boxes with them.
+    fn continue_from(&mut self, from: &Resumption) -> Result<(), RunError> {
+        let captured = &from.manifest.captured;
+        for why in &from.refused {
+            let message = format!("a newer checkpoint cannot be used: {why}");
+            tracing::warn!(message);
+            self.progress.println(&format!("warning: {message}"));
+        }
+        tracing::info!(cycle = captured.cycle, time = captured.time, "run continues");
+        self.progress.println(&format!(
+            "continues from T={:.4e}, cycle {}: {}",
+            captured.time,
+            captured.cycle,
+            from.folder.display()
+        ));
+        self.model.forget_mesh();
+        let resume = ToWorker::Resume {
+            settings: Box::new(self.settings()),
+            folder: from.folder.to_string_lossy().into_owned(),
+            common: from.manifest.common.clone(),
+            pieces: from.manifest.pieces.clone(),
+            trace: self.trace.is_some(),
+        };
+        for rank in 1..=self.workers {
+            post(self.comm, rank, Tag::Order, &resume)?;
+        }
+        self.recut()
+    }
+
+    /// Returns the settings of the workers.
+    fn settings(&self) -> Settings {
+        let mut settings = self.model.settings.clone();
+        settings.field_dir = self.series.dir().to_string_lossy().into_owned();
+        settings.checkpoint.dir = self.checkpoints.dir().to_string_lossy().into_owned();
+        settings
+    }
+
+    /// Returns the state of the master for a checkpoint.
+    fn state(&self) -> MasterState {
+        MasterState {
+            course: self.history.course.clone(),
+            lengths: Tables::present(&self.out),
+            steps: self.series.steps().to_vec(),
+            accounts: self.balance.accounts(),
+            wall_s: self.wall(),
+            warned: [self.penetration_warned, self.energy_warned, self.step_warned],
+            restarts: self.restarts.clone(),
+            history_interval: self.model.settings.history_interval,
+            field_times: self.model.settings.field_times.clone(),
+        }
+    }
+
+    /// Returns the wall time of the run so far, with that before the checkpoint [s].
+    fn wall(&self) -> f64 {
+        self.wall_before + self.began.elapsed().as_secs_f64()
+    }
+
     /// Cuts space into boxes and sends to every worker the elements and nodes of its box.
     fn deal_out(&mut self) -> Result<(), RankLost> {
         let (elements, nodes) = self.model.records();
@@ -238,8 +359,7 @@ impl<'a> Control<'a> {
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);
         }
-        let fields = self.series.dir().to_string_lossy().into_owned();
-        let settings = Settings { field_dir: fields, ..self.model.settings.clone() };
+        let settings = self.settings();
         for (worker, elements) in shares.into_iter().enumerate() {
             let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
             ids.sort_unstable();
@@ -275,7 +395,7 @@ impl<'a> Control<'a> {
             ToMaster::Report(report) => self.balance.add_report(worker, report),
             ToMaster::History(part) => {
                 let b = &self.balance;
-                let wall = self.began.elapsed().as_secs_f64();
+                let wall = self.wall();
                 let extras = Extras {
                     wall,
                     cpu_total: b.total_s,
@@ -307,6 +427,23 @@ impl<'a> Control<'a> {
                 tracing::warn!(worker, warning);
                 self.progress.println(&format!("warning: worker {worker}: {warning}"));
             }
+            ToMaster::Captured(captured) => {
+                if self.checkpoints.add_captured(captured) {
+                    let state = self.state();
+                    self.checkpoints.add_master(captured.cycle, state);
+                }
+            }
+            ToMaster::Saved(saved) => match self.checkpoints.add_saved(saved) {
+                None => {}
+                Some(Ok(message)) => {
+                    tracing::info!(message);
+                    self.progress.println(&message);
+                }
+                Some(Err(warning)) => {
+                    tracing::warn!(warning);
+                    self.progress.println(&format!("warning: {warning}"));
+                }
+            },
             ToMaster::Ready => {
                 self.ready.push(worker);
                 self.ready_since.get_or_insert_with(Instant::now);
@@ -329,107 +466,6 @@ impl<'a> Control<'a> {
             }
         }
         Ok(())
-    }
-
-    /// Warns once of deep penetration, and once if contact shortens the step much.
-    fn watch_contact(&mut self) {
-        let (depth, time) =
-            (self.history.penetration, self.history.last.as_ref().map_or(0.0, |r| r.sum.time));
-        if depth > SUNK && !self.penetration_warned {
-            self.penetration_warned = true;
-            let message = format!(
-                "at time {time:.6e} the largest penetration is {depth:.2} of the contact \
-                 thickness; from 1 on a node may pass through. Unless the mesh starts with this \
-                 penetration, increase contact.sweeps or contact.penalty_scale, change \
-                 contact.iteration, or reduce time.dt_max"
-            );
-            tracing::warn!(depth, time, message);
-            self.progress.println(&format!("warning: {message}"));
-        }
-        let steps = self.history.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
-        if let Some([contact, elements]) =
-            steps.filter(|[contact, elements]| *contact < MUCH_SHORTER * elements)
-            && !self.step_warned
-        {
-            self.step_warned = true;
-            let message = format!(
-                "at time {time:.6e} the stable step of contact is {contact:.3e}, that of elements \
-                 {elements:.3e}: in a longer step, fast bodies could pass through others. \
-                 Increase the contact thickness, or exclude fast fragments and thin foils from \
-                 contact"
-            );
-            tracing::warn!(contact, elements, time, message);
-            self.progress.println(&format!("warning: {message}"));
-        }
-    }
-
-    /// Stops the run if the energy balance is violated, or if velocities keep oscillating from
-    /// step to step. Plasticity can keep an unstable step bounded, but it then violates one
-    /// of the two criteria.
-    fn watch_energy(&mut self) {
-        let Some(row) = self.history.last.as_ref() else { return };
-        let what = if row.error.abs() > MOST_ENERGY_ERROR {
-            format!("the error of the energy balance is {:.0} %", 100.0 * row.error)
-        } else if self.history.swings_on(self.model.settings.safety > 1.0) {
-            format!(
-                "the step is unstable: velocities oscillate from step to step with {:.0} % of the \
-                 energy",
-                100.0 * row.swing
-            )
-        } else {
-            return;
-        };
-        let sum = &row.sum;
-        let element = sum
-            .controlling
-            .map_or(String::new(), |id| format!("; element {id} has the smallest stable step"));
-        let safety = self.model.settings.safety;
-        let cure = if safety > 1.0 { "0.9 or less" } else { "a smaller value" };
-        let subcycled = self.model.settings.subcycles > 1;
-        let or = if subcycled {
-            ", or reduce time.subcycles, or increase time.subcycle_layers"
-        } else {
-            ""
-        };
-        let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
-        self.fail(Failure { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
-    }
-
-    /// Warns once if contact creates energy, and stops the run if the energy exceeds a limit.
-    fn watch_work(&mut self) {
-        let Some(row) = self.history.last.as_ref().filter(|row| row.created > LITTLE_CREATED)
-        else {
-            return;
-        };
-        let (created, time, cycle) = (row.created, row.sum.time, row.sum.cycle);
-        let what = format!(
-            "contact has created an energy of {:.3e}, {:.1} % of the largest energy so far",
-            row.sum.energies.contact,
-            100.0 * created
-        );
-        let cure = "look for parts that penetrate each other at the start (`crumple check` names \
-                    them) or are pressed through each other; try a smaller time.dt_max, more \
-                    contact.sweeps or a smaller contact.penalty_scale";
-        if created > MOST_CREATED {
-            self.fail(Failure { elem: None, cycle, time, why: format!("{what}; {cure}") });
-        } else if !self.energy_warned {
-            self.energy_warned = true;
-            let message = format!(
-                "at time {time:.6e} {what}; {cure}. The run stops at {:.0} %",
-                100.0 * MOST_CREATED
-            );
-            tracing::warn!(created, time, message);
-            self.progress.println(&format!("warning: {message}"));
-        }
-    }
-
-    /// Stops the run as failed, unless it is already ending.
-    fn fail(&mut self, trouble: Failure) {
-        if self.trouble.is_none() && !self.stop_ordered {
-            self.trouble = Some(trouble);
-            self.stop_ordered = true;
-            self.order(Action::Stop);
-        }
     }
 
     fn order(&mut self, action: Action) {
@@ -490,7 +526,7 @@ impl<'a> Control<'a> {
 
     fn show(&mut self) {
         let last = &self.balance.last[0];
-        let error = self.history.last.as_ref().map_or(0.0, |r| r.error);
+        let error = self.history.course.last.as_ref().map_or(0.0, |r| r.error);
         let (pairs, imbalance) = (self.balance.pairs(), self.balance.mean_imbalance());
         self.progress.show(&State {
             cycle: last.cycle,
@@ -504,7 +540,7 @@ impl<'a> Control<'a> {
 
     /// Writes the summary after all final reports have arrived.
     fn finish(mut self) -> Result<Summary, RunError> {
-        let wall_s = self.began.elapsed().as_secs_f64();
+        let wall_s = self.wall();
         let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
         let end = closings[0].clone();
         let (status, reason) = match &self.trouble {
@@ -523,7 +559,7 @@ impl<'a> Control<'a> {
         };
         let cycles = end.cycles.max(1) as f64;
         let (first, last) =
-            (self.history.first.unwrap_or_default().sum, self.history.last.unwrap_or_default());
+            (self.history.course.first.unwrap_or_default().sum, self.history.course.last.unwrap_or_default());
         let (e, i) = (last.sum.energies, first.energies);
         let summary = Summary {
             title: self.model.job.title.clone(),
@@ -556,8 +592,8 @@ impl<'a> Control<'a> {
                 external: e.external,
                 total_initial: i.kinetic + i.internal + i.hourglass,
                 error: last.error,
-                error_max: self.history.worst_error,
-                contact_created: self.history.worst_created,
+                error_max: self.history.course.worst_error,
+                contact_created: self.history.course.worst_created,
             },
             momentum: summary::Momentum {
                 start: first.momentum,
@@ -576,8 +612,8 @@ impl<'a> Control<'a> {
                 max: self.balance.worst,
             },
             contact: summary::ContactSummary {
-                pairs_max: self.history.pairs,
-                penetration_max: self.history.penetration,
+                pairs_max: self.history.course.pairs,
+                penetration_max: self.history.course.penetration,
                 searches: mean(|c| c.searches),
                 sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
                 accelerated_steps: closings.iter().map(|c| c.unsettled[0]).max().unwrap_or(0),
@@ -593,6 +629,8 @@ impl<'a> Control<'a> {
             ),
             walls: self.model.job.wall.clone(),
             elements: self.outline.elements,
+            restarts: self.restarts,
+            checkpoints: self.checkpoints.summary,
             state_digest: summary::state_digest(&mut self.states),
         };
         let path = self.out.join("summary.json");
@@ -602,16 +640,16 @@ impl<'a> Control<'a> {
     }
 }
 
-/// Penetration over contact thickness above which a warning is given.
-const SUNK: f64 = 0.5;
-/// Relative energy error above which the run has failed. Crash codes are accepted with 0.01.
-const MOST_ENERGY_ERROR: f64 = 0.1;
-/// Step of contact over step of the elements below which a warning is given.
-const MUCH_SHORTER: f64 = 0.5;
-/// Energy created by contact, as a fraction of the largest energy so far: limit for a warning,
-/// and limit for the failure of the run.
-const LITTLE_CREATED: f64 = 0.01;
-const MOST_CREATED: f64 = 0.1;
+/// Removes a file if it exists.
+fn remove_file(path: &Path) -> Result<(), RunError> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(RunError::Output { path: path.to_owned(), error })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Time for which the master waits for recordings after the loss of a worker.
 const LAST_WORDS: Duration = Duration::from_secs(2);
 /// Number of high redecompositions that are printed. All are in `log.jsonl`.

@@ -5,11 +5,14 @@ use crate::cli::RunArgs;
 use crate::input::job::{self, Model, Report};
 use crate::results::report;
 use crate::results::summary::{Status, Summary};
-use crate::run::control::{self, Results, RunError};
+use crate::run::checkpoint::{compare, find};
+use crate::run::control::{self, Origin, Results, RunError};
+use crate::run::lock::Lock;
 use crate::run::stdout::say;
 use crate::run::stop::StopFlag;
+use crate::run::supervise;
 use crumple_proto::transport::{Transport, threads};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Exit codes as in README.md.
 const COMPLETED: u8 = 0;
@@ -27,19 +30,73 @@ fn launched_by_mpi() -> bool {
 
 /// Runs a job and returns the exit code.
 pub fn run(args: &RunArgs) -> u8 {
+    if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
+        return supervise::run(args, retries);
+    }
     if launched_by_mpi() { run_under_mpi(args) } else { run_threads(args) }
+}
+
+/// A job that is ready to run.
+struct Ready {
+    model: Model,
+    workers: usize,
+    origin: Origin,
+    out: PathBuf,
+    _lock: Lock,
+}
+
+/// Reads the job and, if the run continues, its checkpoint; locks the folder of results. Prints all
+/// problems.
+fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) -> Option<Ready> {
+    let bad = |why: String| {
+        eprintln!("error: {why}");
+        None
+    };
+    // The folder is locked first: another run may be changing its checkpoints.
+    let locked = |out: &Path| Lock::acquire(out);
+    let (from, lock) = match &args.resume {
+        None => (None, None),
+        Some(dir) => {
+            let found = find::run_folder(dir).and_then(|run| Ok((locked(&run)?, find::find(dir)?)));
+            match found {
+                Ok((lock, from)) => (Some(from), Some(lock)),
+                Err(why) => return bad(why),
+            }
+        }
+    };
+    let known = from.as_ref().map(|from| &from.manifest.stamp);
+    let file = args.job.clone().or_else(|| known.map(|stamp| PathBuf::from(&stamp.file)));
+    let sets: Vec<String> =
+        known.iter().flat_map(|stamp| stamp.set.clone()).chain(args.sets()).collect();
+    let read = job::read(&file.unwrap_or_default(), &sets).and_then(|m| Ok((workers(&m)?, m)));
+    let (workers, mut model) = match read {
+        Ok(both) => both,
+        Err(report) => {
+            eprint!("{report}");
+            return None;
+        }
+    };
+    let stamp = compare::stamp(&model, sets);
+    let from = match from {
+        None => None,
+        Some(from) => match compare::adapt(&mut model, &stamp, &from) {
+            Ok(changes) => Some((from, changes)),
+            Err(why) => return bad(format!("{}: {why}", from.folder.display())),
+        },
+    };
+    let out = from.as_ref().map_or_else(|| args.out_dir(), |(from, _)| from.run.clone());
+    let lock = match lock.map_or_else(|| locked(&out), Ok) {
+        Ok(lock) => lock,
+        Err(why) => return bad(why),
+    };
+    Some(Ready { model, workers, origin: Origin { stamp, from }, out, _lock: lock })
 }
 
 fn run_threads(args: &RunArgs) -> u8 {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let read = job::read(&args.job.job, &args.sets()).and_then(|m| {
-        let workers = m.workers(args.job.workers, cores)?;
-        Ok((m, workers))
-    });
-    let (mut model, workers) = match read {
-        Ok(both) => both,
-        Err(report) => return bad_input(&report),
-    };
+    let ready = prepare(args, |m| m.workers(args.options.workers, cores));
+    let Some(ready) = ready else { return Report::EXIT_CODE };
+    let workers = ready.workers;
     let mut ends = threads::connect(workers + 1);
     let mut master = ends.remove(0);
     let workers: Vec<_> = ends
@@ -55,7 +112,7 @@ fn run_threads(args: &RunArgs) -> u8 {
             std::thread::Builder::new().name(name).spawn(body)
         })
         .collect();
-    let code = as_master(args, &mut model, &mut master);
+    let code = as_master(args, ready, &mut master);
     drop(master);
     for worker in workers.into_iter().flatten() {
         // The worker has printed its panic, and the master reports it as a lost worker.
@@ -89,53 +146,53 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
         // The master decides when to stop. A signal that the launcher sends to all ranks must not
         // end this one early.
         let _patient = StopFlag::listen(true);
-        return match crumple_worker::serve::serve(&mut comm) {
-            Ok(()) => COMPLETED,
-            Err(lost) => {
+        // The panic of a worker is printed by then; the run ends as if the worker were lost.
+        let served = std::panic::AssertUnwindSafe(|| crumple_worker::serve::serve(&mut comm));
+        let served = std::panic::catch_unwind(served);
+        return match served {
+            Ok(Ok(())) => COMPLETED,
+            Ok(Err(lost)) => {
                 eprintln!("error: worker {}: {lost}", comm.rank() - 1);
                 comm.abort(i32::from(WORKER_LOST))
             }
+            Err(_) => comm.abort(i32::from(WORKER_LOST)),
         };
     }
     let ranks = comm.size() - 1;
-    let read = job::read(&args.job.job, &args.sets()).and_then(|m| {
+    let ready = prepare(args, |m| {
         m.workers(Some(ranks), ranks)?;
-        Ok(m)
+        Ok(ranks)
     });
-    match read {
-        Ok(mut model) => {
-            let code = as_master(args, &mut model, &mut comm);
+    match ready {
+        Some(ready) => {
+            let code = as_master(args, ready, &mut comm);
             if code == WORKER_LOST { comm.abort(i32::from(code)) } else { code }
         }
-        Err(report) => {
+        None => {
             for rank in 1..=ranks {
                 // A worker that has ended needs no message.
                 let _ = post(&mut comm, rank, Tag::Order, &ToWorker::Quit);
             }
-            bad_input(&report)
+            Report::EXIT_CODE
         }
     }
 }
 
-fn bad_input(report: &Report) -> u8 {
-    eprint!("{report}");
-    Report::EXIT_CODE
-}
-
-fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 {
-    let out = args.out_dir();
+fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
+    let Ready { mut model, origin, out, _lock, .. } = ready;
+    let model = &mut model;
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
         eprint!("{}", model.show(warning));
     }
     if !args.quiet {
         crate::run::stdout::write(format_args!("{}", crate::input::check::mapping(model)));
     }
-    log_to(&out);
+    log_to(&out, origin.from.is_some());
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
     report::forget(&out); // from an earlier run
     let stop = StopFlag::listen(false);
     let results = Results { out: &out, trace: args.trace.as_deref() };
-    let ended = control::run(model, comm, results, args.quiet, &stop);
+    let ended = control::run(model, comm, results, origin, (args.quiet, &stop));
     let writable = !matches!(ended, Err(RunError::Output { .. }));
     let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
     let code = match ended {
@@ -169,6 +226,9 @@ fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 
         }
         Err(error) => {
             eprintln!("error: {error}");
+            if find::newest_cycle(&out).is_some() {
+                eprintln!("  continue with: crumple run --resume {}", out.display());
+            }
             if matches!(error, RunError::Lost(_)) { WORKER_LOST } else { Report::EXIT_CODE }
         }
     };
@@ -181,10 +241,14 @@ fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 
 }
 
 /// Writes events of the master and of threads to `log.jsonl`. If the folder cannot be written,
-/// the run itself reports it.
-fn log_to(out: &Path) {
-    let file =
-        std::fs::create_dir_all(out).and_then(|()| std::fs::File::create(out.join("log.jsonl")));
+/// the run itself reports it. A run that `continues` appends to the file.
+fn log_to(out: &Path, continues: bool) {
+    let path = out.join("log.jsonl");
+    let open = || match continues {
+        true => std::fs::File::options().create(true).append(true).open(&path),
+        false => std::fs::File::create(&path),
+    };
+    let file = std::fs::create_dir_all(out).and_then(|()| open());
     if let Ok(file) = file {
         // A second run in the same process continues with the first log.
         let _ =

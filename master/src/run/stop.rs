@@ -1,13 +1,17 @@
-//! Ctrl-C: the first one asks all workers to stop and to keep their state, the second ends the
-//! process at once.
+//! Signals. Ctrl-C: the first one asks all workers to stop and to keep their state, the second ends
+//! the process at once. USR1 requests a checkpoint.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tokio::signal::unix::{SignalKind, signal};
 
-/// Flag that is raised by an interrupt or a request to terminate.
+/// Flags that are raised by an interrupt or a request to terminate, and by a request for a
+/// checkpoint.
 #[derive(Clone, Debug, Default)]
-pub struct StopFlag(Arc<AtomicBool>);
+pub struct StopFlag {
+    stop: Arc<AtomicBool>,
+    checkpoint: Arc<AtomicBool>,
+}
 
 impl StopFlag {
     /// Listens for signals on its own thread. With `stubborn`, further signals do not end the
@@ -24,9 +28,17 @@ impl StopFlag {
             runtime.block_on(async {
                 let signals = (signal(SignalKind::interrupt()), signal(SignalKind::terminate()));
                 let (Ok(mut interrupt), Ok(mut terminate)) = signals else { return };
+                let Ok(mut request) = signal(SignalKind::user_defined1()) else { return };
                 loop {
-                    tokio::select! { _ = interrupt.recv() => {}, _ = terminate.recv() => {} }
-                    if raised.0.swap(true, Ordering::Relaxed) && !stubborn {
+                    tokio::select! {
+                        _ = interrupt.recv() => {}
+                        _ = terminate.recv() => {}
+                        _ = request.recv() => {
+                            raised.checkpoint.store(true, Ordering::Relaxed);
+                            continue;
+                        }
+                    }
+                    if raised.stop.swap(true, Ordering::Relaxed) && !stubborn {
                         std::process::exit(130);
                     }
                 }
@@ -37,6 +49,11 @@ impl StopFlag {
 
     /// Returns true if the flag is raised.
     pub fn is_raised(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Returns true if a checkpoint was requested since the last call.
+    pub fn take_request(&self) -> bool {
+        self.checkpoint.swap(false, Ordering::Relaxed)
     }
 }

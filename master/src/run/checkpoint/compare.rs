@@ -1,5 +1,6 @@
 //! Which changes of a job a run that continues may have.
 
+use super::find::Resumption;
 use super::manifest::Stamp;
 use crate::input::job::Model;
 use crumple_proto::job::MeshSource;
@@ -17,6 +18,8 @@ const FREE: [&str; 9] = [
     "time.dt_max",
     "time.dt_min_ratio",
 ];
+/// Keys below them that may not change: rows are numbered from time 0.
+const BOUND: [&str; 1] = ["output.history_interval"];
 /// Keys of contact that may not change: the histories of pairs, or the surfaces, depend on them.
 const BOUND_CONTACT: [&str; 3] = ["contact.edges", "contact.interface", "contact.parts"];
 
@@ -47,7 +50,7 @@ pub fn changes(old: &Stamp, new: &Stamp) -> Result<Vec<String>, String> {
     for (key, _) in &found {
         let below = |list: &[&str]| list.iter().any(|f| key == f || key.starts_with(&format!("{f}.")));
         let contact = key.starts_with("contact.") && !below(&BOUND_CONTACT);
-        if !below(&FREE) && !contact {
+        if (!below(&FREE) && !contact) || below(&BOUND) {
             return Err(format!(
                 "`{key}` differs from the job of the checkpoint, and the state depends on it; \
                  these may change: {}, and the law and the numbers of contact",
@@ -61,6 +64,31 @@ pub fn changes(old: &Stamp, new: &Stamp) -> Result<Vec<String>, String> {
             .into());
     }
     Ok(found.into_iter().map(|(key, value)| format!("{key}={value}")).collect())
+}
+
+/// Prepares a model for a run that continues. Returns the changes of its job.
+///
+/// # Errors
+/// A change is not possible; the message says why.
+pub fn adapt(model: &mut Model, new: &Stamp, from: &Resumption) -> Result<Vec<String>, String> {
+    let changes = changes(&from.manifest.stamp, new)?;
+    let (captured, settings) = (&from.manifest.captured, &mut model.settings);
+    if settings.end_time <= captured.time {
+        return Err(format!(
+            "end_time = {:?} is not after the time of the checkpoint, {:?}",
+            settings.end_time, captured.time
+        ));
+    }
+    // Defaults are fractions of the end time of the first run; rows keep their interval.
+    settings.history_interval = from.master.history_interval;
+    let done = (captured.fields as usize).min(from.master.field_times.len());
+    let old = &from.master.field_times[..done];
+    let later = settings.field_times.iter().filter(|&&t| t > captured.time);
+    settings.field_times = match changes.is_empty() {
+        true => from.master.field_times.clone(),
+        false => old.iter().chain(later).copied().collect(),
+    };
+    Ok(changes)
 }
 
 fn differences(at: &str, old: &Value, new: &Value, found: &mut Vec<(String, String)>) {

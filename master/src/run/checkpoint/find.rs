@@ -46,6 +46,16 @@ fn check(folder: &Path) -> Result<(Manifest, MasterState), String> {
     Ok((manifest, master))
 }
 
+/// Returns the folder of the run, for this folder or that of one of its checkpoints.
+///
+/// # Errors
+/// The folder does not exist.
+pub fn run_folder(dir: &Path) -> Result<PathBuf, String> {
+    let canonical = std::fs::canonicalize(dir).map_err(|e| format!("{}: {e}", dir.display()))?;
+    let single = canonical.join(MANIFEST).exists();
+    Ok(canonical.ancestors().nth(if single { 2 } else { 0 }).unwrap_or(&canonical).to_owned())
+}
+
 /// Finds the newest whole checkpoint in the folder of a run, or reads the one in this folder.
 ///
 /// # Errors
@@ -59,12 +69,7 @@ pub fn find(dir: &Path) -> Result<Resumption, String> {
     for folder in candidates {
         match check(&folder) {
             Ok((manifest, master)) => {
-                let run = if single {
-                    folder.ancestors().nth(2).unwrap_or(&folder).to_owned()
-                } else {
-                    canonical
-                };
-                return Ok(Resumption { run, folder, manifest, master, refused });
+                return Ok(Resumption { run: run_folder(dir)?, folder, manifest, master, refused });
             }
             Err(why) => refused.push(why),
         }

@@ -12,6 +12,7 @@ pub mod find;
 pub mod manifest;
 
 use crate::results::history::Course;
+use crate::results::summary::{CheckpointSummary, Restart};
 use crate::run::balance::Accounts;
 use crumple_proto::checkpoint::{COMMON, Captured, FileRecord, Saved, folder_name, write};
 use crumple_proto::job::Checkpoint;
@@ -47,34 +48,6 @@ pub struct MasterState {
     pub history_interval: f64,
     /// See `history_interval`.
     pub field_times: Vec<f64>,
-}
-
-/// Continuation of a run from a checkpoint.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Restart {
-    /// Cycle from which it continued.
-    pub cycle: u64,
-    /// Simulated time from which it continued [time].
-    pub time: f64,
-    /// Number of workers from there on.
-    pub workers: usize,
-    /// Transport from there on.
-    pub transport: String,
-    /// Changes of the job, as `key=value`.
-    pub changes: Vec<String>,
-}
-
-/// Number and cost of the checkpoints of a run.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct CheckpointSummary {
-    /// Number of checkpoints written by this process.
-    pub written: u64,
-    /// Size of the last one [byte].
-    pub bytes: u64,
-    /// Time for which the slowest worker did not advance, sum over checkpoints [s].
-    pub copy_s: f64,
-    /// Time for which the slowest worker wrote while it advanced, sum over checkpoints [s].
-    pub write_s: f64,
 }
 
 /// A checkpoint that is not complete.
