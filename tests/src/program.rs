@@ -127,7 +127,8 @@ pub struct History {
 /// When it cannot be started.
 pub fn start(mut command: Command) -> Running {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    if command.get_args().any(|a| a == "run") && !command.get_args().any(|a| a == "--out") {
+    let names_folder = command.get_args().any(|a| a == "--out" || a == "--resume");
+    if command.get_args().any(|a| a == "run") && !names_folder {
         command.arg("--out").arg(folder.path().join("out"));
     }
     let words = File::create(folder.path().join("words")).expect("a file in it");
@@ -188,13 +189,26 @@ impl Running {
         send(self.child.id(), signal);
     }
 
+    /// Returns the folder of results.
+    pub fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+
+    /// Returns the process ids of all child processes.
+    ///
+    /// # Panics
+    /// When there is no /proc.
+    pub fn children(&self) -> Vec<u32> {
+        let children = format!("/proc/{0}/task/{0}/children", self.child.id());
+        let children = fs::read_to_string(children).expect("Linux");
+        children.split_whitespace().filter_map(|pid| pid.parse().ok()).collect()
+    }
+
     /// Returns the process ids of the ranks that mpirun has started, by rank.
     ///
     /// # Panics
     /// When there is no /proc.
     pub fn ranks(&self) -> Vec<u32> {
-        let children = format!("/proc/{0}/task/{0}/children", self.child.id());
-        let children = fs::read_to_string(children).expect("Linux");
         let rank_of = |pid: u32| {
             let environment = fs::read_to_string(format!("/proc/{pid}/environ")).ok()?;
             let rank =
@@ -202,7 +216,7 @@ impl Running {
             Some((rank.parse::<usize>().ok()?, pid))
         };
         let mut ranks: Vec<(usize, u32)> =
-            children.split_whitespace().filter_map(|pid| rank_of(pid.parse().ok()?)).collect();
+            self.children().into_iter().filter_map(rank_of).collect();
         ranks.sort_unstable();
         ranks.into_iter().map(|r| r.1).collect()
     }
@@ -211,7 +225,7 @@ impl Running {
 impl Drop for Running {
     fn drop(&mut self) {
         if let Ok(None) = self.child.try_wait() {
-            for rank in self.ranks() {
+            for rank in self.children() {
                 send(rank, Signal::KILL); // mpirun puts each rank in its own group
             }
             if let Some(group) = Pid::from_raw(self.child.id() as i32) {

@@ -291,7 +291,8 @@ impl History {
         // The initial energy is that of the first row minus the work done until then.
         let initial = self.course.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
-        self.course.most_came_in = if self.subcycled { self.course.most_came_in.max(came_in) } else { came_in };
+        self.course.most_came_in =
+            if self.subcycled { self.course.most_came_in.max(came_in) } else { came_in };
         let came_in = self.course.most_came_in;
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
         let there = sum.energies.supplied(initial).max(sum.energies.internal);
@@ -338,8 +339,11 @@ impl History {
         };
         record.push(controlling);
         for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {
-            let before =
-                self.course.last.as_ref().map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
+            let before = self
+                .course
+                .last
+                .as_ref()
+                .map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
             let dt = s.time - before.0;
             record.extend(impulse.map(number));
             // The wall's force on the model, mean since the last row.
@@ -363,8 +367,8 @@ fn created(work: f64, most: f64, round_off: f64) -> f64 {
     if work > round_off { work / most.max(work) } else { 0.0 }
 }
 
-/// Sums over workers. The controlling element is that of the worker with the smallest step; all
-/// workers use this step.
+/// Sums over workers. The controlling element is that of the worker with the smallest step, with the
+/// lowest id of several; all workers use this step.
 fn add_up(parts: &[HistoryPart]) -> HistoryPart {
     let mut sum = parts[0].clone();
     for p in &parts[1..] {
@@ -379,7 +383,8 @@ fn add_up(parts: &[HistoryPart]) -> HistoryPart {
         sum.shares.add(&p.shares);
         sum.pairs += p.pairs;
         sum.penetration = sum.penetration.max(p.penetration);
-        if p.controlling_dt < sum.controlling_dt {
+        let is_before = p.controlling_dt == sum.controlling_dt && p.controlling < sum.controlling;
+        if p.controlling_dt < sum.controlling_dt || is_before {
             (sum.controlling, sum.controlling_dt) = (p.controlling, p.controlling_dt);
         }
     }

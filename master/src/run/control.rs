@@ -558,8 +558,10 @@ impl<'a> Control<'a> {
             closings.iter().map(f).sum::<u64>() as f64 / closings.len() as f64
         };
         let cycles = end.cycles.max(1) as f64;
-        let (first, last) =
-            (self.history.course.first.unwrap_or_default().sum, self.history.course.last.unwrap_or_default());
+        let (first, last) = (
+            self.history.course.first.unwrap_or_default().sum,
+            self.history.course.last.unwrap_or_default(),
+        );
         let (e, i) = (last.sum.energies, first.energies);
         let summary = Summary {
             title: self.model.job.title.clone(),

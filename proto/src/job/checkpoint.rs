@@ -50,8 +50,7 @@ impl Checkpoint {
     /// # Errors
     /// The text is no interval; the message describes valid ones.
     pub fn interval(&self) -> Result<Option<Duration>, &'static str> {
-        const WANTED: &str =
-            "write a number above 0 and a unit, such as \"30 s\", \"10 min\" or \"2 h\", or \"off\"";
+        const WANTED: &str = "write a number above 0 and a unit, such as \"30 s\", \"10 min\" or \"2 h\", or \"off\"";
         let text = self.every.trim();
         if text == "off" {
             return Ok(None);

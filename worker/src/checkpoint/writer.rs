@@ -25,7 +25,8 @@ pub struct Task {
 }
 
 impl Task {
-    fn run(self) -> Saved {
+    /// Writes the files.
+    pub fn run(self) -> Saved {
         let began = Instant::now();
         let files = self.write();
         let (cycle, copy_s) = (self.cycle, self.copy.as_secs_f64());

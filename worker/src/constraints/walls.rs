@@ -19,8 +19,8 @@ use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};
-use serde::{Deserialize, Serialize};
 use push::{RecoilCandidate, collect, speed_after};
+use serde::{Deserialize, Serialize};
 pub use shape::Surface;
 
 /// One wall.

@@ -153,10 +153,7 @@ pub fn centre_of_record(e: &ElementRecord, place: impl Fn(NodeId) -> [f64; 3]) -
 }
 
 /// Sends the messages to the workers. Returns the partition that this worker receives.
-fn exchange(
-    comm: &mut dyn Transport,
-    parcels: Vec<Vec<u64>>,
-) -> Result<PartitionData, RankLost> {
+fn exchange(comm: &mut dyn Transport, parcels: Vec<Vec<u64>>) -> Result<PartitionData, RankLost> {
     let mut share = PartitionData::default();
     for words in exchange_all(comm, parcels)? {
         unpack(words, &mut share);

@@ -48,7 +48,8 @@ pub fn changes(old: &Stamp, new: &Stamp) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
     differences("", &old.job, &new.job, &mut found);
     for (key, _) in &found {
-        let below = |list: &[&str]| list.iter().any(|f| key == f || key.starts_with(&format!("{f}.")));
+        let below =
+            |list: &[&str]| list.iter().any(|f| key == f || key.starts_with(&format!("{f}.")));
         let contact = key.starts_with("contact.") && !below(&BOUND_CONTACT);
         if (!below(&FREE) && !contact) || below(&BOUND) {
             return Err(format!(
@@ -126,8 +127,11 @@ mod tests {
         assert_eq!(with("/contact/law", json!("soft")), Ok(vec!["contact.law=\"soft\"".into()]));
         assert!(with("/time/safety", json!(0.5)).unwrap_err().contains("`time.safety`"));
         assert!(with("/contact/edges", json!(false)).unwrap_err().contains("`contact.edges`"));
-        let none = changes(&old, &of(json!({"end_time": 1.0, "time": {"safety": 0.9,
-            "damping": 0.0}})));
+        let none = changes(
+            &old,
+            &of(json!({"end_time": 1.0, "time": {"safety": 0.9,
+            "damping": 0.0}})),
+        );
         assert!(none.unwrap_err().contains("`contact`"));
         let other = Stamp { mesh: "x".into(), ..old.clone() };
         assert!(changes(&old, &other).unwrap_err().contains("mesh"));

@@ -63,8 +63,7 @@ pub fn run_folder(dir: &Path) -> Result<PathBuf, String> {
 pub fn find(dir: &Path) -> Result<Resumption, String> {
     let canonical = std::fs::canonicalize(dir).map_err(|e| format!("{}: {e}", dir.display()))?;
     let single = canonical.join(MANIFEST).exists();
-    let candidates =
-        if single { vec![canonical.clone()] } else { folders(&canonical.join(DIR)) };
+    let candidates = if single { vec![canonical.clone()] } else { folders(&canonical.join(DIR)) };
     let mut refused = Vec::new();
     for folder in candidates {
         match check(&folder) {

@@ -172,9 +172,10 @@ impl Checkpoints {
             Err(why) => {
                 // Without a manifest it is no checkpoint. If it cannot be removed, that is harmless.
                 let _ = std::fs::remove_dir_all(&folder);
-                let kept = self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
-                    format!("the one of cycle {cycle} is kept")
-                });
+                let kept =
+                    self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
+                        format!("the one of cycle {cycle} is kept")
+                    });
                 Err(format!(
                     "the checkpoint of cycle {} could not be written: {why}; {kept}, and the run \
                      continues. Free space or make the folder writable",

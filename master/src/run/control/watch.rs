@@ -18,8 +18,10 @@ const MOST_CREATED: f64 = 0.1;
 impl Control<'_> {
     /// Warns once of deep penetration, and once if contact shortens the step much.
     pub(super) fn watch_contact(&mut self) {
-        let (depth, time) =
-            (self.history.course.penetration, self.history.course.last.as_ref().map_or(0.0, |r| r.sum.time));
+        let (depth, time) = (
+            self.history.course.penetration,
+            self.history.course.last.as_ref().map_or(0.0, |r| r.sum.time),
+        );
         if depth > SUNK && !self.penetration_warned {
             self.penetration_warned = true;
             let message = format!(
@@ -31,7 +33,8 @@ impl Control<'_> {
             tracing::warn!(depth, time, message);
             self.progress.println(&format!("warning: {message}"));
         }
-        let steps = self.history.course.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
+        let steps =
+            self.history.course.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
         if let Some([contact, elements]) =
             steps.filter(|[contact, elements]| *contact < MUCH_SHORTER * elements)
             && !self.step_warned
@@ -82,7 +85,8 @@ impl Control<'_> {
 
     /// Warns once if contact creates energy, and stops the run if the energy exceeds a limit.
     pub(super) fn watch_work(&mut self) {
-        let Some(row) = self.history.course.last.as_ref().filter(|row| row.created > LITTLE_CREATED)
+        let Some(row) =
+            self.history.course.last.as_ref().filter(|row| row.created > LITTLE_CREATED)
         else {
             return;
         };

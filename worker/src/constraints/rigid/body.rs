@@ -13,8 +13,8 @@ use crate::energy::Work;
 use crate::math::row::V3;
 use crumple_proto::loads::MotionForm;
 use crumple_proto::rigid::RigidBody as BodyJob;
-use serde::{Deserialize, Serialize};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+use serde::{Deserialize, Serialize};
 
 /// Largest numbers of Newton steps and of fixed-point steps of a rotation. Newton converges
 /// quadratically, the fixed-point iteration by a factor of the angle per step.

@@ -5,8 +5,8 @@
 //! than its motion relative to the wall in one step. Therefore no node is pushed out faster
 //! than its own speed.
 use crate::math::row::V3;
-use serde::{Deserialize, Serialize};
 use crumple_proto::wall::{Wall as WallJob, WallForm};
+use serde::{Deserialize, Serialize};
 
 /// Depth due to round-off, over the size of the wall.
 const ROUNDING: f64 = 1e-9;

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Kills runs at random moments and lets them continue; compares digests and files with those of
+# undisturbed runs (tests/tests/torture.rs).
+#
+#   deploy/torture.sh [ROUNDS] [SEED]      default: 300 rounds from seed 1
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=deploy/setup.sh
+source deploy/setup.sh
+export CRUMPLE_TORTURE_ROUNDS=${1:-300} CRUMPLE_TORTURE_SEED=${2:-1}
+export OMPI_MCA_mpi_yield_when_idle=1
+cargo build --workspace --features crumple/mpi,crumple/vtkhdf
+exec cargo test --workspace --features crumple/mpi,crumple/vtkhdf --test torture -- --nocapture

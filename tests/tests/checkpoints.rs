@@ -1,0 +1,288 @@
+//! Checkpoints: a run that is interrupted and continues, on any number of workers, gives the bits of
+//! a run that was not.
+
+use crumple_proto::job::Job;
+use crumple_tests::program::{Ended, crumple_with, mpirun, no_mpi, root, run, send, start};
+use crumple_tests::restart::{Plan, assert_same_files, checkpoints, copy_folder, run_interrupted};
+use crumple_tests::{case, read, run_side_by_side};
+use crumple_worker::contact::enforce::CONTACT_LAWS;
+use rustix::process::Signal;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Interrupts a job in an early cycle that varies from job to job, and compares the digests.
+fn assert_survives(path: &Path, sets: &[&str], cycles: u64) {
+    let model = read(path, sets);
+    let whole = run_side_by_side(&model, 1, cycles, 0);
+    let ended = whole.pairs.len() as u64;
+    let seed = path.to_string_lossy().bytes().fold(7, |s: u64, b| 31 * s + u64::from(b)) % 97;
+    for (number, workers) in (0..).zip([[3, 2], [1, 4], [2, 1]]) {
+        // At the latest one cycle before the end.
+        let at = (ended.saturating_sub(2) * (20 + seed * 70 / 97) / 100 + number).max(1);
+        let plan = Plan { at, cycles, workers };
+        let digest = run_interrupted(&model, plan);
+        assert_eq!(digest, whole.digest(), "{} {sets:?} {plan:?}", path.display());
+    }
+}
+
+/// Every scene, with all its elements, laws, contact, walls, bodies and ties.
+#[test]
+fn every_scene_continues_with_the_same_bits() {
+    let scenes = fs::read_dir(case("")).unwrap().map(|e| e.unwrap().path());
+    let mut scenes: Vec<PathBuf> = scenes.filter(|p| p.join("job.toml").exists()).collect();
+    scenes.sort();
+    assert!(scenes.len() > 15, "{scenes:?}");
+    for scene in scenes {
+        assert_survives(&scene, &[], 120);
+    }
+}
+
+/// Every deck of the tests that runs.
+#[test]
+fn every_deck_continues_with_the_same_bits() {
+    let mut count = 0;
+    for folder in ["good", "scenes", "taylor"] {
+        let entries = fs::read_dir(root().join("tests/decks").join(folder)).unwrap();
+        let mut decks: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+        decks.retain(|p| p.extension().is_some_and(|e| e == "k" || e == "toml"));
+        decks.sort();
+        for deck in decks {
+            if crumple::input::job::read(&deck, &[]).is_ok() {
+                assert_survives(&deck, &[], 60);
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 5, "{count}");
+}
+
+/// State in single precision, of subcycles and of each contact law, long enough for erosion,
+/// impacts and folds.
+#[test]
+fn precisions_subcycles_and_contact_laws_continue_with_the_same_bits() {
+    assert_survives(&case("jeep-frame"), &["elements.precision=\"single\""], 150);
+    assert_survives(&case("tumble"), &["elements.precision=\"single\""], 300);
+    assert_survives(&case("graded"), &["time.subcycles=4"], 200);
+    for law in CONTACT_LAWS.iter() {
+        let set = format!("contact.law=\"{}\"", law.name);
+        assert_survives(&case("tumble"), &[&set], 250);
+    }
+    assert_survives(&case("brick-wall"), &[], 400);
+}
+
+const TUMBLE: [&str; 6] = [
+    "run",
+    "cases/tumble",
+    "--no-report",
+    "--set",
+    "time.max_cycles=900",
+    "--set=checkpoint.every=\"0.05 s\"",
+];
+
+/// Returns the digest of the run without interruption.
+fn undisturbed() -> Ended {
+    run(crumple_with(&[&TUMBLE[..5], &["--workers", "1"]].concat())).with_code(0)
+}
+
+fn resume(out: &Path, workers: &str) -> Ended {
+    let out = out.to_str().unwrap();
+    run(crumple_with(&["run", "--resume", out, "--workers", workers, "--no-report"]))
+}
+
+/// A killed run continues on other numbers of workers, twice.
+#[test]
+fn a_killed_run_continues_as_if_nothing_had_happened() {
+    let whole = undisturbed();
+    let mut running = start(crumple_with(&[&TUMBLE[..], &["--workers", "3"]].concat()));
+    running.wait_for_rows(6);
+    running.signal(Signal::KILL);
+    let killed = running.end();
+    assert_eq!(killed.code, None);
+    let out = killed.out();
+    assert!(!checkpoints(&out).is_empty());
+    for workers in ["2", "1"] {
+        let copy = tempfile::tempdir().unwrap();
+        let copied = copy.path().join("out");
+        copy_folder(&out, &copied);
+        resume(&copied, workers).with_code(0);
+        assert_same_files(&whole.out(), &copied);
+        let summary = fs::read_to_string(copied.join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        assert_eq!(summary["state_digest"], whole.digest());
+        assert_eq!(summary["restarts"].as_array().unwrap().len(), 1);
+        assert!(!copied.join("run.lock").exists());
+    }
+}
+
+/// A stopped run continues: its checkpoint is that of its last cycle.
+#[test]
+fn a_stopped_run_continues_from_its_last_cycle() {
+    let whole = undisturbed();
+    let words = ["--set", "checkpoint.every=\"10 min\"", "--workers", "2"];
+    let mut running = start(crumple_with(&[&TUMBLE[..5], &words].concat()));
+    running.wait_for_rows(4);
+    running.signal(Signal::TERM);
+    let stopped = running.end().with_code(130);
+    let cycle = stopped.summary()["cycles"].as_u64().unwrap();
+    assert_eq!(checkpoints(&stopped.out()), [format!("cycle_{cycle:010}")]);
+    resume(&stopped.out(), "3").with_code(0);
+    assert_eq!(stopped.digest(), whole.digest());
+    assert_same_files(&whole.out(), &stopped.out());
+}
+
+/// A rank under MPI is killed; the run continues as threads, and the other way round.
+#[test]
+fn a_killed_rank_loses_no_work() {
+    if no_mpi().is_some() {
+        return;
+    }
+    let whole = undisturbed();
+    for rank in [0, 2] {
+        let mut running = start(mpirun(4, &TUMBLE));
+        running.wait_for_rows(6);
+        send(running.ranks()[rank], Signal::KILL);
+        let killed = running.end();
+        assert_ne!(killed.code, Some(0));
+        let out = killed.out();
+        assert!(!checkpoints(&out).is_empty());
+        let copy = tempfile::tempdir().unwrap();
+        let copied = copy.path().join("out");
+        copy_folder(&out, &copied);
+        resume(&copied, "2").with_code(0);
+        assert_same_files(&whole.out(), &copied);
+        run(mpirun(3, &["run", "--resume", out.to_str().unwrap(), "--no-report"])).with_code(0);
+        assert_eq!(killed.digest(), whole.digest());
+    }
+}
+
+/// USR1 requests a checkpoint; the run continues.
+#[test]
+fn a_signal_requests_a_checkpoint() {
+    let words = ["--set", "checkpoint.every=\"off\"", "--workers", "2"];
+    let mut running = start(crumple_with(&[&TUMBLE[..5], &words].concat()));
+    running.wait_for_rows(4);
+    running.signal(Signal::USR1);
+    let ended = running.end().with_code(0);
+    assert_eq!(checkpoints(&ended.out()).len(), 1);
+    assert_eq!(ended.summary()["checkpoints"]["written"], 1);
+}
+
+/// Times of the job: a checkpoint in the first cycle after each; `keep` of them stay.
+#[test]
+fn checkpoints_are_written_at_times_and_old_ones_are_removed() {
+    let words =
+        ["--set", "checkpoint.every=\"off\"", "--set", "checkpoint.at=[0.2, 0.3, 0.4, 99.0]"];
+    let ended = run(crumple_with(&[&TUMBLE[..5], &words].concat())).with_code(0);
+    assert_eq!(ended.summary()["checkpoints"]["written"], 3);
+    assert_eq!(checkpoints(&ended.out()).len(), 2, "keep = 2");
+}
+
+/// A broken checkpoint is refused with its reason, and the one before is used.
+#[test]
+fn a_broken_checkpoint_is_refused_and_the_one_before_is_used() {
+    let words = ["--set", "checkpoint.at=[0.2, 0.3]", "--workers", "2"];
+    let ended = run(crumple_with(&[&TUMBLE[..5], &words].concat())).with_code(0);
+    let (out, digest) = (ended.out(), ended.digest());
+    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    for (file, how) in [("piece_00001.bin", "blake3"), ("common.bin", "bytes instead of")] {
+        let path = newest.join(file);
+        let good = fs::read(&path).unwrap();
+        let mut bad = good.clone();
+        let middle = bad.len() / 2;
+        if how == "blake3" {
+            bad[middle] ^= 1
+        } else {
+            bad.truncate(middle)
+        };
+        fs::write(&path, bad).unwrap();
+        let copy = tempfile::tempdir().unwrap();
+        let copied = copy.path().join("out");
+        copy_folder(&out, &copied);
+        let again = resume(&copied, "1").with_code(0);
+        assert!(again.said().contains(how) && again.said().contains(file), "{}", again.said());
+        let summary = fs::read_to_string(copied.join("summary.json")).unwrap();
+        assert!(summary.contains(&digest));
+        fs::write(&path, good).unwrap();
+    }
+    for name in checkpoints(&out) {
+        let path = out.join("checkpoints").join(name).join("MANIFEST");
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text.replacen(" 1 ", " 99 ", 1)).unwrap();
+    }
+    let refused = resume(&out, "1").with_code(2);
+    for text in ["no whole checkpoint", "format 99", "MANIFEST"] {
+        assert!(refused.said().contains(text), "{}", refused.said());
+    }
+}
+
+/// Changes that the state does not depend on are recorded; others are refused.
+#[test]
+fn a_run_continues_with_allowed_changes_only() {
+    let words = ["--set", "checkpoint.at=[0.3]", "--workers", "2"];
+    let ended = run(crumple_with(&[&TUMBLE[..5], &words].concat())).with_code(0);
+    let out = ended.out();
+    let out = out.to_str().unwrap();
+    let with =
+        |set: &str| run(crumple_with(&["run", "--resume", out, "--no-report", "--set", set]));
+    for (set, key) in [
+        ("time.safety=0.5", "`time.safety`"),
+        ("scene.refine=2", "`scene.refine`"),
+        ("contact.edges=false", "`contact.edges`"),
+        ("output.history_interval=0.001", "`output.history_interval`"),
+        ("end_time=0.1", "end_time"),
+    ] {
+        let refused = with(set).with_code(2);
+        assert!(refused.said().contains(key), "{set}: {}", refused.said());
+    }
+    with("time.max_cycles=700").with_code(0);
+    let summary = ended.summary();
+    assert_eq!(summary["cycles"], 700);
+    assert_eq!(summary["restarts"][0]["changes"][0], "time.max_cycles=700");
+}
+
+/// Two runs do not write into one folder.
+#[test]
+fn a_folder_in_use_is_refused() {
+    let mut running = start(crumple_with(&[&TUMBLE[..5], &["--workers", "1"]].concat()));
+    running.wait_for_rows(2);
+    let out = running.out();
+    let refused =
+        run(crumple_with(&["run", "cases/tumble", "--out", out.to_str().unwrap()])).with_code(2);
+    assert!(refused.said().contains("another run writes into this folder"), "{}", refused.said());
+    running.end().with_code(0);
+}
+
+/// A folder that cannot be written costs the checkpoint, not the run.
+#[test]
+fn a_checkpoint_that_cannot_be_written_does_not_end_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    fs::create_dir_all(&out).unwrap();
+    fs::write(out.join("checkpoints"), "a file where a folder should be").unwrap();
+    let words = ["--out", out.to_str().unwrap(), "--set", "checkpoint.at=[0.2]"];
+    let ended = run(crumple_with(&[&TUMBLE[..5], &words].concat())).with_code(0);
+    assert!(ended.said().contains("could not be written"), "{}", ended.said());
+}
+
+/// The supervisor starts a killed run again, and gives up when there is no new checkpoint.
+#[test]
+fn a_supervised_run_continues_after_its_loss() {
+    let whole = undisturbed();
+    let words = ["--retries", "3", "--workers", "2"];
+    let mut running = start(crumple_with(&[&TUMBLE[..], &words].concat()));
+    running.wait_for_rows(6);
+    let child = running.children()[0];
+    send(child, Signal::KILL);
+    let ended = running.end().with_code(0);
+    assert_eq!(ended.digest(), whole.digest());
+    assert!(ended.said().contains("the run was lost (signal 9)"), "{}", ended.said());
+    assert_same_files(&whole.out(), &ended.out());
+}
+
+/// The section has defaults, so that a job without it has checkpoints.
+#[test]
+fn checkpoints_are_on_by_default() {
+    let job: Job = toml::from_str("end_time = 1.0\n[mesh]\n").unwrap();
+    assert_eq!(job.checkpoint.interval().unwrap().unwrap().as_secs(), 600);
+    assert_eq!(job.checkpoint.keep, 2);
+}
