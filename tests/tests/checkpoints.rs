@@ -15,7 +15,7 @@ fn assert_survives(path: &Path, sets: &[&str], cycles: u64) {
     let model = read(path, sets);
     let whole = run_side_by_side(&model, 1, cycles, 0);
     let ended = whole.pairs.len() as u64;
-    let seed = path.to_string_lossy().bytes().fold(7, |s: u64, b| 31 * s + u64::from(b)) % 97;
+    let seed = path.to_string_lossy().bytes().fold(7, |s: u64, b| (31 * s + u64::from(b)) % 97);
     for (number, workers) in (0..).zip([[3, 2], [1, 4], [2, 1]]) {
         // At the latest one cycle before the end.
         let at = (ended.saturating_sub(2) * (20 + seed * 70 / 97) / 100 + number).max(1);
