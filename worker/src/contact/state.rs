@@ -12,7 +12,6 @@ pub struct ContactState {
     capped_pairs: u64,
     penetration: f64,
     approach: f64,
-    interface_started: Vec<bool>,
     /// Marks of parts, see [`super::diagnostics::search_record`].
     parts: Vec<u8>,
 }
@@ -26,9 +25,6 @@ impl ContactState {
         self.capped_pairs += o.capped_pairs;
         self.penetration = self.penetration.max(o.penetration);
         self.approach = self.approach.max(o.approach);
-        if self.interface_started.is_empty() {
-            self.interface_started.clone_from(&o.interface_started); // equal on all workers
-        }
         self.parts.resize(self.parts.len().max(o.parts.len()), 0);
         self.parts.iter_mut().zip(&o.parts).for_each(|(a, b)| *a |= b);
     }
@@ -45,8 +41,9 @@ impl Contact {
             capped_pairs,
             penetration,
             approach,
-            interface_started,
             record,
+            // Equal on all workers, see `started`.
+            interface_started: _,
             // Pair histories are saved with their nodes.
             pair_histories: _,
             edges: _,
@@ -84,22 +81,24 @@ impl Contact {
             capped_pairs: *capped_pairs,
             penetration: *penetration,
             approach: *approach,
-            interface_started: interface_started.clone(),
             parts: record.of_parts(&surface.segments),
         }
     }
 
-    /// Sets the state. Call it after [`Contact::renew`].
-    pub fn restore(&mut self, state: ContactState) {
+    /// Returns the interfaces whose pairs were searched for in the last step, equal on all workers.
+    pub fn started(&self) -> &[bool] {
+        &self.interface_started
+    }
+
+    /// Sets the state, with the interfaces that had `started`. Call it after [`Contact::renew`].
+    pub fn restore(&mut self, state: ContactState, started: Vec<bool>) {
         self.searches = state.searches;
         self.sweeps = state.sweeps;
         self.unsettled = state.unsettled;
         self.capped_pairs = state.capped_pairs;
         self.penetration = state.penetration;
         self.approach = state.approach;
-        if !state.interface_started.is_empty() {
-            self.interface_started = state.interface_started;
-        }
+        self.interface_started = started;
         self.record.restore(state.parts);
     }
 }

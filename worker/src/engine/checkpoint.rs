@@ -37,6 +37,8 @@ pub struct CommonState {
     /// Limits of the step due to elements and to contact [time].
     limits: [f64; 2],
     slow_dt: f64,
+    /// See [`Contact::started`].
+    started: Vec<bool>,
 }
 
 /// Sums of one worker.
@@ -131,12 +133,14 @@ impl Engine {
             constraints: C,
             limits: [f64; 2],
             slow_dt: f64,
+            started: &'a [bool],
         }
         let view = View {
             clock,
             constraints: constraints.state(),
             limits: [agreement.elements_dt, agreement.contact_dt],
             slow_dt: blocks.slow_dt,
+            started: contact.as_ref().map_or(&[], Contact::started),
         };
         let traffic = comm.traffic();
         Ok(Copied {
@@ -213,7 +217,7 @@ impl Engine {
         by_part.resize(engine.settings.parts.len(), [0.0; 2]);
         engine.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         if let Some(contact) = &mut engine.contact {
-            contact.restore(own.contact);
+            contact.restore(own.contact, common.started);
         }
         Ok(engine)
     }
