@@ -4,10 +4,13 @@
 #   deploy/run.sh                                     the jeep frame; results in out/jeep-frame
 #   deploy/run.sh cases/tumble --end-time 1           another job, and options of `crumple run`
 #   WORKERS=4 deploy/run.sh                           four workers; the default is one per core
+#   RETRIES=3 deploy/run.sh                           starts again when a worker is lost
 set -euo pipefail
+# Ctrl-C reaches the run; this script waits for its end and reports its code.
+trap : INT
 
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
-    sed -n '2,6s/^# \{0,1\}//p' "$0"
+    sed -n '2,7s/^# \{0,1\}//p' "$0"
     exit 0
 fi
 
@@ -53,8 +56,20 @@ target=$(cargo metadata --format-version 1 --no-deps |
     sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 
 echo "run: a master and $workers workers on $job"
+# With RETRIES, a supervisor starts the run again from its newest checkpoint when it is lost.
 code=0
-mpirun -n $((workers + 1)) "$target/release/crumple" run "$job" "${arguments[@]}" || code=$?
+started=$(date +%s)
+if [[ -n ${RETRIES:-} ]]; then
+    "$target/release/crumple" run "$job" "${arguments[@]}" --retries "$RETRIES" \
+        --launcher "mpirun -n $((workers + 1))" || code=$?
+else
+    mpirun -n $((workers + 1)) "$target/release/crumple" run "$job" "${arguments[@]}" || code=$?
+fi
+# An interrupted mpirun has its own code. The summary has the end of the run.
+if [[ $code -ne 0 && -f $out/summary.json && $(stat -c %Y "$out/summary.json") -ge $started ]] &&
+    grep -q '"status": "stopped"' "$out/summary.json"; then
+    code=130
+fi
 
 if [[ -f $out/summary.json ]]; then
     cat <<END

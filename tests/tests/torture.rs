@@ -106,7 +106,7 @@ fn one_round(
             words(scene, cycles, out, "0.03 s")
         };
         let (workers, mpi) = (random.usize(1..=4), with_mpi && random.bool());
-        let mut running = start(command(&words, workers, mpi));
+        let running = start(command(&words, workers, mpi));
         if attempt == KILLS {
             running.end().with_code(0);
             return killed;

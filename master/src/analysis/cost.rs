@@ -15,6 +15,7 @@ use crumple_proto::report::Phase;
 use crumple_proto::transport::{RankLost, threads};
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::BlockBytes;
+use crumple_worker::parallel::migrate::item_bytes;
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
 use std::collections::HashMap;
@@ -38,6 +39,8 @@ struct Sample {
     /// Translational and rotational.
     columns: [usize; 2],
     contact: usize,
+    /// Bytes of an element, a node and a pair history in a checkpoint.
+    saved: [usize; 3],
     /// Shortest time of each phase [s].
     elements_s: f64,
     assemble_s: f64,
@@ -67,7 +70,7 @@ fn write(
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
     let (mut bytes, mut element_s, mut rows) = (0.0, 0.0, String::new());
     let (mut parted, mut node_s) = (Vec::new(), 0.0f64);
-    let mut columns = [0.0f64; 2];
+    let (mut columns, mut saved, mut saved_items) = ([0.0f64; 2], 0, [0; 3]);
     for (number, part) in (0u32..).zip(&model.settings.parts) {
         let count = elements.iter().filter(|e| e.part == number).count();
         if count == 0 {
@@ -91,6 +94,8 @@ fn write(
              {connectivity:>13.0}  {ns:>8.1}{rigid}"
         )?;
         bytes += of.iter().sum::<f64>() * count as f64;
+        saved += s.saved[0] * count;
+        saved_items = s.saved;
         let cycles =
             |e: &&ElementRecord| if e.slow { model.settings.subcycles as f64 } else { 1.0 };
         let computed: f64 =
@@ -139,6 +144,16 @@ fn write(
             cycle_s += s.contact_s / s.elements as f64 * elements.len() as f64;
         }
     }
+    let ([_, of_node, of_pair], count) = (saved_items, elements.len().max(1));
+    saved += of_node * nodes.len();
+    writeln!(
+        out,
+        "  checkpoint: {:.1} MB without compression, {} bytes per element with its nodes; {of_node} \
+         more for each worker after the first that has a node, {of_pair} for a contact pair at each \
+         of its nodes that keep it",
+        1e-6 * saved as f64,
+        saved / count
+    )?;
     let rated =
         |m: &&crumple_proto::partition::Material| m.parameters.contains_key("cowper_symonds");
     let rates: Vec<&str> =
@@ -279,6 +294,7 @@ fn try_out(
         blocks: engine.blocks.bytes(),
         columns: engine.nodes.bytes(),
         contact: engine.contact.as_ref().map_or(0, |c| c.bytes()),
+        saved: item_bytes(engine.blocks.blocks.first().map_or(0, |b| b.state(0).to_vec().len())),
         elements_s,
         assemble_s,
         advance_s,

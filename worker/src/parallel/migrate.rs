@@ -122,6 +122,13 @@ pub fn pack_all(
     Ok(pack_local(comm, local, contact, 1, |_| 0)?.swap_remove(0))
 }
 
+/// Returns the bytes of an element with this number of history columns, of a node and of a pair
+/// history in a message, and so in a checkpoint.
+pub fn item_bytes(columns: usize) -> [usize; 3] {
+    let element = size_of::<WireElement>() + columns * size_of::<f64>();
+    [element, size_of::<NodeRecord>(), size_of::<PairHistory>()]
+}
+
 /// Sends every element of a partition that no engine has built yet to the worker whose box contains
 /// its centre. Returns the new partition of this worker. Collective.
 ///
