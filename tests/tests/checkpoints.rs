@@ -1,6 +1,8 @@
-//! Checkpoints: a run that is interrupted and continues, on any number of workers, gives the bits of
-//! a run that was not.
+//! Checkpoints: a run that is interrupted and continues, on any number of workers, gives the bits
+//! of a run that was not.
 
+use crumple::run::checkpoint::manifest::Manifest;
+use crumple_proto::checkpoint::{FORMAT, FileRecord, decode};
 use crumple_proto::job::Job;
 use crumple_tests::program::{Ended, crumple_with, mpirun, no_mpi, root, run, send, start};
 use crumple_tests::restart::{Plan, assert_same_files, checkpoints, copy_folder, run_interrupted};
@@ -286,4 +288,58 @@ fn checkpoints_are_on_by_default() {
     let job: Job = toml::from_str("end_time = 1.0\n[mesh]\n").unwrap();
     assert_eq!(job.checkpoint.interval().unwrap().unwrap().as_secs(), 600);
     assert_eq!(job.checkpoint.keep, 2);
+}
+
+/// Changes of random kinds to manifests and files: none is accepted, none causes a panic. The
+/// variable `CRUMPLE_MUTATIONS` sets their number.
+#[test]
+fn mutated_manifests_and_files_are_refused() {
+    let words = ["--set", "checkpoint.at=[0.2]", "--workers", "2"];
+    let ended = run(crumple_with(&[&TUMBLE[..5], &words].concat())).with_code(0);
+    let folder = ended.out().join("checkpoints").join(&checkpoints(&ended.out())[0]);
+    let manifest = fs::read(folder.join("MANIFEST")).unwrap();
+    let known = Manifest::from_bytes(&manifest).unwrap();
+    let files: Vec<(FileRecord, Vec<u8>)> =
+        known.files().map(|f| (f.clone(), fs::read(folder.join(&f.name)).unwrap())).collect();
+    let count = std::env::var("CRUMPLE_MUTATIONS").ok().and_then(|text| text.parse().ok());
+    let mut random = fastrand::Rng::with_seed(20);
+    for number in 0..count.unwrap_or(3000u64) {
+        let bad = mutated(&mut random, &manifest);
+        assert!(bad == manifest || Manifest::from_bytes(&bad).is_err(), "mutation {number}");
+        // With a right sum only the meaning is wrong. It may be read, or refused with a reason.
+        let start = manifest.iter().position(|&b| b == b'\n').unwrap() + 1;
+        let body = mutated(&mut random, &manifest[start..]);
+        let line = format!("crumple-checkpoint {FORMAT} {}\n", blake3::hash(&body).to_hex());
+        let _ = Manifest::from_bytes(&[line.as_bytes(), &body].concat());
+        let (record, good) = &files[random.usize(..files.len())];
+        let bad = mutated(&mut random, good);
+        let same = bad.len() as u64 == record.bytes
+            && blake3::hash(&bad).to_hex().as_str() == record.blake3;
+        assert_eq!(same, &bad == good, "mutation {number}");
+        let _ = decode(&bad);
+    }
+}
+
+/// Returns bytes with one to four changes: bits, bytes, cuts, repeated or removed ranges.
+fn mutated(random: &mut fastrand::Rng, good: &[u8]) -> Vec<u8> {
+    let mut bytes = good.to_vec();
+    for _ in 0..random.usize(1..=4) {
+        if bytes.is_empty() {
+            return bytes;
+        }
+        let (a, b) = (random.usize(..bytes.len()), random.usize(..bytes.len()));
+        let (from, to) = (a.min(b), a.max(b));
+        match random.u8(..6) {
+            0 => bytes[a] ^= 1 << random.u8(..8),
+            1 => bytes[a] = random.u8(..),
+            2 => bytes.truncate(a),
+            3 => drop(bytes.drain(from..to)),
+            4 => bytes.swap(a, b),
+            _ => {
+                let range = bytes[from..(from + 64).min(to)].to_vec();
+                bytes.splice(a..a, range);
+            }
+        }
+    }
+    bytes
 }

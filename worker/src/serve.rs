@@ -230,8 +230,8 @@ impl Worker {
         self.engine.clock.starts_outer_step(&self.engine.settings)
     }
 
-    /// Copies the state for a checkpoint if one is due, in the same cycle on all workers, and starts
-    /// to write it.
+    /// Copies the state for a checkpoint if one is due, in the same cycle on all workers, and
+    /// starts to write it.
     fn save_if_due(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let Engine { clock, settings, .. } = &mut self.engine;
         let asked = &settings.checkpoint;

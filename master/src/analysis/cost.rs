@@ -148,9 +148,9 @@ fn write(
     saved += of_node * nodes.len();
     writeln!(
         out,
-        "  checkpoint: {:.1} MB without compression, {} bytes per element with its nodes; {of_node} \
-         more for each worker after the first that has a node, {of_pair} for a contact pair at each \
-         of its nodes that keep it",
+        "  checkpoint: {:.1} MB without compression, {} bytes per element with its nodes; \
+         {of_node} more for each further worker that has a node, {of_pair} for a contact pair at \
+         each node that keeps it",
         1e-6 * saved as f64,
         saved / count
     )?;

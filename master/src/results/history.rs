@@ -367,8 +367,8 @@ fn created(work: f64, most: f64, round_off: f64) -> f64 {
     if work > round_off { work / most.max(work) } else { 0.0 }
 }
 
-/// Sums over workers. The controlling element is that of the worker with the smallest step, with the
-/// lowest id of several; all workers use this step.
+/// Sums over workers. The controlling element is that of the worker with the smallest step, with
+/// the lowest id of several; all workers use this step.
 fn add_up(parts: &[HistoryPart]) -> HistoryPart {
     let mut sum = parts[0].clone();
     for p in &parts[1..] {

@@ -8,8 +8,8 @@ use std::time::Duration;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Checkpoint {
-    /// Wall time between two checkpoints, such as `"30 s"`, `"10 min"` or `"2 h"`; `"off"` for none,
-    /// also when the run is stopped. A signal USR1 requests one in any case.
+    /// Wall time between two checkpoints, such as `"30 s"`, `"10 min"` or `"2 h"`; `"off"` for
+    /// none, also when the run is stopped. A signal USR1 requests one in any case.
     pub every: String,
     /// Simulated times after which a checkpoint is written [time].
     pub at: Vec<f64>,
@@ -50,7 +50,8 @@ impl Checkpoint {
     /// # Errors
     /// The text is no interval; the message describes valid ones.
     pub fn interval(&self) -> Result<Option<Duration>, &'static str> {
-        const WANTED: &str = "write a number above 0 and a unit, such as \"30 s\", \"10 min\" or \"2 h\", or \"off\"";
+        const WANTED: &str = "write a number above 0 and a unit, such as \"30 s\", \"10 min\" or \
+                              \"2 h\", or \"off\"";
         let text = self.every.trim();
         if text == "off" {
             return Ok(None);

@@ -22,7 +22,7 @@ pub fn piece_words(parcel: &[u64], own: &WorkerState) -> Vec<u64> {
     words
 }
 
-/// What a worker reads from a checkpoint.
+/// State that a worker reads from a checkpoint.
 pub struct ReadState {
     /// State that all workers have in common.
     pub common: CommonState,

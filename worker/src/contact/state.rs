@@ -69,7 +69,7 @@ impl Contact {
             history_start: _,
             with_history: _,
             with_first_history: _,
-            // Of one step.
+            // For one step only.
             table: _,
             free_velocities: _,
             free_spins: _,

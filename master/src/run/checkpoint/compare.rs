@@ -1,4 +1,4 @@
-//! Which changes of a job a run that continues may have.
+//! Changes of the job that a run that continues may have.
 
 use super::find::Resumption;
 use super::manifest::Stamp;

@@ -170,7 +170,7 @@ impl Checkpoints {
                 ))
             }
             Err(why) => {
-                // Without a manifest it is no checkpoint. If it cannot be removed, that is harmless.
+                // Without a manifest it is no checkpoint, even if it cannot be removed.
                 let _ = std::fs::remove_dir_all(&folder);
                 let kept =
                     self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {

@@ -51,7 +51,8 @@ pub const ARM_SHARE: f64 = 0.81;
 /// `1 + 1/a`.
 const ARM_INERTIA: f64 = ARM_SHARE / (1.0 - ARM_SHARE) + 1.0;
 
-/// All ties. A checkpoint has all fields that are not skipped: those are derived from the local mesh.
+/// All ties. A checkpoint has all fields that are not skipped: those are derived from the local
+/// mesh.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Ties {
     definitions: Vec<Tie>,
