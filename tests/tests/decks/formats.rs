@@ -460,5 +460,5 @@ fn exported_cards_say_what_other_programs_have_to_know() {
 #[test]
 fn the_page_of_keywords_is_current() {
     let page = crumple::input::deck::reference::page();
-    expect_test::expect_file!["../../cases/DECKS.md"].assert_eq(&page);
+    expect_test::expect_file!["../../../cases/DECKS.md"].assert_eq(&page);
 }
