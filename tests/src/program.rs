@@ -1,7 +1,7 @@
 //! Runs the binary as a user does, with a deadline so that no test can hang, and reads the files
 //! that it leaves.
 
-use crate::tools;
+use crate::tools::{self, Missing};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -65,6 +65,37 @@ pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
         .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
     command.env("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe");
     command
+}
+
+/// Returns `Some` if `mpirun` is present and the binary is built with MPI; else see [`tools::or_skip`].
+pub fn mpi_or_skip() -> Option<()> {
+    static FOUND: LazyLock<Result<(), Missing>> = LazyLock::new(|| {
+        let missing = |what: String| Missing {
+            what,
+            install: "install openmpi-bin, libopenmpi-dev and libclang-dev, and build with \
+                      --features crumple/mpi; deploy/test.sh does both"
+                .into(),
+        };
+        let version = Command::new("mpirun").arg("--version").output();
+        version.map_err(|error| missing(format!("mpirun: {error}")))?;
+        match run(mpirun(1, &["run", "no-such-job.toml"])).said().contains("built without MPI") {
+            true => Err(missing(format!("{} was built without MPI", crumple().display()))),
+            false => Ok(()),
+        }
+    });
+    tools::or_skip(FOUND.clone())
+}
+
+/// Returns `Some` if the binary is built with VTKHDF; else see [`tools::or_skip`].
+pub fn vtkhdf_or_skip() -> Option<()> {
+    let said = run(crumple_with(&["export-vtkhdf", "."])).said();
+    tools::or_skip(match said.contains("built without VTKHDF") {
+        true => Err(Missing {
+            what: format!("{} was built without VTKHDF", crumple().display()),
+            install: "build with --features crumple/vtkhdf; deploy/test.sh does so".into(),
+        }),
+        false => Ok(()),
+    })
 }
 
 /// A running process. Its results go to a folder of its own, its output to a file.

@@ -1,19 +1,20 @@
 //! Programs of others that some tests need: MPI, a Python with packages, Chromium. Where one is
 //! missing, its tests are skipped with a notice; with `CRUMPLE_REQUIRE_ALL=1`, as in CI, they fail.
 
-use crate::program::{crumple, crumple_with, mpirun, run};
 use std::collections::BTreeMap;
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::process::Command;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// A program that is missing, and how to install it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing {
-    what: String,
-    install: String,
+    /// What is missing.
+    pub what: String,
+    /// What to do, as an order.
+    pub install: String,
 }
 
 /// Returns the program, or `None` after a notice that the test is skipped.
@@ -32,37 +33,6 @@ fn skip_unless<T>(require_all: bool, found: Result<T, Missing>) -> Option<T> {
     assert!(!require_all, "{what}, but CRUMPLE_REQUIRE_ALL=1 forbids to skip a test: {install}");
     eprintln!("skipped: {what}; to run this test, {install}");
     None
-}
-
-/// Returns `Some` if `mpirun` is present and the binary is built with MPI; else see [`or_skip`].
-pub fn mpi() -> Option<()> {
-    static FOUND: LazyLock<Result<(), Missing>> = LazyLock::new(|| {
-        let missing = |what: String| Missing {
-            what,
-            install: "install openmpi-bin, libopenmpi-dev and libclang-dev, and build with \
-                      --features crumple/mpi; deploy/test.sh does both"
-                .into(),
-        };
-        let version = Command::new("mpirun").arg("--version").output();
-        version.map_err(|error| missing(format!("mpirun: {error}")))?;
-        match run(mpirun(1, &["run", "no-such-job.toml"])).said().contains("built without MPI") {
-            true => Err(missing(format!("{} was built without MPI", crumple().display()))),
-            false => Ok(()),
-        }
-    });
-    or_skip(FOUND.clone())
-}
-
-/// Returns `Some` if the binary is built with VTKHDF; else see [`or_skip`].
-pub fn vtkhdf() -> Option<()> {
-    let said = run(crumple_with(&["export-vtkhdf", "."])).said();
-    or_skip(match said.contains("built without VTKHDF") {
-        true => Err(Missing {
-            what: format!("{} was built without VTKHDF", crumple().display()),
-            install: "build with --features crumple/vtkhdf; deploy/test.sh does so".into(),
-        }),
-        false => Ok(()),
-    })
 }
 
 /// Returns the Python in `CRUMPLE_PYTHON` if it has these packages; else see [`or_skip`].

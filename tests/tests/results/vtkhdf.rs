@@ -1,7 +1,7 @@
 //! The VTKHDF file of a run, read back by VTK and compared bit for bit with the field files:
 //! deploy/read_vtkhdf.py. A binary built without VTKHDF refuses the request and names a remedy.
 
-use crumple_tests::program::{Ended, crumple_with, root, run};
+use crumple_tests::program::{Ended, crumple_with, root, run, vtkhdf_or_skip};
 use crumple_tests::tools;
 use std::process::Command;
 
@@ -22,7 +22,7 @@ fn with_file(job: &str, more: &[&str]) -> Option<Ended> {
     assert_eq!(ended.code, Some(2), "bad input");
     let export = run(crumple_with(&["export-vtkhdf", "."])).with_code(2).said();
     assert!(export.contains("this crumple was built without VTKHDF"), "{export}");
-    assert_eq!(tools::vtkhdf(), None);
+    assert_eq!(vtkhdf_or_skip(), None);
     None
 }
 

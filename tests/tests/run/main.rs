@@ -1,9 +1,8 @@
-//! The run: the same bits on any number of workers, MPI processes, steps, and how runs end.
+//! The run: the same bits on any number of workers, steps, and how runs end.
 
 mod exit_codes;
 mod free_flight;
 mod jeep_frame;
-mod mpi;
 mod numbering;
 mod precision;
 mod steps;

@@ -1,7 +1,9 @@
 //! Ranks as MPI processes: the same bits as with threads, and no end that hangs.
+//!
+//! A binary of their own, because cargo runs one binary after the other: ranks that wait for each
+//! other on cores that other tests use would take ten times as long.
 
-use crumple_tests::program::{Running, crumple_with, mpirun, run, send, start};
-use crumple_tests::tools;
+use crumple_tests::program::{Running, crumple_with, mpi_or_skip, mpirun, run, send, start};
 use rustix::process::Signal;
 use std::fs;
 use std::time::{Duration, Instant};
@@ -26,7 +28,7 @@ fn long_run(ranks: usize) -> Running {
 /// No code above the transport can distinguish threads from processes, so the bits are the same.
 #[test]
 fn processes_give_the_bits_that_threads_give() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     for job in [&JEEP[..], &TUMBLE] {
         let threads = run(crumple_with(&[job, &["--workers", "2"]].concat())).with_code(0);
         for ranks in [3, 5] {
@@ -41,7 +43,7 @@ fn processes_give_the_bits_that_threads_give() {
 /// mpirun with one rank has no separate worker: the binary runs as it does alone.
 #[test]
 fn a_single_rank_runs_its_workers_as_threads() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     let s = run(mpirun(1, &["run", "cases/tumble", "--end-time", "0.1", "--workers", "2"]))
         .with_code(0)
         .summary();
@@ -52,7 +54,7 @@ fn a_single_rank_runs_its_workers_as_threads() {
 /// end.
 #[test]
 fn a_bad_job_ends_all_ranks_with_code_2() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     for ranks in [1, 3] {
         let ended =
             run(mpirun(ranks, &["run", "cases/tumble", "--set", "time.safty=0.8"])).with_code(2);
@@ -67,7 +69,7 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
 /// is its code for SIGKILL.
 #[test]
 fn a_worker_that_is_killed_ends_the_job() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     for victim in [2, 0] {
         let running = long_run(4);
         let ranks = running.ranks();
@@ -92,7 +94,7 @@ fn a_worker_that_is_killed_ends_the_job() {
 /// cycles.
 #[test]
 fn an_interrupted_master_stops_all_ranks_with_code_130() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     let running = long_run(3);
     send(running.ranks()[0], Signal::INT);
     let stopped = running.end().with_code(130);
@@ -110,7 +112,7 @@ fn an_interrupted_master_stops_all_ranks_with_code_130() {
 /// own, 1, for any exit code of the ranks.
 #[test]
 fn an_interrupted_mpirun_leaves_a_whole_state() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     let running = long_run(3);
     running.signal(Signal::INT);
     let stopped = running.end();
@@ -122,7 +124,7 @@ fn an_interrupted_mpirun_leaves_a_whole_state() {
 /// A worker ignores signals that a launcher sends to all ranks: the master decides.
 #[test]
 fn a_signal_to_a_worker_alone_does_not_stop_it() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     let mut running =
         start(mpirun(3, &["run", "cases/tumble", "--set", "output.field_interval=-1"]));
     running.wait_for_rows(2);
