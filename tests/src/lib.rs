@@ -3,6 +3,7 @@
 
 pub mod imports;
 pub mod program;
+pub mod tools;
 
 pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side};
 

@@ -1,6 +1,7 @@
 //! Runs the binary as a user does, with a deadline so that no test can hang, and reads the files
 //! that it leaves.
 
+use crate::tools;
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -8,6 +9,7 @@ use std::fs::{self, File};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -65,42 +67,12 @@ pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
     command
 }
 
-/// Returns the reason why tests under MPI are impossible here, or `None` if they are possible.
-/// `deploy/test.sh` guarantees that they are possible.
-///
-/// # Panics
-/// When there is no MPI although `CRUMPLE_BIN` is set, as `deploy/test.sh` does.
-pub fn no_mpi() -> Option<String> {
-    let there = Command::new("mpirun")
-        .arg("--version")
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
-    let why = match there {
-        Err(error) => Some(format!("mpirun: {error}")),
-        Ok(_) => {
-            let asked = run(mpirun(1, &["run", "no-such-job.toml"]));
-            asked
-                .said()
-                .contains("built without MPI")
-                .then(|| format!("{} was built without MPI", crumple().display()))
-        }
-    };
-    if let Some(why) = &why {
-        assert!(
-            std::env::var_os("CRUMPLE_BIN").is_none(),
-            "{why}, but CRUMPLE_BIN is set: deploy/test.sh requires MPI"
-        );
-        eprintln!("skipped: {why}; deploy/test.sh runs this test");
-    }
-    why
-}
-
 /// A running process. Its results go to a folder of its own, its output to a file.
 pub struct Running {
     child: Child,
     folder: TempDir,
     began: Instant,
+    _alone: Option<MutexGuard<'static, ()>>,
 }
 
 /// A process that has ended.
@@ -121,11 +93,15 @@ pub struct History {
 }
 
 /// Starts a command in the repository's root, in its own process group, with `--out` for a
-/// folder of its own.
+/// folder of its own. Runs of several ranks wait for each other, so that tests in parallel do not
+/// overload the machine; a test must not start a second one before the first has ended.
 ///
 /// # Panics
 /// When it cannot be started.
 pub fn start(mut command: Command) -> Running {
+    static RANKS: Mutex<()> = Mutex::new(());
+    let is_mpi = command.get_program() == "mpirun";
+    let alone = is_mpi.then(|| RANKS.lock().unwrap_or_else(PoisonError::into_inner));
     let folder = tempfile::tempdir().expect("a temporary folder");
     if command.get_args().any(|a| a == "run") && !command.get_args().any(|a| a == "--out") {
         command.arg("--out").arg(folder.path().join("out"));
@@ -135,7 +111,7 @@ pub fn start(mut command: Command) -> Running {
     command.current_dir(root()).stdin(Stdio::null()).stdout(words).stderr(errors).process_group(0);
     let child =
         command.spawn().unwrap_or_else(|error| panic!("{:?}: {error}", command.get_program()));
-    Running { child, folder, began: Instant::now() }
+    Running { child, folder, began: Instant::now(), _alone: alone }
 }
 
 /// Starts a command as [`start`] does and waits for its end.
@@ -287,8 +263,8 @@ impl Ended {
     }
 
     /// Reads the field files through VTK with deploy/read_fields.py. Without a Python that has
-    /// VTK, it checks only that every file in the collection exists. Returns the number of
-    /// steps.
+    /// VTK, it checks only that every file in the collection exists, and says so. Returns the
+    /// number of steps.
     ///
     /// # Panics
     /// When a check fails.
@@ -300,7 +276,7 @@ impl Ended {
         for file in &files {
             assert!(self.out().join("fields").join(file).is_file(), "{file} is named but missing");
         }
-        if let Some(python) = std::env::var_os("CRUMPLE_PYTHON") {
+        if let Some(python) = tools::python("pyvista") {
             let mut command = Command::new(python);
             command.args([OsStr::new("deploy/read_fields.py"), self.out().as_os_str()]);
             run(command).with_code(0);

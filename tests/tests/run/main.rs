@@ -1,0 +1,12 @@
+//! The run: the same bits on any number of workers, MPI processes, steps, and how runs end.
+
+mod exit_codes;
+mod free_flight;
+mod jeep_frame;
+mod mpi;
+mod numbering;
+mod precision;
+mod steps;
+mod subcycles;
+mod unused_features;
+mod worker_invariance;
