@@ -4,7 +4,7 @@
 pub mod imports;
 pub mod program;
 
-pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side};
+pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side, watch_side_by_side};
 
 use crumple::input::job::{self, Model};
 use crumple::run::embedded;

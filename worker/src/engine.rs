@@ -12,6 +12,7 @@ use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
+use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
 use crate::parallel::migrate::{centre, migrate};
 use crate::parallel::pair_exchange::PairExchange;
@@ -20,7 +21,7 @@ pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
-use crumple_proto::boxes::{Aabb, CutTree};
+use crumple_proto::boxes::CutTree;
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{Energies, HistoryPart, Phase};
@@ -34,6 +35,10 @@ pub struct Engine {
     pub settings: Settings,
     /// Boxes of all workers.
     pub tree: CutTree,
+    /// Boxes of this worker at the last renewal.
+    pub boxes: WorkerBoxes,
+    /// Numbers of elements and nodes by class at the last renewal.
+    pub classes: ClassCounts,
     /// Time, cycle and step sizes.
     pub clock: Clock,
     /// Nodal columns.
@@ -80,7 +85,7 @@ impl Engine {
         tree: CutTree,
         share: PartitionData,
     ) -> Result<Self, RankLost> {
-        let mut local = build_local_mesh(comm, &settings, share, true)?;
+        let mut local = build_local_mesh(comm, &settings, &tree, share, true)?;
         let mut constraints = Constraints::new(comm, &settings, &mut local.nodes)?;
         constraints.bind_local(comm, &mut local.nodes)?;
         if settings.subcycles > 1 {
@@ -108,6 +113,8 @@ impl Engine {
             nodes: local.nodes,
             blocks: local.blocks,
             halo: local.halo,
+            boxes: local.boxes,
+            classes: local.classes,
             settings,
             tree,
             agreement,
@@ -133,13 +140,16 @@ impl Engine {
             blocks: std::mem::take(&mut self.blocks),
             halo: std::mem::take(&mut self.halo),
             surface: None,
+            boxes: self.boxes,
+            classes: self.classes,
         };
         let mut share = migrate(comm, &self.tree, &local, self.contact.as_ref())?;
         drop(local);
         let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
-        let local = build_local_mesh(comm, &self.settings, share, false)?;
+        let local = build_local_mesh(comm, &self.settings, &self.tree, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
+        (self.boxes, self.classes) = (local.boxes, local.classes);
         (self.blocks.by_part, self.blocks.slow_dt) = (by_part, slow_dt);
         if all_computed {
             self.blocks.compute_all();
@@ -184,11 +194,6 @@ impl Engine {
         );
         self.agreement.urgency = 0.0;
         self.centre = self.mean_centre();
-    }
-
-    /// Returns the box of this worker.
-    pub fn own_box(&self) -> Aabb {
-        self.tree.boxes()[self.nodes.me as usize]
     }
 
     /// Returns the mean displacement of own elements since the last repartition or membership

@@ -105,15 +105,16 @@ impl Cycle {
     }
 }
 
-/// Computes the element nodal forces of internal stress and pressure. Elements at shared nodes come
-/// first: the others are computed while messages travel.
+/// Computes the element nodal forces of internal stress and pressure, by class. Interface elements
+/// at shared nodes come first: other interface elements and interior ones are computed while
+/// messages travel.
 fn element_forces(
     engine: &mut Engine,
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, blocks, halo, ledger, loads, .. } = engine;
-    for portion in [Portion::Shared, Portion::Interior] {
+    for portion in Portion::ALL {
         let dt = clock.last_dt;
         cycle.totals.add(&blocks.add_internal_forces(nodes, dt, cycle.set, portion));
         loads.add_pressures(blocks, nodes, clock.time, cycle.set, portion);

@@ -26,6 +26,17 @@ pub struct LocalElement {
     pub nodes: [u32; 8],
     /// True if one of its nodes is shared with another worker.
     pub shared: bool,
+    /// Its class at the last renewal; an element with a shared node is an interface element.
+    pub class: Class,
+}
+
+/// Class of an own element (Wang et al. 2007, sec. 2.1). Exterior elements are no own elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Class {
+    /// In the buffer around the box: other workers may need its nodal forces or a copy.
+    Interface,
+    /// In the internal box: no other worker needs it.
+    Interior,
 }
 
 /// Elements of one part and shape.
@@ -36,8 +47,11 @@ pub struct Block {
     pub first: usize,
     /// Number of elements.
     pub count: usize,
-    /// Number of groups that contain all shared elements; these are computed first.
-    pub front: usize,
+    /// Number of groups that contain all elements at shared nodes, and number of groups that
+    /// contain all interface elements. They are computed in this order, interior ones last.
+    fronts: [usize; 2],
+    /// Number of interface elements, which are its first ones.
+    pub interface: usize,
     /// True if the part is rigid or has a null material: its elements have no forces and do not
     /// limit the step.
     pub idle: bool,
@@ -59,7 +73,8 @@ pub struct Block {
 /// All own elements.
 #[derive(Default)]
 pub struct Blocks {
-    /// Elements, block by block, in each block shared elements first.
+    /// Elements, block by block: in each block those at shared nodes, then the other interface
+    /// elements, then interior ones.
     pub elements: Vec<LocalElement>,
     /// The blocks.
     pub blocks: Vec<Block>,
@@ -90,13 +105,20 @@ pub struct Blocks {
     plans: [AssemblyPlan; 2],
 }
 
-/// Part of the own elements, by the workers that use their forces.
+/// Part of the own elements, by class, in the order of computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Portion {
-    /// Groups with elements at shared nodes: other workers wait for their forces.
+    /// Groups with interface elements at shared nodes: other workers wait for their forces.
     Shared,
-    /// The other groups.
+    /// The other groups with interface elements.
+    Interface,
+    /// Groups of interior elements.
     Interior,
+}
+
+impl Portion {
+    /// All portions, in the order of computation.
+    pub const ALL: [Self; 3] = [Self::Shared, Self::Interface, Self::Interior];
 }
 
 /// Number of elements in a batch: their forces and history fit into the second-level cache with
@@ -137,6 +159,25 @@ impl Block {
     pub fn lanes(&self) -> usize {
         self.history.lanes()
     }
+
+    /// Returns the portion in which an element of the block is computed.
+    pub fn portion_of(&self, index: usize) -> Portion {
+        match index / self.lanes() {
+            group if group < self.fronts[0] => Portion::Shared,
+            group if group < self.fronts[1] => Portion::Interface,
+            _ => Portion::Interior,
+        }
+    }
+
+    /// Returns the groups of a portion.
+    fn groups_of(&self, portion: Portion) -> Range<usize> {
+        let [shared, interface] = self.fronts;
+        match portion {
+            Portion::Shared => 0..shared,
+            Portion::Interface => shared..interface,
+            Portion::Interior => interface..self.group_count(),
+        }
+    }
 }
 
 impl Blocks {
@@ -149,7 +190,7 @@ impl Blocks {
     pub fn new(settings: &Settings, elements: Vec<(LocalElement, Vec<f64>)>) -> Self {
         let mut elements = elements;
         let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8, e.record.slow);
-        elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.record.id));
+        elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.class, e.record.id));
         let (elements, histories): (Vec<_>, Vec<_>) = elements.into_iter().unzip();
         let mut blocks: Vec<Block> = Vec::new();
         let mut first = 0;
@@ -285,8 +326,7 @@ impl Blocks {
             let is_in = |i: &usize| set == ElementSet::All || !is_slow(*i);
             let picked = order.iter().map(|o| o.1 as usize).filter(is_in);
             let mut plan = AssemblyPlan::new(held, picked.map(corners));
-            let batches =
-                [Portion::Shared, Portion::Interior].map(|portion| self.batches(portion, set));
+            let batches = Portion::ALL.map(|portion| self.batches(portion, set));
             plan.build_batches(batches, own, &loaded, |batch| {
                 self.blocks[batch.block].slots_of(&batch.groups)
             });
@@ -311,8 +351,7 @@ impl Blocks {
         let cut = |(block, b): (usize, &Block)| {
             let groups = match portion {
                 _ if b.idle || b.slow && set == ElementSet::Fast => 0..0,
-                Portion::Shared => 0..b.front,
-                Portion::Interior => b.front..b.group_count(),
+                _ => b.groups_of(portion),
             };
             let (end, size) = (groups.end, BATCH / b.lanes());
             groups
@@ -570,13 +609,16 @@ impl Block {
         let history = HistoryColumns::new(precision, run.len(), element.columns());
         let (lanes, slots) = (history.lanes(), shape.slots());
         let groups = run.len().div_ceil(lanes);
+        let shared = run.iter().filter(|e| e.shared).count();
+        let interface = run.iter().filter(|e| e.class == Class::Interface).count();
         let mut b = Self {
             base,
             slots,
             groups: vec![0; groups * slots * lanes],
             history,
             unstrained: vec![false; groups],
-            front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
+            fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
+            interface,
             count: run.len(),
             idle: is_inactive(settings, run[0].record.part),
             slow: run[0].record.slow,
