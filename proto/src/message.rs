@@ -53,8 +53,6 @@ pub enum ToWorker {
         of: Vec<(usize, usize, f64, f64)>,
         /// Number of bins.
         bins: usize,
-        /// Cost of a contact pair over the cost of an element.
-        pair_weight: f64,
     },
     /// New boxes: the workers migrate elements and continue the run.
     Cuts(CutTree),

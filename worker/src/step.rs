@@ -41,10 +41,12 @@ const STAGES: [Stage; 14] = [
 /// A worker is gone.
 pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsensus, RankLost> {
     let mut cycle = Cycle::new(engine);
+    engine.timer.begin_cycle(engine.clock.cycle, comm);
+    engine.blocks.timed = engine.timer.is_sampled();
     let has_contact = engine.contact.is_some();
     for stage in STAGES.iter().filter(|stage| has_contact || !stage.needs_contact) {
         (stage.run)(engine, comm, &mut cycle)?;
-        engine.timer.lap(stage.phase);
+        engine.timer.lap_of_stage(stage.phase, comm);
     }
     if cycle.agreed.eroded && cycle.agreed.failure.is_none() {
         engine.erode(comm)?; // new surfaces without failed elements
@@ -196,7 +198,7 @@ fn exchange_ghosts(
 ) -> Result<(), RankLost> {
     let Engine { nodes, halo, agreement, .. } = engine;
     if !halo.links.is_empty() {
-        agreement.urgency = halo.exchange_ghosts(comm, nodes, &cycle.drift, cycle.couples)?;
+        agreement.displacement = halo.exchange_ghosts(comm, nodes, &cycle.drift, cycle.couples)?;
     }
     Ok(())
 }

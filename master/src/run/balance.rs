@@ -1,7 +1,7 @@
 //! Decides when to redecompose, from measured costs. Has no side effects, so it is tested without
 //! workers.
 
-use crumple_proto::report::StepReport;
+use crumple_proto::report::{Displacement, StepReport};
 use std::collections::VecDeque;
 
 /// A redecomposition that is due.
@@ -24,15 +24,15 @@ pub enum Due {
 pub struct Limits {
     /// Maximum over mean step cost above which a low redecomposition is due.
     pub imbalance: f64,
-    /// Minimum number of cycles between two low redecompositions.
+    /// Minimum number of cycles between two low redecompositions; the first may come earlier.
     pub low_every_at_least: u64,
     /// True to alternate both kinds whenever workers ask, for tests.
     pub forced: bool,
 }
 
-/// Fraction of the ghost margin used at which a high redecomposition is ordered. The rest covers
-/// the motion until the order arrives.
-const URGENT: f64 = 0.7;
+/// Share of the margin used by a worker's displacement at which a high redecomposition is ordered.
+/// The rest covers the motion until the order arrives.
+pub const URGENT: f64 = 0.7;
 /// Minimum number of cycles over which the balance is judged.
 const WINDOW: usize = 100;
 /// Fraction of an imbalance that a low redecomposition must remove. If it removes less, the wait
@@ -55,7 +55,8 @@ pub struct Balance {
     cycles: usize,
     /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
     lost: f64,
-    last_low: u64,
+    /// Cycle of the last low redecomposition, none before the first.
+    last_low: Option<u64>,
     low_cost: f64,
     /// Imbalance that caused the last low redecomposition, until its effect is known.
     unproven: Option<f64>,
@@ -89,7 +90,7 @@ impl Balance {
             window: vec![0.0; workers],
             cycles: 0,
             lost: 0.0,
-            last_low: 0,
+            last_low: None,
             low_cost: LOW_COST,
             unproven: None,
             judged_imbalance: None,
@@ -142,12 +143,16 @@ impl Balance {
         self.last.iter().map(|r| r.pairs).sum()
     }
 
-    /// Returns the measured cost of a contact pair over that of an element, 0 without pairs.
-    pub fn pair_weight(&self) -> f64 {
-        let sum = |f: fn(&StepReport) -> f64| self.last.iter().map(f).sum::<f64>();
-        let (pairs, elements) = (self.pairs() as f64, sum(|r| r.elements as f64));
-        let (contact, element) = (sum(|r| r.contact_s), sum(|r| r.element_s));
-        if pairs > 0.0 && element > 0.0 { (contact / pairs) / (element / elements) } else { 0.0 }
+    /// Returns the numbers of interior, interface and exterior elements of all workers in their
+    /// last reports.
+    pub fn classes(&self) -> [u64; 3] {
+        let of = |r: &StepReport| [r.elements - r.interface, r.interface, r.exterior];
+        self.last.iter().map(of).fold([0; 3], |s, c| [0, 1, 2].map(|i| s[i] + c[i]))
+    }
+
+    /// Returns the number of renewals because elements have failed.
+    pub fn erosions(&self) -> u64 {
+        self.last.iter().map(|r| r.erosions).max().unwrap_or(0)
     }
 
     /// Returns the redecomposition that is due, if any. Returns none until all workers have
@@ -156,7 +161,11 @@ impl Balance {
         if self.last.iter().any(|r| r.order < self.orders_due) {
             return None;
         }
-        let urgency = self.last.iter().map(|r| r.urgency).fold(0.0, f64::max);
+        let (worker, displacement) = (0..)
+            .zip(&self.last)
+            .map(|(w, r)| (w, r.displacement))
+            .fold((0, Displacement::default()), |a, b| if b.1.share > a.1.share { b } else { a });
+        let urgency = displacement.share;
         let cycle = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
         if self.limits.forced {
             self.flip ^= urgency >= 1.0;
@@ -177,7 +186,8 @@ impl Balance {
             self.patience = if brought > WORTHWHILE { 1 } else { (2 * self.patience).min(64) };
             self.unproven = None;
         }
-        let patient = cycle >= self.last_low + self.patience * self.limits.low_every_at_least;
+        let wait = self.patience * self.limits.low_every_at_least;
+        let patient = self.last_low.is_none_or(|last| cycle >= last + wait);
         if judged && patient && imbalance > self.limits.imbalance && self.lost > self.low_cost {
             let why = format!(
                 "imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last repartition",
@@ -189,7 +199,14 @@ impl Balance {
         if judged {
             self.begin_window();
         }
-        let why = || format!("{:.0} % of the ghost margin is used", 100.0 * urgency);
+        let why = || {
+            let Displacement { moved, margin, share } = displacement;
+            format!(
+                "worker {worker} has a displacement of {moved:.3e}, {:.0} % of its margin of \
+                 {margin:.3e}",
+                100.0 * share
+            )
+        };
         (urgency >= URGENT).then(|| Due::High { why: why() })
     }
 
@@ -203,7 +220,7 @@ impl Balance {
                 self.low += 1;
                 self.lost = 0.0;
                 self.unproven = self.judged_imbalance.take();
-                self.last_low = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
+                self.last_low = self.last.iter().map(|r| r.cycle).max();
             }
         }
     }
@@ -231,7 +248,7 @@ mod tests {
         StepReport {
             cycle,
             cpu: vec![cpu; 100],
-            urgency,
+            displacement: Displacement::new(urgency, 1.0),
             order,
             elements: 10,
             ..Default::default()

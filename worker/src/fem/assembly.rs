@@ -30,6 +30,9 @@ pub struct AssemblyBatch {
     pub groups: Range<usize>,
     /// Range of `AssemblyPlan::early`.
     pub nodes: Range<usize>,
+    /// Measured CPU time of its elements in a cycle, smoothed; 0 before the first measurement
+    /// [s].
+    pub cost: f64,
 }
 
 /// Corners of an element at local nodes, own or received.

@@ -15,6 +15,7 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::job::Precision;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
+use crumple_proto::transport::thread_cpu;
 use std::ops::Range;
 
 /// An own element, with local node indices.
@@ -95,6 +96,8 @@ pub struct Blocks {
     pub by_part: Vec<[f64; 2]>,
     /// True if [`Self::compute_all`] was called.
     pub all_computed: bool,
+    /// True if the CPU time of batches is measured in this cycle, for [`Self::kernel_seconds`].
+    pub timed: bool,
     /// Number of cycles of an outer step.
     subcycles: u64,
     /// Stable step over all own slow elements at their last computation, per cycle [time].
@@ -124,6 +127,9 @@ impl Portion {
 /// Number of elements in a batch: their forces and history fit into the second-level cache with
 /// all other data.
 const BATCH: usize = 256;
+
+/// Weight of the latest measurement in the smoothed cost of a batch.
+const NEWEST: f64 = 0.2;
 
 /// Bytes of the columns of elements, by use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -226,6 +232,7 @@ impl Blocks {
             blocks,
             by_part: Vec::new(),
             all_computed: false,
+            timed: false,
             force: Vec::new(),
             moment: Vec::new(),
             subcycles: settings.subcycles,
@@ -280,6 +287,35 @@ impl Blocks {
             moment: size_of_val(&self.moment[..]),
             connectivity: records + lists,
         }
+    }
+
+    /// Returns the measured CPU time of the kernel of each element per cycle, in the order of
+    /// `elements` [s]. It is the mean over its batch, so it depends on formulation, law, points and
+    /// state of the elements; elements without forces have none. Batches that were not measured
+    /// yet count as the mean of the others, or as 1 if none was.
+    pub fn kernel_seconds(&self) -> Vec<f64> {
+        let mut seconds = vec![0.0; self.elements.len()];
+        let slow = if self.subcycles > 1 { 1.0 / self.subcycles as f64 } else { 1.0 };
+        for (plan, share) in self.plans.iter().zip([slow, 1.0 - slow]).filter(|p| p.1 > 0.0) {
+            let elements = |batch: &AssemblyBatch| {
+                let b = &self.blocks[batch.block];
+                let [from, to] = [batch.groups.start, batch.groups.end].map(|g| g * b.lanes());
+                b.first + from..b.first + to.min(b.count)
+            };
+            let (sum, count) = plan
+                .batches
+                .iter()
+                .flatten()
+                .filter(|batch| batch.cost > 0.0)
+                .fold((0.0, 0), |s, b| (s.0 + b.cost, s.1 + elements(b).len()));
+            let mean = if count > 0 { sum / count as f64 } else { 1.0 };
+            for batch in plan.batches.iter().flatten() {
+                let range = elements(batch);
+                let each = if batch.cost > 0.0 { batch.cost / range.len() as f64 } else { mean };
+                seconds[range].iter_mut().for_each(|s| *s += share * each);
+            }
+        }
+        seconds
     }
 
     /// Returns the number of slots of own elements.
@@ -356,7 +392,12 @@ impl Blocks {
             let (end, size) = (groups.end, BATCH / b.lanes());
             groups
                 .step_by(size)
-                .map(move |g| AssemblyBatch { block, groups: g..(g + size).min(end), nodes: 0..0 })
+                .map(move |g| AssemblyBatch {
+                    block,
+                    groups: g..(g + size).min(end),
+                    nodes: 0..0,
+                    cost: 0.0,
+                })
                 .collect::<Vec<_>>()
         };
         self.blocks.iter().enumerate().flat_map(cut).collect()
@@ -378,8 +419,10 @@ impl Blocks {
         if set == ElementSet::All && portion == Portion::Shared {
             self.slow_dt = f64::INFINITY;
         }
-        let plan = std::mem::take(&mut self.plans[set as usize]);
-        for batch in &plan.batches[portion as usize] {
+        let mut plan = std::mem::take(&mut self.plans[set as usize]);
+        let mut batches = std::mem::take(&mut plan.batches[portion as usize]);
+        let mut clock = self.timed.then(thread_cpu);
+        for batch in &mut batches {
             let b = &mut self.blocks[batch.block];
             let slots = b.base..b.base + b.corner_slots();
             let moment =
@@ -406,7 +449,15 @@ impl Blocks {
             }
             totals.add(&pass);
             self.assemble_nodal(&plan, nodes, &plan.early[batch.nodes.clone()]);
+            if let Some(before) = &mut clock {
+                let now = thread_cpu();
+                let cost = now.saturating_sub(*before).as_secs_f64();
+                let newest = if batch.cost > 0.0 { NEWEST } else { 1.0 };
+                batch.cost += newest * (cost - batch.cost);
+                *before = now;
+            }
         }
+        plan.batches[portion as usize] = batches;
         self.plans[set as usize] = plan;
         totals.stable_dt = totals.stable_dt.min(self.slow_dt);
         totals

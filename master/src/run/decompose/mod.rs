@@ -122,8 +122,6 @@ fn histograms(
 pub struct Workers<'a> {
     /// The master's end of the connection.
     pub comm: &'a mut dyn Transport,
-    /// Cost of a contact pair over that of an element.
-    pub pair_weight: f64,
     /// Messages of other kinds that arrived meanwhile, with the worker that sent them.
     pub aside: Vec<(usize, ToMaster)>,
 }
@@ -170,9 +168,7 @@ impl Load for Workers<'_> {
         of: &[HistogramRange],
         bins: usize,
     ) -> Result<Vec<Vec<f64>>, RankLost> {
-        let pair_weight = self.pair_weight;
-        let question =
-            ToWorker::Histograms { tree: tree.clone(), of: of.to_vec(), bins, pair_weight };
+        let question = ToWorker::Histograms { tree: tree.clone(), of: of.to_vec(), bins };
         let answers = self.ask(&question, |m| {
             if let ToMaster::Histograms(h) = m { Ok(h) } else { Err(Box::new(m)) }
         })?;
