@@ -163,7 +163,15 @@ impl Engine {
         self.constraints.bind_local(comm, &mut self.nodes)?;
         self.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
+        self.record_classes();
         Ok(())
+    }
+
+    /// Records the numbers of elements by class, if a recorder is on.
+    pub fn record_classes(&mut self) {
+        let ClassCounts { interior, interface, exterior, .. } = self.classes;
+        let event = Event::Classes([interior, interface, exterior]);
+        self.timer.recorder().iter_mut().for_each(|r| r.moment(event));
     }
 
     /// Removes failed elements from the contact surface. All workers call this together.

@@ -62,6 +62,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     let mut engine = Engine::new(comm, *settings, tree, share)?;
     if trace {
         engine.timer.record(comm)?;
+        engine.record_classes();
     }
     let mut worker = Worker::new(engine);
     let ran = worker.run(comm);

@@ -38,6 +38,9 @@ const WINDOW: usize = 100;
 /// Fraction of an imbalance that a low redecomposition must remove. If it removes less, the wait
 /// until the next one is doubled.
 const WORTHWHILE: f64 = 0.3;
+/// Cost of a low redecomposition that takes the place of a high one, as a fraction of the cost of
+/// any other: elements migrate in either.
+const SAVED: f64 = 0.3;
 /// Assumed cost of a low redecomposition before one is measured [s].
 const LOW_COST: f64 = 0.02;
 
@@ -53,6 +56,8 @@ pub struct Balance {
     /// cycles in it.
     window: Vec<f64>,
     cycles: usize,
+    /// Imbalance of the last complete window since the last low redecomposition, 1 before.
+    last_imbalance: f64,
     /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
     lost: f64,
     /// Cycle of the last low redecomposition, none before the first.
@@ -89,6 +94,7 @@ impl Balance {
             waiting: vec![VecDeque::new(); workers],
             window: vec![0.0; workers],
             cycles: 0,
+            last_imbalance: 1.0,
             lost: 0.0,
             last_low: None,
             low_cost: LOW_COST,
@@ -196,7 +202,15 @@ impl Balance {
             self.judged_imbalance = Some(imbalance);
             return Some(Due::Low { why });
         }
+        let recent = if self.cycles >= WINDOW / 2 { imbalance } else { self.last_imbalance };
+        let too_uneven = recent > self.limits.imbalance && self.lost > SAVED * self.low_cost;
+        if urgency >= URGENT && self.patience == 1 && too_uneven {
+            self.judged_imbalance = Some(recent);
+            let why = format!("imbalance {recent:.2}, in place of a high one, which is due");
+            return Some(Due::Low { why });
+        }
         if judged {
+            self.last_imbalance = imbalance;
             self.begin_window();
         }
         let why = || {
@@ -210,13 +224,15 @@ impl Balance {
         (urgency >= URGENT).then(|| Due::High { why: why() })
     }
 
-    /// Records an order that was sent, and begins a new window.
+    /// Records an order that was sent. A low redecomposition begins a new window.
     pub fn ordered(&mut self, number: u64, due: &Due) {
         self.orders_due = number;
-        self.begin_window();
         match due {
+            // The boxes stay, and so does most of the load: the window goes on.
             Due::High { .. } => self.high += 1,
             Due::Low { .. } => {
+                self.begin_window();
+                self.last_imbalance = 1.0;
                 self.low += 1;
                 self.lost = 0.0;
                 self.unproven = self.judged_imbalance.take();
@@ -279,6 +295,39 @@ mod tests {
         b.add_report(1, report(200, 1e-3, 0.1, 1));
         assert_eq!(b.due(), None);
         assert_eq!((b.low, b.high), (0, 1));
+    }
+
+    /// Elements migrate in a high redecomposition anyway.
+    #[test]
+    fn a_high_one_that_is_due_becomes_a_low_one_if_the_load_is_uneven() {
+        for (slow, low) in [(1.05e-3, false), (1.5e-3, true)] {
+            let mut b = balance();
+            let first = |b: &mut Balance, share| {
+                b.add_report(0, StepReport { cpu: vec![1e-3; 60], ..report(60, 1e-3, 0.0, 0) });
+                let cpu = vec![slow; 60];
+                b.add_report(1, StepReport { cpu, ..report(60, 1e-3, share, 0) });
+                b.due()
+            };
+            assert_eq!(first(&mut b, 0.1), None, "too few cycles for a low one alone");
+            let mut b = balance();
+            let due = first(&mut b, 0.75);
+            assert_eq!(matches!(due, Some(Due::Low { .. })), low, "{due:?}");
+            assert_eq!(matches!(due, Some(Due::High { .. })), !low, "{due:?}");
+        }
+    }
+
+    /// Highs in short succession do not hide that the load is uneven.
+    #[test]
+    fn the_load_is_judged_across_high_redecompositions() {
+        let mut b = Balance::new(2, Limits { imbalance: 1.1, ..balance().limits });
+        let uneven = |b: &mut Balance, cycle, order| {
+            b.add_report(0, StepReport { cpu: vec![1e-3; 60], ..report(cycle, 1e-3, 0.0, order) });
+            b.add_report(1, StepReport { cpu: vec![3e-3; 60], ..report(cycle, 1e-3, 0.0, order) });
+        };
+        uneven(&mut b, 60, 0);
+        b.ordered(1, &Due::High { why: String::new() });
+        uneven(&mut b, 120, 1);
+        assert!(matches!(b.due(), Some(Due::Low { .. })));
     }
 
     #[test]

@@ -222,7 +222,7 @@ impl Blocks {
         let mut all = Self {
             weak,
             mass_scaled: elements.iter().any(|e: &LocalElement| {
-                e.record.mass_factor != 1.0 && !is_inactive(settings, e.record.part)
+                e.record.mass_factor != 1.0 && !settings.is_inactive(e.record.part)
             }),
             massless_dt: elements
                 .iter()
@@ -636,11 +636,6 @@ fn cycles_of(record: &ElementRecord, subcycles: u64) -> f64 {
     if record.slow { subcycles as f64 } else { 1.0 }
 }
 
-/// Returns true if the elements of a part carry no force: it is rigid or has a null material.
-fn is_inactive(settings: &Settings, part: u32) -> bool {
-    settings.parts[part as usize].skin || settings.rigid.iter().any(|r| r.parts.contains(&part))
-}
-
 impl Block {
     fn new(
         settings: &Settings,
@@ -671,7 +666,7 @@ impl Block {
             fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
             interface,
             count: run.len(),
-            idle: is_inactive(settings, run[0].record.part),
+            idle: settings.is_inactive(run[0].record.part),
             slow: run[0].record.slow,
             first,
             element,
