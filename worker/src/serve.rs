@@ -30,8 +30,10 @@ pub struct Worker {
     done: u64,
     report: StepReport,
     cpu_before: Duration,
-    /// Smoothed CPU time of a recent cycle, by phase [s].
+    /// Smoothed CPU time of a recent cycle, by phase [s], and the number of samples in it, since
+    /// the boxes were cut.
     cost: PhaseSeconds,
+    samples: u32,
     /// Messages and bytes sent until the last report.
     sent: Traffic,
     stopped: bool,
@@ -44,8 +46,9 @@ pub struct Worker {
 /// Largest number of inverted shells that a worker names.
 const NAMED: u64 = 20;
 
-/// Weight of the latest report in the smoothed cost.
-const NEWEST: f64 = 0.1;
+/// Smallest weight of the latest report in the smoothed cost. The first reports after new boxes
+/// have equal weights.
+const NEWEST: f64 = 0.05;
 
 /// Runs a worker from the first order to the last report.
 ///
@@ -84,6 +87,7 @@ impl Worker {
             report,
             cpu_before: Duration::ZERO,
             cost: [0.0; PHASES.len()],
+            samples: 0,
             sent: Traffic::default(),
             stopped: false,
             crossed: false,
@@ -257,8 +261,8 @@ impl Worker {
         }
         let total = self.report.cpu.iter().map(|&s| f64::from(s)).sum::<f64>();
         let all = sample.map(|s| s * total / sampled);
-        let is_first = self.cost.iter().sum::<f64>() == 0.0;
-        let newest = if is_first { 1.0 } else { NEWEST };
+        self.samples += 1;
+        let newest = (1.0 / f64::from(self.samples)).max(NEWEST);
         self.cost.iter_mut().zip(all).for_each(|(c, s)| *c += newest * (s / cycles - *c));
         all
     }
@@ -351,6 +355,7 @@ impl Worker {
                 post(comm, 0, Tag::Report, &ToMaster::Ready)?;
                 let tree = self.answer_requests(comm)?;
                 self.engine.renew(comm, tree)?;
+                self.samples = 0;
             }
         }
         Ok(())

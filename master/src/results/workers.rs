@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 pub const FILE: &str = "workers.csv";
 /// Largest number of rows of a worker, about.
 const MOST_ROWS: f64 = 2000.0;
-/// Phases whose CPU time is in the file: all in which a cycle spends time.
-const TIMED: usize = Phase::Output as usize;
+/// Number of phases of a cycle; the time of renewals is in a column of its own.
+const TIMED: usize = Phase::Renewal as usize;
 
 /// The file, and the reports that are not in it yet.
 pub struct Workers {

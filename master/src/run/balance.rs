@@ -204,7 +204,8 @@ impl Balance {
         }
         let recent = if self.cycles >= WINDOW / 2 { imbalance } else { self.last_imbalance };
         let too_uneven = recent > self.limits.imbalance && self.lost > SAVED * self.low_cost;
-        if urgency >= URGENT && self.patience == 1 && too_uneven {
+        let proven = self.unproven.is_none() && self.patience == 1;
+        if urgency >= URGENT && proven && too_uneven {
             self.judged_imbalance = Some(recent);
             let why = format!("imbalance {recent:.2}, in place of a high one, which is due");
             return Some(Due::Low { why });
