@@ -53,6 +53,9 @@ pub enum ToWorker {
         of: Vec<(usize, usize, f64, f64)>,
         /// Number of bins.
         bins: usize,
+        /// Time of a contact pair in a cycle [s]; the rest of the time of contact forces is that of
+        /// messages, and does not go with the pairs.
+        pair_s: f64,
     },
     /// New boxes: the workers migrate elements and continue the run.
     Cuts(CutTree),

@@ -235,9 +235,14 @@ impl Engine {
     ///
     /// The time of each phase is divided by what causes it: element forces by the measured cost of
     /// each kernel, the global search by slaves and candidates, the local search by near
-    /// candidates, and contact forces by pairs. All other phases go with the nodes, and so with the
-    /// number of elements.
-    pub fn for_each_load(&self, seconds: &PhaseSeconds, mut f: impl FnMut([f64; 3], f64)) {
+    /// candidates, and contact forces by pairs, of which each costs at most `pair_s` [s]. All other
+    /// time goes with the nodes, and so with the number of elements.
+    pub fn for_each_load(
+        &self,
+        seconds: &PhaseSeconds,
+        pair_s: f64,
+        mut f: impl FnMut([f64; 3], f64),
+    ) {
         let elements = &self.blocks.elements;
         // Each node counts for one element.
         let mut element_of = vec![u32::MAX; self.nodes.local_count];
@@ -258,21 +263,22 @@ impl Engine {
         };
         let mut loads = vec![0.0; elements.len()];
         let mut shared_out = 0.0;
-        let mut share_out = |phase: Phase, weights: &[f64]| {
+        let mut share_out = |phase: Phase, weights: &[f64], most: f64| {
             let sum = weights.iter().sum::<f64>();
             if sum > 0.0 {
-                let of_phase = seconds[phase as usize];
+                let of_phase = seconds[phase as usize].min(most * sum);
                 loads.iter_mut().zip(weights).for_each(|(l, w)| *l += of_phase / sum * w);
                 shared_out += of_phase;
             }
         };
-        share_out(Phase::Elements, &self.blocks.kernel_seconds());
+        share_out(Phase::Elements, &self.blocks.kernel_seconds(), f64::INFINITY);
         if let Some(contact) = &self.contact {
             let candidates = &mut contact.count_candidates().map(|(n, count)| (n, 1 + count));
-            share_out(Phase::Search, &on_elements(candidates));
-            share_out(Phase::Local, &on_elements(&mut contact.count_near()));
+            share_out(Phase::Search, &on_elements(candidates), f64::INFINITY);
+            let near = on_elements(&mut contact.count_near());
+            share_out(Phase::Local, &near, f64::INFINITY);
             let pairs = &mut contact.owned_pair_nodes().map(|n| (n, 1));
-            share_out(Phase::Contact, &on_elements(pairs));
+            share_out(Phase::Contact, &on_elements(pairs), pair_s);
         }
         let rest = (seconds.iter().sum::<f64>() - shared_out) / elements.len().max(1) as f64;
         for (e, load) in elements.iter().zip(loads) {

@@ -368,16 +368,16 @@ impl Worker {
             match await_message(comm, 0, Tag::Order)? {
                 ToWorker::Extents { tree, entries } => {
                     let mut extents = vec![Aabb::EMPTY; entries.len()];
-                    self.engine.for_each_load(&self.cost, |centre, _| {
+                    self.engine.for_each_load(&self.cost, 0.0, |centre, _| {
                         if let Some(i) = entries.iter().position(|&e| e == tree.entry_of(centre)) {
                             extents[i].include(centre);
                         }
                     });
                     post(comm, 0, Tag::Report, &ToMaster::Extents(extents))?;
                 }
-                ToWorker::Histograms { tree, of, bins } => {
+                ToWorker::Histograms { tree, of, bins, pair_s } => {
                     let mut histograms = vec![vec![0.0; bins]; of.len()];
-                    self.engine.for_each_load(&self.cost, |centre, load| {
+                    self.engine.for_each_load(&self.cost, pair_s, |centre, load| {
                         let entry = tree.entry_of(centre);
                         for (h, &(_, axis, lo, hi)) in
                             histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry)

@@ -1,7 +1,7 @@
 //! Decides when to redecompose, from measured costs. Has no side effects, so it is tested without
 //! workers.
 
-use crumple_proto::report::{Displacement, StepReport};
+use crumple_proto::report::{Displacement, Phase, StepReport};
 use std::collections::VecDeque;
 
 /// A redecomposition that is due.
@@ -41,6 +41,10 @@ const WORTHWHILE: f64 = 0.3;
 /// Cost of a low redecomposition that takes the place of a high one, as a fraction of the cost of
 /// any other: elements migrate in either.
 const SAVED: f64 = 0.3;
+/// Weight of the latest report in smoothed times and numbers of pairs.
+const NEWEST: f64 = 0.1;
+/// Number of pairs from which a worker shows what a pair costs.
+const ENOUGH_PAIRS: f64 = 8.0;
 /// Assumed cost of a low redecomposition before one is measured [s].
 const LOW_COST: f64 = 0.02;
 
@@ -58,6 +62,8 @@ pub struct Balance {
     cycles: usize,
     /// Imbalance of the last complete window since the last low redecomposition, 1 before.
     last_imbalance: f64,
+    /// Smoothed CPU time of contact forces in a cycle [s], and number of pairs, of each worker.
+    contact: Vec<[f64; 2]>,
     /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
     lost: f64,
     /// Cycle of the last low redecomposition, none before the first.
@@ -95,6 +101,7 @@ impl Balance {
             window: vec![0.0; workers],
             cycles: 0,
             last_imbalance: 1.0,
+            contact: vec![[0.0; 2]; workers],
             lost: 0.0,
             last_low: None,
             low_cost: LOW_COST,
@@ -116,6 +123,12 @@ impl Balance {
     pub fn add_report(&mut self, worker: usize, report: StepReport) {
         self.waiting[worker].extend(&report.cpu);
         self.renewal_s[worker] += report.renewal_s;
+        let of_contact = report.phase_cpu[Phase::Contact as usize];
+        if of_contact > 0.0 {
+            let now = [of_contact / report.cpu.len().max(1) as f64, report.pairs as f64];
+            let smooth = self.contact[worker].iter_mut().zip(now);
+            smooth.for_each(|(mean, value)| *mean += NEWEST * (value - *mean));
+        }
         self.last[worker] = report;
         while self.waiting.iter().all(|w| !w.is_empty()) {
             let costs: Vec<f64> =
@@ -154,6 +167,14 @@ impl Balance {
     pub fn classes(&self) -> [u64; 3] {
         let of = |r: &StepReport| [r.elements - r.interface, r.interface, r.exterior];
         self.last.iter().map(of).fold([0; 3], |s, c| [0, 1, 2].map(|i| s[i] + c[i]))
+    }
+
+    /// Returns the CPU time of a contact pair in a cycle [s], infinite if no worker has enough of
+    /// them. Contact forces also cost messages, whose number depends on the cuts and not on the
+    /// pairs of a worker: the worker with the least time per pair shows what pairs cost.
+    pub fn pair_seconds(&self) -> f64 {
+        let enough = self.contact.iter().filter(|c| c[1] >= ENOUGH_PAIRS);
+        enough.map(|[seconds, pairs]| seconds / pairs).fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the number of renewals because elements have failed.
@@ -315,6 +336,24 @@ mod tests {
             assert_eq!(matches!(due, Some(Due::Low { .. })), low, "{due:?}");
             assert_eq!(matches!(due, Some(Due::High { .. })), !low, "{due:?}");
         }
+    }
+
+    /// One worker has nearly all pairs, the other most messages.
+    #[test]
+    fn a_pair_costs_what_it_costs_where_there_are_many() {
+        let mut b = balance();
+        assert_eq!(b.pair_seconds(), f64::INFINITY);
+        for (worker, pairs, seconds) in [(0, 500, 1e-3), (1, 20, 0.8e-3)] {
+            let mut phase_cpu = [0.0; crumple_proto::report::PHASES.len()];
+            phase_cpu[Phase::Contact as usize] = seconds;
+            let cpu = vec![1e-3; 1];
+            b.add_report(worker, StepReport { pairs, cpu, phase_cpu, ..Default::default() });
+            for _ in 0..200 {
+                let more = b.last[worker].clone();
+                b.add_report(worker, more);
+            }
+        }
+        assert!((b.pair_seconds() - 2e-6).abs() < 1e-9, "{}", b.pair_seconds());
     }
 
     /// Highs in short succession do not hide that the load is uneven.

@@ -490,7 +490,8 @@ impl<'a> Control<'a> {
     /// Repartitions while all workers wait: measures the load on the workers, computes new boxes,
     /// and lets the workers migrate elements.
     fn recut(&mut self) -> Result<(), RunError> {
-        let mut load = Workers { comm: self.comm, aside: Vec::new() };
+        let pair_s = self.balance.pair_seconds();
+        let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
         self.tree = bisect(&mut load, self.workers)?;
         let aside = load.aside;
         for rank in 1..=self.workers {

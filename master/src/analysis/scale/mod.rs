@@ -290,7 +290,7 @@ fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
     seconds[Phase::Local as usize] = of(kernels.local, whole.near);
     seconds[Phase::Contact as usize] = of(kernels.contact, whole.pairs);
     let weighs = engine.clock.cycle > STEPS as u64 && whole.pairs > 0 && elements > 0.0;
-    engine.for_each_load(&seconds, |centre, load| loads.push((centre, load)));
+    engine.for_each_load(&seconds, f64::INFINITY, |centre, load| loads.push((centre, load)));
     if weighs {
         Box::new(Loads(loads))
     } else {
