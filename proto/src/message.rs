@@ -77,7 +77,7 @@ pub enum Action {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ToMaster {
     /// Progress and load.
-    Report(StepReport),
+    Report(Box<StepReport>),
     /// Contribution of this worker to a history row.
     History(Box<HistoryPart>),
     /// The field files of one time are complete.

@@ -1,6 +1,6 @@
 //! Classes of elements by the boxes of the workers (Wang et al. 2007, sec. 2.1): ghosts are exactly
-//! the interface elements of other workers that reach into the external box, and nobody needs an
-//! interior element.
+//! the interface elements of other workers that reach into the external box, and no worker
+//! needs an interior element of another one.
 
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;

@@ -121,7 +121,7 @@ impl Worker {
             }
             let cpu = self.cycle_cpu(comm);
             self.report.cpu.push(cpu.as_secs_f32());
-            // What the workers agree on in this cycle is from before it.
+            // The workers agreed on the displacement before this cycle.
             let displaced = before.or_larger(self.engine.agreement.displacement);
             self.report.displacement = self.report.displacement.or_larger(displaced);
             if agreed.margin_used >= 1.0 {
@@ -290,7 +290,7 @@ impl Worker {
             ..std::mem::take(&mut self.report)
         };
         self.sent = traffic;
-        post(comm, 0, Tag::Report, &ToMaster::Report(report))
+        post(comm, 0, Tag::Report, &ToMaster::Report(Box::new(report)))
     }
 
     /// Carries out the orders that all workers have received, by the agreed number. If the ghosts

@@ -281,7 +281,7 @@ impl<'a> Control<'a> {
             ToMaster::Report(report) => {
                 let imbalance = self.balance.imbalance();
                 self.of_workers.add(worker, &report, imbalance).map_err(|e| self.unwritten(e))?;
-                self.balance.add_report(worker, report);
+                self.balance.add_report(worker, *report);
             }
             ToMaster::History(part) => {
                 let b = &self.balance;

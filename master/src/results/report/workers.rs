@@ -131,7 +131,7 @@ fn of(read: Read, rows: usize, limits: Option<Limits>) -> Vec<Plot> {
             "Displacement of workers",
             "of the margin",
             "Largest relative motion of a worker and another since the last redecomposition, as a \
-             share of what the ghosts allow. The master orders a high redecomposition at the limit.",
+             share of what the ghosts allow. The limit is that for a high redecomposition.",
             displacements,
         ),
         plot(
@@ -153,7 +153,8 @@ mod tests {
     fn reports_are_collected_by_the_rows_of_the_history() {
         let dir = tempfile::tempdir().unwrap();
         let text = "worker,time [ms],share of margin,load [s],imbalance\n\
-                    0,0.5,0.1,1,1\n1,0.5,0.2,3,1\n0,0.9,0.6,1,1.5\n0,2.5,0.3,2,1.2\n1,2.5,0,2,1.2\n";
+                    0,0.5,0.1,1,1\n1,0.5,0.2,3,1\n0,0.9,0.6,1,1.5\n\
+                    0,2.5,0.3,2,1.2\n1,2.5,0,2,1.2\n";
         std::fs::write(dir.path().join(FILE), text).unwrap();
         let limits = Some(Limits { margin: 0.7, imbalance: 1.1 });
         let mut problems = Vec::new();
