@@ -1,11 +1,13 @@
 //! The run: the same bits on any number of workers, MPI processes, steps, and how runs end.
 
+mod element_classes;
 mod exit_codes;
 mod free_flight;
 mod jeep_frame;
 mod mpi;
 mod numbering;
 mod precision;
+mod redecomposition;
 mod steps;
 mod subcycles;
 mod unused_features;
