@@ -43,6 +43,10 @@ pub struct Extras {
     pub low: u64,
     /// Number of high redecompositions so far.
     pub high: u64,
+    /// Number of renewals because elements have failed, so far.
+    pub erosions: u64,
+    /// Interior, interface and exterior elements of all workers.
+    pub classes: [u64; 3],
 }
 
 /// The history of a run.
@@ -190,6 +194,10 @@ pub fn columns(model: &Model) -> Vec<String> {
         "cpu of renewals [s]",
         "low redecompositions",
         "high redecompositions",
+        "renewals after erosion",
+        "interior elements",
+        "interface elements",
+        "exterior elements",
     ];
     header.extend(accounts.map(String::from));
     header
@@ -309,7 +317,8 @@ impl History {
         record.extend(
             [extras.wall, extras.cpu_total, extras.cpu_critical, extras.cpu_renewal].map(number),
         );
-        record.extend([extras.low.to_string(), extras.high.to_string()]);
+        let counts = [extras.low, extras.high, extras.erosions].into_iter().chain(extras.classes);
+        record.extend(counts.map(|n| n.to_string()));
         self.file.write_record(&record)?;
         Ok(self.file.flush()?)
     }

@@ -5,7 +5,8 @@ use crate::results::fields::Series;
 use crate::results::history::{Extras, History};
 use crate::results::summary::{self, Outline, Status, Summary};
 use crate::results::trace::Trace;
-use crate::run::balance::{Balance, Due, Limits};
+use crate::results::workers;
+use crate::run::balance::{Balance, Due, Limits, URGENT};
 use crate::run::decompose::{Loads, Workers, bisect, drifted};
 use crate::run::progress::{Progress, State};
 use crate::run::stop::StopFlag;
@@ -60,6 +61,8 @@ pub struct Control<'a> {
     tree: CutTree,
     balance: Balance,
     history: History,
+    /// `workers.csv`.
+    of_workers: workers::Workers,
     series: Series,
     progress: Progress,
     out: PathBuf,
@@ -134,6 +137,8 @@ impl<'a> Control<'a> {
         }
         let history = History::new(out, workers, model)
             .map_err(|(path, error)| RunError::Output { path, error })?;
+        let of_workers = workers::Workers::new(out, workers, model)
+            .map_err(|(path, error)| RunError::Output { path, error })?;
         let trace = trace.map(|path| {
             let failed = |error| RunError::Trace { path: path.to_owned(), error };
             Trace::new(path, workers).map_err(failed)
@@ -168,6 +173,7 @@ impl<'a> Control<'a> {
             comm,
             workers,
             history,
+            of_workers,
         })
     }
 
@@ -272,7 +278,11 @@ impl<'a> Control<'a> {
 
     fn receive(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
         match message {
-            ToMaster::Report(report) => self.balance.add_report(worker, report),
+            ToMaster::Report(report) => {
+                let imbalance = self.balance.imbalance();
+                self.of_workers.add(worker, &report, imbalance).map_err(|e| self.unwritten(e))?;
+                self.balance.add_report(worker, *report);
+            }
             ToMaster::History(part) => {
                 let b = &self.balance;
                 let wall = self.began.elapsed().as_secs_f64();
@@ -283,6 +293,8 @@ impl<'a> Control<'a> {
                     cpu_renewal: b.renewal_s.iter().copied().fold(0.0, f64::max),
                     low: b.low,
                     high: b.high,
+                    erosions: b.erosions(),
+                    classes: b.classes(),
                 };
                 let path = || self.out.join("history.csv");
                 self.history
@@ -329,6 +341,11 @@ impl<'a> Control<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Returns the error for a failure to write `workers.csv`.
+    fn unwritten(&self, error: csv::Error) -> RunError {
+        RunError::Output { path: self.out.join(workers::FILE), error: error.into() }
     }
 
     /// Warns once of deep penetration, and once if contact shortens the step much.
@@ -473,8 +490,8 @@ impl<'a> Control<'a> {
     /// Repartitions while all workers wait: measures the load on the workers, computes new boxes,
     /// and lets the workers migrate elements.
     fn recut(&mut self) -> Result<(), RunError> {
-        let mut load =
-            Workers { pair_weight: self.balance.pair_weight(), comm: self.comm, aside: Vec::new() };
+        let pair_s = self.balance.pair_seconds();
+        let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
         self.tree = bisect(&mut load, self.workers)?;
         let aside = load.aside;
         for rank in 1..=self.workers {
@@ -504,6 +521,8 @@ impl<'a> Control<'a> {
 
     /// Writes the summary after all final reports have arrived.
     fn finish(mut self) -> Result<Summary, RunError> {
+        let imbalance = self.balance.imbalance();
+        self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
         let wall_s = self.began.elapsed().as_secs_f64();
         let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
         let end = closings[0].clone();
@@ -570,7 +589,13 @@ impl<'a> Control<'a> {
             redecompositions: summary::Redecompositions {
                 low: self.balance.low,
                 high: self.balance.high,
+                erosion: end.erosions,
             },
+            thresholds: summary::Thresholds {
+                margin: URGENT,
+                imbalance: self.model.job.parallel.imbalance,
+            },
+            classes: summary::classes(&closings),
             imbalance: summary::MeanMax {
                 mean: self.balance.mean_imbalance(),
                 max: self.balance.worst,

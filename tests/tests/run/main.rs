@@ -1,10 +1,12 @@
 //! The run: the same bits on any number of workers, steps, and how runs end.
 
+mod element_classes;
 mod exit_codes;
 mod free_flight;
 mod jeep_frame;
 mod numbering;
 mod precision;
+mod redecomposition;
 mod steps;
 mod subcycles;
 mod unused_features;

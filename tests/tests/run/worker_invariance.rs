@@ -107,7 +107,7 @@ fn strained_elements_that_stand_still_keep_their_forces() {
     e.nodes.v.fill([0.0; 4]);
     e.nodes.w.fill([0.0; 4]);
     let forces = |e: &mut Engine| {
-        for portion in [Portion::Shared, Portion::Interior] {
+        for portion in Portion::ALL {
             e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, ElementSet::All, portion);
         }
         e.blocks.assemble(&mut e.nodes, ElementSet::All);
