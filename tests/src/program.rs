@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -67,7 +67,8 @@ pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
     command
 }
 
-/// Returns `Some` if `mpirun` is present and the binary is built with MPI; else see [`tools::or_skip`].
+/// Returns `Some` if `mpirun` is present and the binary is built with MPI; else see
+/// [`tools::or_skip`].
 pub fn mpi_or_skip() -> Option<()> {
     static FOUND: LazyLock<Result<(), Missing>> = LazyLock::new(|| {
         let missing = |what: String| Missing {
@@ -103,7 +104,6 @@ pub struct Running {
     child: Child,
     folder: TempDir,
     began: Instant,
-    _alone: Option<MutexGuard<'static, ()>>,
 }
 
 /// A process that has ended.
@@ -124,15 +124,11 @@ pub struct History {
 }
 
 /// Starts a command in the repository's root, in its own process group, with `--out` for a
-/// folder of its own. Runs of several ranks wait for each other, so that tests in parallel do not
-/// overload the machine; a test must not start a second one before the first has ended.
+/// folder of its own.
 ///
 /// # Panics
 /// When it cannot be started.
 pub fn start(mut command: Command) -> Running {
-    static RANKS: Mutex<()> = Mutex::new(());
-    let is_mpi = command.get_program() == "mpirun";
-    let alone = is_mpi.then(|| RANKS.lock().unwrap_or_else(PoisonError::into_inner));
     let folder = tempfile::tempdir().expect("a temporary folder");
     if command.get_args().any(|a| a == "run") && !command.get_args().any(|a| a == "--out") {
         command.arg("--out").arg(folder.path().join("out"));
@@ -142,7 +138,7 @@ pub fn start(mut command: Command) -> Running {
     command.current_dir(root()).stdin(Stdio::null()).stdout(words).stderr(errors).process_group(0);
     let child =
         command.spawn().unwrap_or_else(|error| panic!("{:?}: {error}", command.get_program()));
-    Running { child, folder, began: Instant::now(), _alone: alone }
+    Running { child, folder, began: Instant::now() }
 }
 
 /// Starts a command as [`start`] does and waits for its end.

@@ -6,7 +6,6 @@ mod free_flight;
 mod jeep_frame;
 mod numbering;
 mod precision;
-mod redecomposition;
 mod steps;
 mod subcycles;
 mod unused_features;

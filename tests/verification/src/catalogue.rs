@@ -132,7 +132,7 @@ pub const CATALOGUE: &[Entry] = &[
         "A31",
         "Independence of the partition",
         &[invariance::WORKERS, invariance::SCENES],
-        "B15 as a scene; MPI: tests/tests/mpi/main.rs",
+        "B15 as a scene; MPI: tests/tests/mpi/processes.rs",
     ),
     entry(
         "A32",

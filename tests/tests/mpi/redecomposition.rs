@@ -2,12 +2,11 @@
 //! one for displacement, a *low* one for imbalance, and none of a kind without its cause. On
 //! threads and under MPI.
 
-use crumple_tests::program::{Ended, crumple_with, mpirun, run};
-use crumple_tests::tools;
+use crumple_tests::program::{Ended, crumple_with, mpi_or_skip, mpirun, run};
 
 /// Transports, as far as they are there.
 fn transports() -> Vec<&'static str> {
-    if tools::mpi().is_some() { vec!["threads", "mpi"] } else { vec!["threads"] }
+    if mpi_or_skip().is_some() { vec!["threads", "mpi"] } else { vec!["threads"] }
 }
 
 fn run_on(transport: &str, workers: usize, job: &str, sets: &[&str]) -> Ended {
