@@ -7,8 +7,8 @@
 #
 # Variables; this script sets CRUMPLE_BIN, and the others if they are not set:
 #   CRUMPLE_BIN          the crumple binary; tests start it directly and with mpirun
-#   CRUMPLE_PYTHON       a Python with the packages of deploy/requirements.txt, with which tests read
-#                        field files through VTK
+#   CRUMPLE_PYTHON       a Python with the packages of deploy/requirements.txt, with which tests
+#                        read field files through VTK
 #   CRUMPLE_CHROMIUM     a Chromium that opens the report of a run; else the first one in PATH
 #   CRUMPLE_REQUIRE_ALL  1: a test whose program is missing fails. 0: it is skipped with a notice.
 #                        The default is 1 for root, who can install everything, and else 0

@@ -11,9 +11,9 @@ use std::sync::{Mutex, PoisonError};
 /// A program that is missing, and how to install it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing {
-    /// What is missing.
+    /// Description of the problem.
     pub what: String,
-    /// What to do, as an order.
+    /// Remedy, as an order.
     pub install: String,
 }
 

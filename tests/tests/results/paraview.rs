@@ -1,5 +1,6 @@
-//! The collections of field files; the field files of a real run, read back with VTK: every element once, shared nodes equal to
-//! the last bit, times in order, all values finite. deploy/read_fields.py lists the checks.
+//! The collections of field files; the field files of a real run, read back with VTK: every
+//! element once, shared nodes equal to the last bit, times in order, all values finite.
+//! deploy/read_fields.py lists the checks.
 
 use crumple::results::fields::Series;
 use crumple_proto::mesh::Shape;
