@@ -2,17 +2,31 @@
 # Builds the workspace with MPI and runs all tests. Arguments are passed to cargo test. The output
 # ends with the summaries of cargo.
 #
-# Variables for the programs that the tests start; this script sets the first two:
-#   CRUMPLE_BIN       the crumple binary with MPI; tests start it directly and with mpirun
-#   CRUMPLE_PYTHON    a Python with pyvista, with which tests read the field files through VTK. If
-#                     unset, these tests are skipped
-#   CRUMPLE_CHROMIUM  a Chromium that opens the report of a run. If unset, the first one in PATH;
-#                     without one, the test is skipped
+# It installs missing programs that tests need: MPI, a Python with pyvista in .venv, Chromium. If it
+# may not install them (neither root nor sudo), it reports so, and their tests are skipped.
+#
+# Variables; this script sets CRUMPLE_BIN, and the others if they are not set:
+#   CRUMPLE_BIN          the crumple binary; tests start it directly and with mpirun
+#   CRUMPLE_PYTHON       a Python with the packages of deploy/requirements.txt, with which tests
+#                        read field files through VTK
+#   CRUMPLE_CHROMIUM     a Chromium that opens the report of a run; else the first one in PATH
+#   CRUMPLE_REQUIRE_ALL  1: a test whose program is missing fails. 0: it is skipped with a notice.
+#                        The default is 1 for root, who can install everything, and else 0
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# shellcheck source=deploy/setup.sh
-source deploy/setup.sh
+if [[ $(id -u) -eq 0 ]]; then
+    export CRUMPLE_REQUIRE_ALL=${CRUMPLE_REQUIRE_ALL:-1}
+fi
+
+# Ends the script if all programs are required; otherwise reports that tests are skipped.
+missing() {
+    if [[ ${CRUMPLE_REQUIRE_ALL:-} == 1 ]]; then
+        echo "test: ERROR: $*; CRUMPLE_REQUIRE_ALL=0 skips the tests that need it" >&2
+        exit 1
+    fi
+    echo "test: WARNING: $*; tests that need it are skipped" >&2
+}
 
 # Prints the path of a Python with pyvista: that in PATH, or one in .venv, which is made if needed.
 python_with_vtk() {
@@ -27,26 +41,44 @@ python_with_vtk() {
     echo "test: installing pyvista into .venv" >&2
     python3 -m venv .venv >&2 || return 1
     timeout 600 .venv/bin/python -m pip install --quiet -r deploy/requirements.txt >&2 || return 1
+    # VTK needs libraries of X, also where it draws nothing.
+    if ! .venv/bin/python -c 'import pyvista' 2>/dev/null; then
+        crumple_install libgl1 libxrender1 || return 1
+    fi
     .venv/bin/python -c 'import dynars, lasso, pyvista' >&2 || return 1
     echo "$PWD/.venv/bin/python"
 }
 
+has_chromium() {
+    [[ -n ${CRUMPLE_CHROMIUM:-} ]] || command -v chromium chromium-browser google-chrome \
+        google-chrome-stable >/dev/null
+}
+
+features=crumple/vtkhdf
+# shellcheck source=deploy/setup.sh
+if source deploy/setup.sh; then
+    features=crumple/mpi,$features
+else
+    command -v cargo >/dev/null || exit 1
+    missing "no MPI"
+fi
 if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
     if CRUMPLE_PYTHON=$(python_with_vtk); then
         export CRUMPLE_PYTHON
     else
         unset CRUMPLE_PYTHON
-        echo "test: WARNING: no Python with pyvista; field files are not read through VTK" >&2
+        missing "no Python with pyvista"
     fi
 fi
+has_chromium || crumple_install chromium || missing "no Chromium"
 
-cargo build --workspace --features crumple/mpi,crumple/vtkhdf
+cargo build --workspace --features "$features"
 target=$(cargo metadata --format-version 1 --no-deps |
     sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 export CRUMPLE_BIN=$target/debug/crumple
 
-cargo test --workspace --features crumple/mpi,crumple/vtkhdf --no-fail-fast "$@"
+cargo test --workspace --features "$features" --no-fail-fast "$@"
 # Every kernel of the benchmark once, to check that it still works. Times have no meaning here.
-cargo test --quiet --benches -p crumple-master --features mpi,vtkhdf
+cargo test --quiet --benches -p crumple-master --features "${features//crumple\//}"
 # The scenes of the benchmark at a very small size, for the same reason.
 "$CRUMPLE_BIN" bench --tiny --rounds 1

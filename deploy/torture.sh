@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Kills runs at random moments and lets them continue; compares digests and files with those of
-# undisturbed runs (tests/tests/torture.rs).
+# undisturbed runs (tests/tests/mpi/torture.rs).
 #
 #   deploy/torture.sh [ROUNDS] [SEED]      default: 300 rounds from seed 1
 set -euo pipefail
@@ -10,4 +10,4 @@ source deploy/setup.sh
 export CRUMPLE_TORTURE_ROUNDS=${1:-300} CRUMPLE_TORTURE_SEED=${2:-1}
 export OMPI_MCA_mpi_yield_when_idle=1
 cargo build --workspace --features crumple/mpi,crumple/vtkhdf
-exec cargo test --workspace --features crumple/mpi,crumple/vtkhdf --test torture -- --nocapture
+exec cargo test --workspace --features crumple/mpi,crumple/vtkhdf --test mpi torture -- --nocapture

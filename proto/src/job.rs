@@ -254,7 +254,7 @@ pub struct Parallel {
     /// Limit of the imbalance, the maximum over mean step cost of the workers. The boxes are
     /// recomputed if the imbalance stays above it.
     pub imbalance: f64,
-    /// Smallest number of cycles between two repartitions.
+    /// Smallest number of cycles between two repartitions. The first may come earlier.
     pub low_every_at_least: u64,
     /// Number of cycles between forced redecompositions of alternating kind, for tests; 0 for none.
     pub force_every: u64,
@@ -262,7 +262,7 @@ pub struct Parallel {
 
 impl Default for Parallel {
     fn default() -> Self {
-        Self { workers: 0, buffer: 0.0, imbalance: 1.1, low_every_at_least: 500, force_every: 0 }
+        Self { workers: 0, buffer: 0.0, imbalance: 1.1, low_every_at_least: 200, force_every: 0 }
     }
 }
 

@@ -72,8 +72,9 @@ pub enum ToWorker {
         of: Vec<(usize, usize, f64, f64)>,
         /// Number of bins.
         bins: usize,
-        /// Cost of a contact pair over the cost of an element.
-        pair_weight: f64,
+        /// Time of a contact pair in a cycle [s]; the rest of the time of contact forces is that of
+        /// messages, and does not go with the pairs.
+        pair_s: f64,
     },
     /// New boxes: the workers migrate elements and continue the run.
     Cuts(CutTree),
@@ -97,7 +98,7 @@ pub enum Action {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ToMaster {
     /// Progress and load.
-    Report(StepReport),
+    Report(Box<StepReport>),
     /// Contribution of this worker to a history row.
     History(Box<HistoryPart>),
     /// The field files of one time are complete.

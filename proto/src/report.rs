@@ -17,21 +17,76 @@ pub struct StepReport {
     pub cpu: Vec<f32>,
     /// CPU time of renewals of boxes and membership since the last report, without waiting [s].
     pub renewal_s: f64,
-    /// Relative motion since the boxes were last renewed, as a fraction of the motion that the
-    /// ghosts allow.
-    pub urgency: f64,
+    /// Largest accumulated displacement of this worker since the last report.
+    pub displacement: Displacement,
     /// Active contact pairs that this worker owns.
     pub pairs: u64,
+    /// Candidates of the last global search.
+    pub candidates: u64,
+    /// Own nodes that may touch segments.
+    pub slaves: u64,
     /// Elements that this worker owns.
     pub elements: u64,
+    /// Own elements in the buffer around the box; the other own elements are interior.
+    pub interface: u64,
+    /// Ghost elements.
+    pub exterior: u64,
+    /// Ghost nodes.
+    pub exterior_nodes: u64,
     /// Mean displacement of the worker's elements since the boxes were last renewed [length].
     pub drift: [f64; 3],
-    /// Time of contact work since the last report [s].
-    pub contact_s: f64,
-    /// Time of element work since the last report [s].
-    pub element_s: f64,
+    /// CPU time by phase since the last report, without waiting [s]. It is measured in one cycle
+    /// of the report, and scaled to all of its cycles.
+    pub phase_cpu: PhaseSeconds,
+    /// Messages sent since the last report.
+    pub messages: u64,
+    /// Bytes sent since the last report.
+    pub bytes: u64,
+    /// Renewals because elements have failed, so far.
+    pub erosions: u64,
     /// Number of the last order that was executed.
     pub order: u64,
+}
+
+impl StepReport {
+    /// Adds a later report of the same worker: times and traffic add up, the largest displacement
+    /// counts, and the rest is that of the later report.
+    pub fn append(&mut self, mut later: Self) {
+        let mut cpu = std::mem::take(&mut self.cpu);
+        cpu.append(&mut later.cpu);
+        later.cpu = cpu;
+        later.renewal_s += self.renewal_s;
+        later.messages += self.messages;
+        later.bytes += self.bytes;
+        later.phase_cpu.iter_mut().zip(self.phase_cpu).for_each(|(l, s)| *l += s);
+        later.displacement = later.displacement.or_larger(self.displacement);
+        *self = later;
+    }
+}
+
+/// Accumulated displacement of a worker since the last renewal: the relative motion of its contact
+/// nodes and those of the other worker whose ghosts it endangers most. Rigid motion that both
+/// have in common does not count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Displacement {
+    /// Relative motion [length].
+    pub moved: f64,
+    /// Motion that the ghosts allow [length]; 0 if nothing can use it up.
+    pub margin: f64,
+    /// `moved` over `margin`.
+    pub share: f64,
+}
+
+impl Displacement {
+    /// Returns the displacement `moved` with a `margin` above 0 [length].
+    pub fn new(moved: f64, margin: f64) -> Self {
+        Self { moved, margin, share: moved / margin }
+    }
+
+    /// Returns the one with the larger share.
+    pub fn or_larger(self, other: Self) -> Self {
+        if other.share > self.share { other } else { self }
+    }
 }
 
 /// Magnitude of the kinetic energy at the turning point of a vibration at 0.9 of the stable
@@ -219,6 +274,12 @@ pub struct FinalReport {
     pub unsettled: [u64; 2],
     /// Contact pairs with a penalty stiffness below the requested one, summed over cycles.
     pub capped: u64,
+    /// Renewals because elements have failed.
+    pub erosions: u64,
+    /// Elements in the internal box, in the buffer, and ghosts, at the end.
+    pub classes: [u64; 3],
+    /// Half the width of the buffer at the last renewal [length].
+    pub half_buffer: f64,
     /// True if an order stopped the run.
     pub stopped: bool,
     /// Summary of each part, in the order of the settings.

@@ -42,6 +42,8 @@ pub enum Event {
     Begun(u64, Kind),
     /// Failed elements leave the contact surface, with a membership update.
     Erosion,
+    /// Numbers of interior, interface and exterior elements of this worker from now on.
+    Classes([u64; 3]),
 }
 
 /// Event with its cycle and time.

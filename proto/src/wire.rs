@@ -83,8 +83,8 @@ mod tests {
         }
         let report =
             StepReport { cycle: 7, cpu: vec![0.5], drift: [1.0, 2.0, 3.0], ..Default::default() };
-        let back = decode(&encode(&ToMaster::Report(report.clone())));
-        assert!(matches!(back, Some(ToMaster::Report(r)) if r == report));
+        let back = decode(&encode(&ToMaster::Report(Box::new(report.clone()))));
+        assert!(matches!(back, Some(ToMaster::Report(r)) if *r == report));
         let trouble = Failure { elem: None, cycle: 3, time: 0.25, why: "inverted".into() };
         let back = decode(&encode(&ToMaster::Trouble(trouble.clone())));
         assert!(matches!(back, Some(ToMaster::Trouble(t)) if t == trouble));

@@ -4,8 +4,9 @@
 pub mod imports;
 pub mod program;
 pub mod restart;
+pub mod tools;
 
-pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side};
+pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side, watch_side_by_side};
 
 use crumple::input::job::{self, Model};
 use crumple::run::embedded;

@@ -1,6 +1,7 @@
 //! Runs the binary as a user does, with a deadline so that no test can hang, and reads the files
 //! that it leaves.
 
+use crate::tools::{self, Missing};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -8,6 +9,7 @@ use std::fs::{self, File};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -65,35 +67,36 @@ pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
     command
 }
 
-/// Returns the reason why tests under MPI are impossible here, or `None` if they are possible.
-/// `deploy/test.sh` guarantees that they are possible.
-///
-/// # Panics
-/// When there is no MPI although `CRUMPLE_BIN` is set, as `deploy/test.sh` does.
-pub fn no_mpi() -> Option<String> {
-    let there = Command::new("mpirun")
-        .arg("--version")
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
-    let why = match there {
-        Err(error) => Some(format!("mpirun: {error}")),
-        Ok(_) => {
-            let asked = run(mpirun(1, &["run", "no-such-job.toml"]));
-            asked
-                .said()
-                .contains("built without MPI")
-                .then(|| format!("{} was built without MPI", crumple().display()))
+/// Returns `Some` if `mpirun` is present and the binary is built with MPI; else see
+/// [`tools::or_skip`].
+pub fn mpi_or_skip() -> Option<()> {
+    static FOUND: LazyLock<Result<(), Missing>> = LazyLock::new(|| {
+        let missing = |what: String| Missing {
+            what,
+            install: "install openmpi-bin, libopenmpi-dev and libclang-dev, and build with \
+                      --features crumple/mpi; deploy/test.sh does both"
+                .into(),
+        };
+        let version = Command::new("mpirun").arg("--version").output();
+        version.map_err(|error| missing(format!("mpirun: {error}")))?;
+        match run(mpirun(1, &["run", "no-such-job.toml"])).said().contains("built without MPI") {
+            true => Err(missing(format!("{} was built without MPI", crumple().display()))),
+            false => Ok(()),
         }
-    };
-    if let Some(why) = &why {
-        assert!(
-            std::env::var_os("CRUMPLE_BIN").is_none(),
-            "{why}, but CRUMPLE_BIN is set: deploy/test.sh requires MPI"
-        );
-        eprintln!("skipped: {why}; deploy/test.sh runs this test");
-    }
-    why
+    });
+    tools::or_skip(FOUND.clone())
+}
+
+/// Returns `Some` if the binary is built with VTKHDF; else see [`tools::or_skip`].
+pub fn vtkhdf_or_skip() -> Option<()> {
+    let said = run(crumple_with(&["export-vtkhdf", "."])).said();
+    tools::or_skip(match said.contains("built without VTKHDF") {
+        true => Err(Missing {
+            what: format!("{} was built without VTKHDF", crumple().display()),
+            install: "build with --features crumple/vtkhdf; deploy/test.sh does so".into(),
+        }),
+        false => Ok(()),
+    })
 }
 
 /// A running process. Its results go to a folder of its own, its output to a file.
@@ -301,8 +304,8 @@ impl Ended {
     }
 
     /// Reads the field files through VTK with deploy/read_fields.py. Without a Python that has
-    /// VTK, it checks only that every file in the collection exists. Returns the number of
-    /// steps.
+    /// VTK, it checks only that every file in the collection exists, and says so. Returns the
+    /// number of steps.
     ///
     /// # Panics
     /// When a check fails.
@@ -314,7 +317,7 @@ impl Ended {
         for file in &files {
             assert!(self.out().join("fields").join(file).is_file(), "{file} is named but missing");
         }
-        if let Some(python) = std::env::var_os("CRUMPLE_PYTHON") {
+        if let Some(python) = tools::python("pyvista") {
             let mut command = Command::new(python);
             command.args([OsStr::new("deploy/read_fields.py"), self.out().as_os_str()]);
             run(command).with_code(0);

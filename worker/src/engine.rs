@@ -14,6 +14,7 @@ use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
+use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
 use crate::parallel::migrate::{centre, migrate};
 use crate::parallel::pair_exchange::PairExchange;
@@ -22,10 +23,10 @@ pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
-use crumple_proto::boxes::{Aabb, CutTree};
+use crumple_proto::boxes::CutTree;
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
-use crumple_proto::report::{Energies, HistoryPart, Phase};
+use crumple_proto::report::{Displacement, Energies, HistoryPart, Phase, PhaseSeconds};
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -36,6 +37,10 @@ pub struct Engine {
     pub settings: Settings,
     /// Boxes of all workers.
     pub tree: CutTree,
+    /// Boxes of this worker at the last renewal.
+    pub boxes: WorkerBoxes,
+    /// Numbers of elements and nodes by class at the last renewal.
+    pub classes: ClassCounts,
     /// Time, cycle and step sizes.
     pub clock: Clock,
     /// Nodal columns.
@@ -65,6 +70,8 @@ pub struct Engine {
     pub agreement: StepReduction,
     /// Time per phase.
     pub timer: Timer,
+    /// Number of renewals because elements have failed.
+    pub erosions: u64,
     /// Own shells that were inverted and deleted and are not reported yet.
     pub inverted: Vec<crumple_proto::ids::ElemId>,
     /// Mean element centre at the last repartition or membership update [length].
@@ -82,7 +89,7 @@ impl Engine {
         tree: CutTree,
         share: PartitionData,
     ) -> Result<Self, RankLost> {
-        let mut local = build_local_mesh(comm, &settings, share, true)?;
+        let mut local = build_local_mesh(comm, &settings, &tree, share, true)?;
         let mut constraints = Constraints::new(comm, &settings, &mut local.nodes)?;
         constraints.bind_local(comm, &mut local.nodes)?;
         if settings.subcycles > 1 {
@@ -105,11 +112,14 @@ impl Engine {
             histories: Histories::default(),
             balance: None,
             timer: Timer::default(),
+            erosions: 0,
             inverted: Vec::new(),
             centre: [0.0; 3],
             nodes: local.nodes,
             blocks: local.blocks,
             halo: local.halo,
+            boxes: local.boxes,
+            classes: local.classes,
             settings,
             tree,
             agreement,
@@ -135,13 +145,16 @@ impl Engine {
             blocks: std::mem::take(&mut self.blocks),
             halo: std::mem::take(&mut self.halo),
             surface: None,
+            boxes: self.boxes,
+            classes: self.classes,
         };
         let mut share = migrate(comm, &self.tree, &local, self.contact.as_ref())?;
         drop(local);
         let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
-        let local = build_local_mesh(comm, &self.settings, share, false)?;
+        let local = build_local_mesh(comm, &self.settings, &self.tree, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
+        (self.boxes, self.classes) = (local.boxes, local.classes);
         (self.blocks.by_part, self.blocks.slow_dt) = (by_part, slow_dt);
         if all_computed {
             self.blocks.compute_all();
@@ -152,7 +165,15 @@ impl Engine {
         self.constraints.bind_local(comm, &mut self.nodes)?;
         self.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
+        self.record_classes();
         Ok(())
+    }
+
+    /// Records the numbers of elements by class, if a recorder is on.
+    pub fn record_classes(&mut self) {
+        let ClassCounts { interior, interface, exterior, .. } = self.classes;
+        let event = Event::Classes([interior, interface, exterior]);
+        self.timer.recorder().iter_mut().for_each(|r| r.moment(event));
     }
 
     /// Removes failed elements from the contact surface. All workers call this together.
@@ -164,6 +185,7 @@ impl Engine {
         let failed = erode(comm, &mut self.blocks, &self.nodes)?;
         self.inverted.extend(failed.iter().filter(|&&id| self.blocks.is_deleted(id)));
         self.constraints.release_failed(comm, &failed, &mut self.nodes)?;
+        self.erosions += 1;
         self.renew(comm, self.tree.clone())
     }
 
@@ -184,13 +206,8 @@ impl Engine {
             &self.nodes,
             &self.blocks,
         );
-        self.agreement.urgency = 0.0;
+        self.agreement.displacement = Displacement::default();
         self.centre = self.mean_centre();
-    }
-
-    /// Returns the box of this worker.
-    pub fn own_box(&self) -> Aabb {
-        self.tree.boxes()[self.nodes.me as usize]
     }
 
     /// Returns the mean displacement of own elements since the last repartition or membership
@@ -215,24 +232,59 @@ impl Engine {
         centre(&self.nodes, nodes, shape)
     }
 
-    /// Calls `f` with the centre and the load of every own element. The sum of all loads is
-    /// `cost`, the cost of a cycle on this worker. A contact pair weighs as much as `pair_weight`
-    /// elements.
-    pub fn for_each_load(&self, cost: f64, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
-        let mut pairs = vec![0u32; self.nodes.local_count];
-        let load = |e: &crate::fem::blocks::LocalElement| self.settings.load(&e.record);
-        let mut units = self.blocks.elements.iter().map(load).sum::<f64>();
-        for n in self.contact.iter().flat_map(|c| c.owned_pair_nodes()) {
-            pairs[n as usize] += 1;
+    /// Calls `f` with the centre and the load of every own element. The sum of all loads is that of
+    /// `seconds`, the CPU time of a cycle by phase [s].
+    ///
+    /// The time of each phase is divided by what causes it: element forces by the measured cost of
+    /// each kernel, the global search by slaves and candidates, the local search by near
+    /// candidates, and contact forces by pairs, of which each costs at most `pair_s` [s]. All other
+    /// time goes with the nodes, and so with the number of elements.
+    pub fn for_each_load(
+        &self,
+        seconds: &PhaseSeconds,
+        pair_s: f64,
+        mut f: impl FnMut([f64; 3], f64),
+    ) {
+        let elements = &self.blocks.elements;
+        // Each node counts for one element.
+        let mut element_of = vec![u32::MAX; self.nodes.local_count];
+        for (e, i) in elements.iter().zip(0..) {
+            e.nodes.iter().for_each(|&n| {
+                let first = &mut element_of[n as usize];
+                *first = (*first).min(i);
+            });
         }
-        // In a regular mesh each node is the first corner of one element. This element gets the
-        // pairs of the node.
-        let carried = |e: &crate::fem::blocks::LocalElement| {
-            pair_weight * f64::from(pairs[e.nodes[0] as usize])
+        let on_elements = |counts: &mut dyn Iterator<Item = (u32, usize)>| {
+            let mut weights = vec![0.0; elements.len()];
+            for (node, count) in counts {
+                if let Some(&i) = element_of.get(node as usize) {
+                    weights[i as usize] += count as f64;
+                }
+            }
+            weights
         };
-        units += self.blocks.elements.iter().map(carried).sum::<f64>();
-        for e in &self.blocks.elements {
-            f(self.centre_of(e.nodes, e.record.shape), cost / units * (load(e) + carried(e)));
+        let mut loads = vec![0.0; elements.len()];
+        let mut shared_out = 0.0;
+        let mut share_out = |phase: Phase, weights: &[f64], most: f64| {
+            let sum = weights.iter().sum::<f64>();
+            if sum > 0.0 {
+                let of_phase = seconds[phase as usize].min(most * sum);
+                loads.iter_mut().zip(weights).for_each(|(l, w)| *l += of_phase / sum * w);
+                shared_out += of_phase;
+            }
+        };
+        share_out(Phase::Elements, &self.blocks.kernel_seconds(), f64::INFINITY);
+        if let Some(contact) = &self.contact {
+            let candidates = &mut contact.count_candidates().map(|(n, count)| (n, 1 + count));
+            share_out(Phase::Search, &on_elements(candidates), f64::INFINITY);
+            let near = on_elements(&mut contact.count_near());
+            share_out(Phase::Local, &near, f64::INFINITY);
+            let pairs = &mut contact.owned_pair_nodes().map(|n| (n, 1));
+            share_out(Phase::Contact, &on_elements(pairs), pair_s);
+        }
+        let rest = (seconds.iter().sum::<f64>() - shared_out) / elements.len().max(1) as f64;
+        for (e, load) in elements.iter().zip(loads) {
+            f(self.centre_of(e.nodes, e.record.shape), load + rest);
         }
     }
 
@@ -253,9 +305,9 @@ impl Engine {
             }
         }
         if self.clock.is_history_due(&self.settings) {
-            self.timer.lap(Phase::Advance);
+            self.timer.lap_of_stage(Phase::Advance, comm);
             self.send_row(comm, false)?;
-            self.timer.lap(Phase::Output);
+            self.timer.lap_of_stage(Phase::Output, comm);
         }
         Ok(())
     }

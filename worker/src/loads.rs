@@ -108,11 +108,7 @@ impl Loads {
                             pressure: p,
                             slots: corners.map(|c| slot + c),
                             nodes: corners.map(|c| e.nodes[c]),
-                            portion: if i < b.front * b.lanes() {
-                                Portion::Shared
-                            } else {
-                                Portion::Interior
-                            },
+                            portion: b.portion_of(i),
                             rigid: b.idle,
                             cycles: if b.slow { subcycles as f64 } else { 1.0 },
                             force: [[0.0; 4]; 4],

@@ -1,9 +1,9 @@
 //! Field output of a worker: its piece of the fields at one time, and its ghost elements.
 
 use crate::engine::Engine;
+use crate::fem::blocks::Class;
 use crate::math::row::{Row, xyz};
 use crate::vtu::{self, Cells, Piece};
-use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::Shape;
 use crumple_proto::report::PartRecord;
@@ -116,7 +116,6 @@ impl Range {
 
 fn own_cells(engine: &Engine) -> CellColumns {
     let mut c = CellColumns::default();
-    let inner = engine.own_box().grown(-0.5 * engine.settings.buffer);
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             if e.record.failed {
@@ -129,11 +128,10 @@ fn own_cells(engine: &Engine) -> CellColumns {
             c.von_mises.push(f.von_mises as f32);
             c.stress.push(f.stress.map(|s| s as f32));
             c.thickness.push(f.thickness as f32);
-            // Classes of Wang et al. (2007): an interior element lies wholly in the internal box.
-            // An element that shares a node with another worker is an interface element wherever
-            // its corners are.
-            let interior = !e.shared && inner.contains_box(&Aabb::around(x));
-            c.class.push(if interior { vtu::INTERIOR } else { vtu::INTERFACE });
+            c.class.push(match e.class {
+                Class::Interior => vtu::INTERIOR,
+                Class::Interface => vtu::INTERFACE,
+            });
             c.name(engine, e.record.part, e.record.id);
         }
     }

@@ -14,16 +14,16 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
-use crumple_proto::report::{Failure, FinalReport, StepReport};
+use crumple_proto::report::{Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepReport};
 use crumple_proto::trace::{Event, Kind};
-use crumple_proto::transport::{RankLost, Tag, Transport, thread_cpu};
+use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Number of cycles between two reports to the master.
-const REPORT_EVERY: u64 = 10;
+const REPORT_EVERY: u64 = crate::timer::SAMPLE_EVERY;
 /// Number of cycles between two checks for edges that cross surfaces. The interval is long, so
 /// that the checks cost nothing; the last check is at the end of the run.
 const CROSSINGS_EVERY: u64 = 500;
@@ -37,8 +37,12 @@ pub struct Worker {
     done: u64,
     report: StepReport,
     cpu_before: Duration,
-    /// Smoothed CPU time of a recent cycle [s].
-    cost: f64,
+    /// Smoothed CPU time of a recent cycle, by phase [s], and the number of samples in it, since
+    /// the boxes were cut.
+    cost: PhaseSeconds,
+    samples: u32,
+    /// Messages and bytes sent until the last report.
+    sent: Traffic,
     stopped: bool,
     /// True after a warning that an edge crosses a surface.
     crossed: bool,
@@ -54,8 +58,9 @@ pub struct Worker {
 /// Largest number of inverted shells that a worker names.
 const NAMED: u64 = 20;
 
-/// Weight of the latest cycle in the smoothed cost.
-const NEWEST: f64 = 0.02;
+/// Smallest weight of the latest report in the smoothed cost. The first reports after new boxes
+/// have equal weights.
+const NEWEST: f64 = 0.05;
 
 /// Runs a worker from the first order to the last report.
 ///
@@ -76,6 +81,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     };
     if trace {
         worker.engine.timer.record(comm)?;
+        worker.engine.record_classes();
     }
     let ran = worker.run(comm);
     if ran.is_err() {
@@ -115,8 +121,8 @@ fn resume(
     Ok(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) })
 }
 
-/// Calls a function with the centre and the load of every own element. The number is the cost of a
-/// contact pair over that of an element.
+/// Calls a function with the centre and the load of every own element. The number is the CPU time of
+/// a contact pair [s].
 type EachLoad<'a> = dyn FnMut(f64, &mut dyn FnMut([f64; 3], f64)) + 'a;
 
 /// Answers a request of the master for extents or histograms of the load. Returns all other
@@ -136,9 +142,9 @@ fn answer(
             });
             post(comm, 0, Tag::Report, &ToMaster::Extents(extents))?;
         }
-        ToWorker::Histograms { tree, of, bins, pair_weight } => {
+        ToWorker::Histograms { tree, of, bins, pair_s } => {
             let mut histograms = vec![vec![0.0; bins]; of.len()];
-            each_load(pair_weight, &mut |centre, load| {
+            each_load(pair_s, &mut |centre, load| {
                 let entry = tree.entry_of(centre);
                 for (h, &(_, axis, lo, hi)) in
                     histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry)
@@ -165,7 +171,9 @@ impl Worker {
             done: 0,
             report,
             cpu_before: Duration::ZERO,
-            cost: 0.0,
+            cost: [0.0; PHASES.len()],
+            samples: 0,
+            sent: Traffic::default(),
             stopped: false,
             crossed: false,
             named: 0,
@@ -191,8 +199,10 @@ impl Worker {
             self.cpu_before = thread_cpu().saturating_sub(comm.wait_cpu());
             let force_every = self.engine.settings.force_every;
             if force_every > 0 && (self.engine.clock.cycle + 1).is_multiple_of(force_every) {
-                self.engine.agreement.urgency = 1.0;
+                self.engine.agreement.displacement =
+                    Displacement { share: 1.0, ..Displacement::default() };
             }
+            let before = self.engine.agreement.displacement;
             let capped = self.capped();
             let agreed = step(&mut self.engine, comm)?;
             if capped == 0 && self.capped() > 0 {
@@ -204,9 +214,10 @@ impl Worker {
                 break;
             }
             let cpu = self.cycle_cpu(comm);
-            self.cost += NEWEST * (cpu.as_secs_f64() - self.cost);
             self.report.cpu.push(cpu.as_secs_f32());
-            self.report.urgency = self.report.urgency.max(agreed.margin_used);
+            // The workers agreed on the displacement before this cycle.
+            let displaced = before.or_larger(self.engine.agreement.displacement);
+            self.report.displacement = self.report.displacement.or_larger(displaced);
             if agreed.margin_used >= 1.0 {
                 self.send_report(comm)?; // the master must know that all wait for its order
             }
@@ -222,6 +233,9 @@ impl Worker {
                     post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
                 }
             }
+        }
+        if !self.report.cpu.is_empty() {
+            self.send_report(comm)?;
         }
         Ok(())
     }
@@ -373,13 +387,26 @@ impl Worker {
         thread_cpu().saturating_sub(comm.wait_cpu()).saturating_sub(self.cpu_before)
     }
 
+    /// Returns the CPU time by phase since the last report [s]: that of the sampled cycle, scaled
+    /// so that the sum is the time of all cycles. Zero if no cycle was sampled.
+    fn take_phase_cpu(&mut self) -> PhaseSeconds {
+        let sample = self.engine.timer.take_sample();
+        let sampled = sample.iter().sum::<f64>();
+        let cycles = self.report.cpu.len() as f64;
+        if sampled == 0.0 || cycles == 0.0 {
+            return [0.0; PHASES.len()];
+        }
+        let total = self.report.cpu.iter().map(|&s| f64::from(s)).sum::<f64>();
+        let all = sample.map(|s| s * total / sampled);
+        self.samples += 1;
+        let newest = (1.0 / f64::from(self.samples)).max(NEWEST);
+        self.cost.iter_mut().zip(all).for_each(|(c, s)| *c += newest * (s / cycles - *c));
+        all
+    }
+
     fn send_report(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let e = &self.engine;
-        let seconds = &e.timer.seconds;
-        let contact_s = [Phase::Search, Phase::Local, Phase::Contact]
-            .iter()
-            .map(|&p| seconds[p as usize])
-            .sum();
+        let phase_cpu = self.take_phase_cpu();
+        let (e, traffic) = (&self.engine, comm.traffic());
         let report = StepReport {
             cycle: e.clock.cycle,
             time: e.clock.time,
@@ -387,12 +414,20 @@ impl Worker {
             pairs: e.contact.as_ref().map_or(0, |c| c.owned_pairs().count() as u64),
             elements: e.blocks.elements.len() as u64,
             drift: e.drift(),
-            contact_s,
-            element_s: seconds[Phase::Elements as usize],
+            candidates: e.contact.as_ref().map_or(0, |c| c.candidates()),
+            slaves: e.contact.as_ref().map_or(0, |c| c.surface.slaves.len() as u64),
+            interface: e.classes.interface,
+            exterior: e.classes.exterior,
+            exterior_nodes: e.classes.exterior_nodes,
+            phase_cpu,
+            messages: traffic.messages - self.sent.messages,
+            bytes: traffic.bytes - self.sent.bytes,
+            erosions: e.erosions,
             order: self.done,
             ..std::mem::take(&mut self.report)
         };
-        post(comm, 0, Tag::Report, &ToMaster::Report(report))
+        self.sent = traffic;
+        post(comm, 0, Tag::Report, &ToMaster::Report(Box::new(report)))
     }
 
     /// Carries out the orders that all workers have received, by the agreed number. If the ghosts
@@ -420,7 +455,7 @@ impl Worker {
                 self.record(Event::Begun(number, kind(&action)));
                 self.execute(comm, action)?;
                 self.done = number;
-                self.report.urgency = 0.0; // the reported motion is over
+                self.report.displacement = Displacement::default(); // this motion is over
             }
         }
         self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);
@@ -458,6 +493,7 @@ impl Worker {
                 post(comm, 0, Tag::Report, &ToMaster::Ready)?;
                 let tree = self.answer_requests(comm)?;
                 self.engine.renew(comm, tree)?;
+                self.samples = 0;
             }
         }
         Ok(())
@@ -466,12 +502,12 @@ impl Worker {
     /// Answers the master's requests for extents and histograms of the load until the new boxes
     /// arrive.
     fn answer_requests(&mut self, comm: &mut dyn Transport) -> Result<CutTree, RankLost> {
-        let (engine, cost) = (&self.engine, self.cost);
+        let (engine, cost) = (&self.engine, &self.cost);
         let mut aside = Vec::new();
         let tree = loop {
             let question = await_message(comm, 0, Tag::Order)?;
-            let mut each_load = |pair_weight: f64, f: &mut dyn FnMut([f64; 3], f64)| {
-                engine.for_each_load(cost, pair_weight, f);
+            let mut each_load = |pair_s: f64, f: &mut dyn FnMut([f64; 3], f64)| {
+                engine.for_each_load(cost, pair_s, f);
             };
             match answer(comm, question, &mut each_load)? {
                 None => {}
@@ -508,6 +544,9 @@ impl Worker {
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
             unsettled: e.contact.as_ref().map_or([0; 2], |c| c.unsettled),
             capped: e.contact.as_ref().map_or(0, |c| c.capped_pairs),
+            erosions: e.erosions,
+            classes: [e.classes.interior, e.classes.interface, e.classes.exterior],
+            half_buffer: e.boxes.half_width,
             stopped: self.stopped,
             parts: output::part_records(e),
         };

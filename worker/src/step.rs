@@ -41,10 +41,13 @@ const STAGES: [Stage; 14] = [
 /// A worker is gone.
 pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsensus, RankLost> {
     let mut cycle = Cycle::new(engine);
+    engine.timer.begin_cycle(engine.clock.cycle, comm);
+    // A single worker has no load to share out.
+    engine.blocks.timed = engine.timer.is_sampled() && comm.size() > 2;
     let has_contact = engine.contact.is_some();
     for stage in STAGES.iter().filter(|stage| has_contact || !stage.needs_contact) {
         (stage.run)(engine, comm, &mut cycle)?;
-        engine.timer.lap(stage.phase);
+        engine.timer.lap_of_stage(stage.phase, comm);
     }
     if cycle.agreed.eroded && cycle.agreed.failure.is_none() {
         engine.erode(comm)?; // new surfaces without failed elements
@@ -105,15 +108,16 @@ impl Cycle {
     }
 }
 
-/// Computes the element nodal forces of internal stress and pressure. Elements at shared nodes come
-/// first: the others are computed while messages travel.
+/// Computes the element nodal forces of internal stress and pressure, by class. Interface elements
+/// at shared nodes come first: other interface elements and interior ones are computed while
+/// messages travel.
 fn element_forces(
     engine: &mut Engine,
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, blocks, halo, ledger, loads, .. } = engine;
-    for portion in [Portion::Shared, Portion::Interior] {
+    for portion in Portion::ALL {
         let dt = clock.last_dt;
         cycle.totals.add(&blocks.add_internal_forces(nodes, dt, cycle.set, portion));
         loads.add_pressures(blocks, nodes, clock.time, cycle.set, portion);
@@ -195,7 +199,7 @@ fn exchange_ghosts(
 ) -> Result<(), RankLost> {
     let Engine { nodes, halo, agreement, .. } = engine;
     if !halo.links.is_empty() {
-        agreement.urgency = halo.exchange_ghosts(comm, nodes, &cycle.drift, cycle.couples)?;
+        agreement.displacement = halo.exchange_ghosts(comm, nodes, &cycle.drift, cycle.couples)?;
     }
     Ok(())
 }

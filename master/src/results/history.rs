@@ -2,6 +2,7 @@
 
 use crate::input::job::{Model, fastest_wave};
 use crate::results::histories::{Histories, NAMES};
+use crate::results::workers;
 use crumple_proto::report::HistoryPart;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,6 +46,10 @@ pub struct Extras {
     pub low: u64,
     /// Number of high redecompositions so far.
     pub high: u64,
+    /// Number of renewals because elements have failed, so far.
+    pub erosions: u64,
+    /// Interior, interface and exterior elements of all workers.
+    pub classes: [u64; 3],
 }
 
 /// Extremes and last rows of a history: all that it knows of the rows so far.
@@ -197,7 +202,7 @@ impl Tables<'_> {
 
     /// Returns the present length of each file.
     pub(crate) fn present(dir: &Path) -> BTreeMap<String, u64> {
-        let names = NAMES.iter().copied().chain([FILE]);
+        let names = NAMES.iter().copied().chain([FILE, workers::FILE]);
         let length = |name: &str| std::fs::metadata(dir.join(name)).ok().map(|m| m.len());
         names.filter_map(|name| Some((name.to_string(), length(name)?))).collect()
     }
@@ -237,6 +242,10 @@ pub fn columns(model: &Model) -> Vec<String> {
         "cpu of renewals [s]",
         "low redecompositions",
         "high redecompositions",
+        "renewals after erosion",
+        "interior elements",
+        "interface elements",
+        "exterior elements",
     ];
     header.extend(accounts.map(String::from));
     header
@@ -355,7 +364,8 @@ impl History {
         record.extend(
             [extras.wall, extras.cpu_total, extras.cpu_critical, extras.cpu_renewal].map(number),
         );
-        record.extend([extras.low.to_string(), extras.high.to_string()]);
+        let counts = [extras.low, extras.high, extras.erosions].into_iter().chain(extras.classes);
+        record.extend(counts.map(|n| n.to_string()));
         self.file.write_record(&record)?;
         Ok(self.file.flush()?)
     }

@@ -9,3 +9,4 @@ pub mod report;
 pub mod summary;
 pub mod trace;
 pub mod vtkhdf;
+pub mod workers;

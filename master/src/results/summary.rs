@@ -89,6 +89,37 @@ pub struct Redecompositions {
     pub low: u64,
     /// Membership updates.
     pub high: u64,
+    /// Renewals because elements have failed; the master does not order them.
+    pub erosion: u64,
+}
+
+/// Limits at which the master orders a redecomposition.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Thresholds {
+    /// Share of the margin used by the displacement of a worker: *high*.
+    pub margin: f64,
+    /// Imbalance: *low*.
+    pub imbalance: f64,
+}
+
+/// Elements by class at the end, worker by worker.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Classes {
+    /// Own elements in the internal box.
+    pub interior: Vec<u64>,
+    /// Own elements in the buffer.
+    pub interface: Vec<u64>,
+    /// Ghost elements.
+    pub exterior: Vec<u64>,
+    /// Half the width of the buffer at the last renewal [length].
+    pub half_buffer: f64,
+}
+
+/// Returns the elements by class.
+pub fn classes(closings: &[FinalReport]) -> Classes {
+    let of = |class: usize| closings.iter().map(|c| c.classes[class]).collect();
+    let half_buffer = closings.first().map_or(0.0, |c| c.half_buffer);
+    Classes { interior: of(0), interface: of(1), exterior: of(2), half_buffer }
 }
 
 /// Contact statistics.
@@ -303,6 +334,10 @@ pub struct Summary {
     pub dt: Steps,
     /// Redecompositions.
     pub redecompositions: Redecompositions,
+    /// Limits at which the master orders them.
+    pub thresholds: Thresholds,
+    /// Elements by class.
+    pub classes: Classes,
     /// Maximum over mean step cost of the workers.
     pub imbalance: MeanMax,
     /// Contact.

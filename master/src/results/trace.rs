@@ -159,6 +159,9 @@ fn words(event: &Event) -> String {
         Event::Arrived(number, kind) => format!("order {number} received: {}", of(kind)),
         Event::Begun(number, kind) => format!("order {number}: {}", of(kind)),
         Event::Erosion => "renewal: failed elements leave the surface".into(),
+        Event::Classes([interior, interface, exterior]) => {
+            format!("{interior} interior, {interface} interface, {exterior} exterior elements")
+        }
     }
 }
 

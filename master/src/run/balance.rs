@@ -1,7 +1,7 @@
 //! Decides when to redecompose, from measured costs. Has no side effects, so it is tested without
 //! workers.
 
-use crumple_proto::report::StepReport;
+use crumple_proto::report::{Displacement, Phase, StepReport};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -25,20 +25,27 @@ pub enum Due {
 pub struct Limits {
     /// Maximum over mean step cost above which a low redecomposition is due.
     pub imbalance: f64,
-    /// Minimum number of cycles between two low redecompositions.
+    /// Minimum number of cycles between two low redecompositions; the first may come earlier.
     pub low_every_at_least: u64,
     /// True to alternate both kinds whenever workers ask, for tests.
     pub forced: bool,
 }
 
-/// Fraction of the ghost margin used at which a high redecomposition is ordered. The rest covers
-/// the motion until the order arrives.
-const URGENT: f64 = 0.7;
+/// Share of the margin used by a worker's displacement at which a high redecomposition is ordered.
+/// The rest covers the motion until the order arrives.
+pub const URGENT: f64 = 0.7;
 /// Minimum number of cycles over which the balance is judged.
 const WINDOW: usize = 100;
 /// Fraction of an imbalance that a low redecomposition must remove. If it removes less, the wait
 /// until the next one is doubled.
 const WORTHWHILE: f64 = 0.3;
+/// Cost of a low redecomposition that takes the place of a high one, as a fraction of the cost of
+/// any other: elements migrate in either.
+const SAVED: f64 = 0.3;
+/// Weight of the latest report in smoothed times and numbers of pairs.
+const NEWEST: f64 = 0.1;
+/// Number of pairs from which a worker shows what a pair costs.
+const ENOUGH_PAIRS: f64 = 8.0;
 /// Assumed cost of a low redecomposition before one is measured [s].
 const LOW_COST: f64 = 0.02;
 
@@ -54,9 +61,14 @@ pub struct Balance {
     /// cycles in it.
     window: Vec<f64>,
     cycles: usize,
+    /// Imbalance of the last complete window since the last low redecomposition, 1 before.
+    last_imbalance: f64,
+    /// Smoothed CPU time of contact forces in a cycle [s], and number of pairs, of each worker.
+    contact: Vec<[f64; 2]>,
     /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
     lost: f64,
-    last_low: u64,
+    /// Cycle of the last low redecomposition, none before the first.
+    last_low: Option<u64>,
     low_cost: f64,
     /// Imbalance that caused the last low redecomposition, until its effect is known.
     unproven: Option<f64>,
@@ -120,8 +132,10 @@ impl Balance {
             waiting: vec![VecDeque::new(); workers],
             window: vec![0.0; workers],
             cycles: 0,
+            last_imbalance: 1.0,
+            contact: vec![[0.0; 2]; workers],
             lost: 0.0,
-            last_low: 0,
+            last_low: None,
             low_cost: LOW_COST,
             unproven: None,
             judged_imbalance: None,
@@ -141,6 +155,12 @@ impl Balance {
     pub fn add_report(&mut self, worker: usize, report: StepReport) {
         self.waiting[worker].extend(&report.cpu);
         self.renewal_s[worker] += report.renewal_s;
+        let of_contact = report.phase_cpu[Phase::Contact as usize];
+        if of_contact > 0.0 {
+            let now = [of_contact / report.cpu.len().max(1) as f64, report.pairs as f64];
+            let smooth = self.contact[worker].iter_mut().zip(now);
+            smooth.for_each(|(mean, value)| *mean += NEWEST * (value - *mean));
+        }
         self.last[worker] = report;
         while self.waiting.iter().all(|w| !w.is_empty()) {
             let costs: Vec<f64> =
@@ -174,12 +194,24 @@ impl Balance {
         self.last.iter().map(|r| r.pairs).sum()
     }
 
-    /// Returns the measured cost of a contact pair over that of an element, 0 without pairs.
-    pub fn pair_weight(&self) -> f64 {
-        let sum = |f: fn(&StepReport) -> f64| self.last.iter().map(f).sum::<f64>();
-        let (pairs, elements) = (self.pairs() as f64, sum(|r| r.elements as f64));
-        let (contact, element) = (sum(|r| r.contact_s), sum(|r| r.element_s));
-        if pairs > 0.0 && element > 0.0 { (contact / pairs) / (element / elements) } else { 0.0 }
+    /// Returns the numbers of interior, interface and exterior elements of all workers in their
+    /// last reports.
+    pub fn classes(&self) -> [u64; 3] {
+        let of = |r: &StepReport| [r.elements - r.interface, r.interface, r.exterior];
+        self.last.iter().map(of).fold([0; 3], |s, c| [0, 1, 2].map(|i| s[i] + c[i]))
+    }
+
+    /// Returns the CPU time of a contact pair in a cycle [s], infinite if no worker has enough of
+    /// them. Contact forces also cost messages, whose number depends on the cuts and not on the
+    /// pairs of a worker: the worker with the least time per pair shows what pairs cost.
+    pub fn pair_seconds(&self) -> f64 {
+        let enough = self.contact.iter().filter(|c| c[1] >= ENOUGH_PAIRS);
+        enough.map(|[seconds, pairs]| seconds / pairs).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns the number of renewals because elements have failed.
+    pub fn erosions(&self) -> u64 {
+        self.last.iter().map(|r| r.erosions).max().unwrap_or(0)
     }
 
     /// Returns the redecomposition that is due, if any. Returns none until all workers have
@@ -188,7 +220,11 @@ impl Balance {
         if self.last.iter().any(|r| r.order < self.orders_due) {
             return None;
         }
-        let urgency = self.last.iter().map(|r| r.urgency).fold(0.0, f64::max);
+        let (worker, displacement) = (0..)
+            .zip(&self.last)
+            .map(|(w, r)| (w, r.displacement))
+            .fold((0, Displacement::default()), |a, b| if b.1.share > a.1.share { b } else { a });
+        let urgency = displacement.share;
         let cycle = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
         if self.limits.forced {
             self.flip ^= urgency >= 1.0;
@@ -209,7 +245,8 @@ impl Balance {
             self.patience = if brought > WORTHWHILE { 1 } else { (2 * self.patience).min(64) };
             self.unproven = None;
         }
-        let patient = cycle >= self.last_low + self.patience * self.limits.low_every_at_least;
+        let wait = self.patience * self.limits.low_every_at_least;
+        let patient = self.last_low.is_none_or(|last| cycle >= last + wait);
         if judged && patient && imbalance > self.limits.imbalance && self.lost > self.low_cost {
             let why = format!(
                 "imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last repartition",
@@ -218,24 +255,42 @@ impl Balance {
             self.judged_imbalance = Some(imbalance);
             return Some(Due::Low { why });
         }
+        let recent = if self.cycles >= WINDOW / 2 { imbalance } else { self.last_imbalance };
+        let too_uneven = recent > self.limits.imbalance && self.lost > SAVED * self.low_cost;
+        let proven = self.unproven.is_none() && self.patience == 1;
+        if urgency >= URGENT && proven && too_uneven {
+            self.judged_imbalance = Some(recent);
+            let why = format!("imbalance {recent:.2}, in place of a high one, which is due");
+            return Some(Due::Low { why });
+        }
         if judged {
+            self.last_imbalance = imbalance;
             self.begin_window();
         }
-        let why = || format!("{:.0} % of the ghost margin is used", 100.0 * urgency);
+        let why = || {
+            let Displacement { moved, margin, share } = displacement;
+            format!(
+                "worker {worker} has a displacement of {moved:.3e}, {:.0} % of its margin of \
+                 {margin:.3e}",
+                100.0 * share
+            )
+        };
         (urgency >= URGENT).then(|| Due::High { why: why() })
     }
 
-    /// Records an order that was sent, and begins a new window.
+    /// Records an order that was sent. A low redecomposition begins a new window.
     pub fn ordered(&mut self, number: u64, due: &Due) {
         self.orders_due = number;
-        self.begin_window();
         match due {
+            // The boxes stay, and so does most of the load: the window goes on.
             Due::High { .. } => self.high += 1,
             Due::Low { .. } => {
+                self.begin_window();
+                self.last_imbalance = 1.0;
                 self.low += 1;
                 self.lost = 0.0;
                 self.unproven = self.judged_imbalance.take();
-                self.last_low = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
+                self.last_low = self.last.iter().map(|r| r.cycle).max();
             }
         }
     }
@@ -263,7 +318,7 @@ mod tests {
         StepReport {
             cycle,
             cpu: vec![cpu; 100],
-            urgency,
+            displacement: Displacement::new(urgency, 1.0),
             order,
             elements: 10,
             ..Default::default()
@@ -294,6 +349,57 @@ mod tests {
         b.add_report(1, report(200, 1e-3, 0.1, 1));
         assert_eq!(b.due(), None);
         assert_eq!((b.low, b.high), (0, 1));
+    }
+
+    /// Elements migrate in a high redecomposition anyway.
+    #[test]
+    fn a_high_one_that_is_due_becomes_a_low_one_if_the_load_is_uneven() {
+        for (slow, low) in [(1.05e-3, false), (1.5e-3, true)] {
+            let mut b = balance();
+            let first = |b: &mut Balance, share| {
+                b.add_report(0, StepReport { cpu: vec![1e-3; 60], ..report(60, 1e-3, 0.0, 0) });
+                let cpu = vec![slow; 60];
+                b.add_report(1, StepReport { cpu, ..report(60, 1e-3, share, 0) });
+                b.due()
+            };
+            assert_eq!(first(&mut b, 0.1), None, "too few cycles for a low one alone");
+            let mut b = balance();
+            let due = first(&mut b, 0.75);
+            assert_eq!(matches!(due, Some(Due::Low { .. })), low, "{due:?}");
+            assert_eq!(matches!(due, Some(Due::High { .. })), !low, "{due:?}");
+        }
+    }
+
+    /// One worker has nearly all pairs, the other most messages.
+    #[test]
+    fn a_pair_costs_what_it_costs_where_there_are_many() {
+        let mut b = balance();
+        assert_eq!(b.pair_seconds(), f64::INFINITY);
+        for (worker, pairs, seconds) in [(0, 500, 1e-3), (1, 20, 0.8e-3)] {
+            let mut phase_cpu = [0.0; crumple_proto::report::PHASES.len()];
+            phase_cpu[Phase::Contact as usize] = seconds;
+            let cpu = vec![1e-3; 1];
+            b.add_report(worker, StepReport { pairs, cpu, phase_cpu, ..Default::default() });
+            for _ in 0..200 {
+                let more = b.last[worker].clone();
+                b.add_report(worker, more);
+            }
+        }
+        assert!((b.pair_seconds() - 2e-6).abs() < 1e-9, "{}", b.pair_seconds());
+    }
+
+    /// Highs in short succession do not hide that the load is uneven.
+    #[test]
+    fn the_load_is_judged_across_high_redecompositions() {
+        let mut b = Balance::new(2, Limits { imbalance: 1.1, ..balance().limits });
+        let uneven = |b: &mut Balance, cycle, order| {
+            b.add_report(0, StepReport { cpu: vec![1e-3; 60], ..report(cycle, 1e-3, 0.0, order) });
+            b.add_report(1, StepReport { cpu: vec![3e-3; 60], ..report(cycle, 1e-3, 0.0, order) });
+        };
+        uneven(&mut b, 60, 0);
+        b.ordered(1, &Due::High { why: String::new() });
+        uneven(&mut b, 120, 1);
+        assert!(matches!(b.due(), Some(Due::Low { .. })));
     }
 
     #[test]

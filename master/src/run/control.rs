@@ -7,7 +7,8 @@ use crate::results::fields::Series;
 use crate::results::history::{Course, Extras, History, Tables};
 use crate::results::summary::{self, Outline, Restart, Status, Summary};
 use crate::results::trace::Trace;
-use crate::run::balance::{Balance, Due, Limits};
+use crate::results::workers;
+use crate::run::balance::{Balance, Due, Limits, URGENT};
 use crate::run::checkpoint::find::{Resumption, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
@@ -66,6 +67,8 @@ pub struct Control<'a> {
     tree: CutTree,
     balance: Balance,
     history: History,
+    /// `workers.csv`.
+    of_workers: workers::Workers,
     series: Series,
     progress: Progress,
     out: PathBuf,
@@ -176,6 +179,8 @@ impl<'a> Control<'a> {
         let course = known.as_ref().map_or_else(Course::default, |known| known.course.clone());
         let history = History::new(Tables { dir: out, lengths }, workers, model, course)
             .map_err(|(path, error)| RunError::Output { path, error })?;
+        let of_workers = workers::Workers::new(Tables { dir: out, lengths }, workers, model)
+            .map_err(|(path, error)| RunError::Output { path, error })?;
         let trace = trace.map(|path| {
             let failed = |error| RunError::Trace { path: path.to_owned(), error };
             Trace::new(path, workers).map_err(failed)
@@ -227,6 +232,7 @@ impl<'a> Control<'a> {
             comm,
             workers,
             history,
+            of_workers,
         })
     }
 
@@ -392,7 +398,11 @@ impl<'a> Control<'a> {
 
     fn receive(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
         match message {
-            ToMaster::Report(report) => self.balance.add_report(worker, report),
+            ToMaster::Report(report) => {
+                let imbalance = self.balance.imbalance();
+                self.of_workers.add(worker, &report, imbalance).map_err(|e| self.unwritten(e))?;
+                self.balance.add_report(worker, *report);
+            }
             ToMaster::History(part) => {
                 let b = &self.balance;
                 let wall = self.wall();
@@ -403,6 +413,8 @@ impl<'a> Control<'a> {
                     cpu_renewal: b.renewal_s.iter().copied().fold(0.0, f64::max),
                     low: b.low,
                     high: b.high,
+                    erosions: b.erosions(),
+                    classes: b.classes(),
                 };
                 let path = || self.out.join("history.csv");
                 self.history
@@ -429,6 +441,8 @@ impl<'a> Control<'a> {
             }
             ToMaster::Captured(captured) => {
                 if self.checkpoints.add_captured(captured) {
+                    let imbalance = self.balance.imbalance();
+                    self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
                     let state = self.state();
                     self.checkpoints.add_master(captured.cycle, state);
                 }
@@ -466,6 +480,11 @@ impl<'a> Control<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Returns the error for a failure to write `workers.csv`.
+    fn unwritten(&self, error: csv::Error) -> RunError {
+        RunError::Output { path: self.out.join(workers::FILE), error: error.into() }
     }
 
     fn order(&mut self, action: Action) {
@@ -509,8 +528,8 @@ impl<'a> Control<'a> {
     /// Repartitions while all workers wait: measures the load on the workers, computes new boxes,
     /// and lets the workers migrate elements.
     fn recut(&mut self) -> Result<(), RunError> {
-        let mut load =
-            Workers { pair_weight: self.balance.pair_weight(), comm: self.comm, aside: Vec::new() };
+        let pair_s = self.balance.pair_seconds();
+        let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
         self.tree = bisect(&mut load, self.workers)?;
         let aside = load.aside;
         for rank in 1..=self.workers {
@@ -540,6 +559,8 @@ impl<'a> Control<'a> {
 
     /// Writes the summary after all final reports have arrived.
     fn finish(mut self) -> Result<Summary, RunError> {
+        let imbalance = self.balance.imbalance();
+        self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
         let wall_s = self.wall();
         let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
         let end = closings[0].clone();
@@ -608,7 +629,13 @@ impl<'a> Control<'a> {
             redecompositions: summary::Redecompositions {
                 low: self.balance.low,
                 high: self.balance.high,
+                erosion: end.erosions,
             },
+            thresholds: summary::Thresholds {
+                margin: URGENT,
+                imbalance: self.model.job.parallel.imbalance,
+            },
+            classes: summary::classes(&closings),
             imbalance: summary::MeanMax {
                 mean: self.balance.mean_imbalance(),
                 max: self.balance.worst,

@@ -132,6 +132,20 @@ pub(crate) fn centres(model: &Model) -> Vec<[f64; 3]> {
 /// # Panics
 /// Panics if a worker is lost.
 pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every: u64) -> Trace {
+    watch_side_by_side(model, workers, [cycles, force_every], &|_| ())
+}
+
+/// Runs like [`run_side_by_side`] with `[cycles, force_every]`. `look` sees each engine after
+/// each build of its partition.
+///
+/// # Panics
+/// Panics if a worker is lost.
+pub fn watch_side_by_side(
+    model: &Model,
+    workers: usize,
+    [cycles, force_every]: [u64; 2],
+    look: &(dyn Fn(&Engine) + Sync),
+) -> Trace {
     let centres = centres(model);
     let cut = |stretch: [f64; 3]| {
         let stretched =
@@ -147,7 +161,7 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
     // A stretched axis is the longest, so that cuts are made across it.
     let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
     let shares = deal(model, &centres, &trees[0], workers);
-    let plan = Plan { cycles, force_every, trees };
+    let plan = Plan { cycles, force_every, trees, look };
     let traces = on_threads(shares, |comm, share| one_engine(model, comm, share, &plan));
     let mut all = Trace {
         pairs: vec![Vec::new(); traces[0].pairs.len()],
@@ -271,17 +285,24 @@ pub fn time_side_by_side(
     on_threads(shares, timed).into_iter().collect()
 }
 
-struct Plan {
+struct Plan<'a> {
     cycles: u64,
     force_every: u64,
     trees: [CutTree; 3],
+    look: &'a (dyn Fn(&Engine) + Sync),
 }
 
-fn one_engine(model: &Model, comm: &mut dyn Transport, share: PartitionData, plan: &Plan) -> Trace {
+fn one_engine(
+    model: &Model,
+    comm: &mut dyn Transport,
+    share: PartitionData,
+    plan: &Plan<'_>,
+) -> Trace {
     let tree = plan.trees[0].clone();
     let mut engine =
         Engine::new(comm, model.settings.clone(), tree, share).expect("all workers live");
     let mut trace = Trace { pairs: Vec::new(), nodes: Vec::new(), renewals: 0, trouble: None };
+    (plan.look)(&engine);
     while engine.clock.cycle < plan.cycles && !engine.clock.is_over(&engine.settings) {
         let agreed = step(&mut engine, comm).expect("all workers live");
         trace.pairs.push(engine.contact.iter().flat_map(|c| c.owned_pairs()).collect());
@@ -294,6 +315,7 @@ fn one_engine(model: &Model, comm: &mut dyn Transport, share: PartitionData, pla
             trace.renewals += 1;
             let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
             engine.renew(comm, plan.trees[which].clone()).expect("all workers live");
+            (plan.look)(&engine);
         }
     }
     trace.nodes = (0..engine.nodes.local_count)

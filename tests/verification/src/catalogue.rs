@@ -132,7 +132,7 @@ pub const CATALOGUE: &[Entry] = &[
         "A31",
         "Independence of the partition",
         &[invariance::WORKERS, invariance::SCENES],
-        "B15 as a scene; MPI: tests/tests/mpi.rs",
+        "B15 as a scene; MPI: tests/tests/mpi/processes.rs",
     ),
     entry(
         "A32",
@@ -148,7 +148,7 @@ pub const CATALOGUE: &[Entry] = &[
         "A37",
         "Elements that fail",
         &[sheets::EROSION],
-        "contact of the remaining elements: tests/tests/erosion.rs",
+        "contact of the remaining elements: tests/tests/contact/erosion.rs",
     ),
     entry("A38", "Triangles in motion", &[sheets::TRIANGLES], ""),
     entry("A39", "Mass scaling with contact", &[steps::SCALED], ""),
@@ -157,7 +157,7 @@ pub const CATALOGUE: &[Entry] = &[
         "A41",
         "Thicknesses of single shells",
         &[sections::STEPPED],
-        "contact: tests/tests/sections.rs",
+        "contact: tests/tests/physics/sections.rs",
     ),
     entry(
         "A42",
@@ -261,7 +261,7 @@ pub const CATALOGUE: &[Entry] = &[
         "C13",
         "Element inversion",
         &[solid_cells::CRUSHED],
-        "shells: tests/tests/exit_codes.rs checks that an inverted shell ends the run",
+        "shells: tests/tests/run/exit_codes.rs checks that an inverted shell ends the run",
     ),
     entry(
         "C14",

@@ -308,6 +308,18 @@ impl Contact {
         runs.map(|run| (self.surface.slaves[run[0].slave_index as usize], run.len()))
     }
 
+    /// Returns the slaves, each with the number of candidates that the last global search found
+    /// for it.
+    pub fn count_candidates(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let runs = self.candidate_start.windows(2).map(|run| (run[1] - run[0]) as usize);
+        self.surface.slaves.iter().copied().zip(runs)
+    }
+
+    /// Returns the number of candidates of the last global search.
+    pub fn candidates(&self) -> u64 {
+        self.candidates.len() as u64
+    }
+
     /// Returns the laws of the interfaces.
     pub fn laws(&self) -> &Laws {
         &self.laws

@@ -9,7 +9,7 @@ use crate::fem::blocks::LocalElement;
 use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
-use crumple_proto::ids::SegmentId;
+use crumple_proto::ids::{ElemId, SegmentId};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
@@ -250,9 +250,13 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 
 impl Surface {
     /// Builds the segments of elements, and thickness and scale of the local nodes.
-    pub fn new(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
+    pub fn new<'a>(
+        elements: impl Iterator<Item = &'a LocalElement>,
+        nodes: &Nodes,
+        parts: &ContactParts,
+    ) -> Self {
         let mut s = Self {
-            segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
+            segments: elements.flat_map(|e| segments_of(e, nodes, parts)).collect(),
             slaves: Vec::new(),
             node_half: vec![0.0; nodes.local_count],
             node_scale: vec![0.0; nodes.local_count],
@@ -414,6 +418,13 @@ impl Surface {
         } else {
             *edges.select_nth_unstable_by(tenth, f64::total_cmp).1
         }
+    }
+
+    /// Returns the ghost elements with a segment, ascending. Segments must be ascending.
+    pub fn ghost_elements(&self) -> impl Iterator<Item = ElemId> + '_ {
+        let ghosts = self.segments.iter().filter(|s| !s.own).map(|s| s.id.elem());
+        let mut last = None;
+        ghosts.filter(move |&id| last.replace(id) != Some(id))
     }
 
     /// Returns the largest scale of a local node [length].

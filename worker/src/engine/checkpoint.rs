@@ -39,6 +39,8 @@ pub struct CommonState {
     slow_dt: f64,
     /// See [`Contact::started`].
     started: Vec<bool>,
+    /// Number of renewals after erosion.
+    erosions: u64,
 }
 
 /// Sums of one worker.
@@ -100,6 +102,8 @@ impl Engine {
             blocks: std::mem::take(&mut self.blocks),
             halo: std::mem::take(&mut self.halo),
             surface: None,
+            boxes: self.boxes,
+            classes: self.classes,
         };
         let parcel = pack_all(comm, &local, self.contact.as_ref());
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
@@ -113,11 +117,14 @@ impl Engine {
             ledger,
             histories,
             timer,
+            erosions,
             // Saved with elements and nodes.
             nodes: _,
             // From the job, or computed for each partition.
             settings: _,
             tree: _,
+            boxes: _,
+            classes: _,
             halo: _,
             pair_exchange: _,
             loads: _,
@@ -134,6 +141,7 @@ impl Engine {
             limits: [f64; 2],
             slow_dt: f64,
             started: &'a [bool],
+            erosions: u64,
         }
         let view = View {
             clock,
@@ -141,6 +149,7 @@ impl Engine {
             limits: [agreement.elements_dt, agreement.contact_dt],
             slow_dt: blocks.slow_dt,
             started: contact.as_ref().map_or(&[], Contact::started),
+            erosions: *erosions,
         };
         let traffic = comm.traffic();
         Ok(Copied {
@@ -176,7 +185,7 @@ impl Engine {
         let mut share = distribute(comm, &tree, &share)?;
         let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
-        let mut local = build_local_mesh(comm, &settings, share, false)?;
+        let mut local = build_local_mesh(comm, &settings, &tree, share, false)?;
         if settings.subcycles > 1 {
             local.nodes.retain_outer_means(&means);
         }
@@ -203,8 +212,11 @@ impl Engine {
             histories,
             balance: None,
             timer,
+            erosions: common.erosions,
             inverted: Vec::new(),
             centre: [0.0; 3],
+            boxes: local.boxes,
+            classes: local.classes,
             nodes: local.nodes,
             blocks: local.blocks,
             halo: local.halo,

@@ -11,8 +11,8 @@ pub struct AssemblyPlan {
     start: Vec<u32>,
     /// Slots of element nodal forces, node by node, in ascending global element id.
     slots: Vec<u32>,
-    /// Groups in the order of computation: those for which other workers wait, then the others.
-    pub batches: [Vec<AssemblyBatch>; 2],
+    /// Groups in the order of computation, by portion of the elements.
+    pub batches: [Vec<AssemblyBatch>; 3],
     /// Nodes that are assembled after a batch, batch by batch.
     pub early: Vec<u32>,
     /// Local nodes that are assembled at the end: they need messages of other workers, or they
@@ -30,6 +30,9 @@ pub struct AssemblyBatch {
     pub groups: Range<usize>,
     /// Range of `AssemblyPlan::early`.
     pub nodes: Range<usize>,
+    /// Measured CPU time of its elements in a cycle, smoothed; 0 before the first measurement
+    /// [s].
+    pub cost: f64,
 }
 
 /// Corners of an element at local nodes, own or received.
@@ -67,7 +70,7 @@ impl AssemblyPlan {
     /// batch computes.
     pub fn build_batches(
         &mut self,
-        batches: [Vec<AssemblyBatch>; 2],
+        batches: [Vec<AssemblyBatch>; 3],
         received: usize,
         loaded: &[Range<usize>],
         slots_of: impl Fn(&AssemblyBatch) -> Range<usize>,
@@ -82,7 +85,7 @@ impl AssemblyPlan {
         for slots in loaded {
             when[slots.clone()].fill(u32::MAX);
         }
-        let count = self.batches[0].len() + self.batches[1].len();
+        let count = self.batches.iter().map(Vec::len).sum();
         let mut ready: Vec<Vec<u32>> = vec![Vec::new(); count];
         self.late.clear();
         for i in 0..self.start.len().saturating_sub(1) {

@@ -15,6 +15,7 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::job::Precision;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
+use crumple_proto::transport::thread_cpu;
 use std::ops::Range;
 
 /// An own element, with local node indices.
@@ -26,6 +27,17 @@ pub struct LocalElement {
     pub nodes: [u32; 8],
     /// True if one of its nodes is shared with another worker.
     pub shared: bool,
+    /// Its class at the last renewal; an element with a shared node is an interface element.
+    pub class: Class,
+}
+
+/// Class of an own element (Wang et al. 2007, sec. 2.1). Exterior elements are no own elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Class {
+    /// In the buffer around the box: other workers may need its nodal forces or a copy.
+    Interface,
+    /// In the internal box: no other worker needs it.
+    Interior,
 }
 
 /// Elements of one part and shape.
@@ -36,8 +48,11 @@ pub struct Block {
     pub first: usize,
     /// Number of elements.
     pub count: usize,
-    /// Number of groups that contain all shared elements; these are computed first.
-    pub front: usize,
+    /// Number of groups that contain all elements at shared nodes, and number of groups that
+    /// contain all interface elements. They are computed in this order, interior ones last.
+    fronts: [usize; 2],
+    /// Number of interface elements, which are its first ones.
+    pub interface: usize,
     /// True if the part is rigid or has a null material: its elements have no forces and do not
     /// limit the step.
     pub idle: bool,
@@ -59,7 +74,8 @@ pub struct Block {
 /// All own elements.
 #[derive(Default)]
 pub struct Blocks {
-    /// Elements, block by block, in each block shared elements first.
+    /// Elements, block by block: in each block those at shared nodes, then the other interface
+    /// elements, then interior ones.
     pub elements: Vec<LocalElement>,
     /// The blocks.
     pub blocks: Vec<Block>,
@@ -80,6 +96,8 @@ pub struct Blocks {
     pub by_part: Vec<[f64; 2]>,
     /// True if [`Self::compute_all`] was called.
     pub all_computed: bool,
+    /// True if the CPU time of batches is measured in this cycle, for [`Self::kernel_seconds`].
+    pub timed: bool,
     /// Number of cycles of an outer step.
     subcycles: u64,
     /// Stable step over all own slow elements at their last computation, per cycle [time].
@@ -90,18 +108,28 @@ pub struct Blocks {
     plans: [AssemblyPlan; 2],
 }
 
-/// Part of the own elements, by the workers that use their forces.
+/// Part of the own elements, by class, in the order of computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Portion {
-    /// Groups with elements at shared nodes: other workers wait for their forces.
+    /// Groups with interface elements at shared nodes: other workers wait for their forces.
     Shared,
-    /// The other groups.
+    /// The other groups with interface elements.
+    Interface,
+    /// Groups of interior elements.
     Interior,
+}
+
+impl Portion {
+    /// All portions, in the order of computation.
+    pub const ALL: [Self; 3] = [Self::Shared, Self::Interface, Self::Interior];
 }
 
 /// Number of elements in a batch: their forces and history fit into the second-level cache with
 /// all other data.
 const BATCH: usize = 256;
+
+/// Weight of the latest measurement in the smoothed cost of a batch.
+const NEWEST: f64 = 0.2;
 
 /// Bytes of the columns of elements, by use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +165,25 @@ impl Block {
     pub fn lanes(&self) -> usize {
         self.history.lanes()
     }
+
+    /// Returns the portion in which an element of the block is computed.
+    pub fn portion_of(&self, index: usize) -> Portion {
+        match index / self.lanes() {
+            group if group < self.fronts[0] => Portion::Shared,
+            group if group < self.fronts[1] => Portion::Interface,
+            _ => Portion::Interior,
+        }
+    }
+
+    /// Returns the groups of a portion.
+    fn groups_of(&self, portion: Portion) -> Range<usize> {
+        let [shared, interface] = self.fronts;
+        match portion {
+            Portion::Shared => 0..shared,
+            Portion::Interface => shared..interface,
+            Portion::Interior => interface..self.group_count(),
+        }
+    }
 }
 
 impl Blocks {
@@ -149,7 +196,7 @@ impl Blocks {
     pub fn new(settings: &Settings, elements: Vec<(LocalElement, Vec<f64>)>) -> Self {
         let mut elements = elements;
         let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8, e.record.slow);
-        elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.record.id));
+        elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.class, e.record.id));
         let (elements, histories): (Vec<_>, Vec<_>) = elements.into_iter().unzip();
         let mut blocks: Vec<Block> = Vec::new();
         let mut first = 0;
@@ -175,7 +222,7 @@ impl Blocks {
         let mut all = Self {
             weak,
             mass_scaled: elements.iter().any(|e: &LocalElement| {
-                e.record.mass_factor != 1.0 && !is_inactive(settings, e.record.part)
+                e.record.mass_factor != 1.0 && !settings.is_inactive(e.record.part)
             }),
             massless_dt: elements
                 .iter()
@@ -185,6 +232,7 @@ impl Blocks {
             blocks,
             by_part: Vec::new(),
             all_computed: false,
+            timed: false,
             force: Vec::new(),
             moment: Vec::new(),
             subcycles: settings.subcycles,
@@ -241,6 +289,35 @@ impl Blocks {
         }
     }
 
+    /// Returns the measured CPU time of the kernel of each element per cycle, in the order of
+    /// `elements` [s]. It is the mean over its batch, so it depends on formulation, law, points and
+    /// state of the elements; elements without forces have none. Batches that were not measured
+    /// yet count as the mean of the others, or as 1 if none was.
+    pub fn kernel_seconds(&self) -> Vec<f64> {
+        let mut seconds = vec![0.0; self.elements.len()];
+        let slow = if self.subcycles > 1 { 1.0 / self.subcycles as f64 } else { 1.0 };
+        for (plan, share) in self.plans.iter().zip([slow, 1.0 - slow]).filter(|p| p.1 > 0.0) {
+            let elements = |batch: &AssemblyBatch| {
+                let b = &self.blocks[batch.block];
+                let [from, to] = [batch.groups.start, batch.groups.end].map(|g| g * b.lanes());
+                b.first + from..b.first + to.min(b.count)
+            };
+            let (sum, count) = plan
+                .batches
+                .iter()
+                .flatten()
+                .filter(|batch| batch.cost > 0.0)
+                .fold((0.0, 0), |s, b| (s.0 + b.cost, s.1 + elements(b).len()));
+            let mean = if count > 0 { sum / count as f64 } else { 1.0 };
+            for batch in plan.batches.iter().flatten() {
+                let range = elements(batch);
+                let each = if batch.cost > 0.0 { batch.cost / range.len() as f64 } else { mean };
+                seconds[range].iter_mut().for_each(|s| *s += share * each);
+            }
+        }
+        seconds
+    }
+
     /// Returns the number of slots of own elements.
     pub fn own_slots(&self) -> usize {
         self.blocks.iter().map(Block::corner_slots).sum()
@@ -285,8 +362,7 @@ impl Blocks {
             let is_in = |i: &usize| set == ElementSet::All || !is_slow(*i);
             let picked = order.iter().map(|o| o.1 as usize).filter(is_in);
             let mut plan = AssemblyPlan::new(held, picked.map(corners));
-            let batches =
-                [Portion::Shared, Portion::Interior].map(|portion| self.batches(portion, set));
+            let batches = Portion::ALL.map(|portion| self.batches(portion, set));
             plan.build_batches(batches, own, &loaded, |batch| {
                 self.blocks[batch.block].slots_of(&batch.groups)
             });
@@ -311,13 +387,17 @@ impl Blocks {
         let cut = |(block, b): (usize, &Block)| {
             let groups = match portion {
                 _ if b.idle || b.slow && set == ElementSet::Fast => 0..0,
-                Portion::Shared => 0..b.front,
-                Portion::Interior => b.front..b.group_count(),
+                _ => b.groups_of(portion),
             };
             let (end, size) = (groups.end, BATCH / b.lanes());
             groups
                 .step_by(size)
-                .map(move |g| AssemblyBatch { block, groups: g..(g + size).min(end), nodes: 0..0 })
+                .map(move |g| AssemblyBatch {
+                    block,
+                    groups: g..(g + size).min(end),
+                    nodes: 0..0,
+                    cost: 0.0,
+                })
                 .collect::<Vec<_>>()
         };
         self.blocks.iter().enumerate().flat_map(cut).collect()
@@ -339,8 +419,10 @@ impl Blocks {
         if set == ElementSet::All && portion == Portion::Shared {
             self.slow_dt = f64::INFINITY;
         }
-        let plan = std::mem::take(&mut self.plans[set as usize]);
-        for batch in &plan.batches[portion as usize] {
+        let mut plan = std::mem::take(&mut self.plans[set as usize]);
+        let mut batches = std::mem::take(&mut plan.batches[portion as usize]);
+        let mut clock = self.timed.then(thread_cpu);
+        for batch in &mut batches {
             let b = &mut self.blocks[batch.block];
             let slots = b.base..b.base + b.corner_slots();
             let moment =
@@ -367,7 +449,15 @@ impl Blocks {
             }
             totals.add(&pass);
             self.assemble_nodal(&plan, nodes, &plan.early[batch.nodes.clone()]);
+            if let Some(before) = &mut clock {
+                let now = thread_cpu();
+                let cost = now.saturating_sub(*before).as_secs_f64();
+                let newest = if batch.cost > 0.0 { NEWEST } else { 1.0 };
+                batch.cost += newest * (cost - batch.cost);
+                *before = now;
+            }
         }
+        plan.batches[portion as usize] = batches;
         self.plans[set as usize] = plan;
         totals.stable_dt = totals.stable_dt.min(self.slow_dt);
         totals
@@ -546,11 +636,6 @@ fn cycles_of(record: &ElementRecord, subcycles: u64) -> f64 {
     if record.slow { subcycles as f64 } else { 1.0 }
 }
 
-/// Returns true if the elements of a part carry no force: it is rigid or has a null material.
-fn is_inactive(settings: &Settings, part: u32) -> bool {
-    settings.parts[part as usize].skin || settings.rigid.iter().any(|r| r.parts.contains(&part))
-}
-
 impl Block {
     fn new(
         settings: &Settings,
@@ -570,15 +655,18 @@ impl Block {
         let history = HistoryColumns::new(precision, run.len(), element.columns());
         let (lanes, slots) = (history.lanes(), shape.slots());
         let groups = run.len().div_ceil(lanes);
+        let shared = run.iter().filter(|e| e.shared).count();
+        let interface = run.iter().filter(|e| e.class == Class::Interface).count();
         let mut b = Self {
             base,
             slots,
             groups: vec![0; groups * slots * lanes],
             history,
             unstrained: vec![false; groups],
-            front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
+            fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
+            interface,
             count: run.len(),
-            idle: is_inactive(settings, run[0].record.part),
+            idle: settings.is_inactive(run[0].record.part),
             slow: run[0].record.slow,
             first,
             element,

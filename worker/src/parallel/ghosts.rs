@@ -7,6 +7,7 @@ use crate::nodes::Nodes;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
+use crumple_proto::report::Displacement;
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, words_of};
 
 /// State of a ghost node in a message.
@@ -256,8 +257,8 @@ impl Ghosts {
     /// contact at the next one; with `spins`, which contact with friction needs, also
     /// rotational velocities. Workers also send each other their motion since the last renewal.
     /// Distant workers do so only at an exchange; until then the range of all velocities bounds
-    /// their approach. Returns the largest relative motion as a fraction of the motion that the
-    /// ghosts allow.
+    /// their approach. Returns the relative motion that is largest as a fraction of the motion
+    /// that the ghosts allow.
     ///
     /// # Errors
     /// A worker is gone.
@@ -267,7 +268,7 @@ impl Ghosts {
         nodes: &mut Nodes,
         drift: &RigidMotion,
         spins: bool,
-    ) -> Result<f64, RankLost> {
+    ) -> Result<Displacement, RankLost> {
         let check_in = std::mem::take(&mut self.sync_distant);
         for link in self.links.iter().filter(|l| check_in || !l.both_distant) {
             self.mail.start();
@@ -285,16 +286,14 @@ impl Ghosts {
         if check_in {
             self.max_approach[0] = 0.0;
         }
-        let mut urgency = 0.0f64;
+        let mut largest = Displacement::default();
         for link in &mut self.links {
             if link.both_distant && !check_in {
                 // Two more steps pass until the other workers receive the request for an
                 // exchange.
                 if link.region.is_some() {
-                    urgency = urgency.max(
-                        (link.base + self.max_approach[0] + 2.0 * self.max_approach[1])
-                            / link.margin,
-                    );
+                    let apart = link.base + self.max_approach[0] + 2.0 * self.max_approach[1];
+                    largest = largest.or_larger(Displacement::new(apart, link.margin));
                 }
                 continue;
             }
@@ -318,9 +317,9 @@ impl Ghosts {
                     drift.relative_motion_within(&other, region)
                 };
                 link.base = apart;
-                urgency = urgency.max(apart / link.margin);
+                largest = largest.or_larger(Displacement::new(apart, link.margin));
             }
         }
-        Ok(urgency)
+        Ok(largest)
     }
 }

@@ -1,6 +1,7 @@
 //! The parallel run as a worker sees it: its partition, ghosts of other workers' nodes and
 //! elements, migration, the exchange of contact pairs, and the reduction of each step.
 
+pub mod boxes;
 pub mod convergence;
 pub mod ghosts;
 pub mod migrate;

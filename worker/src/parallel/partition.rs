@@ -10,13 +10,14 @@ use crate::contact::enforce::by_segments;
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
-use crate::fem::blocks::{Blocks, LocalElement, RemoteCorner};
+use crate::fem::blocks::{Blocks, Class, LocalElement, RemoteCorner};
 use crate::math::row::xyz;
 use crate::nodes::{Nodes, OuterStepMean};
+use crate::parallel::boxes::{ClassCounts, WorkerBoxes, half_width};
 use crate::parallel::ghosts::{GhostLink, Ghosts};
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
-use crumple_proto::boxes::Aabb;
+use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, gather_all};
@@ -46,6 +47,10 @@ pub struct LocalMesh {
     pub halo: Ghosts,
     /// Contact surface, if the model has contact.
     pub surface: Option<Surface>,
+    /// Boxes of this worker.
+    pub boxes: WorkerBoxes,
+    /// Numbers of elements and nodes by class.
+    pub classes: ClassCounts,
 }
 
 /// Element corner at a shared node, as it is sent to the other worker.
@@ -81,14 +86,15 @@ struct WireNode {
     owner: u64,
 }
 
-/// Builds a worker's local mesh from its partition. With `fresh`, nodal masses are assembled
-/// from the elements. Collective.
+/// Builds a worker's local mesh from its partition, whose elements have their centres in its box
+/// of `tree`. With `fresh`, nodal masses are assembled from the elements. Collective.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn build_local_mesh(
     comm: &mut dyn Transport,
     settings: &Settings,
+    tree: &CutTree,
     share: PartitionData,
     fresh: bool,
 ) -> Result<LocalMesh, RankLost> {
@@ -116,15 +122,30 @@ pub fn build_local_mesh(
                 record,
                 nodes: local,
                 shared: local.iter().any(|&n| is_shared[n as usize]),
+                class: Class::Interface,
             },
             history,
         )
     });
-    let elements = elements.collect();
-    let mut blocks = Blocks::new(settings, elements);
+    let mut elements: Vec<(LocalElement, Vec<f64>)> = elements.collect();
     let parts = ContactParts::from_settings(settings);
-    let mut surface =
-        settings.contact.as_ref().map(|_| Surface::new(&blocks.elements, &nodes, &parts));
+    let of_elements = || Surface::new(elements.iter().map(|e| &e.0), &nodes, &parts);
+    let mut surface = settings.contact.as_ref().map(|_| of_elements());
+    let around = match &mut surface {
+        Some(surface) => share_scales(comm, settings, &nodes, surface)?,
+        None => 0.5 * settings.buffer,
+    };
+    let mut boxes = WorkerBoxes::new(tree, me, half_width(tree, &all_bounds, around));
+    let mut classes = ClassCounts::default();
+    for (e, _) in &mut elements {
+        if boxes.is_interior(&Aabb::around(e.nodes.map(|n| xyz(&nodes.x[n as usize])))) {
+            e.class = Class::Interior;
+            classes.interior += 1;
+        } else {
+            classes.interface += 1;
+        }
+    }
+    let mut blocks = Blocks::new(settings, elements);
     let mut halo =
         link_element_forces(comm, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
@@ -136,10 +157,31 @@ pub fn build_local_mesh(
     }
     if let Some(surface) = &mut surface {
         surface.collect_slaves(&nodes);
-        copy_ghosts(comm, settings, &mut nodes, &mut halo, surface, &all_bounds)?;
+        let local = (&mut nodes, &mut halo, &mut *surface);
+        boxes.external = copy_ghosts(comm, settings, local, &all_bounds, around)?;
         send_users(comm, &nodes, &mut halo, &shared)?;
+        classes.exterior = surface.ghost_elements().count() as u64;
+        classes.exterior_nodes = (nodes.len() - nodes.local_count) as u64;
     }
-    Ok(LocalMesh { nodes, blocks, halo, surface })
+    Ok(LocalMesh { nodes, blocks, halo, surface, boxes, classes })
+}
+
+/// Agrees on the scales of all surfaces. Returns the distance around a worker's contact entities
+/// within which it needs ghosts, equal on all workers [length].
+fn share_scales(
+    comm: &mut dyn Transport,
+    settings: &Settings,
+    nodes: &Nodes,
+    surface: &mut Surface,
+) -> Result<f64, RankLost> {
+    let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
+    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)];
+    let scales = gather_all(comm, vec![mine])?;
+    let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
+    let largest = of_all(0).fold(0.0, f64::max);
+    surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
+    surface.short = of_all(2).fold(f64::INFINITY, f64::min);
+    Ok(covered(settings, &surface.interfaces, largest))
 }
 
 /// Exchanges the boxes of all workers.
@@ -263,29 +305,21 @@ pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
     !seeking.is_empty() && !held.is_empty() && !seeking.intersection(&held.grown(grow)).is_empty()
 }
 
-/// Copies the segments of other workers, with their nodes, that could touch own slaves and
-/// edges before the next renewal.
+/// Copies the segments of other workers' interface elements, with their nodes, that reach into
+/// the external box: those that could touch own slaves and edges before the next renewal.
+/// `grow` is the distance from [`share_scales`]. Returns the external box.
 ///
 /// # Errors
 /// A worker is gone.
 fn copy_ghosts(
     comm: &mut dyn Transport,
     settings: &Settings,
-    nodes: &mut Nodes,
-    halo: &mut Ghosts,
-    surface: &mut Surface,
+    (nodes, halo, surface): (&mut Nodes, &mut Ghosts, &mut Surface),
     held_bounds: &[Aabb],
-) -> Result<(), RankLost> {
+    grow: f64,
+) -> Result<Aabb, RankLost> {
     let workers = held_bounds.len();
     let me = nodes.me as usize;
-    let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
-    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)];
-    let scales = gather_all(comm, vec![mine])?;
-    let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
-    let largest = of_all(0).fold(0.0, f64::max);
-    surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
-    surface.short = of_all(2).fold(f64::INFINITY, f64::min);
-    let grow = covered(settings, &surface.interfaces, largest);
     let slave_boxes = exchange_bounds(comm, &seeking(settings, surface, nodes))?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
@@ -369,7 +403,8 @@ fn copy_ghosts(
         // is not nearer for this reason.
         link.both_distant &= link.export.is_empty() && link.import.is_empty();
     }
-    Ok(())
+    let own = slave_boxes[me];
+    Ok(if own.is_empty() { Aabb::EMPTY } else { own.grown(grow) })
 }
 
 /// Sends the list of workers that have an owned node to each of these workers.

@@ -12,6 +12,7 @@ use crate::nodes::Nodes;
 use crate::time::Clock;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
+use crumple_proto::report::Displacement;
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 use std::ops::Range;
 
@@ -72,8 +73,8 @@ pub struct StepReduction {
     reduction: MaxReduction,
     /// Last order that has arrived at this worker.
     pub order: u64,
-    /// Last relative motion at this worker, as a fraction of the motion that the ghosts allow.
-    pub urgency: f64,
+    /// Last displacement at this worker.
+    pub displacement: Displacement,
     /// Limit of the step due to elements at the last reduction [time].
     pub elements_dt: f64,
     /// Limit of the step due to contact, see [`StepConsensus::contact_dt`] [time].
@@ -105,7 +106,7 @@ impl StepReduction {
         Self {
             reduction: MaxReduction::new(WORDS, Tag::Maximum),
             order: 0,
-            urgency: 0.0,
+            displacement: Displacement::default(),
             elements_dt,
             contact_dt,
         }
@@ -136,7 +137,7 @@ impl StepReduction {
             -step,
             trouble,
             self.order as f64,
-            self.urgency,
+            self.displacement.share,
             eroded,
             known.distant_fraction,
         ]);

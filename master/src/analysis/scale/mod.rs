@@ -22,6 +22,7 @@ use crate::run::progress::{Progress, State};
 use crate::run::stdout::say;
 use census::{Census, Count, messages_to_all};
 use crumple_proto::boxes::CutTree;
+use crumple_proto::report::{PHASES, Phase};
 use crumple_worker::contact::Contact;
 use crumple_worker::engine::Engine;
 use crumple_worker::parallel::pair_exchange::TrafficEstimate;
@@ -281,19 +282,15 @@ fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
     let mut loads = Vec::new();
     let units = |n: u64| n as f64;
     let elements: f64 = kernels.element.iter().zip(&whole.lanes).map(|(s, &n)| s * units(n)).sum();
-    let of_contact =
-        [kernels.local, kernels.contact].iter().map(|k| k[0] * units(whole.slaves)).sum::<f64>()
-            + kernels.local[1] * units(whole.near)
-            + kernels.contact[1] * units(whole.pairs)
-            + kernels.watch * units(whole.held)
-            + kernels.search * units(whole.segments + whole.slaves);
+    let of = |k: [f64; 2], n: u64| k[0] * units(whole.slaves) + k[1] * units(n);
+    let mut seconds = [0.0; PHASES.len()];
+    seconds[Phase::Elements as usize] = elements;
+    seconds[Phase::Search as usize] =
+        kernels.watch * units(whole.held) + kernels.search * units(whole.segments + whole.slaves);
+    seconds[Phase::Local as usize] = of(kernels.local, whole.near);
+    seconds[Phase::Contact as usize] = of(kernels.contact, whole.pairs);
     let weighs = engine.clock.cycle > STEPS as u64 && whole.pairs > 0 && elements > 0.0;
-    let pair_weight = if weighs {
-        of_contact / units(whole.pairs) / (elements / units(whole.elements))
-    } else {
-        0.0
-    };
-    engine.for_each_load(1.0, pair_weight, |centre, load| loads.push((centre, load)));
+    engine.for_each_load(&seconds, f64::INFINITY, |centre, load| loads.push((centre, load)));
     if weighs {
         Box::new(Loads(loads))
     } else {

@@ -97,7 +97,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
         run_alone(model, |engine| {
             if engine.clock.cycle == cycles {
                 let mut centres = Vec::new();
-                engine.for_each_load(1.0, 0.0, |c, _| centres.push(c));
+                engine.for_each_load(&[0.0; PHASES.len()], 0.0, |c, _| centres.push(c));
                 let tree = bisect(&mut Centres(centres), workers).unwrap();
                 census = Some((Census::new(engine, &tree), tree));
             } else if let Some((census, tree)) =

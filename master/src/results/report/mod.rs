@@ -15,6 +15,7 @@ mod single_forces;
 mod sources;
 mod surface;
 mod tables;
+mod workers;
 
 use crate::results::fields::COLLECTION;
 use crate::run::stdout::say;

@@ -153,6 +153,7 @@ impl History {
             self.step(),
             self.imbalance(workers),
             self.redecompositions(),
+            self.classes(),
         ];
         let plots = all
             .into_iter()
@@ -260,13 +261,32 @@ impl History {
 
     fn redecompositions(&self) -> Option<Plot> {
         let line = |name: &str, label: &str| Some(Line { steps: true, ..self.line(name, label)? });
-        let lines = vec![
+        let mut lines = vec![
             line("low redecompositions", "low (new boxes)")?,
             line("high redecompositions", "high (membership)")?,
         ];
+        let erosions = line("renewals after erosion", "after erosion");
+        lines.extend(erosions.filter(|l| l.values.iter().any(|v| *v != 0.0)));
         let note = "Total since the start.";
         Some(Plot {
             title: "Redecompositions".into(),
+            unit: String::new(),
+            note: note.into(),
+            lines,
+        })
+    }
+
+    /// Plots the elements by class, over all workers; none if a single worker has all elements.
+    fn classes(&self) -> Option<Plot> {
+        let line = |class: &str| {
+            Some(Line { steps: true, ..self.line(&format!("{class} elements"), class)? })
+        };
+        let lines = vec![line("interior")?, line("interface")?, line("exterior")?];
+        let several = lines[1].values.iter().any(|v| *v > 0.0);
+        let note = "Own elements in the internal boxes and in the buffers, and ghosts; summed over \
+                    workers.";
+        several.then(|| Plot {
+            title: "Elements by class".into(),
             unit: String::new(),
             note: note.into(),
             lines,

@@ -2,7 +2,7 @@
 
 use super::paths::{self, WallPath};
 use super::plots::{History, Plots};
-use super::single_forces;
+use super::{single_forces, workers};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -69,6 +69,13 @@ impl Sources {
                 let after_walls =
                     sources.plots.plots.iter().position(|p| p.title == "Time step").unwrap_or(0);
                 sources.plots.plots.splice(after_walls..after_walls, of_things);
+                let of_workers = workers::plots(
+                    dir,
+                    &sources.plots.time,
+                    sources.limits(),
+                    &mut sources.problems,
+                );
+                sources.plots.plots.extend(of_workers);
                 sources.history = Some(history);
             }
             Err(why) => sources.problems.push(why),
@@ -107,6 +114,13 @@ impl Sources {
             ));
         }
         warnings
+    }
+
+    /// Returns the limits at which the master orders redecompositions, if they are known.
+    fn limits(&self) -> Option<workers::Limits> {
+        let limits = self.summary.as_ref()?.get("thresholds")?;
+        let of = |key: &str| limits.get(key).and_then(Value::as_f64);
+        Some(workers::Limits { margin: of("margin")?, imbalance: of("imbalance")? })
     }
 
     fn text(&self, key: &str) -> &str {

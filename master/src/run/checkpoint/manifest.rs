@@ -124,6 +124,7 @@ pub fn sync(path: &Path) -> io::Result<()> {
 }
 
 #[cfg(test)]
+/// A manifest for tests of this folder.
 pub mod tests {
     use super::*;
 

@@ -122,8 +122,8 @@ fn histograms(
 pub struct Workers<'a> {
     /// The master's end of the connection.
     pub comm: &'a mut dyn Transport,
-    /// Cost of a contact pair over that of an element.
-    pub pair_weight: f64,
+    /// Time of a contact pair in a cycle [s].
+    pub pair_s: f64,
     /// Messages of other kinds that arrived meanwhile, with the worker that sent them.
     pub aside: Vec<(usize, ToMaster)>,
 }
@@ -170,9 +170,8 @@ impl Load for Workers<'_> {
         of: &[HistogramRange],
         bins: usize,
     ) -> Result<Vec<Vec<f64>>, RankLost> {
-        let pair_weight = self.pair_weight;
-        let question =
-            ToWorker::Histograms { tree: tree.clone(), of: of.to_vec(), bins, pair_weight };
+        let (of_ranges, pair_s) = (of.to_vec(), self.pair_s);
+        let question = ToWorker::Histograms { tree: tree.clone(), of: of_ranges, bins, pair_s };
         let answers = self.ask(&question, |m| {
             if let ToMaster::Histograms(h) = m { Ok(h) } else { Err(Box::new(m)) }
         })?;

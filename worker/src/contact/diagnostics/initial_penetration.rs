@@ -5,7 +5,7 @@ use crate::contact::geometry::nearest;
 use crate::contact::local_search::{BEHIND, OUTSIDE, is_opposed};
 use crate::contact::search::linked_cells;
 use crate::contact::surface::{ContactParts, Segment, Surface};
-use crate::fem::blocks::LocalElement;
+use crate::fem::blocks::{Class, LocalElement};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
@@ -260,9 +260,9 @@ fn whole_surface(
     let local = |e: &ElementRecord| {
         let numbers =
             e.nodes.map(|n| nodes.local_index(n).expect("an element's nodes are in the mesh"));
-        LocalElement { record: *e, nodes: numbers, shared: false }
+        LocalElement { record: *e, nodes: numbers, shared: false, class: Class::Interior }
     };
     let elements: Vec<LocalElement> = elements.iter().map(local).collect();
-    let surface = Surface::new(&elements, &nodes, &ContactParts::from_settings(settings));
+    let surface = Surface::new(elements.iter(), &nodes, &ContactParts::from_settings(settings));
     (nodes, surface)
 }

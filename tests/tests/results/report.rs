@@ -2,8 +2,9 @@
 //! errors.
 
 use crumple_tests::program::{Ended, crumple_with, run};
+use crumple_tests::tools;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
@@ -148,18 +149,6 @@ fn a_folder_of_nothing_is_bad_input() {
     );
 }
 
-/// Returns `CRUMPLE_CHROMIUM`, or the first browser in `PATH`.
-fn browser() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("CRUMPLE_CHROMIUM") {
-        return Some(PathBuf::from(named));
-    }
-    let path = std::env::var_os("PATH")?;
-    let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-    std::env::split_paths(&path)
-        .flat_map(|dir| names.map(|name| dir.join(name)))
-        .find(|file| file.is_file())
-}
-
 /// Returns the page after its scripts have run. Pictures are drawn by software, so that no
 /// graphics card is needed.
 fn opened(browser: &Path, page: &Path, fragment: &str, profile: &Path, more: &[&str]) -> String {
@@ -186,10 +175,7 @@ fn attribute(html: &str, name: &str) -> Option<String> {
 
 #[test]
 fn a_browser_draws_the_page_without_a_fault() {
-    let Some(browser) = browser() else {
-        eprintln!("skipped: no Chromium in PATH, and CRUMPLE_CHROMIUM does not name one");
-        return;
-    };
+    let Some(browser) = tools::chromium() else { return };
     let profile = tempfile::tempdir().unwrap();
     let ended = bars(&[]).with_code(0);
     let file = ended.out().join("report.html");

@@ -3,25 +3,9 @@
 //! check only the files from outside.
 
 use crumple_tests::program::{Ended, crumple_with, root, run};
-use std::env;
+use crumple_tests::tools;
 use std::fs;
 use std::process::Command;
-
-/// Returns a Python that has the reader, if there is one.
-fn python() -> Option<std::ffi::OsString> {
-    let python = env::var_os("CRUMPLE_PYTHON");
-    let has = |p: &std::ffi::OsString| {
-        Command::new(p)
-            .args(["-c", "import lasso.dyna, pyvista"])
-            .output()
-            .is_ok_and(|o| o.status.success())
-    };
-    let found = python.filter(has);
-    if found.is_none() {
-        eprintln!("skipped: CRUMPLE_PYTHON does not name a Python with lasso-python and pyvista");
-    }
-    found
-}
 
 /// Exports in files of at most `size` MB, checks that there are `files` of them, and has them
 /// read; returns the output of the reader.
@@ -50,7 +34,7 @@ fn export_and_read(ended: &Ended, size: &str, files: usize) -> Option<String> {
             "complete blocks, with a marker at the end"
         );
     }
-    let mut reader = Command::new(python()?);
+    let mut reader = Command::new(tools::python("lasso.dyna, pyvista")?);
     reader.arg(root().join("deploy/read_d3plot.py")).arg(&out);
     Some(run(reader).with_code(0).said())
 }

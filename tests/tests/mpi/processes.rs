@@ -1,6 +1,6 @@
 //! Ranks as MPI processes: the same bits as with threads, and no end that hangs.
 
-use crumple_tests::program::{Running, crumple_with, mpirun, no_mpi, run, send, start};
+use crumple_tests::program::{Running, crumple_with, mpi_or_skip, mpirun, run, send, start};
 use rustix::process::Signal;
 use std::fs;
 use std::time::{Duration, Instant};
@@ -25,9 +25,7 @@ fn long_run(ranks: usize) -> Running {
 /// No code above the transport can distinguish threads from processes, so the bits are the same.
 #[test]
 fn processes_give_the_bits_that_threads_give() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     for job in [&JEEP[..], &TUMBLE] {
         let threads = run(crumple_with(&[job, &["--workers", "2"]].concat())).with_code(0);
         for ranks in [3, 5] {
@@ -42,9 +40,7 @@ fn processes_give_the_bits_that_threads_give() {
 /// mpirun with one rank has no separate worker: the binary runs as it does alone.
 #[test]
 fn a_single_rank_runs_its_workers_as_threads() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     let s = run(mpirun(1, &["run", "cases/tumble", "--end-time", "0.1", "--workers", "2"]))
         .with_code(0)
         .summary();
@@ -55,9 +51,7 @@ fn a_single_rank_runs_its_workers_as_threads() {
 /// end.
 #[test]
 fn a_bad_job_ends_all_ranks_with_code_2() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     for ranks in [1, 3] {
         let ended =
             run(mpirun(ranks, &["run", "cases/tumble", "--set", "time.safty=0.8"])).with_code(2);
@@ -72,9 +66,7 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
 /// is its code for SIGKILL.
 #[test]
 fn a_worker_that_is_killed_ends_the_job() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     for victim in [2, 0] {
         let running = long_run(4);
         let ranks = running.ranks();
@@ -99,9 +91,7 @@ fn a_worker_that_is_killed_ends_the_job() {
 /// cycles.
 #[test]
 fn an_interrupted_master_stops_all_ranks_with_code_130() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     let running = long_run(3);
     send(running.ranks()[0], Signal::INT);
     let stopped = running.end().with_code(130);
@@ -119,9 +109,7 @@ fn an_interrupted_master_stops_all_ranks_with_code_130() {
 /// own, 1, for any exit code of the ranks.
 #[test]
 fn an_interrupted_mpirun_leaves_a_whole_state() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     let running = long_run(3);
     running.signal(Signal::INT);
     let stopped = running.end();
@@ -133,9 +121,7 @@ fn an_interrupted_mpirun_leaves_a_whole_state() {
 /// A worker ignores signals that a launcher sends to all ranks: the master decides.
 #[test]
 fn a_signal_to_a_worker_alone_does_not_stop_it() {
-    if no_mpi().is_some() {
-        return;
-    }
+    let Some(()) = mpi_or_skip() else { return };
     let mut running =
         start(mpirun(3, &["run", "cases/tumble", "--set", "output.field_interval=-1"]));
     running.wait_for_rows(2);

@@ -1,5 +1,8 @@
 //! A contact law and a material law that only this test has: one file, and one row added to a
 //! table. Job keys, checks, schema, warnings and the run follow from the row.
+//!
+//! The tables and the schema belong to the process, and rows must be added before the first job is
+//! read. So these tests are a binary of their own.
 
 mod laws;
 

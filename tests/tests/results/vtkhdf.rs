@@ -1,8 +1,8 @@
 //! The VTKHDF file of a run, read back by VTK and compared bit for bit with the field files:
 //! deploy/read_vtkhdf.py. A binary built without VTKHDF refuses the request and names a remedy.
 
-use crumple_tests::program::{Ended, crumple_with, root, run};
-use std::env;
+use crumple_tests::program::{Ended, crumple_with, root, run, vtkhdf_or_skip};
+use crumple_tests::tools;
 use std::process::Command;
 
 /// Runs a job that requests the file. Returns `None` for a binary without VTKHDF, after a check
@@ -22,16 +22,12 @@ fn with_file(job: &str, more: &[&str]) -> Option<Ended> {
     assert_eq!(ended.code, Some(2), "bad input");
     let export = run(crumple_with(&["export-vtkhdf", "."])).with_code(2).said();
     assert!(export.contains("this crumple was built without VTKHDF"), "{export}");
-    eprintln!("skipped: the binary is built without the feature vtkhdf");
+    assert_eq!(vtkhdf_or_skip(), None);
     None
 }
 
 fn read_back(ended: &Ended) -> Option<String> {
-    let Some(python) = env::var_os("CRUMPLE_PYTHON").filter(|p| !p.is_empty()) else {
-        eprintln!("skipped: CRUMPLE_PYTHON does not name a Python with pyvista");
-        return None;
-    };
-    let mut reader = Command::new(python);
+    let mut reader = Command::new(tools::python("pyvista")?);
     reader.arg(root().join("deploy/read_vtkhdf.py")).arg(ended.out());
     Some(run(reader).with_code(0).said())
 }

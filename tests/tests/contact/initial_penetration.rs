@@ -98,6 +98,10 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
 
 /// A panel whose rim is folded back to 0.6 of a thickness, like a hem, flies, spins and
 /// vibrates: contact may not drive it.
+///
+/// A defect that gives penetrations of the start back slowly makes contact work that grows with the
+/// square of time: 0.03 of the kinetic energy in this flight, which should be 6e-9. The bound is
+/// that of 1e-3 in a flight of 6 ms, 7e-6, rounded down.
 #[test]
 fn a_folded_panel_in_flight_gains_nothing() {
     for law in LAWS {
@@ -111,7 +115,7 @@ fn a_folded_panel_in_flight_gains_nothing() {
         mesh.sheet(1, [56, 8], |x, y| [fold(x)[0], 40.0 * y, fold(x)[1]]);
         let rest = "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\n\
                     centre = [20.0, 20.0, 0.0]\n";
-        let model = mesh.model(6.0, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
+        let model = mesh.model(0.5, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
         let (mut first, mut most, mut work) = (None, 0.0f64, 0.0f64);
         run_alone(&model, |e: &Engine| {
             let now = e.ledger.energies(&e.nodes);
@@ -121,7 +125,7 @@ fn a_folded_panel_in_flight_gains_nothing() {
         });
         let first = first.unwrap();
         assert!(
-            work < 1e-3 * first && most < 1.001 * first,
+            work < 5e-6 * first && most < (1.0 + 5e-6) * first,
             "{law}: work {work}, {most} of {first}"
         );
     }

@@ -1,0 +1,106 @@
+//! Programs of others that some tests need: MPI, a Python with packages, Chromium. Where one is
+//! missing, its tests are skipped with a notice; with `CRUMPLE_REQUIRE_ALL=1`, as in CI, they fail.
+
+use std::collections::BTreeMap;
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// A program that is missing, and how to install it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Missing {
+    /// Description of the problem.
+    pub what: String,
+    /// Remedy, as an order.
+    pub install: String,
+}
+
+/// Returns the program, or `None` after a notice that the test is skipped.
+///
+/// # Panics
+/// When it is missing although `CRUMPLE_REQUIRE_ALL` is 1.
+pub fn or_skip<T>(found: Result<T, Missing>) -> Option<T> {
+    skip_unless(env::var_os("CRUMPLE_REQUIRE_ALL").as_deref() == Some(OsStr::new("1")), found)
+}
+
+fn skip_unless<T>(require_all: bool, found: Result<T, Missing>) -> Option<T> {
+    let Missing { what, install } = match found {
+        Ok(program) => return Some(program),
+        Err(missing) => missing,
+    };
+    assert!(!require_all, "{what}, but CRUMPLE_REQUIRE_ALL=1 forbids to skip a test: {install}");
+    eprintln!("skipped: {what}; to run this test, {install}");
+    None
+}
+
+/// Returns the Python in `CRUMPLE_PYTHON` if it has these packages; else see [`or_skip`].
+pub fn python(packages: &str) -> Option<OsString> {
+    static FOUND: Mutex<BTreeMap<String, Result<OsString, Missing>>> = Mutex::new(BTreeMap::new());
+    let mut found = FOUND.lock().unwrap_or_else(PoisonError::into_inner);
+    let result = found.entry(packages.into()).or_insert_with(|| {
+        let missing = |what: String| Missing {
+            what,
+            install: "make a virtual environment with deploy/requirements.txt and name its Python \
+                      in CRUMPLE_PYTHON; deploy/test.sh does both"
+                .into(),
+        };
+        let python = env::var_os("CRUMPLE_PYTHON").filter(|path| !path.is_empty());
+        let python =
+            python.ok_or_else(|| missing("CRUMPLE_PYTHON does not name a Python".into()))?;
+        let mut import = Command::new(&python);
+        let said = import.args(["-c", &format!("import {packages}")]).output();
+        let said = said.map_err(|error| missing(format!("{}: {error}", python.display())))?;
+        let why = || String::from_utf8_lossy(&said.stderr).lines().last().map(String::from);
+        match said.status.success() {
+            true => Ok(python),
+            false => Err(missing(format!(
+                "{} lacks one of {packages}: {}",
+                python.display(),
+                why().unwrap_or_default()
+            ))),
+        }
+    });
+    let result = result.clone();
+    drop(found);
+    or_skip(result)
+}
+
+/// Returns `CRUMPLE_CHROMIUM`, or the first browser in `PATH`; else see [`or_skip`].
+pub fn chromium() -> Option<PathBuf> {
+    const NAMES: [&str; 4] =
+        ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+    let in_path = || {
+        let path = env::var_os("PATH")?;
+        env::split_paths(&path)
+            .flat_map(|folder| NAMES.map(|name| folder.join(name)))
+            .find(|file| file.is_file())
+    };
+    let named = env::var_os("CRUMPLE_CHROMIUM").filter(|path| !path.is_empty());
+    or_skip(named.map(PathBuf::from).or_else(in_path).ok_or_else(|| Missing {
+        what: "no Chromium in PATH".into(),
+        install: "install the package chromium, or name a browser in CRUMPLE_CHROMIUM".into(),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn missing() -> Result<(), Missing> {
+        Err(Missing { what: "no hammer".into(), install: "install hammer".into() })
+    }
+
+    #[test]
+    fn a_missing_program_skips_the_test() {
+        assert_eq!(skip_unless(false, missing()), None);
+        assert_eq!(skip_unless(true, Ok(7)), Some(7));
+    }
+
+    #[test]
+    #[should_panic(expected = "no hammer, but CRUMPLE_REQUIRE_ALL=1 forbids to skip a test")]
+    fn a_required_program_fails_the_test() {
+        skip_unless(true, missing());
+    }
+}

@@ -1,0 +1,11 @@
+//! Scenes with known outcome: waves, beams, loads and constraints.
+
+mod bars;
+mod beams;
+mod free_rotation;
+mod loads;
+mod rigid;
+mod sections;
+mod springs;
+mod ties;
+mod walls;

@@ -1,0 +1,4 @@
+//! The repository itself: ARCHITECTURE.md, links.
+
+mod architecture;
+mod links;

@@ -1,0 +1,9 @@
+//! Results of a run, read back by other readers; the report, the trace and studies.
+
+mod d3plot;
+mod histories;
+mod paraview;
+mod report;
+mod study;
+mod trace;
+mod vtkhdf;

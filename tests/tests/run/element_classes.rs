@@ -1,0 +1,157 @@
+//! Classes of elements by the boxes of the workers (Wang et al. 2007, sec. 2.1): ghosts are exactly
+//! the interface elements of other workers that reach into the external box, and no worker
+//! needs an interior element of another one.
+
+use crumple_proto::boxes::Aabb;
+use crumple_proto::ids::ElemId;
+use crumple_tests::{Trace, case, read, watch_side_by_side};
+use crumple_worker::contact::surface::{ContactParts, segments_of};
+use crumple_worker::engine::Engine;
+use crumple_worker::fem::blocks::{Class, Portion};
+use crumple_worker::math::row::xyz;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
+
+/// Partition of one worker after a renewal.
+struct Partition {
+    worker: u32,
+    /// Cycle of the renewal.
+    cycle: u64,
+    /// Class, and boxes around the contact faces, of each own element.
+    elements: BTreeMap<ElemId, (Class, Vec<Aabb>)>,
+    /// Nodes of own elements, by element.
+    nodes: BTreeMap<ElemId, Vec<u64>>,
+    ghosts: BTreeSet<ElemId>,
+    external: Aabb,
+}
+
+fn partition_of(e: &Engine) -> Partition {
+    let parts = ContactParts::from_settings(&e.settings);
+    let mut elements = BTreeMap::new();
+    let mut nodes = BTreeMap::new();
+    for b in &e.blocks.blocks {
+        for (i, element) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
+            // Storage follows the classes, and so does the order of computation.
+            assert_eq!(element.class == Class::Interface, i < b.interface, "place in the block");
+            let early = b.portion_of(i) != Portion::Interior;
+            assert!(early || element.class == Class::Interior, "an interface element comes late");
+            assert!(!element.shared || b.portion_of(i) == Portion::Shared, "others wait for it");
+            let around = Aabb::around(element.nodes.map(|n| xyz(&e.nodes.x[n as usize])));
+            let inside = e.boxes.internal.contains_box(&around);
+            assert_eq!(element.class == Class::Interior, inside, "{}", element.record.id);
+            let segments = match e.settings.contact {
+                Some(_) => segments_of(element, &e.nodes, &parts),
+                None => Vec::new(),
+            };
+            let faces = segments.iter().map(|s| s.bounds(&e.nodes.x, 0.0)).collect();
+            elements.insert(element.record.id, (element.class, faces));
+            let corners = element.nodes[..element.record.shape.corners()].iter();
+            nodes.insert(
+                element.record.id,
+                corners.map(|&n| e.nodes.id[n as usize].label()).collect(),
+            );
+        }
+    }
+    let ghosts: BTreeSet<ElemId> =
+        e.contact.iter().flat_map(|c| c.surface.ghost_elements()).collect();
+    let of = |class| elements.values().filter(|v| v.0 == class).count() as u64;
+    let c = e.classes;
+    assert_eq!([c.interior, c.interface], [of(Class::Interior), of(Class::Interface)]);
+    assert_eq!(c.exterior, ghosts.len() as u64);
+    Partition {
+        worker: e.nodes.me,
+        cycle: e.clock.cycle,
+        elements,
+        nodes,
+        ghosts,
+        external: e.boxes.external,
+    }
+}
+
+/// Runs a scene and returns its partitions, by the cycle of the renewal.
+fn watch(
+    name: &str,
+    sets: &[&str],
+    workers: usize,
+    run: [u64; 2],
+) -> (Trace, BTreeMap<u64, Vec<Partition>>) {
+    let seen = Mutex::new(Vec::new());
+    let look = |e: &Engine| seen.lock().expect("no test fails here").push(partition_of(e));
+    let trace = watch_side_by_side(&read(&case(name), sets), workers, run, &look);
+    let mut by_cycle: BTreeMap<u64, Vec<Partition>> = BTreeMap::new();
+    for p in seen.into_inner().expect("no test failed") {
+        by_cycle.entry(p.cycle).or_default().push(p);
+    }
+    (trace, by_cycle)
+}
+
+/// Checks ghosts against the classes and external boxes of all workers. Returns the numbers of
+/// ghosts, of interior and of interface elements, summed over all renewals.
+fn check(partitions: &BTreeMap<u64, Vec<Partition>>, workers: usize) -> [usize; 3] {
+    let mut sums = [0; 3];
+    for (cycle, all) in partitions {
+        assert_eq!(all.len(), workers, "cycle {cycle}");
+        for p in all {
+            let (mut wanted, mut not_interface) = (BTreeSet::new(), 0);
+            for other in all.iter().filter(|o| o.worker != p.worker) {
+                for (&id, (class, faces)) in &other.elements {
+                    let reaches =
+                        !p.external.is_empty() && faces.iter().any(|f| f.intersects(&p.external));
+                    if reaches {
+                        wanted.insert(id);
+                        not_interface += usize::from(*class != Class::Interface);
+                    }
+                }
+            }
+            assert_eq!(not_interface, 0, "cycle {cycle}: an interior element is needed");
+            assert_eq!(p.ghosts, wanted, "cycle {cycle}, worker {}", p.worker);
+            let interior = p.elements.values().filter(|e| e.0 == Class::Interior).count();
+            let counts = [p.ghosts.len(), interior, p.elements.len() - interior];
+            sums.iter_mut().zip(counts).for_each(|(s, c)| *s += c);
+        }
+        // Elements at shared nodes are interface elements.
+        let mut holders: BTreeMap<u64, BTreeSet<u32>> = BTreeMap::new();
+        for p in all {
+            p.nodes.values().flatten().for_each(|&n| {
+                holders.entry(n).or_default().insert(p.worker);
+            });
+        }
+        for p in all {
+            for (id, nodes) in &p.nodes {
+                let shared = nodes.iter().any(|n| holders[n].len() > 1);
+                assert!(!shared || p.elements[id].0 == Class::Interface, "cycle {cycle}: {id}");
+            }
+        }
+    }
+    sums
+}
+
+/// Four tubes and three plates that fly at each other, tumbling; with renewals when the margin is
+/// used up, and with forced ones in other boxes.
+#[test]
+fn ghosts_are_the_interface_elements_in_the_external_box() {
+    for (workers, force_every) in [(2, 0), (4, 0), (3, 40), (7, 90)] {
+        let (trace, partitions) = watch("tumble", &[], workers, [2500, force_every]);
+        assert!(trace.renewals > 3, "{workers} workers: {} renewals", trace.renewals);
+        let [ghosts, interior, interface] = check(&partitions, workers);
+        assert!(ghosts > 500 && interior > 500, "{workers}: {ghosts}, {interior}, {interface}");
+    }
+}
+
+/// Solids, of which only free faces are copied.
+#[test]
+fn ghosts_of_solids_are_interface_elements_too() {
+    let (_, partitions) = watch("can-crush", &[], 4, [120, 30]);
+    let [ghosts, interior, _] = check(&partitions, 4);
+    assert!(partitions.len() == 5 && ghosts > 100 && interior > 100, "{ghosts}, {interior}");
+}
+
+/// Without contact nothing is copied, and the buffer holds the elements at shared nodes.
+#[test]
+fn classes_are_exact_without_contact() {
+    for name in ["plate", "beam"] {
+        let (_, partitions) = watch(name, &[], 3, [20, 10]);
+        let [ghosts, interior, interface] = check(&partitions, 3);
+        assert!(ghosts == 0 && interior > 0 && interface > 0, "{name}: {interior}, {interface}");
+    }
+}

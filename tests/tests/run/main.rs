@@ -1,0 +1,13 @@
+//! The run: the same bits on any number of workers, steps, and how runs end.
+
+mod checkpoints;
+mod element_classes;
+mod exit_codes;
+mod free_flight;
+mod jeep_frame;
+mod numbering;
+mod precision;
+mod steps;
+mod subcycles;
+mod unused_features;
+mod worker_invariance;
