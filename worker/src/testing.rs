@@ -33,6 +33,7 @@ pub fn settings() -> Settings {
         field_times: Vec::new(),
         histories: Default::default(),
         field_dir: String::new(),
+        checkpoint: Default::default(),
         materials: Vec::new(),
         parts: Vec::new(),
         axes: Vec::new(),

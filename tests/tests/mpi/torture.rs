@@ -4,9 +4,9 @@
 //! `CRUMPLE_TORTURE_ROUNDS` sets the number of rounds, `CRUMPLE_TORTURE_SEED` the first seed;
 //! `deploy/torture.sh` does so.
 
-use crumple_tests::program::{crumple_with, mpirun, run, send, start};
+use crumple_tests::program::{crumple_with, mpi_or_skip, mpirun, run, send, start};
 use crumple_tests::restart::assert_same_files;
-use crumple_tests::tools;
+
 use rustix::process::Signal;
 use std::collections::BTreeMap;
 use std::fs;
@@ -37,7 +37,7 @@ fn number(name: &str, default: u64) -> u64 {
 #[test]
 fn killed_runs_give_the_results_of_undisturbed_ones() {
     let seed = number("CRUMPLE_TORTURE_SEED", 1);
-    let with_mpi = tools::mpi().is_some();
+    let with_mpi = mpi_or_skip().is_some();
     let mut known: BTreeMap<&str, (String, PathBuf, tempfile::TempDir)> = BTreeMap::new();
     let mut kills = 0;
     for round in 0..number("CRUMPLE_TORTURE_ROUNDS", ROUNDS) {

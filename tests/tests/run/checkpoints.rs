@@ -4,9 +4,9 @@
 use crumple::run::checkpoint::manifest::Manifest;
 use crumple_proto::checkpoint::{FORMAT, FileRecord, decode};
 use crumple_proto::job::Job;
-use crumple_tests::program::{Ended, crumple_with, mpirun, root, run, send, start};
+use crumple_tests::program::{Ended, crumple_with, mpi_or_skip, mpirun, root, run, send, start};
 use crumple_tests::restart::{Plan, assert_same_files, checkpoints, copy_folder, run_interrupted};
-use crumple_tests::{case, read, run_side_by_side, tools};
+use crumple_tests::{case, read, run_side_by_side};
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use rustix::process::Signal;
 use std::fs;
@@ -136,7 +136,7 @@ fn a_stopped_run_continues_from_its_last_cycle() {
 /// A rank under MPI is killed; the run continues as threads, and the other way round.
 #[test]
 fn a_killed_rank_loses_no_work() {
-    let Some(()) = tools::mpi() else { return };
+    let Some(()) = mpi_or_skip() else { return };
     let whole = undisturbed();
     for rank in [0, 2] {
         let mut running = start(mpirun(4, &TUMBLE));

@@ -121,6 +121,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         field_times: Vec::new(),
         histories: Default::default(),
         field_dir: String::new(),
+        checkpoint: Default::default(),
         materials: vec![material],
         parts: vec![part],
         axes: Vec::new(),
