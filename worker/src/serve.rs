@@ -121,8 +121,8 @@ fn resume(
     Ok(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) })
 }
 
-/// Calls a function with the centre and the load of every own element. The number is the CPU time of
-/// a contact pair [s].
+/// Calls a function with the centre and the load of every own element. The number is the CPU time
+/// of a contact pair [s].
 type EachLoad<'a> = dyn FnMut(f64, &mut dyn FnMut([f64; 3], f64)) + 'a;
 
 /// Answers a request of the master for extents or histograms of the load. Returns all other
