@@ -7,7 +7,6 @@ use crate::contact;
 use crate::contact::beams::with_edges;
 use crate::contact::edges::contact_edges;
 use crate::contact::enforce::by_segments;
-use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
 use crate::fem::blocks::{Blocks, LocalElement, RemoteCorner};
@@ -69,6 +68,7 @@ struct WireSegment {
     nodes: [NodeId; 4],
     behind: [NodeId; 4],
     half: f64,
+    offset: f64,
     scale: f64,
     part: u64,
 }
@@ -246,8 +246,10 @@ fn link_element_forces(
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
 /// segments: the reach of the search, for the largest scale of any worker's surface, plus the
 /// buffer [length].
-pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64) -> f64 {
-    contact::search_reach(interfaces, largest_scale, largest_scale) + settings.buffer
+pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f64 {
+    contact::search_reach(&surface.interfaces, largest_scale, largest_scale)
+        + surface.shift_reach()
+        + settings.buffer
 }
 
 /// Returns the box around a worker's own slaves, edges and, where segments touch segments, the
@@ -279,13 +281,15 @@ fn copy_ghosts(
     let workers = held_bounds.len();
     let me = nodes.me as usize;
     let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
-    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)];
+    let short = surface.short_edge(nodes);
+    let mine = [surface.largest_scale(), smallest, short, surface.largest_offset];
     let scales = gather_all(comm, vec![mine])?;
     let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
-    let grow = covered(settings, &surface.interfaces, largest);
+    surface.largest_offset = of_all(3).fold(0.0, f64::max);
+    let grow = covered(settings, surface, largest);
     let slave_boxes = exchange_bounds(comm, &seeking(settings, surface, nodes))?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
@@ -315,6 +319,7 @@ fn copy_ghosts(
                 nodes: ids,
                 behind,
                 half: s.half_thickness,
+                offset: s.offset,
                 scale: s.scale,
                 part: u64::from(s.part),
             }
@@ -346,6 +351,7 @@ fn copy_ghosts(
             nodes: local,
             behind: s.behind.map(|n| nodes.index_of(n).unwrap_or(NOT_LOCAL)),
             half_thickness: s.half,
+            offset: s.offset,
             scale: s.scale,
             part: s.part as u32,
             own: false,

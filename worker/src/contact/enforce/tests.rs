@@ -92,6 +92,7 @@ impl Scene {
             nodes,
             behind: [NOT_LOCAL; 4],
             half_thickness: HALF,
+            offset: 0.0,
             scale: HALF,
             part: 0,
             own: true,
