@@ -81,7 +81,7 @@ impl Surface {
         let apart = at - near.point - near.normal * self.offset_of(interface, segment);
         let shift = self.shift_of_slave(interface, place, x);
         let between = (apart + shift).dot(&near.normal);
-        if apart.dot(&near.normal) * between < 0.0 {
+        if !near.rim && apart.dot(&near.normal) * between < 0.0 {
             return between.abs();
         }
         let direction = apart.try_normalize(0.0).unwrap_or(near.normal);
