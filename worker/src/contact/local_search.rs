@@ -269,7 +269,7 @@ fn shell_frame(
     let between = height + visit.shift_along(&near.normal);
     let here = if between < 0.0 { -1.0 } else { 1.0 };
     let side = if near.rim { here } else { known.or_else(neighbour_side).unwrap_or(here) };
-    // A node beside the rim is not deep, whatever its own shift is.
+    // A node next to the rim is not deep, whatever its own shift is.
     let is_through = !near.rim && height * side < 0.0;
     if is_through || distance < 0.05 * visit.thickness {
         return ContactFrame { normal: near.normal * side, side, reached: between * side };

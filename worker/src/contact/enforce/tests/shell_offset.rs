@@ -251,22 +251,22 @@ fn a_corner_lies_on_both_middle_surfaces() {
     }
 }
 
-/// A node beside the rim of a segment, a little below its plane, with a shift upwards: its distance
+/// A node next to the rim of a segment, a little below its plane, with a shift upwards: its distance
 /// is that from the rim.
 #[test]
-fn a_node_beside_a_rim_is_not_in_the_segment() {
+fn a_node_next_to_a_rim_is_not_in_the_segment() {
     let of = with_offsets(&job("lagrange"));
     for height in [-0.01 * HALF, 0.01 * HALF] {
-        let beside = [[1.0, -0.5], [3.0, -0.5], [3.0, 0.5], [1.0, 0.5]]
+        let next_to = [[1.0, -0.5], [3.0, -0.5], [3.0, 0.5], [1.0, 0.5]]
             .map(|[x, y]| held([x + 0.95 * THICK, y, height]));
-        let points: Vec<NodeRecord> = square([1.0; 4]).into_iter().chain(beside).collect();
+        let points: Vec<NodeRecord> = square([1.0; 4]).into_iter().chain(next_to).collect();
         let segments = [[0, 1, 2, 3], [4, 5, 6, 7]];
         let slaves = [0, 1, 2, 3, 4, 5, 6, 7];
         let mut scene =
             Scene::with_offsets(&of, &points, &segments, &[0.0, 0.5 * HALF], &slaves, 1e-3);
         scene.step();
         let of_nodes: Vec<&Pair> = scene.pairs().iter().filter(|p| p.nodes[0] >= 4).collect();
-        assert_eq!(of_nodes.len(), 2, "both corners are beside the rim");
+        assert_eq!(of_nodes.len(), 2, "both corners are next to the rim");
         for p in of_nodes {
             // The shift is almost perpendicular to the normal.
             assert!((p.penetration / THICK - 0.05).abs() < 0.01, "{height}: {}", p.penetration);
