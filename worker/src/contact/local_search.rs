@@ -217,7 +217,7 @@ impl<'a> PairGeometry<'a> {
 
     /// Returns the vector from the middle surface of the segment to a point, from the vector from
     /// its nearest point [length].
-    fn from_middle(&self, offset: &V3) -> V3 {
+    fn relative_to_middle(&self, offset: &V3) -> V3 {
         if self.offset == 0.0 { *offset } else { offset - self.near.normal * self.offset }
     }
 
@@ -417,7 +417,7 @@ fn evaluate_pair(
     let PairGeometry { segment, slave, thickness, scale, speed, dt, step, near, .. } = *visit;
     let at = v3(&nodes.x[slave as usize]);
     let offset = at - near.point;
-    let apart = visit.from_middle(&offset);
+    let apart = visit.relative_to_middle(&offset);
     if apart.norm() > REACH * scale + visit.shift.norm() {
         return None;
     }

@@ -121,7 +121,7 @@ fn plates_that_fly_at_each_other_stop_at_their_middle_surfaces() {
                 let (scene, nearest) = fly(&of, sides, start);
                 let depth = nearest - touching(sides);
                 // Friction rotates the nodes and acts with another lever arm. Sweeps leave up to
-                // 1e-6 of a velocity (`tolerance`), here 1e-9 of the thickness.
+                // 1e-6 of a velocity (`tolerance`): 2e-8 of the thickness in a step.
                 if friction == 0.0 {
                     assert!((depth - wanted).abs() < 1e-6 * THICK, "{label}: {depth}, {wanted}");
                 }
