@@ -26,8 +26,7 @@ use crate::math::row::{Row, V3};
 /// segments at a right angle need `sqrt(2)`, three `sqrt(3)`, to lie with both (or all) middle
 /// surfaces.
 const LARGEST_SHIFT: f64 = 2.0;
-/// Smallest square of the mean of the normals around a node, at which shifts are not lengthened any
-/// more.
+/// Smallest mean product of the normals around a node by which shifts are lengthened.
 const SHARPEST: f64 = 0.25;
 /// Distance of the nodes of a pair along its normal below which friction has no lever arm, as a
 /// fraction of the half thicknesses.
@@ -92,24 +91,21 @@ impl Surface {
     /// [length]. Solids and beams do not count.
     ///
     /// The mean of the segments' vectors `o n` is too short where they meet at an angle. It is
-    /// divided by the square of the mean of their normals: for two segments with the same offset
-    /// the result lies on both middle surfaces. Normals count on one side, as neighbouring
-    /// segments may have opposite normals.
+    /// divided by the mean of `|n_g . n_h|` over all pairs of their normals. For two segments with
+    /// the same offset, and for three at right angles, the result lies on all middle surfaces. The
+    /// senses of the normals do not matter, and the result has no jump when an angle changes.
     pub fn shift<'a>(&self, segments: impl Iterator<Item = &'a Segment>, x: &[Row]) -> V3 {
-        let (mut sum, mut normals, mut count) = (V3::zeros(), V3::zeros(), 0.0);
-        let mut first: Option<V3> = None;
-        for s in segments.filter(|s| !s.is_solid() && !s.is_line()) {
-            let Some(normal) = s.middle_normal(x) else { continue };
-            let side = if first.get_or_insert(normal).dot(&normal) < 0.0 { -1.0 } else { 1.0 };
-            sum += normal * s.offset;
-            normals += normal * side;
-            count += 1.0;
-        }
+        let shells = segments.filter(|s| !s.is_solid() && !s.is_line());
+        let all: Vec<(V3, f64)> =
+            shells.filter_map(|s| Some((s.middle_normal(x)?, s.offset))).collect();
+        let sum: V3 = all.iter().map(|(normal, offset)| normal * *offset).sum();
         if sum == V3::zeros() {
             return sum;
         }
-        let sharpness = (normals / count).norm_squared().max(SHARPEST);
-        (sum / (count * sharpness)).cap_magnitude(LARGEST_SHIFT * self.largest_offset)
+        let count = all.len() as f64;
+        let along = |(g, _): &(V3, f64)| all.iter().map(|(h, _)| g.dot(h).abs()).sum::<f64>();
+        let alike = all.iter().map(along).sum::<f64>() / (count * count);
+        (sum / (count * alike.max(SHARPEST))).cap_magnitude(LARGEST_SHIFT * self.largest_offset)
     }
 }
 

@@ -275,3 +275,24 @@ fn a_node_next_to_a_rim_is_not_in_the_segment() {
         }
     }
 }
+
+/// Three segments around a node, two at about a right angle: the shift has no jump when this angle
+/// passes 90 degrees.
+#[test]
+fn the_shift_has_no_jump_when_an_angle_passes_a_right_angle() {
+    let of = with_offsets(&job("lagrange"));
+    let shift = |angle: f64| {
+        // Segments about the y axis; their directions from it turn downwards.
+        let arm = |degrees: f64| {
+            let (s, c) = degrees.to_radians().sin_cos();
+            [[c, 0.0, -s], [c, 1.0, -s]].map(held)
+        };
+        let axis = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(held);
+        let points = [axis, arm(0.0), arm(angle), arm(40.0)].concat();
+        let segments = [[0, 2, 3, 1], [0, 4, 5, 1], [0, 6, 7, 1]];
+        let scene = Scene::with_offsets(&of, &points, &segments, &[0.7 * HALF; 3], &[0], 1e-3);
+        scene.contact.surface.shift_of_slave(0, 0, &scene.nodes.x)
+    };
+    let change = (shift(90.0 + 1e-6) - shift(90.0 - 1e-6)).norm();
+    assert!(change < 1e-7 * HALF, "two millionths of a degree change it by {change}");
+}
