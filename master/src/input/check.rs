@@ -327,6 +327,9 @@ fn touching(c: &Contact) -> String {
     if c.thickness_scale != 1.0 {
         words += &format!(", thickness times {}", figure(c.thickness_scale));
     }
+    if c.shell_offset {
+        words += ", at the middle surface of shells";
+    }
     if c.birth > 0.0 {
         words += &format!(", from time {}", figure(c.birth));
     }

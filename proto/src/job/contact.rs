@@ -40,6 +40,9 @@ pub struct Contact {
     pub thickness: Option<f64>,
     /// Factor on the thickness of shells and beams in contact.
     pub thickness_scale: f64,
+    /// If true, shells with an `offset` touch at half their contact thickness from their middle
+    /// surface. If false, they touch at this distance from their nodes.
+    pub shell_offset: bool,
     /// Global search: `cells` (linked cells) or `boxes` (point in box by sorted lists).
     pub search: String,
     /// Distance that the global search looks beyond the reach, so that it need not run in every
@@ -116,6 +119,8 @@ pub struct Interface {
     pub thickness: Option<f64>,
     /// As in `[contact]`.
     pub thickness_scale: Option<f64>,
+    /// As in `[contact]`.
+    pub shell_offset: Option<bool>,
     /// As in `[contact]`. If false, this interface does not apply to beams, and an earlier
     /// interface remains in effect for them.
     pub beams: Option<bool>,
@@ -152,6 +157,7 @@ impl Contact {
             death,
             thickness,
             thickness_scale,
+            shell_offset,
             beams,
             parameters: own,
         } = interface.clone();
@@ -175,6 +181,7 @@ impl Contact {
             death: death.or(self.death),
             thickness: thickness.or(self.thickness.filter(|_| thickness_scale.is_none())),
             thickness_scale: thickness_scale.unwrap_or(self.thickness_scale),
+            shell_offset: shell_offset.unwrap_or(self.shell_offset),
             search: self.search.clone(),
             skin: self.skin,
             weighting: self.weighting.clone(),
@@ -233,6 +240,7 @@ impl Default for Contact {
             death: None,
             thickness: None,
             thickness_scale: 1.0,
+            shell_offset: false,
             search: "cells".into(),
             skin: 0.0,
             weighting: "shape".into(),

@@ -557,3 +557,53 @@ fn springs_and_dampers_have_their_laws_and_scales() {
         assert!(said.contains(line), "missing text: {line}\n{said}");
     }
 }
+
+/// Reads the base with an offset of each shell and a contact of all parts, or returns the report.
+fn shifted(thicknesses: [f64; 2], offsets: [f64; 2], lines: &str) -> Result<Model, String> {
+    let [t, u] = thicknesses.map(|t| format!("{t:>16}{t:>16}{t:>16}{t:>16}"));
+    let [o, p] = offsets;
+    let rows = format!(
+        "*ELEMENT_SHELL_THICKNESS_OFFSET\n1,1,11,12,15,14\n{t}\n{o:>16}\n2,1,12,13,16,15\n{u}\n\
+         {p:>16}\n"
+    );
+    let deck = BASE
+        .replace("*ELEMENT_SHELL\n1,1,11,12,15,14\n2,1,12,13,16,15\n", &rows)
+        .replace("11,0,0,12", "11,0,0,15");
+    let contact = "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n";
+    let text = format!("{deck}{STEEL}{MOVES}{contact}{lines}*END\n");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, text).unwrap();
+    read(&path, &[]).map_err(|report| report.to_string())
+}
+
+/// Offsets of elements become the offset of their part; cntco asks for contact at the middle
+/// surface.
+#[test]
+fn offsets_of_shells_and_contact_at_their_middle_surface() {
+    let offset = |model: &Model| {
+        (model.job.part[0].offset, model.job.contact.as_ref().unwrap().shell_offset)
+    };
+    let of = |thicknesses, offsets, lines: &str| {
+        offset(&shifted(thicknesses, offsets, lines).unwrap_or_else(|report| panic!("{report}")))
+    };
+    let cntco = |value: i64| format!("\n*CONTROL_SHELL\n0\n0\n0,0,{value}\n");
+    assert_eq!(of([2.0; 2], [0.5; 2], "\n"), (0.5, false));
+    assert_eq!(of([2.0, 4.0], [-0.5, -1.0], &cntco(2)), (-0.5, true), "the same fraction");
+    assert_eq!(of([2.0; 2], [0.5; 2], &cntco(1)), (0.5, true));
+    assert_eq!(of([2.0; 2], [0.5; 2], &format!(",,,,0.5\n{}", cntco(2))), (0.5, true));
+    assert_eq!(of([2.0; 2], [0.0; 2], &cntco(3)), (0.0, false), "no offset, no effect");
+    let nloc =
+        BASE.replace("*SECTION_SHELL\n1,2,1.0,3\n1.0\n", "*SECTION_SHELL\n1,2,1.0,3\n1,,,,1\n");
+    let contact = "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n";
+    let model = model_of(&format!("{nloc}{STEEL}{MOVES}{contact}{}", cntco(2)));
+    assert_eq!(offset(&model), (-1.0, true));
+    for (offsets, lines, words) in [
+        ([0.5, 0.25], "\n".to_string(), "give the shells of each offset a part of their own"),
+        ([0.5; 2], format!(",,,,0.5\n{}", cntco(1)), "set cntco to 2"),
+        ([0.5; 2], cntco(3), "set it to 0 (contact is at the nodes), 1 or 2"),
+    ] {
+        let report = shifted([2.0; 2], offsets, &lines).err().expect("it is refused");
+        assert!(report.contains(words), "{words} in\n{report}");
+    }
+}

@@ -205,6 +205,28 @@ fn own_thicknesses_and_offsets_give_the_same_bits_on_any_number_of_workers() {
     }
 }
 
+/// Contact at the middle surface in a scene with dense contact: the same bits on any number of
+/// workers, with each law. Without an offset the option changes nothing.
+#[test]
+fn contact_at_middle_surfaces_gives_the_same_bits_on_any_number_of_workers() {
+    let digest = |sets: &[&str], workers: usize, force_every: u64| {
+        let model = read(&case("tumble"), &[&["time.max_cycles=400"][..], sets].concat());
+        run_side_by_side(&model, workers, 400, force_every).digest()
+    };
+    let offsets = ["part.1.offset=0.5", "part.5.offset=-1.0"];
+    for law in LAWS {
+        let law = format!("contact.law={law}");
+        let of = |shifted: &'static str| [&offsets[..], &[&law, shifted]].concat();
+        let serial = digest(&of("contact.shell_offset=true"), 1, 0);
+        assert_ne!(serial, digest(&of("contact.shell_offset=false"), 1, 0), "{law}: it matters");
+        for (workers, force_every) in [(2, 0), (3, 7), (4, 0)] {
+            let found = digest(&of("contact.shell_offset=true"), workers, force_every);
+            assert_eq!(serial, found, "{law}, {workers} workers");
+        }
+    }
+    assert_eq!(digest(&["contact.shell_offset=true"], 2, 0), digest(&[], 1, 0));
+}
+
 #[test]
 fn mistakes_in_thicknesses_and_offsets_are_reported_all_at_once() {
     let sets = [

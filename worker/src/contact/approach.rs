@@ -30,13 +30,21 @@ pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
 }
 
 /// Returns the relative velocity of a slave and a segment over their scales, 0 if the slave is
-/// too far away to count [1/time]. `scale` is the sum of both scales [length], `dt` the step
-/// size [time].
-pub fn rate(nodes: &Nodes, slave: u32, segment: &Segment, scale: f64, dt: f64) -> f64 {
+/// too far away to count [1/time]. `scale` is the sum of both scales, `added` what shifts add to
+/// the reach ([`Surface::shift_reach`](super::surface::Surface::shift_reach)) [length], `dt` the
+/// step size [time].
+pub fn rate(
+    nodes: &Nodes,
+    slave: u32,
+    segment: &Segment,
+    (scale, added): (f64, f64),
+    dt: f64,
+) -> f64 {
     let speed = speed(nodes, &[slave], &segment.nodes);
     let at = v3(&nodes.x[slave as usize]);
     let Some(near) = segment.nearest(&at, &nodes.x) else { return 0.0 };
-    if (at - near.point).norm() <= REACH * scale + STEPS * dt * speed { speed / scale } else { 0.0 }
+    let reach = REACH * scale + added + STEPS * dt * speed;
+    if (at - near.point).norm() <= reach { speed / scale } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -61,11 +69,12 @@ mod tests {
                 nodes: [0, 1, 2, 3],
                 behind,
                 half_thickness: 0.01,
+                offset: 0.0,
                 scale: 0.01,
                 part: 0,
                 own: true,
             };
-            rate(&nodes, 4, &foil, 0.02, 0.1)
+            rate(&nodes, 4, &foil, (0.02, 0.0), 0.1)
         };
         let reach = 1.5 * 0.02 + 4.0 * 0.1 * 2.0;
         assert_eq!([rate_from(0.999 * reach), rate_from(1.001 * reach)], [2.0 / 0.02, 0.0]);

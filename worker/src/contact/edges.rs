@@ -31,6 +31,7 @@ use crate::contact::geometry::{EdgeProjection, project_edges, separation};
 use crate::contact::local_search::{ACTIVE, BEHIND, OUTSIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
+use crate::contact::shell_offset;
 use crate::contact::surface::{NOT_LOCAL, Surface};
 use crate::contact::surroundings::Exclusions;
 use crate::math::row::{V3, xyz};
@@ -233,7 +234,8 @@ impl Edges {
         let longest = of_own.iter().map(|b| b.half).fold(0.0, f64::max);
         let largest = of_own.iter().map(|b| b.scale).fold(0.0, f64::max);
         let middles: Vec<[f64; 3]> = of_own.iter().map(|b| b.middle.into()).collect();
-        let reach = |a: f64, b: f64| REACH * surface.interfaces.most(a + b) + skin;
+        let added = surface.shift_reach() + skin;
+        let reach = |a: f64, b: f64| REACH * surface.interfaces.most(a + b) + added;
         let grown =
             |i: &u32| edge(*i).bounds(&nodes.x).grown(reach(edge(*i).scale, largest) + longest);
         let boxes: Vec<Aabb> = all.iter().map(grown).collect();
@@ -271,7 +273,7 @@ impl Edges {
             let near = most(a.half + b.half) + ACTIVE * scale;
             let deepest =
                 if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
-            let reach = near.max(deepest) + step;
+            let reach = near.max(deepest) + step + surface.shift_reach();
             let is_near = a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
                 && are_within(a, b, nodes, reach + skin);
             is_near.then_some(EdgeCandidate { edges: *pair, reach, due: path })
@@ -290,8 +292,8 @@ impl Edges {
             let Some(interface) = interface else { return 0.0 };
             let scale = sizes(surface, interface, [a, b]).1;
             let speed = approach::speed(nodes, &a.nodes, &b.nodes);
-            let near = are_within(a, b, nodes, REACH * scale + approach::STEPS * dt * speed);
-            if near { speed / scale } else { 0.0 }
+            let reach = REACH * scale + surface.shift_reach() + approach::STEPS * dt * speed;
+            if are_within(a, b, nodes, reach) { speed / scale } else { 0.0 }
         };
         self.found.iter().map(|c| rate(c.map(|i| &self.lines.all[i as usize]))).fold(0.0, f64::max)
     }
@@ -349,6 +351,9 @@ impl Edges {
     ) -> Option<Pair> {
         let lines = &self.lines;
         let edges = places.map(|i| &lines.all[i as usize]);
+        let shifts = edges.map(|e| lines.shift(e, (surface, interface), &nodes.x));
+        let of_nodes = met.height;
+        let met = &met.shifted(&shifts);
         let [one, other] = edges;
         let (thickness, scale) = sizes(surface, interface, edges);
         let near = thickness + ACTIVE * scale;
@@ -381,7 +386,6 @@ impl Edges {
         let mut pair = Pair {
             shape,
             weight: shape,
-            lever_arms: levers(surface, interface, edges),
             interface,
             contact_thickness: scale,
             speed: surface.slower(one.part, two.part),
@@ -423,6 +427,7 @@ impl Edges {
             }
         }
         (pair.normal, pair.side) = (normal, side);
+        pair.lever_arms = levers((surface, interface), edges, &shifts, (&normal, of_nodes * side));
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
         let pair = pair.with_history(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * opening * side;
@@ -551,12 +556,23 @@ fn sizes(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> (f64, f64) {
 }
 
 /// Returns the lever arms of friction on two edges, in proportion to each other: their half
-/// thicknesses, or zero without friction [length].
-fn levers(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> [f64; 2] {
+/// thicknesses, or zero without friction [length]. `shifts` are those of the edges, `apart` is
+/// their distance along the pair's normal.
+fn levers(
+    (surface, interface): (&Surface, u16),
+    edges: [&Edge; 2],
+    shifts: &[V3; 2],
+    (normal, apart): (&V3, f64),
+) -> [f64; 2] {
     if !surface.interfaces.has_friction(interface) {
         return [0.0; 2];
     }
-    edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)).0)
+    let halves = edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)).0);
+    if *shifts == [V3::zeros(); 2] {
+        return halves;
+    }
+    let towards = [-shifts[0].dot(normal), shifts[1].dot(normal)];
+    shell_offset::lever_arms(halves, towards, apart, [1.0; 2])
 }
 
 /// Wedges of the slave edge and of the other edge; `None` for an edge that is no fold.

@@ -23,6 +23,7 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
         nodes,
         behind: [NOT_LOCAL; 4],
         half_thickness: HALF,
+        offset: 0.0,
         scale: HALF,
         part: 0,
         own: true,

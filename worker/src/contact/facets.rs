@@ -23,6 +23,7 @@ use crate::contact::local_search::{ACTIVE, BEHIND, REACH, moved, tolerated};
 use crate::contact::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::contact::pairs::{Pair, PairHistory, PairKey};
 use crate::contact::search::Search;
+use crate::contact::shell_offset;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::contact::surroundings::Exclusions;
 use crate::math::row::{V3, xyz};
@@ -146,7 +147,8 @@ impl Facets {
         let most = |of: &dyn Fn(u32) -> f64| slaves.iter().map(|&i| of(i)).fold(0.0, f64::max);
         let largest = most(&|i| surface.segments[i as usize].scale);
         let widest = most(&|i| spheres[i as usize].radius());
-        let reach = |one: f64, other: f64| REACH * surface.interfaces.most(one + other) + skin;
+        let added = surface.shift_reach() + skin;
+        let reach = |one: f64, other: f64| REACH * surface.interfaces.most(one + other) + added;
         let grown = |s: &Segment| s.bounds(&nodes.x, reach(s.scale, largest) + widest);
         let boxes: Vec<Aabb> = surface.segments.iter().map(grown).collect();
         find(&boxes, &centres, &mut |b, p| {
@@ -171,6 +173,7 @@ impl Facets {
             let segments = pair.map(|i| &surface.segments[i as usize]);
             let [one, other] = segments.map(|s| Sphere::around(&s.corners(&nodes.x)));
             let reach = REACH * surface.interfaces.most(segments[0].scale + segments[1].scale)
+                + surface.shift_reach()
                 + skin
                 + step;
             !one.are_separated(&other, reach)
@@ -282,7 +285,8 @@ impl Facets {
         let [ahead, behind] =
             segments.map(|s| surface.interfaces.measure(interface, (s.half_thickness, s.scale)));
         let (thickness, scale) = (ahead.0 + behind.0, ahead.1 + behind.1);
-        if one.are_separated(&other, REACH * scale) {
+        let shifts = segments.map(|s| surface.shift_of_segment(interface, s, &nodes.x));
+        if one.are_separated(&other, REACH * scale + shifts[0].norm() + shifts[1].norm()) {
             return None;
         }
         let (of_slave, of_met) = (slave.middle_normal(&nodes.x)?, met.middle_normal(&nodes.x)?);
@@ -293,7 +297,8 @@ impl Facets {
             (true, false) => -of_slave.dot(&of_met).signum(),
             (false, false) => {
                 let before = self.side(slave.id, (surface, met), &of_met);
-                before.unwrap_or_else(|| (one.centre() - other.centre()).dot(&of_met)).signum()
+                let apart = || one.centre() + shifts[0] - other.centre() - shifts[1];
+                before.unwrap_or_else(|| apart().dot(&of_met)).signum()
             }
         };
         let away = of_met * side;
@@ -311,6 +316,7 @@ impl Facets {
             segments,
             interface,
             thickness,
+            towards: [-shifts[0].dot(&normal), shifts[1].dot(&normal)],
             arm,
             scale,
             corners,
@@ -430,8 +436,10 @@ struct FacetPairGeometry<'a> {
     /// The slave segment and the other segment.
     segments: [&'a Segment; 2],
     interface: u16,
-    /// Distance at which they touch [length].
+    /// Distance of their middle surfaces at which they touch [length].
     thickness: f64,
+    /// Shifts of the middle surfaces towards the other segment [length].
+    towards: [f64; 2],
     /// Half thicknesses of both segments; zero without friction [length].
     arm: [f64; 2],
     /// Contact thickness [length].
@@ -478,11 +486,22 @@ impl FacetPairGeometry<'_> {
             .iter()
             .map(|&n| moved(self.nodes, met.nodes.into_iter(), n, dt, self.scale));
         let moved = moved.fold(0.0, f64::max);
-        above.gap_at(&below, self.thickness, |quarters, overlap| {
+        // The shifts bring the surfaces nearer to each other.
+        let apart = self.thickness + self.towards[0] + self.towards[1];
+        above.gap_at(&below, apart, |quarters, overlap| {
             if overlap.gap - dt * closing < ACTIVE * self.scale {
                 out.extend(self.pair(facets, quarters, &overlap, moved, dt));
             }
         });
+    }
+
+    /// Returns the lever arms of friction, in proportion to each other [length].
+    fn levers(&self, overlap: &Overlap) -> [f64; 2] {
+        if self.towards == [0.0; 2] || self.arm == [0.0; 2] {
+            return self.arm;
+        }
+        let apart = self.thickness + self.towards[0] + self.towards[1] + overlap.gap;
+        shell_offset::lever_arms(self.arm, self.towards, apart, [1.0; 2])
     }
 
     fn pair(
@@ -513,7 +532,7 @@ impl FacetPairGeometry<'_> {
             weight: shape,
             area: overlap.area,
             normal: self.normal,
-            lever_arms: self.arm,
+            lever_arms: self.levers(overlap),
             side: self.side,
             interface: self.interface,
             contact_thickness: self.scale,

@@ -312,6 +312,7 @@ mod tests {
                 nodes: [0, 1, n - 2, n - 1],
                 behind: [NOT_LOCAL; 4],
                 half_thickness: half,
+                offset: 0.0,
                 scale: 0.1,
                 part: 0,
                 own: true,

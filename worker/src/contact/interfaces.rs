@@ -33,6 +33,8 @@ struct InterfaceSettings {
     half: Option<f64>,
     /// Factor of the thickness of shells.
     factor: f64,
+    /// True if shells touch at their middle surface, see [`Contact::shell_offset`].
+    shell_offset: bool,
     friction: f64,
     dynamic: f64,
     /// Decay constant of friction [time/length].
@@ -140,6 +142,16 @@ impl Interfaces {
         (self.narrowest.0 * size).min(self.narrowest.1)
     }
 
+    /// Returns true if shells touch at their middle surface in an interface.
+    pub fn has_shell_offset(&self, interface: u16) -> bool {
+        self.numbers[interface as usize].shell_offset
+    }
+
+    /// Returns true if shells touch at their middle surface in any interface.
+    pub fn have_shell_offset(&self) -> bool {
+        self.numbers.iter().any(|n| n.shell_offset)
+    }
+
     /// Returns true if an interface has friction at any speed.
     pub fn has_friction(&self, interface: u16) -> bool {
         let n = &self.numbers[interface as usize];
@@ -192,6 +204,7 @@ impl InterfaceSettings {
         Self {
             half: contact.thickness.map(|t| 0.5 * t),
             factor: contact.thickness_scale,
+            shell_offset: contact.shell_offset,
             friction: contact.friction,
             dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
             decay: contact.friction_decay,

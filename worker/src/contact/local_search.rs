@@ -17,6 +17,7 @@
 use crate::contact::geometry::{Nearest, nearest};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::projections::ProjectedPair;
+use crate::contact::shell_offset;
 use crate::contact::surface::{Segment, Surface};
 use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
@@ -60,18 +61,20 @@ pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64
     const TURNED: f64 = 1.25;
     let most = |sum| surface.interfaces.most(sum);
     let scale = most(surface.node_scale[slave as usize] + segment.scale);
+    let added = surface.shift_reach();
     let before =
         most(surface.node_half[slave as usize] + segment.half_thickness) + ACTIVE * scale + step;
     let near = match segment.is_solid() {
-        true => TURNED * (before.max(BEHIND * scale) + OUTSIDE * scale + step),
-        false => before,
+        true => TURNED * (before.max(BEHIND * scale) + OUTSIDE * scale + step + added),
+        false => before + added,
     };
-    near.min(REACH * scale)
+    near.min(REACH * scale + added)
 }
 
 /// Returns the distance as in [`reach`] for a segment that has history with the slave [length].
 pub fn reach_of_old(surface: &Surface, slave: u32, segment: &Segment) -> f64 {
     REACH * surface.interfaces.most(surface.node_scale[slave as usize] + segment.scale)
+        + surface.shift_reach()
 }
 
 /// Returns true if a segment is not new to a slave with these pair histories. Faces of solids
@@ -89,8 +92,8 @@ struct PairCandidate {
     /// Normal velocity of the node relative to the segment without contact [length/time];
     /// negative when the gap closes.
     opening: f64,
-    /// Vector from the segment to the node [length].
-    offset: V3,
+    /// Vector to the node from the segment, from its middle surface if it is shifted [length].
+    apart: V3,
     /// See [`PairGeometry::thickness`].
     thickness: f64,
     is_line: bool,
@@ -117,8 +120,8 @@ pub fn find_pairs(
 ) {
     let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
     let found = |m: &ProjectedPair| {
-        let visit =
-            PairGeometry::new(surface, place, m, dt).filter(|v| alive[v.interface as usize])?;
+        let visit = PairGeometry::new((nodes, surface), place, m, dt)
+            .filter(|v| alive[v.interface as usize])?;
         evaluate_pair(nodes, surface, &visit, memory, opposed)
     };
     let mut finds: Vec<PairCandidate> = meetings.iter().filter_map(found).collect();
@@ -138,8 +141,8 @@ pub fn find_pairs(
         let covered = |a: &PairCandidate| {
             // A beam may project out of the shell on which it lies.
             let stands_out = if f.is_line || a.is_line { f.thickness - a.thickness } else { 0.0 };
-            f.offset.dot(&a.pair.normal)
-                >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.contact_thickness
+            f.apart.dot(&a.pair.normal)
+                >= a.apart.dot(&a.pair.normal) + stands_out - PLANE * f.pair.contact_thickness
         };
         if accepted < MOST && !finds[..accepted].iter().any(covered) {
             finds.swap(accepted, i);
@@ -173,12 +176,16 @@ struct PairGeometry<'a> {
     /// See [`ProjectedPair::step`].
     step: f64,
     near: &'a Nearest,
+    /// Distance of the segment's middle surface from its nodes along its normal [length].
+    offset: f64,
+    /// Vector from the node to the middle surface of its own shells [length].
+    shift: V3,
 }
 
 impl<'a> PairGeometry<'a> {
     /// Returns `None` if the two do not touch.
     fn new(
-        surface: &'a Surface,
+        (nodes, surface): (&Nodes, &'a Surface),
         place: usize,
         meeting: &'a ProjectedPair,
         dt: f64,
@@ -203,7 +210,20 @@ impl<'a> PairGeometry<'a> {
             dt,
             step: *step,
             near,
+            offset: surface.offset_of(interface, segment),
+            shift: surface.shift_of_slave(interface, place, &nodes.x),
         })
+    }
+
+    /// Returns the vector from the middle surface of the segment to a point, from the vector from
+    /// its nearest point [length].
+    fn relative_to_middle(&self, offset: &V3) -> V3 {
+        if self.offset == 0.0 { *offset } else { offset - self.near.normal * self.offset }
+    }
+
+    /// Returns the shift of the node along a unit vector [length].
+    fn shift_along(&self, direction: &V3) -> f64 {
+        self.shift.dot(direction)
     }
 }
 
@@ -228,28 +248,34 @@ struct ContactFrame {
     normal: V3,
     /// Side of the node along the segment's own normal, +1 or -1.
     side: f64,
-    /// Distance of the node from the segment along `normal` [length].
+    /// Distance of the node from the segment along `normal`, between their middle surfaces
+    /// [length].
     reached: f64,
 }
 
-/// Returns the contact frame of a shell segment. Around the rim the normal turns with the node,
+/// Returns the contact frame of a shell segment. `apart` is the vector from its middle surface to
+/// the node. Around the rim the normal turns with the node,
 /// so that nothing jumps when the node passes to the next segment or slides off. Deep inside,
 /// the side in the history of this segment decides; without it, the side from the history of a
 /// neighbour.
 fn shell_frame(
     visit: &PairGeometry<'_>,
-    offset: &V3,
+    apart: &V3,
     known: Option<f64>,
     neighbour_side: impl Fn() -> Option<f64>,
 ) -> ContactFrame {
     let near = visit.near;
-    let (distance, height) = (offset.norm(), offset.dot(&near.normal));
-    let here = if height < 0.0 { -1.0 } else { 1.0 };
+    let (distance, height) = (apart.norm(), apart.dot(&near.normal));
+    let between = height + visit.shift_along(&near.normal);
+    let here = if between < 0.0 { -1.0 } else { 1.0 };
     let side = if near.rim { here } else { known.or_else(neighbour_side).unwrap_or(here) };
-    let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
-    let (normal, reached) =
-        if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
-    ContactFrame { normal, side, reached }
+    // A node next to the rim is not deep, whatever its own shift is.
+    let is_through = !near.rim && height * side < 0.0;
+    if is_through || distance < 0.05 * visit.thickness {
+        return ContactFrame { normal: near.normal * side, side, reached: between * side };
+    }
+    let normal = apart / distance;
+    ContactFrame { normal, side, reached: distance + visit.shift_along(&normal) }
 }
 
 /// Returns the contact frame of a line. The normal turns with the node all around the line. A
@@ -257,7 +283,8 @@ fn shell_frame(
 fn line_frame(visit: &PairGeometry<'_>, offset: &V3, known: Option<V3>) -> ContactFrame {
     let near = visit.near;
     let side = if known.is_some_and(|n| n.dot(&near.normal) < 0.0) { -1.0 } else { 1.0 };
-    ContactFrame { normal: near.normal * side, side, reached: offset.dot(&near.normal) * side }
+    let between = offset.dot(&near.normal) + visit.shift_along(&near.normal);
+    ContactFrame { normal: near.normal * side, side, reached: between * side }
 }
 
 /// Returns the contact frame of a solid's face; the contact acts along the face's normal.
@@ -270,7 +297,7 @@ fn solid_frame(
     old: bool,
 ) -> Option<ContactFrame> {
     let PairGeometry { segment, slave, scale, dt, near, .. } = visit;
-    let height = (at - near.point).dot(&near.normal);
+    let height = (at - near.point).dot(&near.normal) + visit.shift_along(&near.normal);
     if segment.behind.contains(slave) || !old && height < -BEHIND * scale {
         return None;
     }
@@ -360,6 +387,7 @@ fn levers(nodes: &Nodes, surface: &Surface, visit: &PairGeometry<'_>, normal: &V
         return [0.0; 2];
     }
     let halves = surface.halves(interface, slave, segment);
+    let shifted = visit.offset != 0.0 || visit.shift != V3::zeros();
     let facing = |s: &Segment| {
         let own = || s.middle_normal(&nodes.x).map_or(0.0, |n| n.dot(normal).powi(2));
         if s.is_line() { 1.0 } else { own() }
@@ -367,6 +395,12 @@ fn levers(nodes: &Nodes, surface: &Surface, visit: &PairGeometry<'_>, normal: &V
     let shells = surface.around(visit.place).filter(|s| !s.is_solid());
     let ahead = shells.map(facing).reduce(f64::max).unwrap_or(1.0);
     let behind = if segment.is_line() { 1.0 } else { near.normal.dot(normal).powi(2) };
+    if shifted {
+        let towards = [-visit.shift_along(normal), visit.offset * near.normal.dot(normal)];
+        let apart = (v3(&nodes.x[slave as usize]) - near.point).dot(normal);
+        let weighted = [halves[0] * ahead, halves[1] * behind];
+        return shell_offset::lever_arms(weighted, towards, apart, [ahead, behind]);
+    }
     if halves[0] * ahead + halves[1] * behind <= RIM * (halves[0] + halves[1]) {
         return halves;
     }
@@ -383,7 +417,8 @@ fn evaluate_pair(
     let PairGeometry { segment, slave, thickness, scale, speed, dt, step, near, .. } = *visit;
     let at = v3(&nodes.x[slave as usize]);
     let offset = at - near.point;
-    if offset.norm() > REACH * scale {
+    let apart = visit.relative_to_middle(&offset);
+    if apart.norm() > REACH * scale + visit.shift.norm() {
         return None;
     }
     if visit.ring != 0 && !has_folded_over(nodes, visit, &offset) {
@@ -426,7 +461,7 @@ fn evaluate_pair(
                 Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum)
             };
             let on_side = || memory.iter().filter(past).find_map(turned);
-            shell_frame(visit, &offset, known.map(|m| m.side), on_side)
+            shell_frame(visit, &apart, known.map(|m| m.side), on_side)
         }
     };
     let gap = reached - thickness;
@@ -474,7 +509,7 @@ fn evaluate_pair(
         pair: pair.with_history(old, gap, tolerated),
         impact,
         opening,
-        offset,
+        apart,
         thickness,
         is_line,
         gap,
@@ -537,6 +572,7 @@ mod tests {
             nodes: [0, 1, 2, 3],
             behind: [NOT_LOCAL; 4],
             half_thickness: 0.0,
+            offset: 0.0,
             scale: SCALE,
             part: 0,
             own: true,
@@ -567,6 +603,7 @@ mod tests {
             nodes,
             behind: [NOT_LOCAL; 4],
             half_thickness: HALF,
+            offset: 0.0,
             scale: HALF,
             part: 0,
             own: true,
@@ -676,7 +713,7 @@ mod tests {
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
             let of = CandidatePair { slave_index: 0, segment: 0, shared_node_mask: 0 };
             let meeting = ProjectedPair { of, step, near };
-            let visit = PairGeometry::new(&surface, 0, &meeting, 1.0).expect("all touch");
+            let visit = PairGeometry::new((&nodes, &surface), 0, &meeting, 1.0).expect("all touch");
             let Some(place) = solid_frame(&nodes, &visit, &at, false) else { return Ok(()) };
             let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
             if place.reached + (v(4) - moving).dot(&place.normal) < ACTIVE * scale {

@@ -34,6 +34,7 @@ pub mod pairs;
 mod projections;
 mod resultants;
 pub mod search;
+pub mod shell_offset;
 mod solver;
 pub mod state;
 pub mod surface;
@@ -137,7 +138,7 @@ const FOLDS_EVERY: u64 = 64;
 
 /// Returns the distance outside a worker's box within which it must know segments, so that the
 /// global search covers the reach of the local search. It depends on the scales of segment and
-/// nodes [length].
+/// nodes [length]. [`Surface::shift_reach`] is added to it.
 pub fn search_reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
     local_search::REACH * interfaces.most(segment_scale + largest_scale)
 }
@@ -358,7 +359,7 @@ impl Contact {
                     nodes,
                     slave,
                     segment,
-                    s.sizes(interface, slave, segment).1,
+                    (s.sizes(interface, slave, segment).1, s.shift_reach()),
                     dt,
                 ))
             };
@@ -454,9 +455,9 @@ impl Contact {
         // Slaves by segment.
         let (mut found, mut count) = (Vec::new(), vec![0u32; s.segments.len()]);
         {
-            let largest = s.largest_scale();
+            let (largest, added) = (s.largest_scale(), s.shift_reach() + self.skin);
             let bounds = |g: &Segment| {
-                g.bounds(&nodes.x, search_reach(&s.interfaces, g.scale, largest) + self.skin)
+                g.bounds(&nodes.x, search_reach(&s.interfaces, g.scale, largest) + added)
             };
             let boxes: Vec<_> = s.segments.iter().map(bounds).collect();
             let points: Vec<[f64; 3]> =

@@ -157,6 +157,7 @@ mod tests {
             nodes,
             behind: [NOT_LOCAL; 4],
             half_thickness: half,
+            offset: 0.0,
             scale: 0.1,
             part: 0,
             own: true,

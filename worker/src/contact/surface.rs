@@ -36,6 +36,9 @@ pub struct Segment {
     pub behind: [u32; 4],
     /// Half the shell's thickness, or the beam's radius; 0 for a solid [length].
     pub half_thickness: f64,
+    /// Distance of a shell's middle surface from its nodes along its normal, if an interface uses
+    /// it ([`shell_offset`](super::shell_offset)) [length].
+    pub offset: f64,
     /// Its part of the contact thickness: half a shell's thickness, a fraction of a solid's
     /// shortest edge [length].
     pub scale: f64,
@@ -58,6 +61,8 @@ pub struct Surface {
     /// [`Segment::scale`] per local node, the largest of its segments; 0 if it is not on the
     /// surface [length].
     pub node_scale: Vec<f64>,
+    /// Largest [`Segment::offset`] of any worker, as an absolute value [length].
+    pub largest_offset: f64,
     /// Smallest scale of a segment of any worker [length].
     pub thinnest: f64,
     /// 10th percentile of the shortest edges of segments, minimum over all workers [length].
@@ -140,6 +145,9 @@ pub struct ContactParts {
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam as a
     /// multiple of its length.
     limit: f64,
+    /// Per part, the offset of its shells over half their thickness, and their thickness [length];
+    /// empty if no interface uses offsets.
+    offsets: Vec<(f64, f64)>,
     interfaces: Arc<Interfaces>,
 }
 
@@ -166,11 +174,21 @@ impl ContactParts {
                 p.contact_thickness_scale,
             ))
         };
+        let is_shifted = contact.is_some() && interfaces.have_shell_offset();
+        let offset = |p: &Part| (p.offset, p.thickness);
         Self {
             half: settings.parts.iter().enumerate().map(half).collect(),
             limit: contact.map_or(0.0, |c| c.thickness_limit),
+            offsets: settings.parts.iter().filter(|_| is_shifted).map(offset).collect(),
             interfaces,
         }
+    }
+
+    /// Returns the distance of the middle surface of a shell from its nodes, 0 if no interface
+    /// uses it [length].
+    fn offset(&self, record: &ElementRecord) -> f64 {
+        let Some(&(offset, of_part)) = self.offsets.get(record.part as usize) else { return 0.0 };
+        0.5 * offset * if record.thickness > 0.0 { record.thickness } else { of_part }
     }
 
     /// Returns the half thickness of a shell in contact [length], without the limit by its
@@ -210,6 +228,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
             nodes: corners.map(|c| e.nodes[c]),
             behind,
             half_thickness: if shell { half } else { 0.0 },
+            offset: if shell { parts.offset(&e.record) } else { 0.0 },
             scale,
             part: e.record.part,
             own: true,
@@ -230,6 +249,7 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
         nodes: [a, b, b, b],
         behind: [NOT_LOCAL; 4],
         half_thickness: half,
+        offset: 0.0,
         scale: half,
         part: e.record.part,
         own: true,
@@ -268,6 +288,7 @@ impl Surface {
         for i in 0..s.segments.len() {
             let g = s.segments[i];
             g.nodes.iter().for_each(|&n| s.include_remote(n, g.half_thickness, g.scale));
+            s.largest_offset = s.largest_offset.max(g.offset.abs());
         }
         s
     }
@@ -329,8 +350,14 @@ impl Surface {
     /// Returns the interface of the slave with index `place` in `slaves` and a segment; `None`
     /// if they do not touch.
     pub fn interface(&self, place: usize, segment: &Segment) -> Option<u16> {
+        self.interface_with(place, segment.part)
+    }
+
+    /// Returns the interface of the slave with index `place` in `slaves` and a part; `None` if
+    /// they do not touch.
+    pub fn interface_with(&self, place: usize, part: u32) -> Option<u16> {
         let parts: &[u32] = self.part_set.get(place).map_or(&[], |&s| &self.part_sets[s as usize]);
-        self.interfaces.for_pair(parts.iter().copied(), std::iter::once(segment.part))
+        self.interfaces.for_pair(parts.iter().copied(), std::iter::once(part))
     }
 
     /// Returns the sum of the half thicknesses of a node and a segment in an interface, and the

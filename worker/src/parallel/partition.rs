@@ -7,7 +7,6 @@ use crate::contact;
 use crate::contact::beams::with_edges;
 use crate::contact::edges::contact_edges;
 use crate::contact::enforce::by_segments;
-use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
 use crate::fem::blocks::{Blocks, Class, LocalElement, RemoteCorner};
@@ -74,6 +73,7 @@ struct WireSegment {
     nodes: [NodeId; 4],
     behind: [NodeId; 4],
     half: f64,
+    offset: f64,
     scale: f64,
     part: u64,
 }
@@ -166,7 +166,7 @@ pub fn build_local_mesh(
     Ok(LocalMesh { nodes, blocks, halo, surface, boxes, classes })
 }
 
-/// Agrees on the scales of all surfaces. Returns the distance around a worker's contact entities
+/// Agrees on the scales and offsets of all surfaces. Returns the distance around a worker's contact entities
 /// within which it needs ghosts, equal on all workers [length].
 fn share_scales(
     comm: &mut dyn Transport,
@@ -175,13 +175,15 @@ fn share_scales(
     surface: &mut Surface,
 ) -> Result<f64, RankLost> {
     let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
-    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)];
+    let short = surface.short_edge(nodes);
+    let mine = [surface.largest_scale(), smallest, short, surface.largest_offset];
     let scales = gather_all(comm, vec![mine])?;
     let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
-    Ok(covered(settings, &surface.interfaces, largest))
+    surface.largest_offset = of_all(3).fold(0.0, f64::max);
+    Ok(covered(settings, surface, largest))
 }
 
 /// Exchanges the boxes of all workers.
@@ -288,8 +290,10 @@ fn link_element_forces(
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
 /// segments: the reach of the search, for the largest scale of any worker's surface, plus the
 /// buffer [length].
-pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64) -> f64 {
-    contact::search_reach(interfaces, largest_scale, largest_scale) + settings.buffer
+pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f64 {
+    contact::search_reach(&surface.interfaces, largest_scale, largest_scale)
+        + surface.shift_reach()
+        + settings.buffer
 }
 
 /// Returns the box around a worker's own slaves, edges and, where segments touch segments, the
@@ -349,6 +353,7 @@ fn copy_ghosts(
                 nodes: ids,
                 behind,
                 half: s.half_thickness,
+                offset: s.offset,
                 scale: s.scale,
                 part: u64::from(s.part),
             }
@@ -380,6 +385,7 @@ fn copy_ghosts(
             nodes: local,
             behind: s.behind.map(|n| nodes.index_of(n).unwrap_or(NOT_LOCAL)),
             half_thickness: s.half,
+            offset: s.offset,
             scale: s.scale,
             part: s.part as u32,
             own: false,

@@ -273,7 +273,7 @@ impl Census {
             }
         }
         surface.slaves.iter().for_each(|&n| parts[self.owner(n)].slaves.push(n));
-        let grow = covered(&engine.settings, &surface.interfaces, surface.largest_scale());
+        let grow = covered(&engine.settings, surface, surface.largest_scale());
         // Ordered by the lower end along x, so that few segments are tested for each box.
         let mut bounds: Vec<(Aabb, u32)> = (0..)
             .zip(&surface.segments)

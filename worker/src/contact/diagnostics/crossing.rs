@@ -1,7 +1,8 @@
 //! Detection of edges that have gone through a surface without a contact. Nodes touch segments,
 //! and exposed edges touch each other (`edges.rs`). An edge can still pass if it cuts into a
 //! curved face between its nodes, or comes through where no fold is sharp enough. All edges of
-//! the surface are checked for this from time to time, and crossings are reported.
+//! the surface are checked for this from time to time, and crossings are reported. Where contact
+//! uses the offsets of shells, both are compared at their middle surfaces.
 
 use crate::contact::folds::{Edge, EdgeTable};
 use crate::contact::geometry::project_edges;
@@ -37,9 +38,15 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
         edges.iter().map(|e| ((e.ends(&nodes.x)[0] + e.ends(&nodes.x)[1]) * 0.5).into()).collect();
-    let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
-    let through = |s: &Segment, e: &Edge, x: &[Row]| {
-        let ([p, q], [a, b, c, d]) = (e.ends(x), s.corners(x));
+    let grown = longest + surface.shift_reach();
+    let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, grown)).collect();
+    let shifted = |e: &Edge, interface: u16, x: &[Row]| {
+        let shift = lines.shift(e, (surface, interface), x);
+        e.ends(x).map(|end| end + shift)
+    };
+    let through = |s: &Segment, e: &Edge, interface: u16, x: &[Row]| {
+        let shift = surface.shift_of_segment(interface, s, x);
+        let ([p, q], [a, b, c, d]) = (shifted(e, interface, x), s.corners(x).map(|q| q + shift));
         // An edge on a face, or with a penetration that contact permits, is no crossing.
         let deep = |(at, normal): (V3, V3)| {
             let [above, below] = [p - at, q - at].map(|end| end.dot(&normal).abs());
@@ -53,14 +60,15 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     // Edges in contact penetrate as nodes do. An edge that touches an edge of the segment is no
     // crossing.
     let meets = |e: &Edge| lines.is_exposed(e, surface, &nodes.x);
-    let held = |s: &Segment, e: &Edge| {
+    let held = |s: &Segment, e: &Edge, interface: u16| {
         let sides = (0..4).map(|k| [s.nodes[k], s.nodes[(k + 1) % 4]]);
         let ascending = |[a, b]: [u32; 2]| {
             if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] }
         };
         let of_segment = sides.filter_map(|n| lines.place(ascending(n))).map(|i| &lines.all[i]);
         let near = |o: &&Edge| {
-            let passed = project_edges(&e.ends(&nodes.x), &o.ends(&nodes.x));
+            let passed =
+                project_edges(&shifted(e, interface, &nodes.x), &shifted(o, interface, &nodes.x));
             passed.is_some_and(|p| p.height.abs() <= THROUGH * s.scale)
         };
         let mut near = of_segment.filter(near).peekable();
@@ -73,9 +81,11 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         let touch = || {
             let parts = lines.segments(e).iter().map(|&g| surface.segments[g as usize].part);
             let interface = surface.interfaces.for_pair(parts, std::iter::once(s.part));
-            interface.is_some_and(|i| surface.interfaces.is_alive(i, time))
+            interface.filter(|&i| surface.interfaces.is_alive(i, time))
         };
-        if apart && touch() && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(s, e) {
+        let passed =
+            |i: u16| through(s, e, i, &nodes.x) && !through(s, e, i, &nodes.x0) && !held(s, e, i);
+        if apart && touch().is_some_and(passed) {
             found.push(Crossing {
                 edge: lines.lowest_segment(e, surface).id.elem(),
                 surface: s.id.elem(),

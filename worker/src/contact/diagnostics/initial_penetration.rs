@@ -82,7 +82,8 @@ fn in_shells(
 ) -> Vec<Penetration> {
     let largest = surface.largest_scale();
     let shells: Vec<&Segment> = surface.segments.iter().filter(|s| !s.is_solid()).collect();
-    let reach = |s: &Segment| surface.interfaces.most(s.scale + largest);
+    let added = surface.shift_reach();
+    let reach = |s: &Segment| surface.interfaces.most(s.scale + largest) + added;
     let boxes: Vec<_> = shells.iter().map(|s| s.bounds(&nodes.x, reach(s))).collect();
     let mut found = Vec::new();
     linked_cells(&boxes, &points(nodes, surface), &mut |g, p| {
@@ -100,7 +101,8 @@ fn in_shells(
         let Some(near) = s.nearest(&at, &nodes.x) else { return };
         let Some(interface) = surface.interface(p as usize, s) else { return };
         let (thickness, scale) = surface.sizes(interface, slave, s);
-        let depth = thickness - (at - near.point).norm();
+        let pair = (interface, p as usize);
+        let depth = thickness - surface.distance(pair, s, (&at, &near), &nodes.x);
         if depth > ROUND_OFF * scale {
             found.push(Penetration {
                 node: nodes.id[slave as usize],
@@ -126,21 +128,27 @@ fn in_solids(
     let faces: Vec<&Segment> = surface.segments.iter().filter(|s| s.is_solid()).collect();
     let with_faces: HashSet<u32> = faces.iter().map(|s| s.part).collect();
     let number = |n: NodeId| nodes.local_index(n).expect("an element's nodes are in the mesh");
-    let solids: Vec<[u32; 8]> = elements
+    let solids: Vec<(u32, [u32; 8])> = elements
         .iter()
         .filter(|e| e.shape == Shape::Hex8 && with_faces.contains(&e.part))
-        .map(|e| e.nodes.map(number))
+        .map(|e| (e.part, e.nodes.map(number)))
         .collect();
+    // The point of a slave that is compared with a solid of a part is on the middle surface.
+    let middle = |p: u32, part: u32| {
+        let interface = surface.interface_with(p as usize, part)?;
+        let shift = surface.shift_of_slave(interface, p as usize, &nodes.x);
+        Some(V3::from(xyz(&nodes.x[surface.slaves[p as usize] as usize])) + shift)
+    };
     let place = |&n: &u32| xyz(&nodes.x[n as usize]);
-    let boxes: Vec<Aabb> = solids.iter().map(|c| Aabb::around(c.iter().map(place))).collect();
+    let grown =
+        |corners: &[u32; 8]| Aabb::around(corners.iter().map(place)).grown(surface.shift_reach());
+    let boxes: Vec<Aabb> = solids.iter().map(|(_, corners)| grown(corners)).collect();
     let inside = |e: u32, p: u32| {
-        let (corners, slave) = (&solids[e as usize], surface.slaves[p as usize]);
+        let ((part, corners), slave) = (&solids[e as usize], surface.slaves[p as usize]);
         !corners.contains(&slave)
             && !is_tied(slave, corners)
-            && is_inside(
-                &V3::from(xyz(&nodes.x[slave as usize])),
-                &corners.map(|n| V3::from(place(&n))),
-            )
+            && middle(p, *part)
+                .is_some_and(|at| is_inside(&at, &corners.map(|n| V3::from(place(&n)))))
     };
     let mut slaves: Vec<u32> = Vec::new();
     linked_cells(&boxes, &points(nodes, surface), &mut |e, p| {
@@ -150,14 +158,13 @@ fn in_solids(
     slaves.dedup();
     let depth_in = |s: &Segment, p: u32| {
         let slave = surface.slaves[p as usize];
-        let at = V3::from(xyz(&nodes.x[slave as usize]));
+        let at = middle(p, s.part)?;
         let near = nearest(&at, &s.corners(&nodes.x), s.is_triangle())?;
         let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
         let depth = -offset.dot(&near.normal);
         let behind =
             depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= OUTSIDE * scale;
-        let touches = surface.interface(p as usize, s).is_some();
-        let other = touches && !s.nodes.contains(&slave) && !s.behind.contains(&slave);
+        let other = !s.nodes.contains(&slave) && !s.behind.contains(&slave);
         (behind && other && is_opposed(nodes, surface, p as usize, &near.normal))
             .then_some((depth, scale))
     };
@@ -187,7 +194,8 @@ fn nearest_faces(
         all.iter().flat_map(|b| [b.min, b.max]).chain(slaves.iter().map(|&p| place(p))),
     );
     let largest = (0..3).map(|c| whole.max[c] - whole.min[c]).fold(0.0, f64::max);
-    let mut reach = surface.largest_scale();
+    let added = surface.shift_reach();
+    let mut reach = surface.largest_scale() + added;
     let mut found = Vec::new();
     while !slaves.is_empty() {
         let boxes: Vec<Aabb> = all.iter().map(|b| b.grown(reach)).collect();
@@ -208,7 +216,7 @@ fn nearest_faces(
         let last = reach > 2.0 * largest;
         let mut left = Vec::new();
         for (p, best) in slaves.into_iter().zip(least) {
-            match best.filter(|best| last || best.1 <= reach) {
+            match best.filter(|best| last || best.1 + added <= reach) {
                 Some(best) => found.push((p, best)),
                 None if !last => left.push(p),
                 None => {}

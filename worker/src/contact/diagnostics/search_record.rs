@@ -86,6 +86,7 @@ mod tests {
             nodes,
             behind: [NOT_LOCAL; 4],
             half_thickness: 1.0,
+            offset: 0.0,
             scale: 1.0,
             part,
             own: true,

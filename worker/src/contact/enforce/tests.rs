@@ -6,6 +6,7 @@ mod kinematic;
 mod mortar;
 mod penalty;
 mod rubbing;
+mod shell_offset;
 mod sweeps;
 
 use super::{CONTACT_LAWS, Elasticity};
@@ -85,6 +86,18 @@ impl Scene {
         slaves: &[u32],
         dt: f64,
     ) -> Self {
+        Self::with_offsets(job, points, segments, &vec![0.0; segments.len()], slaves, dt)
+    }
+
+    /// Returns a scene with offsets of the segments [length].
+    fn with_offsets(
+        job: &ContactJob,
+        points: &[NodeRecord],
+        segments: &[[u32; 4]],
+        offsets: &[f64],
+        slaves: &[u32],
+        dt: f64,
+    ) -> Self {
         let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
         let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0, true);
         let segment = |(i, &nodes): (usize, &[u32; 4])| Segment {
@@ -92,6 +105,7 @@ impl Scene {
             nodes,
             behind: [NOT_LOCAL; 4],
             half_thickness: HALF,
+            offset: offsets[i],
             scale: HALF,
             part: 0,
             own: true,
@@ -103,6 +117,7 @@ impl Scene {
             node_scale: vec![HALF; points.len()],
             thinnest: HALF,
             short: f64::INFINITY,
+            largest_offset: offsets.iter().fold(0.0, |most, o| o.abs().max(most)),
             interfaces: Arc::new(Interfaces::new(job, &[])),
             ..Surface::default()
         };

@@ -71,7 +71,8 @@ impl Friction {
 impl DeckConverter {
     /// Converts the first contact to `[contact]` and the others to interfaces. Of several that
     /// name two parts the last one holds, so contacts of one surface come before those of two.
-    pub(super) fn contacts(&mut self) {
+    /// `shifted` is the setting that contact uses the offset of shells.
+    pub(super) fn contacts(&mut self, shifted: Option<(i64, Place)>) {
         let mut found: Vec<(bool, Record)> = Vec::new();
         for (keyword, single) in KEYWORDS {
             found.extend(self.take_records(keyword).into_iter().map(|record| (single, record)));
@@ -83,6 +84,13 @@ impl DeckConverter {
             let name =
                 if heading.is_empty() { format!("contact {number}") } else { heading.to_string() };
             tables.extend(self.contact(&name, *single, record));
+        }
+        if let (Some((cntco, place)), Some(first)) = (shifted, tables.first()) {
+            let thick = tables.iter().any(|t| t.has("thickness") || t.has("thickness_scale"));
+            if self.is_shifted(cntco, place, thick) {
+                let place = first.place();
+                tables[0].put("shell_offset", place, true);
+            }
         }
         let mut tables = tables.into_iter();
         if let Some(mut first) = tables.next() {
@@ -350,6 +358,33 @@ impl DeckConverter {
             _ => format!("{count} interfaces; for two parts the mean of their values"),
         };
         self.map(name, "fs -1: friction of the parts", used);
+    }
+
+    /// Returns true if contact uses the offset of shells by `cntco`. With 1 LS-DYNA takes half the
+    /// contact thickness times nloc as the offset, with 2 half the thickness of the shell, as the
+    /// engine does. `thick` is true if a contact has a contact thickness of its own.
+    fn is_shifted(&mut self, cntco: i64, place: Place, thick: bool) -> bool {
+        let Some(&(part, _)) = self.with_offset.first() else { return false };
+        let thick = thick || self.with_offset.iter().any(|&(_, own)| own);
+        let wrong = match cntco {
+            1 if thick => {
+                "with 1 the offset is a fraction of the contact thickness, and this deck \
+                           gives contact thicknesses: set cntco to 2, for the offset of the \
+                           elements, or remove them (sast, sbst, sfsat, sfsbt, optt, sft)"
+            }
+            1 | 2 => {
+                self.map(
+                    "*CONTROL_SHELL",
+                    format!("cntco {cntco}: contact at the middle surface of shells"),
+                    "contact.shell_offset",
+                );
+                return true;
+            }
+            _ => "set it to 0 (contact is at the nodes), 1 or 2 (at the middle surface)",
+        };
+        let message = format!("cntco is {cntco}, and part {part} has an offset: {wrong}");
+        self.unsupported(place, message, "*CONTROL_SHELL cntco".into());
+        false
     }
 
     /// Converts the contact thickness, given directly or by a factor. For two surfaces the mean

@@ -35,6 +35,8 @@ pub struct Rows {
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
+    /// Offsets of shells from their nodes, by index [length].
+    pub offsets: Vec<(usize, f64)>,
     index: HashMap<NodeId, usize>,
     /// Largest id of a node, 0 until it is needed.
     top: u64,
@@ -165,7 +167,9 @@ impl Rows {
         let lines: Vec<_> = block.lines.iter().copied().filter(|l| l.0 < l.1).collect();
         self.shells.reserve(lines.len());
         self.shell_lines.reserve(lines.len());
-        let step = if options.is_empty() { 1 } else { 2 };
+        let has_offset = options.contains(&"OFFSET");
+        let has_thickness = ["THICKNESS", "BETA"].iter().any(|o| options.contains(o));
+        let step = 1 + usize::from(has_thickness) + usize::from(has_offset);
         for pair in lines.chunks(step) {
             let line = pair[0];
             let mut numbers = start(cards, card, block, line);
@@ -181,12 +185,16 @@ impl Rows {
             let (shape, corners) =
                 if triangle { (Shape::Tri3, &n[..3]) } else { (Shape::Quad4, &n[..]) };
             let Some(part) = narrow(part, &mut numbers) else { continue };
-            if let (Some(&second), true) = (pair.get(1), step == 2) {
+            if let (Some(&second), true) = (pair.get(1), has_thickness) {
                 let mut numbers = start(cards, &row.cards[1].0, block, second);
                 let t = std::array::from_fn(|c| numbers.real(c));
                 if options.contains(&"THICKNESS") && t.iter().any(|&t| t != 0.0) {
                     self.thickness.push((self.shells.len(), t));
                 }
+            }
+            if let (Some(&last), true) = (pair.get(step - 1), has_offset) {
+                let mut numbers = start(cards, &row.cards[2].0, block, last);
+                self.offsets.push((self.shells.len(), numbers.real(0)));
             }
             self.shells.push(MeshElement::new(id, part, shape, corners));
             self.shell_lines.push((block.file, line.0, line.1));

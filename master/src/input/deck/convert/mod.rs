@@ -64,6 +64,8 @@ pub struct DeckConverter {
     round_parts: BTreeSet<u32>,
     /// Directions of springs by part, with their places; `None` for the line between their nodes.
     spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
+    /// Ids of parts of shells with an offset; true if they have a contact thickness of their own.
+    with_offset: Vec<(i64, bool)>,
     /// Individual friction of parts.
     part_friction: BTreeMap<i64, contact::Friction>,
     /// Names of rigid bodies by part.
@@ -92,6 +94,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
         spring_laws: BTreeMap::new(),
         round_parts: BTreeSet::new(),
         spring_directions: BTreeMap::new(),
+        with_offset: Vec::new(),
         part_friction: BTreeMap::new(),
         bodies: BTreeMap::new(),
         end_time: 0.0,
@@ -120,7 +123,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.nodal_loads();
     b.pressures();
     b.walls();
-    b.contacts();
+    b.contacts(sections.defaults.shifted);
     b.ties();
     b.node_sets_as_one();
     b.histories();

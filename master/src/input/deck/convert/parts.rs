@@ -7,11 +7,13 @@ use super::sections::{self, Hourglass, Kind, Section, Sections};
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{MeshElement, Shape};
 use std::collections::{BTreeMap, HashMap};
 
 /// Default hourglass coefficient of shells in decks: LS-DYNA's QM.
 const DEFAULT_HOURGLASS: f64 = 0.1;
+/// Difference of offsets over half the thickness that is round-off of the deck.
+const SAME_OFFSET: f64 = 1e-6;
 
 /// A part of the deck.
 #[derive(Debug)]
@@ -225,16 +227,13 @@ impl DeckConverter {
         }
         // LS-DYNA's nloc is the position of the nodes in the section, `offset` that of the middle
         // surface relative to the nodes.
-        if card.real("nloc") != 0.0 {
-            table.put("offset", card.place("nloc"), -card.real("nloc"));
-            if let Some(place) = sections.defaults.shifted {
-                let message = format!(
-                    "part {id} has an nloc, and cntco requests contact at the offset surface, \
-                     which is not supported: set cntco to 0 (contact is then at the nodes), or set \
-                     nloc to 0"
-                );
-                self.unsupported(place, message, "*CONTROL_SHELL cntco".into());
-            }
+        let of_section = if card.real("nloc") == 0.0 { 0.0 } else { -card.real("nloc") };
+        let offset = self.own_offset(record, of_section, thickness);
+        if offset != 0.0 {
+            table.put("offset", card.place("nloc"), offset);
+            let own_contact_thickness =
+                ["contact_thickness", "contact_thickness_scale"].iter().any(|key| table.has(key));
+            self.with_offset.push((id, own_contact_thickness));
         }
         let Some(form) = sections::shell(elform) else {
             self.unsupported_value(
@@ -426,5 +425,43 @@ impl DeckConverter {
         self.map(format!("part {id}"), asked, "one for each shell, the mean of its corners");
         let average = means.iter().map(|t| t.1).sum::<f64>() / means.len() as f64;
         if mean == 0.0 && covers { average } else { mean }
+    }
+
+    /// Returns the offset of the shells of a part over half their thickness: that of
+    /// `*ELEMENT_SHELL_OFFSET`, if it is the same for all of them, or that of the section.
+    fn own_offset(&mut self, record: &Record, of_section: f64, thickness: f64) -> f64 {
+        let id = record.integer("pid");
+        let mut offsets: HashMap<usize, f64> = HashMap::new();
+        for &(at, offset) in &self.rows.offsets {
+            if self.rows.shells.get(at).is_some_and(|s| i64::from(s.part) == id) {
+                offsets.insert(at, offset);
+            }
+        }
+        if offsets.is_empty() {
+            return of_section;
+        }
+        let shells = self.rows.shells.iter().enumerate().filter(|(_, s)| i64::from(s.part) == id);
+        let ratio = |(at, shell): (usize, &MeshElement)| {
+            let own = if shell.thickness > 0.0 { shell.thickness } else { thickness };
+            offsets.get(&at).map_or(of_section, |offset| 2.0 * offset / own)
+        };
+        let (least, most) = shells
+            .map(ratio)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |m, r| (m.0.min(r), m.1.max(r)));
+        if most - least > SAME_OFFSET * (1.0 + most.abs()) {
+            let message = format!(
+                "part {id}: its shells have offsets from {least} to {most} times half their \
+                 thickness (*ELEMENT_SHELL_OFFSET, or nloc of the section for the others); shells \
+                 of one part need the same: give the shells of each offset a part of their own"
+            );
+            self.unsupported(record.place("pid"), message, "*ELEMENT_SHELL_OFFSET".into());
+            return of_section;
+        }
+        self.map(
+            format!("part {id}"),
+            format!("offsets of {} of its shells", offsets.len()),
+            format!("offset {most} of the part, over half the thickness"),
+        );
+        most
     }
 }

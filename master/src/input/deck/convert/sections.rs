@@ -34,8 +34,8 @@ pub struct Defaults {
     pub theory: i64,
     pub warping: Option<Place>,
     pub thinning: Option<Place>,
-    /// Place of the setting that contact uses the offset of shells, if it is set.
-    pub shifted: Option<Place>,
+    /// The setting that contact uses the offset of shells, if it is not zero, and its place.
+    pub shifted: Option<(i64, Place)>,
     pub hourglass: Option<(Hourglass, Place)>,
     pub bulk: Option<([f64; 2], Place)>,
 }
@@ -134,7 +134,7 @@ impl DeckConverter {
                 d.thinning = Some(record.place("istupd"));
             }
             if record.integer("cntco") != 0 {
-                d.shifted = Some(record.place("cntco"));
+                d.shifted = Some((record.integer("cntco"), record.place("cntco")));
             }
         }
         for record in self.take_records("CONTROL_HOURGLASS") {

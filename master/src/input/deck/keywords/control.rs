@@ -33,7 +33,9 @@ pub const KEYWORDS: &[Keyword] = &[
             ("nfail1:i nfail4:i psnfail:i keepcs:i delfr:i drcpsid:i drcprm:r intperr:i", Maybe),
         ],
         "theory is the elform of sections with elform 0; bwc 1 sets `warping`, istupd 1 and 4 set \
-         `thinning`. cntco is not supported for shells with nloc. Other fields are not used",
+         `thinning`. cntco 1 and 2 set `contact.shell_offset` if shells have an nloc or OFFSET; 1 \
+         is not supported together with a contact thickness that is not that of the shells. Other \
+         fields are not used",
     ),
     Keyword::new(
         "CONTROL_HOURGLASS",

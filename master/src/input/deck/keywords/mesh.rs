@@ -11,11 +11,18 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
     Keyword::new(
         "ELEMENT_SHELL",
-        &[("eid:i8! pid:i8! n:i8*8", Rest), ("thic:r16*4 beta:r16", Count(thickness))],
+        &[
+            ("eid:i8! pid:i8! n:i8*8", Rest),
+            ("thic:r16*4 beta:r16", Count(thickness)),
+            ("offset:r16", Count(offset)),
+        ],
         "shells of three or four nodes. THICKNESS and BETA add a second line; with THICKNESS a \
-         shell gets the mean of its corner thicknesses, and a zero means that of the section",
+         shell gets the mean of its corner thicknesses, and a zero means that of the section. \
+         OFFSET adds another line; it becomes `offset` of the part and overrides nloc. All shells \
+         of a part must have the same offset over their thickness, else the deck is refused: give \
+         the shells of each offset a part of their own",
     )
-    .options(&["THICKNESS", "BETA"]),
+    .options(&["THICKNESS", "BETA", "OFFSET"]),
     Keyword::new(
         "ELEMENT_SOLID",
         &[("eid:i8! pid:i8! n:i8*8", Rest), ("n:i8*10", Maybe)],
@@ -56,6 +63,10 @@ fn orientation(record: &Record) -> usize {
     usize::from(record.has("ORIENTATION"))
 }
 
+fn offset(record: &Record) -> usize {
+    usize::from(record.has("OFFSET"))
+}
+
 fn thickness(record: &Record) -> usize {
-    usize::from(!record.options.is_empty())
+    usize::from(record.has("THICKNESS") || record.has("BETA"))
 }
