@@ -221,9 +221,10 @@ impl<'a> PairGeometry<'a> {
         if self.offset == 0.0 { *offset } else { offset - self.near.normal * self.offset }
     }
 
-    /// Returns the shift of the node along a unit vector [length].
+    /// Returns the shift of the node along a unit vector [length]. A node without shift has -0.0,
+    /// whose sum with any number has the same bits.
     fn shift_along(&self, direction: &V3) -> f64 {
-        self.shift.dot(direction)
+        if self.shift == V3::zeros() { -0.0 } else { self.shift.dot(direction) }
     }
 }
 

@@ -124,6 +124,9 @@ impl EdgeProjection {
     /// Returns the projection with the distance of the middle surfaces; `shifts` are those of the
     /// two edges [length].
     pub fn shifted(&self, shifts: &[V3; 2]) -> Self {
+        if *shifts == [V3::zeros(); 2] {
+            return *self; // without a change of the sign of a zero
+        }
         let height = self.height + (shifts[0] - shifts[1]).dot(&self.normal);
         Self { height, ..*self }
     }

@@ -166,8 +166,8 @@ pub fn build_local_mesh(
     Ok(LocalMesh { nodes, blocks, halo, surface, boxes, classes })
 }
 
-/// Agrees on the scales and offsets of all surfaces. Returns the distance around a worker's contact entities
-/// within which it needs ghosts, equal on all workers [length].
+/// Agrees on the scales and offsets of all surfaces. Returns the distance around a worker's contact
+/// entities within which it needs ghosts, equal on all workers [length].
 fn share_scales(
     comm: &mut dyn Transport,
     settings: &Settings,
