@@ -140,14 +140,7 @@ impl Engine {
         let by_part = std::mem::take(&mut self.blocks.by_part);
         let slow_dt = self.blocks.slow_dt;
         let all_computed = self.blocks.all_computed;
-        let local = LocalMesh {
-            nodes: std::mem::take(&mut self.nodes),
-            blocks: std::mem::take(&mut self.blocks),
-            halo: std::mem::take(&mut self.halo),
-            surface: None,
-            boxes: self.boxes,
-            classes: self.classes,
-        };
+        let local = self.take_local_mesh();
         let mut share = migrate(comm, &self.tree, &local, self.contact.as_ref())?;
         drop(local);
         let memories = std::mem::take(&mut share.memories);
@@ -167,6 +160,18 @@ impl Engine {
         self.timer.lap(Phase::Renewal);
         self.record_classes();
         Ok(())
+    }
+
+    /// Takes the local mesh out of the engine, to send parts of it.
+    fn take_local_mesh(&mut self) -> LocalMesh {
+        LocalMesh {
+            nodes: std::mem::take(&mut self.nodes),
+            blocks: std::mem::take(&mut self.blocks),
+            halo: std::mem::take(&mut self.halo),
+            surface: None,
+            boxes: self.boxes,
+            classes: self.classes,
+        }
     }
 
     /// Records the numbers of elements by class, if a recorder is on.

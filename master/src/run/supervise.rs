@@ -3,7 +3,7 @@
 
 use crate::cli::RunArgs;
 use crate::input::job::Report;
-use crate::run::checkpoint::find::newest_cycle;
+use crate::run::checkpoint::find::{newest_cycle, run_folder};
 use crate::run::stop::StopFlag;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
@@ -19,15 +19,28 @@ const ENDED: [i32; 4] = [0, 2, 3, 130];
 
 /// Runs the job, at most `retries` times more than once. Returns the exit code of the last run.
 pub fn run(args: &RunArgs, retries: u32) -> u8 {
-    let out = args.resume.clone().unwrap_or_else(|| args.out_dir());
+    // Later runs continue from the newest checkpoint of the run, also if a single one is given.
+    let out = match &args.resume {
+        None => args.out_dir(),
+        Some(dir) => match run_folder(dir) {
+            Ok(out) => out,
+            Err(why) => {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
+            }
+        },
+    };
     let stop = StopFlag::listen(true);
     let mut reached = if args.resume.is_some() { newest_cycle(&out) } else { None };
     let mut continues = args.resume.is_some();
     for lost in 0..=retries {
-        let status = match start(args, &out, continues) {
-            Ok(child) => wait(child, &stop),
+        let from = args.resume.as_ref().filter(|_| lost == 0).unwrap_or(&out);
+        let folder = if continues { from } else { &out };
+        let ended = start(args, folder, continues).and_then(|child| wait(child, &stop));
+        let status = match ended {
+            Ok(status) => status,
             Err(error) => {
-                eprintln!("error: the run cannot be started: {error}");
+                eprintln!("error: the run cannot be started or watched: {error}");
                 return Report::EXIT_CODE;
             }
         };
@@ -83,7 +96,7 @@ fn start(args: &RunArgs, out: &Path, continues: bool) -> std::io::Result<Child> 
 }
 
 /// Waits for the end of the run. Passes on a request to stop.
-fn wait(mut child: Child, stop: &StopFlag) -> ExitStatus {
+fn wait(mut child: Child, stop: &StopFlag) -> std::io::Result<ExitStatus> {
     let mut asked = false;
     let pid = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw);
     let send = |signal| {
@@ -93,10 +106,8 @@ fn wait(mut child: Child, stop: &StopFlag) -> ExitStatus {
         }
     };
     loop {
-        match child.try_wait() {
-            Ok(Some(status)) => return status,
-            Ok(None) => {}
-            Err(_) => return ExitStatus::from_raw(0),
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
         }
         if stop.is_raised() && !asked {
             asked = true;

@@ -17,7 +17,7 @@ use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
 use crate::parallel::migrate::{distribute, pack_all};
 use crate::parallel::pair_exchange::PairExchange;
-use crate::parallel::partition::{LocalMesh, PartitionData, build_local_mesh};
+use crate::parallel::partition::{PartitionData, build_local_mesh};
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
@@ -97,14 +97,7 @@ impl Engine {
     /// # Errors
     /// A worker is gone.
     pub fn copy_state(&mut self, comm: &mut dyn Transport) -> Result<Copied, RankLost> {
-        let local = LocalMesh {
-            nodes: std::mem::take(&mut self.nodes),
-            blocks: std::mem::take(&mut self.blocks),
-            halo: std::mem::take(&mut self.halo),
-            surface: None,
-            boxes: self.boxes,
-            classes: self.classes,
-        };
+        let local = self.take_local_mesh();
         let parcel = pack_all(comm, &local, self.contact.as_ref());
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         // A new field is an error here: state has to be added, all else to the last list.
