@@ -15,6 +15,9 @@ pub struct Cli {
 const EXIT_CODES: &str = "Exit codes: 0 completed; 2 bad input; 3 numerical failure (last good \
 state kept); 4 a worker was lost; 130 stopped by the user (state kept).";
 
+/// Default size of the largest d3plot file [MB].
+pub const D3PLOT_FILE_SIZE: u64 = 256;
+
 const SET_HELP: &str = "Change a key of the job: section.key=value, such as time.safety=0.8, \
 scene.refine=2, end_time=5, part.rail.thickness=3. Give a part by name or id, a material or wall \
 by name, an entry of another list by its position from 0. Values are written as in the job; words \
@@ -66,7 +69,7 @@ pub enum Command {
         /// Folder of results of a run with fields.
         dir: PathBuf,
         /// Largest file of the family, unless one state needs more [MB].
-        #[arg(long, value_name = "MB", default_value_t = crate::results::d3plot::FILE_SIZE)]
+        #[arg(long, value_name = "MB", default_value_t = D3PLOT_FILE_SIZE)]
         file_size: u64,
     },
     /// Write the fields of a run as one temporal VTKHDF file; needs a build with `--features

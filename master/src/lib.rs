@@ -1,6 +1,6 @@
 //! The master of Crumple as a library. The `crumple` binary is the package in `program/`.
 //!
-//! - [`cli`]: the command line
+//! - [`cli`]: the command line; [`features`]: features of this build; [`stdout`]: standard output
 //! - [`input`]: jobs ([`input::job`]), LS-DYNA keyword decks ([`input::deck`]), checks
 //!   (`crumple check`), reference (`crumple schema`)
 //! - [`run`]: start reading at [`run::control`], the run on the master; [`run::launch`]:
@@ -90,6 +90,8 @@
 
 pub mod analysis;
 pub mod cli;
+pub mod features;
 pub mod input;
 pub mod results;
 pub mod run;
+pub mod stdout;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
-        Command::Check(args) => crumple::input::check::run(&args),
+        Command::Check(args) => crumple::analysis::check::run(&args),
         Command::Run(args) => crumple::run::launch::run(&args),
         Command::Verify(args) => crumple_verification::run(&args),
         Command::Advise { dir } => crumple::analysis::advise::run(&dir),

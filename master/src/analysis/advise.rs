@@ -54,7 +54,7 @@ struct Advice {
 pub fn run(dir: &Path) -> u8 {
     match read(dir) {
         Ok(summary) => {
-            crate::run::stdout::write(format_args!("{}", describe(&summary)));
+            crate::stdout::write(format_args!("{}", describe(&summary)));
             0
         }
         Err(why) => {
@@ -369,7 +369,7 @@ fn contact(s: &Summary) -> Option<Advice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::connectivity::Piece;
+    use crate::input::connectivity::Piece;
 
     fn part(id: u32, plastic_strain_max: f64, near: bool, pairs: bool) -> PartSummary {
         PartSummary {

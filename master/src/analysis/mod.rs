@@ -3,7 +3,7 @@
 
 pub mod advise;
 pub mod bench;
-pub mod connectivity;
+pub mod check;
 pub mod cost;
 pub mod scale;
 pub mod spectrum;

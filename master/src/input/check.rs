@@ -1,8 +1,7 @@
-//! `crumple check`: describes a job without running it.
+//! Description of a job that `crumple check` prints.
 
-use crate::analysis::spectrum::Estimate;
+use crate::input::job::Model;
 use crate::input::job::subcycles::{self, Classes};
-use crate::input::job::{Model, Report};
 use crumple_proto::job::{Contact, Part};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::beams;
@@ -340,7 +339,7 @@ fn touching(c: &Contact) -> String {
 }
 
 /// Formats a number with five digits, without an exponent for usual magnitudes.
-fn figure(x: f64) -> String {
+pub(crate) fn figure(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
     }
@@ -350,62 +349,6 @@ fn figure(x: f64) -> String {
     let digits = (4 - x.abs().log10().floor() as i32).max(0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-}
-
-/// Runs `crumple check`: prints the description to standard output, or all problems to standard
-/// error. Returns the exit code.
-pub fn run(args: &crate::cli::CheckArgs) -> u8 {
-    let read = || -> Result<(Model, String), Report> {
-        let model = crate::input::job::read(&args.job.job, &args.job.options.sets())?;
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let workers = model.workers(args.job.options.workers, cores)?;
-        let text = describe(&model) + &crate::analysis::cost::describe(&model, workers);
-        Ok((model, text))
-    };
-    let (model, text) = match read() {
-        Ok(read) => read,
-        Err(report) => {
-            eprint!("{report}");
-            return Report::EXIT_CODE;
-        }
-    };
-    crate::run::stdout::write(format_args!("{text}"));
-    let Some(time) = args.step else { return 0 };
-    match crate::analysis::spectrum::assembled(&model, time) {
-        Ok(found) => {
-            crate::run::stdout::write(format_args!("{}", stability(&found, model.settings.safety)));
-            if found.taken > found.limit { UNSTABLE } else { 0 }
-        }
-        Err(why) => {
-            eprintln!("error: the step of the assembled system was not found: {why}");
-            UNSTABLE
-        }
-    }
-}
-
-/// Exit code if the step is larger than the stable step of the assembled system.
-const UNSTABLE: u8 = 3;
-
-/// Compares the stable step of the assembled system with the step of the run.
-fn stability(found: &Estimate, safety: f64) -> String {
-    let share = found.taken / found.limit;
-    let mut text = format!(
-        "\nassembled    stable step {} at time {} ({} force evaluations, error at most {} %), \
-         largest motion at node {}; the step of the run is {} of it\n",
-        figure(found.limit),
-        figure(found.time),
-        found.pushes,
-        figure(50.0 * found.residual),
-        found.node,
-        figure(share)
-    );
-    if share > 1.0 {
-        let bearable = figure(safety / share);
-        text += &format!(
-            "warning: the run is unstable at this step: set time.safety below {bearable}\n"
-        );
-    }
-    text
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Input: jobs, keyword decks, their checks and their reference pages.
 
 pub mod check;
+pub mod connectivity;
 pub mod deck;
 pub mod job;
 pub mod reference;

@@ -1,6 +1,6 @@
 //! `summary.json`: the outcome of a run.
 
-use crate::analysis::connectivity::{Piece, pieces};
+use crate::input::connectivity::{Piece, pieces};
 use crumple_proto::job::{Job, Part, Wall};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;

@@ -8,9 +8,9 @@ use crate::results::summary::{Status, Summary};
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Origin, Results, RunError};
 use crate::run::lock::Lock;
-use crate::run::stdout::say;
 use crate::run::stop::StopFlag;
 use crate::run::supervise;
+use crate::stdout::say;
 use crumple_proto::transport::{Transport, threads};
 use std::path::{Path, PathBuf};
 
@@ -185,7 +185,7 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
         eprint!("{}", model.show(warning));
     }
     if !args.quiet {
-        crate::run::stdout::write(format_args!("{}", crate::input::check::mapping(model)));
+        crate::stdout::write(format_args!("{}", crate::input::check::mapping(model)));
     }
     log_to(&out, origin.from.is_some());
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
@@ -201,10 +201,8 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
                 print_summary(&summary, &out);
             }
             if model.job.output.d3plot
-                && let Err(why) = crate::results::d3plot::export(
-                    &out,
-                    1_000_000 * crate::results::d3plot::FILE_SIZE,
-                )
+                && let Err(why) =
+                    crate::results::d3plot::export(&out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)
             {
                 eprintln!("error: {why}");
                 return Report::EXIT_CODE;

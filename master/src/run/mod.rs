@@ -8,6 +8,5 @@ pub mod embedded;
 pub mod launch;
 pub mod lock;
 pub mod progress;
-pub mod stdout;
 pub mod stop;
 pub mod supervise;

@@ -131,7 +131,6 @@ const RULES: &[Rule] = &[
     Rule {
         of: &["master/src/input/"],
         not: &["crumple::run", "crumple::results", "crumple::analysis"],
-        broken: 9,
         row: "| `master/src/input/` | run, results, analysis |",
         ..RULE
     },
@@ -144,7 +143,6 @@ const RULES: &[Rule] = &[
     Rule {
         of: &["master/src/results/"],
         not: &["crumple::run", "crumple::analysis"],
-        broken: 5,
         row: "| `master/src/results/` | run, analysis |",
         ..RULE
     },
@@ -230,13 +228,6 @@ fn a_forbidden_import_breaks_its_rule() {
     }
 }
 
-/// Circles of modules in each crate: top-level modules that import each other. The list may only
-/// become shorter.
-const CIRCLES: &[(&str, &[&str])] = &[
-    ("crumple", &["analysis", "cli", "input", "results", "run"]),
-    ("crumple_verification", &["bars", "bench", "contact"]),
-];
-
 /// Returns the top-level modules of each crate that lie on circles of imports.
 fn circles(sources: &[Source]) -> BTreeMap<String, Vec<BTreeSet<String>>> {
     type Edges = BTreeMap<String, BTreeSet<String>>;
@@ -274,16 +265,8 @@ fn circles(sources: &[Source]) -> BTreeMap<String, Vec<BTreeSet<String>>> {
 }
 
 #[test]
-fn circles_of_modules_are_those_known() {
-    let found: BTreeSet<(String, Vec<String>)> = circles(&sources(root()))
-        .into_iter()
-        .flat_map(|(name, list)| {
-            list.into_iter().map(move |c| (name.clone(), c.into_iter().collect()))
-        })
-        .collect();
-    let known: BTreeSet<(String, Vec<String>)> = CIRCLES
-        .iter()
-        .map(|(name, list)| (name.to_string(), list.iter().map(|m| m.to_string()).collect()))
-        .collect();
-    assert_eq!(found, known, "break new circles; shorten the list if one is smaller or gone");
+fn no_modules_import_each_other_in_a_circle() {
+    let found = circles(&sources(root()));
+    let found: Vec<_> = found.iter().filter(|(_, circles)| !circles.is_empty()).collect();
+    assert!(found.is_empty(), "circles of modules: {found:?}");
 }

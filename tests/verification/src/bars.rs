@@ -2,7 +2,7 @@
 //! It carries only plane waves of speed `c = sqrt(E/rho)`.
 
 use super::bench::Finished;
-use super::contact::{UNDAMPED, is_spring};
+use super::laws::{UNDAMPED, is_spring};
 use super::measure::{Push, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};

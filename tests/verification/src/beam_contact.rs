@@ -2,8 +2,8 @@
 //! solids (C20).
 
 use super::bench::Finished;
-use super::contact::Law;
 use super::edges::{Hold, swapped};
+use super::laws::Law;
 use super::measure::{mean_velocity, position};
 use super::row::Row;
 use super::scene::{STEEL, Scene};

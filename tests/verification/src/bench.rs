@@ -1,7 +1,7 @@
 //! Runs the jobs of checks in this process, on one engine each, and observes energy and momentum
 //! during the run.
 
-use super::contact::Law;
+use super::laws::Law;
 use super::row::Row;
 use super::scene::Scene;
 use crumple::input::job::{self, Model};
@@ -174,7 +174,7 @@ pub fn run_watched(
         given,
         stored,
         touches: contact.is_some() || !model.job.wall.is_empty(),
-        springs: contact.is_some_and(|c| super::contact::is_spring(&c.law)),
+        springs: contact.is_some_and(|c| super::laws::is_spring(&c.law)),
         momentum: start,
         trouble,
     })

@@ -1,6 +1,6 @@
 //! Strips whose edges collide between nodes (C04).
 
-use super::contact::is_spring;
+use super::laws::is_spring;
 use super::measure::{mean_velocity, position};
 use super::row::Row;
 use super::scene::{Grid, STEEL, Scene};

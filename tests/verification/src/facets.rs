@@ -1,7 +1,8 @@
 //! Effect of facets in contact: a cube dropped on a corner at different places of a mesh (C03),
 //! blocks that slide over many facets, flat or around a drum (C18).
 
-use super::contact::{Law, carrier, tip};
+use super::contact::{carrier, tip};
+use super::laws::Law;
 use super::measure::{Push, contact_force, mass, mean_velocity, position};
 use super::row::Row;
 use super::scene::{STEEL, Scene};

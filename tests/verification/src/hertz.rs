@@ -1,6 +1,6 @@
 //! A10 (b): a steel cylinder pressed on a rigid plane, in plane strain.
 
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{contact_force, position};
 use super::row::Row;
 use super::scene::{STEEL, Scene};

@@ -2,7 +2,7 @@
 //! bodies in a box, scenes of other entries.
 
 use super::bench::{Finished, run_watched};
-use super::contact::{Law, is_spring};
+use super::laws::{Law, is_spring};
 use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;

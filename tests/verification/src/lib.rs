@@ -28,6 +28,7 @@ mod facets;
 mod hertz;
 mod invariance;
 mod joints;
+mod laws;
 mod lines;
 mod materials;
 mod measure;
@@ -151,7 +152,7 @@ pub fn run(args: &VerifyArgs) -> u8 {
     let mut outcomes = run_all(&checks, &Bench::new(Some(jobs)));
     refuse_repeats(&mut outcomes);
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
-    crumple::run::stdout::write(format_args!("{}", report.markdown()));
+    crumple::stdout::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
         eprintln!(
             "error: cannot write to {}: {error}; choose another folder with --out",

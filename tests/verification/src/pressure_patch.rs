@@ -1,7 +1,7 @@
 //! A22: two blocks pressed together. Uniform pressure on a free block gives uniform stress in
 //! both, for any meshes.
 
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::fields;
 use super::row::Row;
 use super::scene::{STEEL, Scene};

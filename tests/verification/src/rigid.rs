@@ -1,7 +1,7 @@
 //! Rigid bodies: free fall and bounce (A13), oblique impact with friction (A14).
 
 use super::bench::Finished;
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{mean_velocity, position};
 use super::row::Row;
 use super::scene::{STEEL, Scene};

@@ -2,7 +2,7 @@
 //! A09, C09.
 
 use super::bench::Finished;
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{contact_force, displacement, mean_velocity};
 use super::row::Row;
 use super::scene::{STEEL, Scene};

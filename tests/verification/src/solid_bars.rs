@@ -3,7 +3,7 @@
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{Push, displacement, fields, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, Scene};

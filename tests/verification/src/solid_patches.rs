@@ -3,7 +3,7 @@
 //! block sunk into another one (C06).
 
 use super::bars::BAR;
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{Push, displacement, drive, fields, lead, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};

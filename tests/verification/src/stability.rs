@@ -2,7 +2,7 @@
 //! (C14).
 
 use super::bars::BAR;
-use super::contact::UNDAMPED;
+use super::laws::UNDAMPED;
 use super::measure::{contact_force, displacement, position};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};

@@ -1,7 +1,7 @@
 //! Bodies on each other: two plates pressed together (C08), foam on steel (C02), a stack of
 //! blocks, a block in a corner of walls (C15 b, c).
 
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{contact_force, mass, mean_velocity, position};
 use super::row::Row;
 use super::scene::{Elastic, Grid, STEEL, Scene};

@@ -1,7 +1,7 @@
 //! Larger steps: mass scaling of colliding bodies (A39), subcycles (A40).
 
 use super::bars::BAR;
-use super::contact::UNDAMPED;
+use super::laws::UNDAMPED;
 use super::measure::{displacement, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Grid, Scene};

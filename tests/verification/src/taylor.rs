@@ -6,7 +6,7 @@
 //! and the foot becomes 2 % wider: those runs are recorded in addition.
 
 use super::bench::Finished;
-use super::contact::Law;
+use super::laws::Law;
 use super::measure::{Push, fields, mass, mean_velocity, position};
 use super::row::Row;
 use super::scene::{Elastic, Scene};

@@ -3,7 +3,7 @@
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
-use super::contact::{UNDAMPED, is_spring};
+use super::laws::{UNDAMPED, is_spring};
 use super::measure::{Push, displacement, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, Grid, Scene};

@@ -89,7 +89,7 @@ pub fn run(args: &BenchArgs) -> u8 {
             return FAILED;
         }
     };
-    crate::run::stdout::write(format_args!("{}", table(&results)));
+    crate::stdout::write(format_args!("{}", table(&results)));
     if let Some(file) = &args.json {
         let text = serde_json::to_string_pretty(&results).unwrap_or_default();
         if let Err(error) = std::fs::write(file, text) {

@@ -19,7 +19,7 @@ use crate::input::job::{self, Model, Report};
 use crate::run::decompose::{Centres, Load, Loads, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{Progress, State};
-use crate::run::stdout::say;
+use crate::stdout::say;
 use census::{Census, Count, messages_to_all};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::report::{PHASES, Phase};

@@ -17,8 +17,8 @@ pub mod runs;
 pub mod spec;
 
 use crate::cli::StudyArgs;
-use crate::run::stdout::say;
 use crate::run::stop::StopFlag;
+use crate::stdout::say;
 use grid::Plan;
 use results::Table;
 use runs::Ending;

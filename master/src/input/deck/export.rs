@@ -609,7 +609,7 @@ pub fn run(args: &crate::cli::ExportArgs) -> u8 {
         Err(what) => return refuse(&what),
     };
     match &args.out {
-        None => crate::run::stdout::write(format_args!("{text}")),
+        None => crate::stdout::write(format_args!("{text}")),
         Some(path) => {
             if let Err(error) = std::fs::write(path, text) {
                 return refuse(&format_args!("{} cannot be written: {error}", path.display()));

@@ -2,7 +2,7 @@
 
 use super::validate::{Findings, nearest};
 use super::{contact, walls};
-use crate::results::vtkhdf;
+use crate::features;
 use crumple_proto::histories::HistoryRequests;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
@@ -73,11 +73,11 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
             numbers.findings.add(Problem::warning(path, message, "remove it, or change end_time"));
         }
     }
-    if output.vtkhdf && !vtkhdf::BUILT {
+    if output.vtkhdf && !features::VTKHDF {
         numbers.findings.add(Problem::error(
             "output.vtkhdf",
-            vtkhdf::MISSING,
-            format!("{}, or remove the key", vtkhdf::HELP),
+            features::NO_VTKHDF,
+            format!("{}, or remove the key", features::ADD_VTKHDF),
         ));
     }
     let files = job.end_time / output.field_interval;

@@ -15,8 +15,8 @@ use crate::cli::SchemaArgs;
 /// Prints the schema or the page, and returns the exit code.
 pub fn run(args: &SchemaArgs) -> u8 {
     match args.reference {
-        true => crate::run::stdout::write(format_args!("{}", page())),
-        false => crate::run::stdout::write(format_args!("{:#}\n", schema())),
+        true => crate::stdout::write(format_args!("{}", page())),
+        false => crate::stdout::write(format_args!("{:#}\n", schema())),
     }
     0
 }

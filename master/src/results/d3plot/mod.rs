@@ -19,14 +19,12 @@ use std::path::{Path, PathBuf};
 
 /// Name of the first file. Files of states add a number to it.
 pub const NAME: &str = "d3plot";
-/// Maximum size of a file of a family, unless one state needs more [MB].
-pub const FILE_SIZE: u64 = 256;
 
 /// Exports the run in `dir`, prints the files written, and returns the exit code.
 pub fn run(dir: &Path, file_size: u64) -> u8 {
     match export(dir, file_size * 1_000_000) {
         Ok(said) => {
-            crate::run::stdout::write(format_args!("{said}\n"));
+            crate::stdout::write(format_args!("{said}\n"));
             0
         }
         Err(why) => {

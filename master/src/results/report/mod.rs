@@ -18,7 +18,7 @@ mod tables;
 mod workers;
 
 use crate::results::fields::COLLECTION;
-use crate::run::stdout::say;
+use crate::stdout::say;
 use encode::Description;
 use scene::Scene;
 use serde_json::json;

@@ -14,18 +14,12 @@ use std::path::Path;
 
 /// Name of the file.
 pub const NAME: &str = "fields.vtkhdf";
-/// True if this build can write the file.
-pub const BUILT: bool = cfg!(feature = "vtkhdf");
-/// Error message of a build without the feature.
-pub const MISSING: &str = "this crumple was built without VTKHDF";
-/// Advice in this case.
-pub const HELP: &str = "build it with `cargo build --release --features vtkhdf`";
 
 /// Exports the run in `dir`, prints the file written, and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
     match export(dir) {
         Ok(said) => {
-            crate::run::stdout::write(format_args!("{said}\n"));
+            crate::stdout::write(format_args!("{said}\n"));
             0
         }
         Err(why) => {
@@ -42,7 +36,7 @@ pub fn run(dir: &Path) -> u8 {
 /// the feature.
 #[cfg(not(feature = "vtkhdf"))]
 pub fn export(_: &Path) -> Result<String, String> {
-    Err(format!("{MISSING}; {HELP}"))
+    Err(format!("{}; {}", crate::features::NO_VTKHDF, crate::features::ADD_VTKHDF))
 }
 
 /// Writes the fields of the run in `dir` as one file. Returns a message about the file.

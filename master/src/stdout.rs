@@ -14,7 +14,7 @@ pub fn write(words: Arguments<'_>) {
 /// Writes a line to standard output, formatted as by `println!`.
 macro_rules! say {
     ($($words:tt)*) => {
-        $crate::run::stdout::write(format_args!("{}\n", format_args!($($words)*)))
+        $crate::stdout::write(format_args!("{}\n", format_args!($($words)*)))
     };
 }
 pub(crate) use say;

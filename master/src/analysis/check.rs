@@ -1,0 +1,64 @@
+//! `crumple check`: describes a job, measures its cost and, if asked for, the stable step of the
+//! assembled system.
+
+use crate::analysis::{cost, spectrum};
+use crate::cli::CheckArgs;
+use crate::input::check::{describe, figure};
+use crate::input::job::{self, Model, Report};
+use crate::stdout;
+
+/// Runs `crumple check`: prints the description to standard output, or all problems to standard
+/// error. Returns the exit code.
+pub fn run(args: &CheckArgs) -> u8 {
+    let read = || -> Result<(Model, String), Report> {
+        let model = job::read(&args.job.job, &args.job.options.sets())?;
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let workers = model.workers(args.job.options.workers, cores)?;
+        let text = describe(&model) + &cost::describe(&model, workers);
+        Ok((model, text))
+    };
+    let (model, text) = match read() {
+        Ok(read) => read,
+        Err(report) => {
+            eprint!("{report}");
+            return Report::EXIT_CODE;
+        }
+    };
+    stdout::write(format_args!("{text}"));
+    let Some(time) = args.step else { return 0 };
+    match spectrum::assembled(&model, time) {
+        Ok(found) => {
+            stdout::write(format_args!("{}", stability(&found, model.settings.safety)));
+            if found.taken > found.limit { UNSTABLE } else { 0 }
+        }
+        Err(why) => {
+            eprintln!("error: the step of the assembled system was not found: {why}");
+            UNSTABLE
+        }
+    }
+}
+
+/// Exit code if the step is larger than the stable step of the assembled system.
+const UNSTABLE: u8 = 3;
+
+/// Compares the stable step of the assembled system with the step of the run.
+fn stability(found: &spectrum::Estimate, safety: f64) -> String {
+    let share = found.taken / found.limit;
+    let mut text = format!(
+        "\nassembled    stable step {} at time {} ({} force evaluations, error at most {} %), \
+         largest motion at node {}; the step of the run is {} of it\n",
+        figure(found.limit),
+        figure(found.time),
+        found.pushes,
+        figure(50.0 * found.residual),
+        found.node,
+        figure(share)
+    );
+    if share > 1.0 {
+        let bearable = figure(safety / share);
+        text += &format!(
+            "warning: the run is unstable at this step: set time.safety below {bearable}\n"
+        );
+    }
+    text
+}
