@@ -74,10 +74,8 @@ const SINGLE_ELEMENT_FACTOR: f64 = 1.05;
 /// line.
 const MIN_AREA: f64 = 1e-6;
 
-/// Corner vectors of an element, as modes.
+/// Corner velocities of an element, as modes.
 pub struct Modes<R> {
-    /// Modes 1 - 3, 2 - 4 and h of the coordinates [length].
-    pub x: [[R; 3]; 3],
     /// Modes 1 - 3, 2 - 4 and h of the velocities [length/time].
     pub v: [[R; 3]; 3],
     /// Modes 1 - 3, 2 - 4, h and the sum of the rotational velocities [1/time].
@@ -383,14 +381,16 @@ impl<R: Real> Response<R> {
         healthy: R::Mask,
     ) -> Self {
         let (force, moment) = (g.frame.to_global(force), g.frame.to_global(moment));
-        // The sum is not finite if any of its terms is not.
-        let mut total = R::zero();
+        // Zero times a number is not zero if the number is not finite.
+        let mut nothing = [R::zero(); 3];
         for c in 0..3 {
-            total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
-            total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
+            for part in force.iter().chain(&moment) {
+                nothing[c] = part[c].mul_add(R::zero(), nothing[c]);
+            }
         }
         let calm = R::both(healthy, g.has_area);
-        let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
+        let finite = (nothing[0] + nothing[1] + nothing[2]).le(R::zero());
+        let sound = R::both(calm, finite);
         let stable_dt = section.stable_dt(columns, &g.limits::<K>(section));
         Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm }
     }
@@ -410,10 +410,11 @@ pub trait Kernel: Send + Sync {
     /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
-    /// Computes one element in each lane. The reference kernel and the fast kernel are this one
-    /// function.
+    /// Computes one element of the geometry `g` in each lane. The reference kernel and the fast
+    /// kernel are this one function.
     fn respond<R: PointReal, const N: usize>(
         &self,
+        g: &Geometry<R>,
         modes: &Modes<R>,
         history: &mut [R],
         dt: f64,
@@ -477,22 +478,26 @@ impl<K: Kernel> Formulation for Quad<K> {
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
         let section = self.section();
-        let mut rows = ModeRows::zero();
-        rows.gather(group, nodes);
+        // The frame is a chain of roots and quotients, each of which waits for the one before. The
+        // velocities are gathered after it, so that the processor has other work meanwhile.
+        let coordinates = gather_coordinates::<L, W>(group, nodes.x);
+        let geometry = Geometry::new(&coordinates);
+        let mut rows = VelocityRows::gather(group, nodes);
         // Rare options work in place on arrays in memory, outside of this function: in registers
         // they would cost every element a fifth of its time.
         let mut arm = [L::zero(); 3];
         if section.has_offset() {
-            arm = shift_to_middle(&mut rows, section.arm(history));
+            arm = shift_to_middle(&coordinates, &mut rows, section.arm(history));
         }
-        let response = self.0.respond::<L, N>(&rows.modes(), history, dt);
+        let response = self.0.respond::<L, N>(&geometry, &rows.modes(), history, dt);
         scatter(&response, force, moment);
         let (calm, mut totals) = (response.calm, response.totals);
         if section.has_offset() {
             shift_to_nodes(arm, force, moment);
         }
         if section.deletes {
-            let gone = section.delete_inverted(history, calm, totals.sound, rows.magnitude());
+            let gone =
+                section.delete_inverted(history, calm, totals.sound, rows.magnitude(&coordinates));
             totals.zero_failed(gone);
             zero_corners::<L, W>(gone, force, moment);
         }
@@ -514,73 +519,63 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 }
 
-/// Modes of the corners of a group, one row for each element.
-struct ModeRows<L: PointLanes<W>, const W: usize> {
-    x: [[L::Row; W]; 3],
-    v: [[L::Row; W]; 3],
-    w: [[L::Row; W]; 4],
-}
+/// Modes of the corner velocities of a group, a row of each for each element: 1 - 3, 2 - 4 and h of
+/// the velocities, then 1 - 3, 2 - 4, h and the sum of the rotational velocities.
+struct VelocityRows<L: PointLanes<W>, const W: usize>([[L::Row; 7]; W]);
 
-impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
+impl<L: PointLanes<W>, const W: usize> VelocityRows<L, W> {
+    /// Gathers the corner velocities of a group. Differences are taken row by row, before the rows
+    /// become lanes.
     #[inline(always)]
-    fn zero() -> Self {
-        let zero = L::row(Lane::splat(0.0));
-        Self { x: [[zero; W]; 3], v: [[zero; W]; 3], w: [[zero; W]; 4] }
-    }
-
-    /// Gathers the corner values of a group. Differences are taken row by row, before the rows
-    /// become lanes. Rows are filled in place: they are too many to be returned without a copy.
-    #[inline(always)]
-    fn gather(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
-        // One length for all three columns, so that one bounds check per node is enough.
+    fn gather(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Self {
+        // One length for both columns, so that one bounds check per node is enough.
         let n = nodes.x.len();
-        let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
-        for lane in 0..W {
+        let (v, w) = (&nodes.v[..n], &nodes.w[..n]);
+        Self(L::each_element(|lane| {
             let corner = group.map(|corner| corner[lane] as usize);
             let modes = |column: &[[f64; 4]]| {
                 let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
                 [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
             };
-            let rows = rows_of_coordinates(x, corner).map(L::row);
-            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
-            let rows = modes(v);
-            (0..3).for_each(|mode| self.v[mode][lane] = rows[mode]);
-            let rows = modes(w);
-            (0..4).for_each(|mode| self.w[mode][lane] = rows[mode]);
-        }
+            let ([v13, v24, vh, _], [w13, w24, wh, ws]) = (modes(v), modes(w));
+            [v13, v24, vh, w13, w24, wh, ws]
+        }))
     }
 
     #[inline(always)]
     fn modes(&self) -> Modes<L> {
-        Modes {
-            x: self.x.each(L::from_rows),
-            v: self.v.each(L::from_rows),
-            w: self.w.each(L::from_rows),
-        }
+        let lanes = |mode: usize| L::from_rows(L::each_element(|lane| self.0[lane][mode]));
+        Modes { v: [0, 1, 2].each(lanes), w: [3, 4, 5, 6].each(lanes) }
     }
 
-    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
+    /// Returns the sum of the magnitudes of these and of the modes `x` of the coordinates, which is
+    /// not finite if one of them is not.
     #[cold]
     #[inline(never)]
-    fn magnitude(&self) -> L {
-        let Modes { x, v, w } = self.modes();
+    fn magnitude(&self, x: &[[L; 3]; 3]) -> L {
+        let Modes { v, w } = self.modes();
         let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
         all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
     }
 }
 
 /// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which is
-/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of the
-/// coordinates are the same for both.
+/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes `x` of
+/// the coordinates are the same for both.
 #[cold]
 #[inline(never)]
-fn shift_to_middle<L: PointLanes<W>, const W: usize>(rows: &mut ModeRows<L, W>, e: L) -> [L; 3] {
-    let Modes { x, v, w } = rows.modes();
+fn shift_to_middle<L: PointLanes<W>, const W: usize>(
+    x: &[[L; 3]; 3],
+    rows: &mut VelocityRows<L, W>,
+    e: L,
+) -> [L; 3] {
+    let Modes { v, w } = rows.modes();
     let arm = along_normal(e, x[0], x[1]);
     for c in 0..3 {
         let more = cross(w[c], arm);
         let shifted = std::array::from_fn(|i| v[c][i] + more[i]);
-        rows.v[c] = L::to_rows(shifted).map(L::row);
+        let shifted = L::to_rows(shifted).map(L::row);
+        rows.0.iter_mut().zip(shifted).for_each(|(element, row)| element[c] = row);
     }
     arm
 }
@@ -617,18 +612,16 @@ fn zero_corners<L: PointLanes<W>, const W: usize>(
     }
 }
 
-/// Returns the corner coordinates of a group as modes.
+/// Returns the corner coordinates of a group as modes 1 - 3, 2 - 4 and h.
 #[inline(always)]
 fn gather_coordinates<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<4, W>,
     x: &[[f64; 4]],
 ) -> [[L; 3]; 3] {
-    let mut modes = [[L::row(Lane::splat(0.0)); W]; 3];
-    for lane in 0..W {
-        let rows = rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row);
-        [modes[0][lane], modes[1][lane], modes[2][lane]] = rows;
-    }
-    modes.each(L::from_rows)
+    let rows = L::each_element(|lane| {
+        rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row)
+    });
+    [0, 1, 2].each(|mode: usize| L::from_rows(L::each_element(|lane| rows[lane][mode])))
 }
 
 /// Returns the modes of the coordinates of an element. h is taken from differences of neighbours,
