@@ -31,6 +31,8 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
     }
     let grid = Grid::new(&bounds, boxes, points.len());
     let (start, members) = grid.fill(points);
+    // Cells of a line, and so their points, are read from consecutive memory.
+    let places: Vec<[f64; 3]> = members.iter().map(|&p| points[p as usize]).collect();
     for (b, bx) in boxes.iter().enumerate() {
         let common = bx.intersection(&bounds);
         if common.is_empty() {
@@ -41,8 +43,9 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
             for j in lo[1]..=hi[1] {
                 let line = (k * grid.count[1] + j) * grid.count[0];
                 let cells = start[line + lo[0]] as usize..start[line + hi[0] + 1] as usize;
-                let inside = members[cells].iter().filter(|&&p| bx.contains(points[p as usize]));
-                inside.for_each(|&p| found(b as u32, p));
+                let inside = members[cells.clone()].iter().zip(&places[cells]);
+                let inside = inside.filter(|(_, place)| bx.contains(**place));
+                inside.for_each(|(&p, _)| found(b as u32, p));
             }
         }
     }

@@ -2,7 +2,7 @@
 //! by prediction and correction within a sweep. If the sweeps do not converge, accelerated
 //! sweeps follow (`acceleration.rs`).
 
-use crate::contact::acceleration::{Acceleration, Forces};
+use crate::contact::acceleration::{Acceleration, Forces, within};
 use crate::contact::enforce::{ContactLaw, Iteration, Laws, demand};
 use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
 use crate::contact::surroundings::{NodalForces, Peers, VelocityConstraint};
@@ -72,6 +72,20 @@ impl Selection {
         };
         (law.iteration() == self.iteration && wants).then_some(law)
     }
+
+    /// Returns true if late sweeps change the forces of a law by more than the law asks for.
+    fn relaxes(&self, law: &dyn ContactLaw) -> bool {
+        self.iteration == Iteration::GaussSeidel && law.converges()
+    }
+}
+
+fn omega() -> f64 {
+    static O: std::sync::OnceLock<f64> = std::sync::OnceLock::new();
+    *O.get_or_init(|| std::env::var("OMEGA").ok().and_then(|s| s.parse().ok()).unwrap_or(1.25))
+}
+fn relax_from() -> usize {
+    static O: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    *O.get_or_init(|| std::env::var("FROM").ok().and_then(|s| s.parse().ok()).unwrap_or(5))
 }
 
 impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
@@ -240,8 +254,15 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, f64)> {
         let law = some.law(p, self.laws)?;
         let velocity = p.relative_velocity(self.nodes);
-        let all = matches!(some.stage, Stage::Accelerated);
-        law.refine(p, &velocity, self.steps).filter(|&(_, left)| all || left > 1.0)
+        let (force, left) = law.refine(p, &velocity, self.steps)?;
+        match some.stage {
+            Stage::Accelerated => Some((force, left)),
+            Stage::Plain(_) if left <= 1.0 => None,
+            Stage::Plain(sweep) if sweep >= relax_from() && some.relaxes(law) => {
+                Some((within(p, p.force + (force - p.force) * omega()), left))
+            }
+            Stage::Plain(_) => Some((force, left)),
+        }
     }
 
     /// Updates the selected own pairs, all from the same state. Returns their largest residual,

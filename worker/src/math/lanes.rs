@@ -305,8 +305,6 @@ pub trait Lanes<const W: usize>: Real {
     /// A row of a node, x, y, z and padding, in this precision.
     type Row: Copy;
 
-    /// Returns the array of `f` of each element, built in place.
-    fn each_element<T>(f: impl FnMut(usize) -> T) -> [T; W];
     /// Returns a row, rounded. Compute differences of rows before this.
     fn row(row: Lane) -> Self::Row;
     /// Returns the three components of the rows of `W` elements.
@@ -322,10 +320,6 @@ pub trait Lanes<const W: usize>: Real {
 impl Lanes<LANES> for Lane {
     type Row = Lane;
 
-    #[inline(always)]
-    fn each_element<T>(mut f: impl FnMut(usize) -> T) -> [T; LANES] {
-        [f(0), f(1), f(2), f(3)]
-    }
     #[inline(always)]
     fn row(row: Lane) -> Lane {
         row
@@ -396,10 +390,6 @@ fn widened(row: f32x4) -> Lane {
 impl Lanes<LANES32> for Lane32 {
     type Row = f32x4;
 
-    #[inline(always)]
-    fn each_element<T>(mut f: impl FnMut(usize) -> T) -> [T; LANES32] {
-        [f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)]
-    }
     #[inline(always)]
     fn row(row: Lane) -> f32x4 {
         rounded(row)

@@ -480,14 +480,15 @@ impl<K: Kernel> Formulation for Quad<K> {
         let section = self.section();
         // The frame is a chain of roots and quotients, each of which waits for the one before. The
         // velocities are gathered after it, so that the processor has other work meanwhile.
-        let coordinates = gather_coordinates::<L, W>(group, nodes.x);
-        let geometry = Geometry::new(&coordinates);
-        let mut rows = VelocityRows::gather(group, nodes);
+        let mut rows = ModeRows::zero();
+        rows.gather_coordinates(group, nodes.x);
+        let geometry = Geometry::new(&rows.coordinates());
+        rows.gather_velocities(group, nodes);
         // Rare options work in place on arrays in memory, outside of this function: in registers
         // they would cost every element a fifth of its time.
         let mut arm = [L::zero(); 3];
         if section.has_offset() {
-            arm = shift_to_middle(&coordinates, &mut rows, section.arm(history));
+            arm = shift_to_middle(&mut rows, section.arm(history));
         }
         let response = self.0.respond::<L, N>(&geometry, &rows.modes(), history, dt);
         scatter(&response, force, moment);
@@ -496,8 +497,7 @@ impl<K: Kernel> Formulation for Quad<K> {
             shift_to_nodes(arm, force, moment);
         }
         if section.deletes {
-            let gone =
-                section.delete_inverted(history, calm, totals.sound, rows.magnitude(&coordinates));
+            let gone = section.delete_inverted(history, calm, totals.sound, rows.magnitude());
             totals.zero_failed(gone);
             zero_corners::<L, W>(gone, force, moment);
         }
@@ -511,7 +511,9 @@ impl<K: Kernel> Formulation for Quad<K> {
         nodes: &NodeView<'_>,
         history: &[L],
     ) -> Totals<L> {
-        let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
+        let mut rows = ModeRows::<L, W>::zero();
+        rows.gather_coordinates(group, nodes.x);
+        let geometry = Geometry::new(&rows.coordinates());
         let stable_dt = geometry.stable_dt(self.section(), K::STEP);
         let factor = self.section().offset_factor(history);
         let stable_dt = factor.map_or(stable_dt, |factor| factor * stable_dt);
@@ -519,63 +521,84 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 }
 
-/// Modes of the corner velocities of a group, a row of each for each element: 1 - 3, 2 - 4 and h of
-/// the velocities, then 1 - 3, 2 - 4, h and the sum of the rotational velocities.
-struct VelocityRows<L: PointLanes<W>, const W: usize>([[L::Row; 7]; W]);
+/// Modes of the corners of a group, one row for each element. Rows are filled in place: they are
+/// too many to be returned without a copy.
+struct ModeRows<L: PointLanes<W>, const W: usize> {
+    x: [[L::Row; W]; 3],
+    v: [[L::Row; W]; 3],
+    w: [[L::Row; W]; 4],
+}
 
-impl<L: PointLanes<W>, const W: usize> VelocityRows<L, W> {
-    /// Gathers the corner velocities of a group. Differences are taken row by row, before the rows
-    /// become lanes.
+impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
     #[inline(always)]
-    fn gather(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Self {
+    fn zero() -> Self {
+        let zero = L::row(Lane::splat(0.0));
+        Self { x: [[zero; W]; 3], v: [[zero; W]; 3], w: [[zero; W]; 4] }
+    }
+
+    /// Gathers the corner coordinates of a group. Differences are taken row by row, before the
+    /// rows become lanes.
+    #[inline(always)]
+    fn gather_coordinates(&mut self, group: &GroupNodes<4, W>, x: &[[f64; 4]]) {
+        for lane in 0..W {
+            let corner = group.map(|corner| corner[lane] as usize);
+            let rows = rows_of_coordinates(x, corner).map(L::row);
+            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
+        }
+    }
+
+    /// Gathers the corner velocities of a group in the same way.
+    #[inline(always)]
+    fn gather_velocities(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
         // One length for both columns, so that one bounds check per node is enough.
         let n = nodes.x.len();
         let (v, w) = (&nodes.v[..n], &nodes.w[..n]);
-        Self(L::each_element(|lane| {
+        for lane in 0..W {
             let corner = group.map(|corner| corner[lane] as usize);
             let modes = |column: &[[f64; 4]]| {
                 let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
                 [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
             };
-            let ([v13, v24, vh, _], [w13, w24, wh, ws]) = (modes(v), modes(w));
-            [v13, v24, vh, w13, w24, wh, ws]
-        }))
+            let rows = modes(v);
+            (0..3).for_each(|mode| self.v[mode][lane] = rows[mode]);
+            let rows = modes(w);
+            (0..4).for_each(|mode| self.w[mode][lane] = rows[mode]);
+        }
+    }
+
+    /// Returns the modes 1 - 3, 2 - 4 and h of the coordinates [length].
+    #[inline(always)]
+    fn coordinates(&self) -> [[L; 3]; 3] {
+        self.x.each(L::from_rows)
     }
 
     #[inline(always)]
     fn modes(&self) -> Modes<L> {
-        let lanes = |mode: usize| L::from_rows(L::each_element(|lane| self.0[lane][mode]));
-        Modes { v: [0, 1, 2].each(lanes), w: [3, 4, 5, 6].each(lanes) }
+        Modes { v: self.v.each(L::from_rows), w: self.w.each(L::from_rows) }
     }
 
-    /// Returns the sum of the magnitudes of these and of the modes `x` of the coordinates, which is
-    /// not finite if one of them is not.
+    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
     #[cold]
     #[inline(never)]
-    fn magnitude(&self, x: &[[L; 3]; 3]) -> L {
-        let Modes { v, w } = self.modes();
+    fn magnitude(&self) -> L {
+        let (x, Modes { v, w }) = (self.coordinates(), self.modes());
         let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
         all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
     }
 }
 
 /// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which is
-/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes `x` of
-/// the coordinates are the same for both.
+/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of the
+/// coordinates are the same for both.
 #[cold]
 #[inline(never)]
-fn shift_to_middle<L: PointLanes<W>, const W: usize>(
-    x: &[[L; 3]; 3],
-    rows: &mut VelocityRows<L, W>,
-    e: L,
-) -> [L; 3] {
-    let Modes { v, w } = rows.modes();
+fn shift_to_middle<L: PointLanes<W>, const W: usize>(rows: &mut ModeRows<L, W>, e: L) -> [L; 3] {
+    let (x, Modes { v, w }) = (rows.coordinates(), rows.modes());
     let arm = along_normal(e, x[0], x[1]);
     for c in 0..3 {
         let more = cross(w[c], arm);
         let shifted = std::array::from_fn(|i| v[c][i] + more[i]);
-        let shifted = L::to_rows(shifted).map(L::row);
-        rows.0.iter_mut().zip(shifted).for_each(|(element, row)| element[c] = row);
+        rows.v[c] = L::to_rows(shifted).map(L::row);
     }
     arm
 }
@@ -610,18 +633,6 @@ fn zero_corners<L: PointLanes<W>, const W: usize>(
     for lane in (0..W).filter(|&lane| gone[lane] > 0.0) {
         (force[lane], moment[lane]) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
     }
-}
-
-/// Returns the corner coordinates of a group as modes 1 - 3, 2 - 4 and h.
-#[inline(always)]
-fn gather_coordinates<L: PointLanes<W>, const W: usize>(
-    group: &GroupNodes<4, W>,
-    x: &[[f64; 4]],
-) -> [[L; 3]; 3] {
-    let rows = L::each_element(|lane| {
-        rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row)
-    });
-    [0, 1, 2].each(|mode: usize| L::from_rows(L::each_element(|lane| rows[lane][mode])))
 }
 
 /// Returns the modes of the coordinates of an element. h is taken from differences of neighbours,
