@@ -11,6 +11,13 @@ use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::transport::RankLost;
 
+/// Number of the sweep from which on the changes of forces are multiplied by [`RELAXATION`]
+/// (successive over-relaxation, Young 1954; projected: Cryer 1971). A pair that no other pair
+/// affects is settled before. Tube-crush, 41,276 cycles: 16.5 sweeps per cycle without, 12.2 with
+/// 1.4 and 11.6 with 1.5.
+const RELAXED_FROM: usize = 2;
+const RELAXATION: f64 = 1.5;
+
 /// State of the contact iteration: everything that the forces of pairs depend on and act on.
 pub struct ContactSolver<'a, S> {
     /// Contact laws of all interfaces.
@@ -73,19 +80,10 @@ impl Selection {
         (law.iteration() == self.iteration && wants).then_some(law)
     }
 
-    /// Returns true if late sweeps change the forces of a law by more than the law asks for.
+    /// Returns true if late sweeps multiply the changes of the forces of a law by [`RELAXATION`].
     fn relaxes(&self, law: &dyn ContactLaw) -> bool {
         self.iteration == Iteration::GaussSeidel && law.converges()
     }
-}
-
-fn omega() -> f64 {
-    static O: std::sync::OnceLock<f64> = std::sync::OnceLock::new();
-    *O.get_or_init(|| std::env::var("OMEGA").ok().and_then(|s| s.parse().ok()).unwrap_or(1.25))
-}
-fn relax_from() -> usize {
-    static O: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
-    *O.get_or_init(|| std::env::var("FROM").ok().and_then(|s| s.parse().ok()).unwrap_or(5))
 }
 
 impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
@@ -258,8 +256,8 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
         match some.stage {
             Stage::Accelerated => Some((force, left)),
             Stage::Plain(_) if left <= 1.0 => None,
-            Stage::Plain(sweep) if sweep >= relax_from() && some.relaxes(law) => {
-                Some((within(p, p.force + (force - p.force) * omega()), left))
+            Stage::Plain(sweep) if sweep >= RELAXED_FROM && some.relaxes(law) => {
+                Some((within(p, p.force + (force - p.force) * RELAXATION), left))
             }
             Stage::Plain(_) => Some((force, left)),
         }

@@ -93,19 +93,18 @@ pub struct Strains<R> {
     pub gamma: [R; 2],
 }
 
-/// Points of a section before a step, for [`Section::flow`].
-pub struct PointsBefore<R, const N: usize> {
-    yielded: Yielded<R>,
-    /// Their columns, if the law depends on the strain rate: stress, plastic strain, temperature.
-    columns: Option<[[R; SAVED]; N]>,
-}
+/// Columns of the points before a step, for [`Section::flow`]: stress, plastic strain and
+/// temperature.
+pub type PointsBefore<R, const N: usize> = [[R; SAVED]; N];
 
 /// Means over the thickness, for membrane and (with the weight `3 zeta^2`) for bending.
 struct Yielded<R> {
     /// Effective plastic strain.
     plastic_strain: [R; 2],
-    /// Square of the von Mises stress [force^2/length^4].
-    square: [R; 2],
+    /// Root mean square of the von Mises stress [force/length^2].
+    stress: [R; 2],
+    /// See `stress`, without the contribution of the strain rate to the yield stress.
+    at_no_rate: [R; 2],
 }
 
 /// Effect of plastic flow in a step on stresses other than those of the points, for membrane and
@@ -521,42 +520,47 @@ impl Section {
         Real::max(mean_square.sqrt(), R::splat(least))
     }
 
-    /// Returns what [`Self::flow`] needs to know of the points before a step.
+    /// Returns the columns of the points that [`Self::flow`] needs from before a step.
     #[inline(always)]
     pub fn points_before<R: Real, const N: usize>(&self, columns: &[R]) -> PointsBefore<R, N> {
-        let points = &columns[POINTS..];
-        let yielded = self.yielded::<R, N>(points);
-        let copied = self.law.rate_dependent().map(|_| {
-            let mut copy = [[R::zero(); SAVED]; N];
-            for (k, point) in copy.iter_mut().enumerate() {
-                let columns = &points[k * self.stride..];
-                // With a constant number of columns the copy stays in registers.
-                point[..SAVED - 1].copy_from_slice(&columns[..SAVED - 1]);
-                if self.stride >= SAVED {
-                    point[SAVED - 1] = columns[SAVED - 1];
-                }
-            }
-            copy
-        });
-        PointsBefore { yielded, columns: copied }
-    }
-
-    /// Returns the means over `points`; zeros if the law has no plastic flow.
-    #[inline(always)]
-    fn yielded<R: Real, const N: usize>(&self, points: &[R]) -> Yielded<R> {
-        let (mut plastic_strain, mut square) = ([R::zero(); 2], [R::zero(); 2]);
-        if let Some(column) = self.plastic_strain {
-            for k in 0..N {
-                let point = &points[k * self.stride..][..self.stride];
-                let of_point = von_mises_squared(point);
-                let weights = self.weights_of_means(k).map(R::splat);
-                for c in 0..2 {
-                    plastic_strain[c] = weights[c].mul_add(point[column], plastic_strain[c]);
-                    square[c] = weights[c].mul_add(of_point, square[c]);
-                }
+        let mut before = [[R::zero(); SAVED]; N];
+        if self.plastic_strain.is_none() {
+            return before;
+        }
+        for (k, point) in before.iter_mut().enumerate() {
+            let columns = &columns[POINTS + k * self.stride..];
+            // With a constant number of columns the copy stays in registers.
+            point[..SAVED - 1].copy_from_slice(&columns[..SAVED - 1]);
+            if self.stride >= SAVED {
+                point[SAVED - 1] = columns[SAVED - 1];
             }
         }
-        Yielded { plastic_strain, square }
+        before
+    }
+
+    /// Returns plastic strain and stress of points, for [`Self::flow`]. `column` is that of the
+    /// plastic strain.
+    fn yielded<'a, R: Real, const N: usize>(
+        &self,
+        column: usize,
+        point: impl Fn(usize) -> &'a [R],
+    ) -> Yielded<R> {
+        let mut plastic_strain = [R::zero(); 2];
+        for k in 0..N {
+            let weights = self.weights_of_means(k);
+            for c in 0..2 {
+                let weight = R::splat(weights[c]);
+                plastic_strain[c] = weight.mul_add(point(k)[column], plastic_strain[c]);
+            }
+        }
+        let stress = self.root_mean_squares::<R, N>(&point, |_, square| square);
+        let at_no_rate = self.law.rate_dependent().map_or(stress, |law| {
+            self.root_mean_squares::<R, N>(&point, |point, square| {
+                let yields = law.static_yield_stress(&point[column..]);
+                Real::min(square, yields * yields)
+            })
+        });
+        Yielded { plastic_strain, stress, at_no_rate }
     }
 
     /// Returns the weights of a point in the means for membrane and bending.
@@ -566,22 +570,22 @@ impl Section {
         [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight]
     }
 
-    /// Returns [`Yielded::square`] for points whose von Mises stress is at most `yield_stress`.
-    fn squares_up_to<'a, R: Real, const N: usize>(
+    /// Returns the roots of the means of `of(point, square of the von Mises stress)`, for membrane
+    /// and for bending.
+    fn root_mean_squares<'a, R: Real, const N: usize>(
         &self,
-        yield_stress: impl Fn(&[R]) -> R,
         point: impl Fn(usize) -> &'a [R],
+        of: impl Fn(&[R], R) -> R,
     ) -> [R; 2] {
         let mut squares = [R::zero(); 2];
         for k in 0..N {
-            let yields = yield_stress(point(k));
-            let square = Real::min(von_mises_squared(point(k)), yields * yields);
+            let square = of(point(k), von_mises_squared(point(k)));
             let weights = self.weights_of_means(k);
             for c in 0..2 {
                 squares[c] = R::splat(weights[c]).mul_add(square, squares[c]);
             }
         }
-        squares
+        squares.map(R::sqrt)
     }
 
     /// Returns the effect of plastic flow since `before` on stresses other than those of the
@@ -596,11 +600,12 @@ impl Section {
         let one = R::splat(1.0);
         let none = Flow { keep: [one; 2], tangent: [one; 2] };
         let Some(column) = self.plastic_strain else { return none };
-        let after = self.yielded::<R, N>(&columns[POINTS..]);
-        let grown = |c: usize| after.plastic_strain[c].gt(before.yielded.plastic_strain[c]);
-        // If no mean has grown, not even by round-off, the factors are exactly one.
-        if R::any(R::either(grown(0), grown(1))) {
-            self.plastic_flow(column, columns, before, &after)
+        let mut increase = R::zero();
+        for (k, point) in before.iter().enumerate() {
+            increase += columns[POINTS + k * self.stride + column] - point[column];
+        }
+        if R::any(increase.gt(R::zero())) {
+            self.plastic_flow(column, columns, before)
         } else {
             none
         }
@@ -619,29 +624,19 @@ impl Section {
         column: usize,
         columns: &[R],
         before: &PointsBefore<R, N>,
-        after: &Yielded<R>,
     ) -> Flow<R> {
         let one = R::splat(1.0);
-        let stress = [&before.yielded, after].map(|yielded| yielded.square.map(R::sqrt));
-        let mut at_no_rate = stress;
-        if let (Some(law), Some(copy)) = (self.law.rate_dependent(), &before.columns) {
-            let yields = |point: &[R]| law.static_yield_stress(&point[column..]);
-            let point = |k: usize| &columns[POINTS + k * self.stride..];
-            at_no_rate = [
-                self.squares_up_to::<R, N>(yields, |k| copy[k].as_slice()),
-                self.squares_up_to::<R, N>(yields, point),
-            ]
-            .map(|squares| squares.map(R::sqrt));
-        }
+        let before = self.yielded::<R, N>(column, |k| before[k].as_slice());
+        let after = self.yielded::<R, N>(column, |k| &columns[POINTS + k * self.stride..]);
         let three_g = R::splat(3.0 * self.elastic.shear_modulus());
         let tiny = R::splat(R::SMALLEST);
         let left =
             |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
         let (mut keep, mut tangent) = ([one; 2], [one; 2]);
         for c in 0..2 {
-            let lost = three_g * (after.plastic_strain[c] - before.yielded.plastic_strain[c]);
-            keep[c] = left(stress[1][c], lost);
-            tangent[c] = left(at_no_rate[1][c] - at_no_rate[0][c], lost);
+            let lost = three_g * (after.plastic_strain[c] - before.plastic_strain[c]);
+            keep[c] = left(after.stress[c], lost);
+            tangent[c] = left(after.at_no_rate[c] - before.at_no_rate[c], lost);
         }
         Flow { keep, tangent }
     }
