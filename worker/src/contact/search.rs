@@ -53,7 +53,7 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
                 let mut count = 0;
                 for (&p, &at) in members[cells.clone()].iter().zip(&places[cells]) {
                     hits[count] = p;
-                    count += usize::from(Real::both(at.ge(min), at.le(max)).all());
+                    count += usize::from((at.ge(min) & at.le(max)).all());
                 }
                 hits[..count].iter().for_each(|&p| found(b as u32, p));
             }

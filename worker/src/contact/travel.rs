@@ -45,7 +45,7 @@ impl Travel {
 
     /// Adds the motion to `x`, the present positions of the same nodes, to the path.
     pub fn advance(&mut self, x: &[Row]) {
-        let (count, before) = (x.len(), &mut self.before[..x.len()]);
+        let (count, before) = (x.len().min(self.before.len()), &mut self.before);
         self.path += spread(count, |i| {
             let moved = Lane::new(x[i]) - Lane::new(before[i]);
             before[i] = x[i];
