@@ -44,7 +44,7 @@ pub struct NearList {
     /// [`Travel::path`]: crate::contact::travel::Travel::path
     pub due: Vec<f64>,
     /// Least `due` of each block of [`BLOCK`] candidates, 0 if it is not known.
-    least: Vec<f64>,
+    pub least: Vec<f64>,
     /// Largest relative motion of two nodes for which the list is valid, and largest relative
     /// motion in a step that begins then [length].
     pub skin: f64,
