@@ -58,6 +58,7 @@ pub struct Plasticity {
     pub thermal: Option<Thermal>,
     /// Failure of points.
     pub failure: Failure,
+    /// Coefficients of the updates, from the elastic constants and the yield stress.
     pub coefficients: Coefficients,
 }
 
