@@ -161,7 +161,7 @@ fn local_product(
 }
 
 /// Returns the force of a pair projected onto its friction cone, zero if it is tensile.
-pub fn within(pair: &Pair, force: V3) -> V3 {
+fn within(pair: &Pair, force: V3) -> V3 {
     let pressed = force.dot(&pair.normal).max(0.0);
     let sheared = force - pair.normal * force.dot(&pair.normal);
     pair.normal * pressed + within_cone(sheared, pressed, pair)

@@ -2,7 +2,7 @@
 //! by prediction and correction within a sweep. If the sweeps do not converge, accelerated
 //! sweeps follow (`acceleration.rs`).
 
-use crate::contact::acceleration::{Acceleration, Forces, within};
+use crate::contact::acceleration::{Acceleration, Forces};
 use crate::contact::enforce::{ContactLaw, Iteration, Laws, demand};
 use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
 use crate::contact::surroundings::{NodalForces, Peers, VelocityConstraint};
@@ -10,13 +10,6 @@ use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::transport::RankLost;
-
-/// Number of the sweep from which on the changes of forces are multiplied by [`RELAXATION`]
-/// (successive over-relaxation, Young 1954; projected: Cryer 1971). A pair that no other pair
-/// affects is settled before. Tube-crush, 41,276 cycles: 16.5 sweeps per cycle without, 12.2 with
-/// 1.4 and 11.6 with 1.5.
-const RELAXED_FROM: usize = 2;
-const RELAXATION: f64 = 1.5;
 
 /// State of the contact iteration: everything that the forces of pairs depend on and act on.
 pub struct ContactSolver<'a, S> {
@@ -78,11 +71,6 @@ impl Selection {
             Stage::Accelerated => law.converges(),
         };
         (law.iteration() == self.iteration && wants).then_some(law)
-    }
-
-    /// Returns true if late sweeps multiply the changes of the forces of a law by [`RELAXATION`].
-    fn relaxes(&self, law: &dyn ContactLaw) -> bool {
-        self.iteration == Iteration::GaussSeidel && law.converges()
     }
 }
 
@@ -252,15 +240,8 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, f64)> {
         let law = some.law(p, self.laws)?;
         let velocity = p.relative_velocity(self.nodes);
-        let (force, left) = law.refine(p, &velocity, self.steps)?;
-        match some.stage {
-            Stage::Accelerated => Some((force, left)),
-            Stage::Plain(_) if left <= 1.0 => None,
-            Stage::Plain(sweep) if sweep >= RELAXED_FROM && some.relaxes(law) => {
-                Some((within(p, p.force + (force - p.force) * RELAXATION), left))
-            }
-            Stage::Plain(_) => Some((force, left)),
-        }
+        let all = matches!(some.stage, Stage::Accelerated);
+        law.refine(p, &velocity, self.steps).filter(|&(_, left)| all || left > 1.0)
     }
 
     /// Updates the selected own pairs, all from the same state. Returns their largest residual,
