@@ -55,6 +55,9 @@ const ALIKE: f64 = 0.7;
 /// in the direction in which both are folded. A fold that is not exposed permits this penetration.
 const SUNK: f64 = 0.5;
 
+/// Number of candidates that are passed over together while none of them is due.
+const BLOCK: usize = 64;
+
 /// Fraction of the angle of an exposed fold from which on edges are included in the search.
 /// Without it each edge that becomes exposed would request a new search.
 const NEARLY: f64 = 0.7;
@@ -107,6 +110,8 @@ pub struct Edges {
     found: Vec<[u32; 2]>,
     /// Those of `found` that are near.
     candidates: Vec<EdgeCandidate>,
+    /// Least `due` of each block of [`BLOCK`] candidates [length].
+    least_due: Vec<f64>,
     /// Histories in ascending order of their keys.
     memories: Vec<EdgePairHistory>,
     /// Nodes of the histories, ascending, with the indices of the histories.
@@ -259,13 +264,19 @@ impl Edges {
                 self.found.push([i, other]);
             }
         });
-        self.found.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
+        self.found.sort_by_cached_key(|c| c.map(|i| edge(i).ids(nodes)));
     }
 
     /// Selects from the pairs found those that could touch in a step. In such a step nodes move
     /// by at most `step` against each other [length]. The selection is valid until they have
     /// moved by more than `skin` [length]. `path` is the path of the nodes so far [length].
     pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, (skin, step): (f64, f64), path: f64) {
+        self.candidates.clear();
+        if self.found.is_empty() {
+            return;
+        }
+        let spheres: Vec<(V3, f64)> =
+            self.lines.all.iter().map(|e| sphere(&e.ends(&nodes.x))).collect();
         let near = |pair: &[u32; 2]| {
             let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
             let most = |sum| surface.interfaces.most(sum);
@@ -274,12 +285,15 @@ impl Edges {
             let deepest =
                 if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
             let reach = near.max(deepest) + step + surface.shift_reach();
-            let is_near = a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
+            let [one, two] = pair.map(|i| spheres[i as usize]);
+            let is_near = !are_farther(one, two, reach + skin)
+                && a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
                 && are_within(a, b, nodes, reach + skin);
             is_near.then_some(EdgeCandidate { edges: *pair, reach, due: path })
         };
-        self.candidates.clear();
         self.candidates.extend(self.found.iter().filter_map(near));
+        self.least_due.clear();
+        self.least_due.resize(self.candidates.len().div_ceil(BLOCK), path);
     }
 
     /// Returns the largest approach rate, as [`approach::rate`], of all pairs found [1/time].
@@ -317,6 +331,25 @@ impl Edges {
         out: &mut Vec<Pair>,
     ) {
         let mut candidates = std::mem::take(&mut self.candidates);
+        let mut least_due = std::mem::take(&mut self.least_due);
+        let blocks = candidates.chunks_mut(BLOCK).zip(&mut least_due);
+        for (block, least) in blocks.filter(|(_, least)| **least <= path) {
+            self.find_pairs_of(block, nodes, (surface, alive), stiffness, (dt, path), out);
+            *least = block.iter().map(|c| c.due).fold(f64::INFINITY, f64::min);
+        }
+        (self.candidates, self.least_due) = (candidates, least_due);
+    }
+
+    /// Appends the active pairs of some candidates to `out`, see [`Self::find_pairs`].
+    fn find_pairs_of(
+        &self,
+        candidates: &mut [EdgeCandidate],
+        nodes: &Nodes,
+        (surface, alive): (&Surface, &[bool]),
+        stiffness: &[f64],
+        (dt, path): (f64, f64),
+        out: &mut Vec<Pair>,
+    ) {
         for candidate in candidates.iter_mut().filter(|c| c.due <= path) {
             let edges = candidate.edges.map(|i| &self.lines.all[i as usize]);
             let ends = edges.map(|e| e.ends(&nodes.x));
@@ -338,7 +371,6 @@ impl Edges {
                 out.push(pair);
             }
         }
-        self.candidates = candidates;
     }
 
     fn evaluate_pair(
@@ -531,16 +563,25 @@ struct EdgeBar {
 
 impl EdgeBar {
     fn new(edge: &Edge, nodes: &Nodes) -> Self {
-        let [p, q] = edge.ends(&nodes.x);
-        let (middle, half) = ((p + q) * 0.5, 0.5 * (q - p).norm());
+        let (middle, half) = sphere(&edge.ends(&nodes.x));
         Self { middle, half, scale: edge.scale, ids: edge.ids(nodes) }
     }
 
     /// Returns true if another edge is certainly farther away than `reach` [length].
     fn is_farther(&self, other: &Self, reach: f64) -> bool {
-        let reach = self.half + other.half + reach;
-        (self.middle - other.middle).norm_squared() > reach * reach
+        are_farther((self.middle, self.half), (other.middle, other.half), reach)
     }
+}
+
+/// Returns middle and radius of the sphere around an edge between these points [length].
+fn sphere([p, q]: &[V3; 2]) -> (V3, f64) {
+    ((p + q) * 0.5, 0.5 * (q - p).norm())
+}
+
+/// Returns true if two spheres, by middle and radius, are farther apart than `reach` [length].
+fn are_farther((one, r): (V3, f64), (two, q): (V3, f64), reach: f64) -> bool {
+    let apart = r + q + reach;
+    (one - two).norm_squared() > apart * apart
 }
 
 /// Returns true if the distance of two edges is at most `reach` [length].

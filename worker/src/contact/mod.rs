@@ -337,7 +337,7 @@ impl Contact {
         (time, dt): (f64, f64),
         stable: f64,
     ) {
-        let spread = spread(nodes.v_next.iter().map(|&v| Lane::new(v)));
+        let spread = spread(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.
         let fast = stable * spread > self.surface.thinnest;

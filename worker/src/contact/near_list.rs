@@ -30,6 +30,9 @@ const STEP: f64 = 0.02;
 /// Number of collected candidates from which a filter examines them in batches.
 const HELD: usize = 256;
 
+/// Number of candidates that are passed over together while none of them is due.
+const BLOCK: usize = 64;
+
 /// Candidates that are near.
 #[derive(Debug, Default)]
 pub struct NearList {
@@ -40,6 +43,8 @@ pub struct NearList {
     ///
     /// [`Travel::path`]: crate::contact::travel::Travel::path
     pub due: Vec<f64>,
+    /// Least `due` of each block of [`BLOCK`] candidates, 0 if it is not known.
+    pub least: Vec<f64>,
     /// Largest relative motion of two nodes for which the list is valid, and largest relative
     /// motion in a step that begins then [length].
     pub skin: f64,
@@ -49,13 +54,35 @@ pub struct NearList {
 impl NearList {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.list[..]) + size_of_val(&self.due[..])
+        size_of_val(&self.list[..]) + size_of_val(&self.due[..]) + size_of_val(&self.least[..])
     }
 
     /// Removes all candidates.
     pub fn clear(&mut self) {
         self.list.clear();
         self.due.clear();
+        self.least.clear();
+    }
+
+    /// Appends to `due` the indices of the candidates that are due at this path of the nodes
+    /// [length], ascending, and to `blocks` the blocks that have such candidates.
+    /// [`Self::close_blocks`] must follow.
+    pub fn find_due(&mut self, path: f64, due: &mut Vec<u32>, blocks: &mut Vec<u32>) {
+        self.least.resize(self.due.len().div_ceil(BLOCK), 0.0);
+        for (block, _) in (0u32..).zip(&self.least).filter(|(_, least)| **least <= path) {
+            let from = block as usize * BLOCK;
+            let of_block = (from as u32..).zip(self.due[from..].iter().take(BLOCK));
+            due.extend(of_block.filter(|(_, due)| **due <= path).map(|(i, _)| i));
+            blocks.push(block);
+        }
+    }
+
+    /// Updates the least [`NearList::due`] of these blocks.
+    pub fn close_blocks(&mut self, blocks: &[u32]) {
+        for &block in blocks {
+            let of_block = self.due[block as usize * BLOCK..].iter().take(BLOCK);
+            self.least[block as usize] = of_block.copied().fold(f64::INFINITY, f64::min);
+        }
     }
 
     /// Filters the candidates of the last global search, which had the skin `skin` [length], to

@@ -53,6 +53,8 @@ pub struct PairTable {
     pub couples: Vec<V3>,
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
+    /// For each of `roles` the force weight, negative on the target side.
+    signed_shares: Vec<f64>,
     /// For each pair and role, the sum of the force weights, times [`Pair::area`], of all pairs
     /// at the node. It is 0 if the pair does not act on the node; see
     /// [`Self::compute_compliances`].
@@ -89,12 +91,16 @@ impl PairTable {
         self.touched.clear();
         self.start.clear();
         self.roles.clear();
+        self.signed_shares.clear();
         for &(n, p, r) in &self.incidence {
             if self.touched.last() != Some(&n) {
                 self.touched.push(n);
                 self.start.push(self.roles.len() as u32);
             }
             self.roles.push((p, r));
+            let pair = &self.pairs[p as usize];
+            let share = pair.share(r as usize);
+            self.signed_shares.push(if pair.is_slave_role(r) { share } else { -share });
         }
         self.start.push(self.roles.len() as u32);
         self.total.clear();
@@ -232,11 +238,10 @@ impl PairTable {
 
     /// Returns the sum of the forces of all pairs on the node at index `t` of `touched` [force].
     fn force_at(&self, t: usize) -> V3 {
+        let shares = &self.signed_shares[self.start[t] as usize..self.start[t + 1] as usize];
         let mut sum = V3::zeros();
-        for &(p, r) in self.roles_at(t) {
-            let pair = &self.pairs[p as usize];
-            let part = pair.force * pair.share(r as usize);
-            if pair.is_slave_role(r) { sum += part } else { sum -= part }
+        for (&(p, _), &share) in self.roles_at(t).iter().zip(shares) {
+            sum += self.pairs[p as usize].force * share;
         }
         sum
     }

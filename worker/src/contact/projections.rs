@@ -29,6 +29,8 @@ pub struct ProjectedPair {
 pub struct ProjectedPairs {
     /// Indices of the candidates that may be within reach.
     due: Vec<u32>,
+    /// Blocks of the near list that have such candidates.
+    blocks: Vec<u32>,
     /// Candidate pairs within reach, with their largest relative motion [length].
     reached: Vec<(CandidatePair, f64)>,
     /// Projected pairs in the order of the candidates.
@@ -38,7 +40,10 @@ pub struct ProjectedPairs {
 impl ProjectedPairs {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.due[..]) + size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
+        size_of_val(&self.due[..])
+            + size_of_val(&self.blocks[..])
+            + size_of_val(&self.reached[..])
+            + size_of_val(&self.all[..])
     }
 
     /// Projects the candidates of the near list that are within reach and stores them in `all`.
@@ -54,12 +59,14 @@ impl ProjectedPairs {
     ) {
         let mut due = std::mem::take(&mut self.due);
         due.clear();
-        due.extend((0u32..).zip(&near.due).filter(|(_, due)| **due <= path).map(|(i, _)| i));
+        self.blocks.clear();
+        near.find_due(path, &mut due, &mut self.blocks);
         self.reached.clear();
         for some in due.chunks(LANES) {
             self.retain_reached(nodes, surface, (near, path), some, &memory, dt);
         }
         self.due = due;
+        near.close_blocks(&self.blocks);
         self.all.clear();
         for some in self.reached.chunks(LANES) {
             let four = PairBatch::of(surface, some, |s| s.0);

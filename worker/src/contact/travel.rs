@@ -45,11 +45,12 @@ impl Travel {
 
     /// Adds the motion to `x`, the present positions of the same nodes, to the path.
     pub fn advance(&mut self, x: &[Row]) {
-        self.path += spread(x.iter().zip(&mut self.before).map(|(now, before)| {
-            let moved = Lane::new(*now) - Lane::new(*before);
-            *before = *now;
+        let (count, before) = (x.len().min(self.before.len()), &mut self.before);
+        self.path += spread(count, |i| {
+            let moved = Lane::new(x[i]) - Lane::new(before[i]);
+            before[i] = x[i];
             moved
-        }));
+        });
     }
 
     /// Returns the path: no two nodes have moved farther against each other since the start
@@ -71,13 +72,23 @@ impl Travel {
     }
 }
 
-/// Returns an upper bound of the difference of any two of these vectors.
-pub fn spread(vectors: impl Iterator<Item = Lane>) -> f64 {
-    let start = (Lane::splat(f64::INFINITY), Lane::splat(f64::NEG_INFINITY));
+/// Returns an upper bound of the difference of any two of the `count` vectors that `at` returns.
+pub fn spread(count: usize, mut at: impl FnMut(usize) -> Lane) -> f64 {
+    /// Number of bounds that are kept apart: each comparison waits for the last one of its bound.
+    const APART: usize = 4;
+    let (mut low, mut high) =
+        ([Lane::splat(f64::INFINITY); APART], [Lane::splat(f64::NEG_INFINITY); APART]);
     // Numbers that are not finite are left out: the step that computed them ends the run.
-    let wider = |(low, high), v: Lane| (Real::min(v, low), Real::max(v, high));
-    let (low, high) = vectors.fold(start, wider);
-    let (low, high) = (low.to_array(), high.to_array());
+    let mut extend = |k: usize, v: Lane| {
+        (low[k], high[k]) = (Real::min(v, low[k]), Real::max(v, high[k]));
+    };
+    let whole = count - count % APART;
+    for i in (0..whole).step_by(APART) {
+        (0..APART).for_each(|k| extend(k, at(i + k)));
+    }
+    (whole..count).for_each(|i| extend(0, at(i)));
+    let low = low.into_iter().reduce(Real::min).map_or([0.0; 4], |low| low.to_array());
+    let high = high.into_iter().reduce(Real::max).map_or([0.0; 4], |high| high.to_array());
     let size = |c: usize| (high[c] - low[c]).max(0.0);
     (size(0) * size(0) + size(1) * size(1) + size(2) * size(2)).sqrt()
 }

@@ -559,16 +559,11 @@ impl Blocks {
     /// divided by the number of cycles of an outer step. An element whose step is not a number
     /// comes first, with a step of 0 [time].
     pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
-        let of_block = |b: &Block| {
+        let limits = self.blocks.iter().filter(|b| !b.idle).flat_map(|b| {
             let own = (0..b.count).filter(|i| !self.elements[b.first + i].record.failed);
             own.map(|i| (self.step_of(b, i, nodes), self.elements[b.first + i].record.id))
-                .collect::<Vec<_>>()
-        };
-        self.blocks
-            .iter()
-            .filter(|b| !b.idle)
-            .flat_map(of_block)
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        });
+        limits.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }
 
     /// Returns the step limit of element `i` of a block, 0 if it is not a number [time].

@@ -24,15 +24,19 @@ pub struct SweepSchedule {
     phase: Vec<u32>,
     /// Indices of the nodes of each pair in the table's `touched`, or [`NOWHERE`].
     slots: Vec<[u32; MAX_PAIR_NODES]>,
+    /// Nodes whose motion changes the force of each pair, as indices of `felt`.
+    watched: Vec<[u32; MAX_PAIR_NODES]>,
     /// Own pairs in ascending order of (phase, key).
     own: Vec<u32>,
     /// Number of phases of the pairs that this worker knows.
     phases: u32,
     /// Counter of changed forces, starting at 1.
     turn: u64,
-    /// Value of `turn` when a new force last acted on the node at each index of `touched`, and
-    /// value of `turn` when each pair was last updated, 0 for never.
+    /// Value of `turn` when a new force last acted on the node at each index of `touched`. Two
+    /// more entries stand for roles without effect (0) and for nodes that are not local (the
+    /// largest number).
     felt: Vec<u64>,
+    /// Value of `turn` when each pair was last updated, 0 for never.
     looked: Vec<u64>,
     /// Forces of other workers' pairs of a phase.
     received: Vec<(u32, V3)>,
@@ -42,10 +46,9 @@ impl SweepSchedule {
     /// Returns true if a pair may have to change its force: a new force has acted on one of its
     /// nodes since its last update. So work continues only where pairs are connected to pairs
     /// that still change.
-    fn is_scheduled(&self, i: u32, pair: &Pair) -> bool {
-        let mut roles =
-            self.slots[i as usize].iter().zip(pair.shape).filter(|(_, shape)| *shape != 0.0);
-        roles.any(|(&t, _)| t == NOWHERE || self.felt[t as usize] > self.looked[i as usize])
+    fn is_scheduled(&self, i: u32) -> bool {
+        let looked = self.looked[i as usize];
+        self.watched[i as usize].iter().any(|&t| self.felt[t as usize] > looked)
     }
 }
 
@@ -82,6 +85,16 @@ impl PairTable {
         order.turn = 1;
         order.felt.clear();
         order.felt.resize(self.touched.len(), order.turn);
+        order.felt.extend([0, u64::MAX]);
+        let [without_effect, elsewhere] = [0, 1].map(|more| (self.touched.len() + more) as u32);
+        order.watched.clear();
+        order.watched.extend(self.pairs.iter().zip(&order.slots).map(|(pair, slots)| {
+            std::array::from_fn(|r| match slots[r] {
+                _ if pair.shape[r] == 0.0 => without_effect,
+                NOWHERE => elsewhere,
+                t => t,
+            })
+        }));
         order.looked.clear();
         order.looked.resize(self.pairs.len(), 0);
         self.schedule = order;
@@ -136,7 +149,7 @@ impl PairTable {
             while let Some(&i) = order.own.get(next).filter(|&&i| order.phase[i as usize] == phase)
             {
                 next += 1;
-                if !order.is_scheduled(i, &self.pairs[i as usize]) {
+                if !order.is_scheduled(i) {
                     continue;
                 }
                 order.looked[i as usize] = order.turn;

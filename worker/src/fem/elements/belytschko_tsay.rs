@@ -118,6 +118,7 @@ impl Kernel for BelytschkoTsay {
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,
+        g: &Geometry<R>,
         modes: &Modes<R>,
         history: &mut [R],
         dt: f64,
@@ -128,9 +129,8 @@ impl Kernel for BelytschkoTsay {
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
 
         // 1. Frame, and all motions in its axes.
-        let g = Geometry::new(&modes.x);
-        let (motion, mut strains) = Motion::new(&g, modes, dt);
-        let warping = if self.warping { Some(Warping::new(&g)) } else { None };
+        let (motion, mut strains) = Motion::new(g, modes, dt);
+        let warping = if self.warping { Some(Warping::new(g)) } else { None };
         if let Some(warping) = &warping {
             let more = warping.curvature(&motion);
             strains.kappa = std::array::from_fn(|c| strains.kappa[c] + more[c]);
@@ -143,8 +143,8 @@ impl Kernel for BelytschkoTsay {
         let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
         // 3. Hourglass and drilling. Twice the energy is the work of old and new forces.
-        let rates = motion.hourglass(&g);
-        let stiffness = self.hourglass_stiffness(&g, thickness);
+        let rates = motion.hourglass(g);
+        let stiffness = self.hourglass_stiffness(g, thickness);
         let ahead = motion.extrapolated();
         let energy = bounds::work(drill, &ahead, bounds::work(hourglass, &rates, R::zero()));
         let viscous = self.hourglass == HourglassForm::Viscous;
@@ -166,7 +166,7 @@ impl Kernel for BelytschkoTsay {
         let couple = warping.as_ref().map_or(R::zero(), |warping| warping.couple(m));
         let resisting = std::array::from_fn(|c| hourglass[c]);
         let (mut force, moment) =
-            Generalised { n, m, q, hourglass: resisting, drilling: drill, couple }.corners(&g);
+            Generalised { n, m, q, hourglass: resisting, drilling: drill, couple }.corners(g);
         if let Some(Warping { bc1, bc2, .. }) = &warping {
             let [mx, my, mxy] = m;
             for c in 0..2 {
@@ -176,7 +176,7 @@ impl Kernel for BelytschkoTsay {
         }
         let energies = [work * g.area, R::splat(0.5) * energy];
         let mut response =
-            Response::new::<Self>(&g, (&self.section, section), (force, moment), energies, sound);
+            Response::new::<Self>(g, (&self.section, section), (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, hourglass);

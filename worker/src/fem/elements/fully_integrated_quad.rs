@@ -83,6 +83,7 @@ impl Kernel for FullyIntegratedQuad {
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,
+        g: &Geometry<R>,
         modes: &Modes<R>,
         history: &mut [R],
         dt: f64,
@@ -93,12 +94,11 @@ impl Kernel for FullyIntegratedQuad {
         let gauss = R::splat(1.0 / 3.0_f64.sqrt());
 
         // 1. Frame, and all motions in its axes.
-        let g = Geometry::new(&modes.x);
-        let (motion, mut strains) = Motion::new(&g, modes, dt);
-        let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(&g);
+        let (motion, mut strains) = Motion::new(g, modes, dt);
+        let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(g);
 
         // 2. Shear from the sides, and membrane strain of twisted sides.
-        let sides = Sides::new(&g, &motion, q_z, &mut strains);
+        let sides = Sides::new(g, &motion, q_z, &mut strains);
         let Sides { slopes: s, rate_xi, rate_eta, .. } = &sides;
         let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
 
@@ -179,7 +179,7 @@ impl Kernel for FullyIntegratedQuad {
         let on_eta = soft_eta * (dot2(s.to_eta, shear_1) - dot2(s.to_eta, shear_2));
 
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let ahead = sides.ahead(&g, &motion);
+        let ahead = sides.ahead(g, &motion);
         let energy = bounds::work(drill, &ahead, zero);
         bounds::drill(drill, stiff, &ahead);
         bounds::DRILLING.apply::<R, N>(
@@ -193,9 +193,9 @@ impl Kernel for FullyIntegratedQuad {
         // 6. Corner forces.
         let hourglass = [-minus_on_tx, on_ty, on_x, on_y];
         let (force, moment) =
-            sides.corners(&g, &OnSides { n, m, q, shear: [on_xi, on_eta], hourglass, drill });
+            sides.corners(g, &OnSides { n, m, q, shear: [on_xi, on_eta], hourglass, drill });
         let mut response = Response::new::<Self>(
-            &g,
+            g,
             (&self.section, section),
             (force, moment),
             [work, R::splat(0.5) * energy],

@@ -292,8 +292,8 @@ fn lanes_are_the_scalar_kernel() {
     let shell = Shell(Quad(FullyIntegratedQuad { section, drilling: 0.01 }));
     let fields = singles_and_lanes(
         &shell,
-        |modes, history| shell.0.0.respond::<Lane, 5>(modes, history, 0.5),
-        |modes, history| shell.0.0.respond::<f64, 5>(modes, history, 0.5),
+        |g, modes, history| shell.0.0.respond::<Lane, 5>(g, modes, history, 0.5),
+        |g, modes, history| shell.0.0.respond::<f64, 5>(g, modes, history, 0.5),
     );
     let plastic = fields.map(|fields| fields.plastic_strain);
     assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");

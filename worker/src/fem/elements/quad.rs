@@ -74,10 +74,8 @@ const SINGLE_ELEMENT_FACTOR: f64 = 1.05;
 /// line.
 const MIN_AREA: f64 = 1e-6;
 
-/// Corner vectors of an element, as modes.
+/// Corner velocities of an element, as modes.
 pub struct Modes<R> {
-    /// Modes 1 - 3, 2 - 4 and h of the coordinates [length].
-    pub x: [[R; 3]; 3],
     /// Modes 1 - 3, 2 - 4 and h of the velocities [length/time].
     pub v: [[R; 3]; 3],
     /// Modes 1 - 3, 2 - 4, h and the sum of the rotational velocities [1/time].
@@ -383,14 +381,16 @@ impl<R: Real> Response<R> {
         healthy: R::Mask,
     ) -> Self {
         let (force, moment) = (g.frame.to_global(force), g.frame.to_global(moment));
-        // The sum is not finite if any of its terms is not.
-        let mut total = R::zero();
+        // Zero times a number is not zero if the number is not finite.
+        let mut nothing = [R::zero(); 3];
         for c in 0..3 {
-            total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
-            total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
+            for part in force.iter().chain(&moment) {
+                nothing[c] = part[c].mul_add(R::zero(), nothing[c]);
+            }
         }
         let calm = R::both(healthy, g.has_area);
-        let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
+        let finite = (nothing[0] + nothing[1] + nothing[2]).le(R::zero());
+        let sound = R::both(calm, finite);
         let stable_dt = section.stable_dt(columns, &g.limits::<K>(section));
         Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm }
     }
@@ -410,10 +410,11 @@ pub trait Kernel: Send + Sync {
     /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
-    /// Computes one element in each lane. The reference kernel and the fast kernel are this one
-    /// function.
+    /// Computes one element of the geometry `g` in each lane. The reference kernel and the fast
+    /// kernel are this one function.
     fn respond<R: PointReal, const N: usize>(
         &self,
+        g: &Geometry<R>,
         modes: &Modes<R>,
         history: &mut [R],
         dt: f64,
@@ -477,15 +478,19 @@ impl<K: Kernel> Formulation for Quad<K> {
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
         let section = self.section();
+        // The frame is a chain of roots and quotients, each of which waits for the one before. The
+        // velocities are gathered after it, so that the processor has other work meanwhile.
         let mut rows = ModeRows::zero();
-        rows.gather(group, nodes);
+        rows.gather_coordinates(group, nodes.x);
+        let geometry = Geometry::new(&rows.coordinates());
+        rows.gather_velocities(group, nodes);
         // Rare options work in place on arrays in memory, outside of this function: in registers
         // they would cost every element a fifth of its time.
         let mut arm = [L::zero(); 3];
         if section.has_offset() {
             arm = shift_to_middle(&mut rows, section.arm(history));
         }
-        let response = self.0.respond::<L, N>(&rows.modes(), history, dt);
+        let response = self.0.respond::<L, N>(&geometry, &rows.modes(), history, dt);
         scatter(&response, force, moment);
         let (calm, mut totals) = (response.calm, response.totals);
         if section.has_offset() {
@@ -506,7 +511,9 @@ impl<K: Kernel> Formulation for Quad<K> {
         nodes: &NodeView<'_>,
         history: &[L],
     ) -> Totals<L> {
-        let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
+        let mut rows = ModeRows::<L, W>::zero();
+        rows.gather_coordinates(group, nodes.x);
+        let geometry = Geometry::new(&rows.coordinates());
         let stable_dt = geometry.stable_dt(self.section(), K::STEP);
         let factor = self.section().offset_factor(history);
         let stable_dt = factor.map_or(stable_dt, |factor| factor * stable_dt);
@@ -514,7 +521,8 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 }
 
-/// Modes of the corners of a group, one row for each element.
+/// Modes of the corners of a group, one row for each element. Rows are filled in place: they are
+/// too many to be returned without a copy.
 struct ModeRows<L: PointLanes<W>, const W: usize> {
     x: [[L::Row; W]; 3],
     v: [[L::Row; W]; 3],
@@ -528,21 +536,29 @@ impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
         Self { x: [[zero; W]; 3], v: [[zero; W]; 3], w: [[zero; W]; 4] }
     }
 
-    /// Gathers the corner values of a group. Differences are taken row by row, before the rows
-    /// become lanes. Rows are filled in place: they are too many to be returned without a copy.
+    /// Gathers the corner coordinates of a group. Differences are taken row by row, before the
+    /// rows become lanes.
     #[inline(always)]
-    fn gather(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
-        // One length for all three columns, so that one bounds check per node is enough.
+    fn gather_coordinates(&mut self, group: &GroupNodes<4, W>, x: &[[f64; 4]]) {
+        for lane in 0..W {
+            let corner = group.map(|corner| corner[lane] as usize);
+            let rows = rows_of_coordinates(x, corner).map(L::row);
+            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
+        }
+    }
+
+    /// Gathers the corner velocities of a group in the same way.
+    #[inline(always)]
+    fn gather_velocities(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
+        // One length for both columns, so that one bounds check per node is enough.
         let n = nodes.x.len();
-        let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
+        let (v, w) = (&nodes.v[..n], &nodes.w[..n]);
         for lane in 0..W {
             let corner = group.map(|corner| corner[lane] as usize);
             let modes = |column: &[[f64; 4]]| {
                 let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
                 [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
             };
-            let rows = rows_of_coordinates(x, corner).map(L::row);
-            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
             let rows = modes(v);
             (0..3).for_each(|mode| self.v[mode][lane] = rows[mode]);
             let rows = modes(w);
@@ -550,20 +566,22 @@ impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
         }
     }
 
+    /// Returns the modes 1 - 3, 2 - 4 and h of the coordinates [length].
+    #[inline(always)]
+    fn coordinates(&self) -> [[L; 3]; 3] {
+        self.x.each(L::from_rows)
+    }
+
     #[inline(always)]
     fn modes(&self) -> Modes<L> {
-        Modes {
-            x: self.x.each(L::from_rows),
-            v: self.v.each(L::from_rows),
-            w: self.w.each(L::from_rows),
-        }
+        Modes { v: self.v.each(L::from_rows), w: self.w.each(L::from_rows) }
     }
 
     /// Returns the sum of all magnitudes, which is not finite if one of them is not.
     #[cold]
     #[inline(never)]
     fn magnitude(&self) -> L {
-        let Modes { x, v, w } = self.modes();
+        let (x, Modes { v, w }) = (self.coordinates(), self.modes());
         let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
         all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
     }
@@ -575,7 +593,7 @@ impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
 #[cold]
 #[inline(never)]
 fn shift_to_middle<L: PointLanes<W>, const W: usize>(rows: &mut ModeRows<L, W>, e: L) -> [L; 3] {
-    let Modes { x, v, w } = rows.modes();
+    let (x, Modes { v, w }) = (rows.coordinates(), rows.modes());
     let arm = along_normal(e, x[0], x[1]);
     for c in 0..3 {
         let more = cross(w[c], arm);
@@ -615,20 +633,6 @@ fn zero_corners<L: PointLanes<W>, const W: usize>(
     for lane in (0..W).filter(|&lane| gone[lane] > 0.0) {
         (force[lane], moment[lane]) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
     }
-}
-
-/// Returns the corner coordinates of a group as modes.
-#[inline(always)]
-fn gather_coordinates<L: PointLanes<W>, const W: usize>(
-    group: &GroupNodes<4, W>,
-    x: &[[f64; 4]],
-) -> [[L; 3]; 3] {
-    let mut modes = [[L::row(Lane::splat(0.0)); W]; 3];
-    for lane in 0..W {
-        let rows = rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row);
-        [modes[0][lane], modes[1][lane], modes[2][lane]] = rows;
-    }
-    modes.each(L::from_rows)
 }
 
 /// Returns the modes of the coordinates of an element. h is taken from differences of neighbours,

@@ -386,6 +386,12 @@ impl Section {
         stable_dt / Real::max(half_trace + root, one).sqrt()
     }
 
+    /// Returns the columns of a history that [`Self::stable_dt`] reads, if these are the first
+    /// ones: the thicknesses at several points in the plane are not.
+    pub fn shape_columns(&self, history: State<'_>) -> Option<[f64; POINTS]> {
+        (self.planar == 1).then(|| std::array::from_fn(|column| history.at(column)))
+    }
+
     /// Returns the current thickness [length].
     #[inline(always)]
     pub fn current_thickness<R: Real>(&self, history: &[R]) -> R {

@@ -128,7 +128,11 @@ impl<F: Formulation> Element for Shell<F> {
     }
 
     fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
-        self.0.stable_dt_now(&history.to_vec(), four(x))
+        // A history row asks all elements: no copy of all columns, and no allocation.
+        match self.section().shape_columns(history) {
+            Some(columns) => self.0.stable_dt_now(&columns, four(x)),
+            None => self.0.stable_dt_now(&history.to_vec(), four(x)),
+        }
     }
 
     fn single_element_step(&self) -> f64 {

@@ -98,6 +98,7 @@ impl Kernel for StabilisedQuad {
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,
+        g: &Geometry<R>,
         modes: &Modes<R>,
         history: &mut [R],
         dt: f64,
@@ -106,12 +107,11 @@ impl Kernel for StabilisedQuad {
         let (stabilising, drill) = own[..STABILISING + DRILLING].split_at_mut(STABILISING);
 
         // 1. Frame, and all motions in its axes.
-        let g = Geometry::new(&modes.x);
-        let (motion, mut strains) = Motion::new(&g, modes, dt);
-        let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(&g);
+        let (motion, mut strains) = Motion::new(g, modes, dt);
+        let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(g);
 
         // 2. Shear from the sides, and membrane strain of twisted sides.
-        let sides = Sides::new(&g, &motion, q_z, &mut strains);
+        let sides = Sides::new(g, &motion, q_z, &mut strains);
         let Sides { slopes: s, rate_xi, rate_eta, .. } = &sides;
         let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
 
@@ -151,7 +151,7 @@ impl Kernel for StabilisedQuad {
         // In the section's factors membrane is 0 and bending is 1; shear stays elastic.
         let kind = [Some(1), Some(1), None, None, Some(0), Some(0)];
         let tangent = tangent.each(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
-        let ahead = sides.ahead(&g, &motion);
+        let ahead = sides.ahead(g, &motion);
         let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, R::zero()));
         for c in 0..STABILISING {
             let old = stabilising[c];
@@ -186,10 +186,10 @@ impl Kernel for StabilisedQuad {
             hourglass: [on_tx, on_ty, on_x, on_y],
             drill,
         };
-        let (force, moment) = sides.corners(&g, &on_sides);
+        let (force, moment) = sides.corners(g, &on_sides);
         let energies = [work * g.area, R::splat(0.5) * energy];
         let mut response =
-            Response::new::<Self>(&g, (&self.section, section), (force, moment), energies, sound);
+            Response::new::<Self>(g, (&self.section, section), (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, stabilising);

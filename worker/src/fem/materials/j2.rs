@@ -20,7 +20,7 @@
 //! most shell codes).
 
 use super::parameters::Parameters;
-use super::plasticity::{Curve, Failure, Plasticity, Rate};
+use super::plasticity::{Coefficients, Curve, Failure, Plasticity, Rate};
 use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
@@ -108,7 +108,8 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     };
     parameters.finish()?;
     let curve = Curve::lines(yield_stress, slope, &ramps);
-    Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure })
+    let coefficients = Coefficients::new(&elastic, yield_stress);
+    Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure, coefficients })
 }
 
 /// Returns the yield stress, the first slope, and the changes of slope.

@@ -58,6 +58,45 @@ pub struct Plasticity {
     pub thermal: Option<Thermal>,
     /// Failure of points.
     pub failure: Failure,
+    /// Coefficients of the updates, from the elastic constants and the yield stress.
+    pub coefficients: Coefficients,
+}
+
+/// Coefficients of the updates. They are stored because their quotients would take a fifth of an
+/// update of a group.
+pub struct Coefficients {
+    /// See [`Elastic::plane_stress`] [force/length^2].
+    plane_stress: [f64; 3],
+    /// See [`Elastic::thinning`] [length^2/force].
+    thinning: f64,
+    /// Shear and bulk modulus [force/length^2].
+    shear: f64,
+    bulk: f64,
+    /// Slopes of alpha and beta in y without hardening, in units of the initial yield stress; see
+    /// `plane_stress`.
+    moduli: [f64; 2],
+    /// 1 over the initial yield stress [length^2/force], and over its square.
+    per_yield: f64,
+    per_yield2: f64,
+}
+
+impl Coefficients {
+    /// Computes the coefficients from the elastic constants and the initial yield stress
+    /// [force/length^2].
+    pub fn new(elastic: &Elastic, yield_stress: f64) -> Self {
+        let Elastic { youngs_modulus, poisson, .. } = *elastic;
+        let shear = elastic.shear_modulus();
+        let moduli = [0.5 * youngs_modulus / (1.0 - poisson), 3.0 * shear];
+        Self {
+            plane_stress: elastic.plane_stress(),
+            thinning: elastic.thinning(),
+            shear,
+            bulk: elastic.bulk_modulus(),
+            moduli: moduli.map(|m| m / yield_stress),
+            per_yield: 1.0 / yield_stress,
+            per_yield2: 1.0 / (yield_stress * yield_stress),
+        }
+    }
 }
 
 /// Yield stress over plastic strain, in units of the initial yield stress.

@@ -16,7 +16,7 @@
 //! biaxial stress and nearly linear otherwise. `sqrt(v)` is the rational function that agrees to
 //! the fourth power of v - 1. Two or three steps reach 1e-10 of the yield stress.
 
-use super::{Damage, Plasticity, tolerance};
+use super::{Coefficients, Damage, Plasticity, tolerance};
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::{Lane, Lane32, Real};
 
@@ -24,6 +24,8 @@ use crate::math::lanes::{Lane, Lane32, Real};
 const STRESS: usize = 3;
 /// Column of the effective plastic strain.
 const STRAIN: usize = STRESS;
+/// Usual number of points. With a local array for no more than these, its initial values cost less.
+const FEW: usize = 5;
 /// Halley steps before bisection. Two or three are enough, unless a table steepens abruptly.
 const HALLEY_STEPS: usize = 20;
 /// Number of bisections; 60 reduce the bracket to round-off.
@@ -53,31 +55,26 @@ struct Denominators<R> {
 }
 
 impl Plasticity {
-    /// Returns the slopes of alpha and beta in y without hardening, in units of the initial yield
-    /// stress.
+    /// Updates all points of a group, at most `MOST`, with `COLUMNS` columns each.
     #[inline(always)]
-    fn moduli(&self) -> [f64; 2] {
-        let Elastic { youngs_modulus, poisson, .. } = self.elastic;
-        [0.5 * youngs_modulus / (1.0 - poisson), 3.0 * self.elastic.shear_modulus()]
-            .map(|m| m / self.yield_stress)
-    }
-
-    /// Updates all points of a group, with `COLUMNS` columns each.
-    #[inline(always)]
-    fn stress<R: Real, const COLUMNS: usize>(&self, points: Points<'_, R>, dt: f64) {
-        let [c11, c12, g] = self.elastic.plane_stress().map(R::splat);
-        let per_yield2 = 1.0 / (self.yield_stress * self.yield_stress);
+    fn stress<R: Real, const COLUMNS: usize, const MOST: usize>(
+        &self,
+        points: Points<'_, R>,
+        dt: f64,
+    ) {
+        let Coefficients { plane_stress, thinning, per_yield2, .. } = self.coefficients;
+        let [c11, c12, g] = plane_stress.map(R::splat);
         let [of_s, of_d, of_t] = [0.25, 0.75, 3.0].map(|factor| R::splat(factor * per_yield2));
-        let thinning = R::splat(self.elastic.thinning());
+        let thinning = R::splat(thinning);
         let zero = R::zero();
-        let n = points.strain.len().min(MAX_POINTS);
+        let n = points.strain.len().min(MOST);
         let (strain, thickness_strain) = (&points.strain[..n], &mut points.thickness_strain[..n]);
         let states = &mut points.state.as_chunks_mut::<COLUMNS>().0[..n];
 
         // 1. Elastic trial, and the lanes that yield.
         let idle = Return { p: zero, q: zero, eps_p: zero, scale: R::splat(1.0), y: zero };
-        let mut returns = [idle; MAX_POINTS];
-        let mut yields = [zero.gt(zero); MAX_POINTS];
+        let mut returns = [idle; MOST];
+        let mut yields = [zero.gt(zero); MOST];
         let (returns, yields) = (&mut returns[..n], &mut yields[..n]);
         let mut any = false;
         for k in 0..n {
@@ -145,7 +142,7 @@ impl Plasticity {
 
     #[inline(always)]
     fn denominators<R: Real>(&self, back: &Return<R>) -> Denominators<R> {
-        let [a, b] = self.moduli().map(R::splat);
+        let [a, b] = self.coefficients.moduli.map(R::splat);
         let (sig_y, modulus) = self.yield_curve(back.eps_p + back.y);
         let (sig_y, modulus) = (sig_y * back.scale, modulus * back.scale);
         Denominators {
@@ -226,7 +223,7 @@ impl Plasticity {
         let wanting = R::both(yields, off.abs().gt(R::splat(2.0 * tolerance::<R>()) * scale));
         let mut low = R::zero();
         // alpha and beta are at least min(a, b) y, and v is 1 at the solution.
-        let [a, b] = self.moduli();
+        let [a, b] = self.coefficients.moduli;
         let mut high = (back.p + back.q).sqrt() * R::splat(1.0 / a.min(b));
         for _ in 0..BISECTIONS {
             back.y = R::splat(0.5) * (low + high);
@@ -249,9 +246,10 @@ fn square<R: Real>(eps: [R; 3]) -> R {
 impl Plasticity {
     #[inline(always)]
     fn points<R: Real>(&self, points: Points<'_, R>, dt: f64) {
-        match self.names().len() {
-            1 => self.stress::<R, 4>(points, dt),
-            _ => self.stress::<R, 7>(points, dt),
+        match (self.names().len(), points.strain.len() <= FEW) {
+            (1, true) => self.stress::<R, 4, FEW>(points, dt),
+            (1, false) => self.stress::<R, 4, MAX_POINTS>(points, dt),
+            _ => self.stress::<R, 7, MAX_POINTS>(points, dt),
         }
     }
 }

@@ -251,7 +251,9 @@ fn bisection_finds_what_halley_finds() {
     let elastic = Elastic { youngs_modulus: E, poisson: NU, density: 1.0 };
     let curve = Curve::lines(YIELD, 1.0, &[(0.01, -0.5)]);
     let (rate, thermal, failure) = (Rate::None, None, Failure::None);
-    let law = Plasticity { elastic, yield_stress: YIELD, curve, rate, thermal, failure };
+    let coefficients = Coefficients::new(&elastic, YIELD);
+    let law =
+        Plasticity { elastic, yield_stress: YIELD, curve, rate, thermal, failure, coefficients };
     let start = Return { p: 1.6, q: 4.8, eps_p: 0.005, scale: 1.2, y: 0.0 };
     let (mut halley, mut halved) = ([start], start);
     law.solve(&mut halley, &[true]);

@@ -23,8 +23,8 @@ impl Plasticity {
     #[inline(always)]
     fn solid_stress<R: Real, const COLUMNS: usize>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
         let third = R::splat(1.0 / 3.0);
-        let g = R::splat(self.elastic.shear_modulus());
-        let bulk = R::splat(self.elastic.bulk_modulus());
+        let g = R::splat(self.coefficients.shear);
+        let bulk = R::splat(self.coefficients.bulk);
         let one = R::splat(1.0);
         let Some(state) = point.state.first_chunk_mut::<COLUMNS>() else { return one };
         let eps = point.strain;
@@ -39,7 +39,7 @@ impl Plasticity {
         let shear: [R; 3] = std::array::from_fn(|c| g.mul_add(eps[3 + c], state[3 + c]));
 
         // 2. Yield, in units of the initial yield stress.
-        let per_yield = R::splat(1.0 / self.yield_stress);
+        let per_yield = R::splat(self.coefficients.per_yield);
         let size = R::splat(1.5) * (dot(direct, direct) + R::splat(2.0) * dot(shear, shear));
         let trial = size.sqrt() * per_yield;
         let square = || {
