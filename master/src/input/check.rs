@@ -79,8 +79,8 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
         figure.0 += 1;
         figure.1 += model.elements.mass_with_scaling(i);
         let (of, element) = (&mut own[part as usize], &model.mesh.elements[i]);
-        let thickness = if element.thickness > 0.0 {
-            element.thickness
+        let thickness = if element.own.thickness > 0.0 {
+            element.own.thickness
         } else {
             parts[part as usize].thickness
         };

@@ -188,15 +188,20 @@ impl ContactParts {
     /// uses it [length].
     fn offset(&self, record: &ElementRecord) -> f64 {
         let Some(&(offset, of_part)) = self.offsets.get(record.part as usize) else { return 0.0 };
-        0.5 * offset * if record.thickness > 0.0 { record.thickness } else { of_part }
+        let own = record.own;
+        0.5 * own.offset.unwrap_or(offset)
+            * if own.thickness > 0.0 { own.thickness } else { of_part }
     }
 
     /// Returns the half thickness of a shell in contact [length], without the limit by its
     /// sides; `None` if its part takes no part. The value of a solid has no meaning.
     pub fn half_thickness(&self, record: &ElementRecord) -> Option<f64> {
         let (of_part, instead, scale) = self.half[record.part as usize]?;
-        let half =
-            if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
+        let half = if record.own.thickness > 0.0 && !instead {
+            0.5 * record.own.thickness
+        } else {
+            of_part
+        };
         Some(half * scale)
     }
 }
