@@ -1,4 +1,6 @@
 //! Laws that only tests have, one per file.
 
+pub mod damper;
+pub mod ludwik;
 pub mod maxwell;
 pub mod sticky;
