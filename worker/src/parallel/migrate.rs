@@ -359,7 +359,7 @@ mod tests {
             normal: V3::new(0.6, -0.8, 0.0),
             force: V3::new(1.0 / 3.0, 2.0, -3.0),
             slip: V3::new(0.0, -0.0, 1e-300),
-            own: OwnSection { thickness: 0.3, offset: None },
+            thickness: 0.3,
             pressure: 0.7,
             age: 17,
         };
