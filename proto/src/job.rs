@@ -161,6 +161,11 @@ pub struct MeshSource {
     /// has its own list.
     #[serde(default)]
     pub thicknesses: Vec<[f64; 2]>,
+    /// Offsets of single shells as `[id, offset]`, over half the thickness as `part.offset`; all
+    /// other shells have the offset of their part. This also applies to shells of a generator or a
+    /// deck. A mesh file has its own list.
+    #[serde(default)]
+    pub offsets: Vec<[f64; 2]>,
     /// Named sets of node ids. With a deck, they are added to its sets.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,

@@ -102,6 +102,16 @@ pub fn corner_nodes(corners: &[NodeId]) -> CornerNodes {
     std::array::from_fn(|c| corners.get(c).copied().unwrap_or(last))
 }
 
+/// Values of a shell that replace those of its part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OwnSection {
+    /// Thickness at the start; 0 for that of its part [length].
+    pub thickness: f64,
+    /// Distance from the nodes to the middle surface, over half the thickness; `None` for that of
+    /// its part.
+    pub offset: Option<f64>,
+}
+
 /// Element: id, part, shape, corner nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeshElement {
@@ -113,8 +123,8 @@ pub struct MeshElement {
     pub shape: Shape,
     /// Corner nodes in the order of the shape.
     pub nodes: CornerNodes,
-    /// Thickness of a shell with a thickness of its own; 0 for that of its part [length].
-    pub thickness: f64,
+    /// Values of a shell that replace those of its part.
+    pub own: OwnSection,
 }
 
 impl MeshElement {
@@ -123,7 +133,7 @@ impl MeshElement {
     /// # Panics
     /// If there are no corners, or more than eight.
     pub fn new(id: ElemId, part: u32, shape: Shape, corners: &[NodeId]) -> Self {
-        Self { id, part, shape, nodes: corner_nodes(corners), thickness: 0.0 }
+        Self { id, part, shape, nodes: corner_nodes(corners), own: OwnSection::default() }
     }
 
     /// Returns the corner nodes that the shape uses.

@@ -5,7 +5,7 @@ use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Compression, Contact, Part, Precision};
 use crate::loads::Loads;
-use crate::mesh::{CornerNodes, Shape};
+use crate::mesh::{CornerNodes, OwnSection, Shape};
 use crate::rigid::RigidBody;
 use crate::tie::Tie;
 use crate::wall::Wall;
@@ -39,6 +39,8 @@ pub struct Settings {
     pub materials: Vec<Material>,
     /// Parts in ascending id; the `part` of a record is an index into this list.
     pub parts: Vec<Part>,
+    /// Indices of the parts with shells that have an offset of their own, ascending.
+    pub with_own_offsets: Vec<u32>,
     /// Vectors from beams towards their second axes at the start, by ascending element id
     /// [length].
     pub axes: Vec<(ElemId, [f64; 3])>,
@@ -186,9 +188,8 @@ pub struct ElementRecord {
     pub free_faces: u8,
     /// True if the element has failed and has left the contact surface.
     pub failed: bool,
-    /// Initial thickness of a shell with a thickness of its own; 0 for that of its part
-    /// [length].
-    pub thickness: f64,
+    /// Values of a shell that replace those of its part.
+    pub own: OwnSection,
     /// Factor on the density of the part, above 1 if mass scaling adds mass.
     pub mass_factor: f64,
     /// Fraction of its mass that its stable step is based on; the rest is used by springs and

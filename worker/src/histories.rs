@@ -269,7 +269,7 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare> {
         for e in &blocks.elements[b.first..b.first + b.count] {
             let part = &mut parts[e.record.part as usize];
             let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
-            let (mass, inertia) = b.element.corner_mass(&x, e.record.thickness);
+            let (mass, inertia) = b.element.corner_mass(&x, e.record.own);
             let (mass, inertia) = (mass * e.record.mass_factor, inertia * e.record.mass_factor);
             for n in e.nodes[..e.record.shape.corners()].iter().map(|&n| n as usize) {
                 let (v, next) = (&nodes.v[n], &nodes.v_next[n]);

@@ -36,6 +36,7 @@ pub fn settings() -> Settings {
         checkpoint: Default::default(),
         materials: Vec::new(),
         parts: Vec::new(),
+        with_own_offsets: Vec::new(),
         axes: Vec::new(),
         precision: Default::default(),
         walls: Vec::new(),

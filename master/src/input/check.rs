@@ -78,8 +78,8 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
         figure.0 += 1;
         figure.1 += model.elements.mass_with_scaling(i);
         let (of, element) = (&mut own[part as usize], &model.mesh.elements[i]);
-        let thickness = if element.thickness > 0.0 {
-            element.thickness
+        let thickness = if element.own.thickness > 0.0 {
+            element.own.thickness
         } else {
             parts[part as usize].thickness
         };
@@ -313,8 +313,13 @@ fn touching(c: &Contact) -> String {
     if c.law == Contact::NO_LAW {
         return words + ", without contact";
     }
-    words += &format!(", {} with friction {}", c.law, figure(c.friction));
-    if let Some(dynamic) = c.friction_dynamic.filter(|_| c.friction_decay > 0.0) {
+    if c.friction_table.is_empty() {
+        words += &format!(", {} with friction {}", c.law, figure(c.friction));
+    } else {
+        words += &format!(", {} with friction by pressure and speed", c.law);
+    }
+    let decays = c.friction_decay > 0.0 && c.friction_table.is_empty();
+    if let Some(dynamic) = c.friction_dynamic.filter(|_| decays) {
         words += &format!(" decreasing to {} with the slip speed", figure(dynamic));
     }
     if let Some(limit) = c.friction_limit.filter(|&l| l > 0.0) {

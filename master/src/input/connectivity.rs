@@ -60,7 +60,7 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
 mod tests {
     use super::*;
     use crumple_proto::ids::ElemId;
-    use crumple_proto::mesh::{MeshElement, Shape, corner_nodes};
+    use crumple_proto::mesh::{MeshElement, OwnSection, Shape, corner_nodes};
 
     /// Two triangles of part 1 without a common node, and one of part 2 that touches both.
     #[test]
@@ -70,7 +70,7 @@ mod tests {
             part,
             shape: Shape::Tri3,
             nodes: corner_nodes(&nodes.map(NodeId)),
-            thickness: 0.0,
+            own: OwnSection::default(),
         };
         let mesh = Mesh {
             elements: vec![

@@ -28,8 +28,16 @@ pub struct Contact {
     /// Largest shear stress of friction [force/length^2]; without it, or with 0, no limit. It is
     /// compared with the coefficient of friction times the normal pressure on a node, a mean over
     /// about ten steps. If this product is larger, the coefficient becomes the limit over the
-    /// pressure. Pairs of edges and pairs with beams have no area and are not limited.
+    /// pressure. Two edges touch on the common area of two strips, each as wide as its edge is
+    /// thick in contact; their limit is this stress times that area. A beam is a strip as wide as
+    /// its diameter.
     pub friction_limit: Option<f64>,
+    /// Coefficient of friction by contact pressure and sliding speed, in place of `friction`,
+    /// `friction_dynamic` and `friction_decay`: rows of `[pressure, speed, coefficient]`
+    /// [force/length^2, length/time, 1]. Rows with the same pressure are one curve over the speed.
+    /// Pressures are ascending, and so are the speeds of a curve. Interpolation is linear, with
+    /// constant values beyond the ends. The pressure is that of `friction_limit`.
+    pub friction_table: Vec<[f64; 3]>,
     /// Time at which contact starts [time].
     pub birth: f64,
     /// Time at which contact ends [time]; without it, never. Before `birth` and after `death` the
@@ -111,6 +119,8 @@ pub struct Interface {
     pub friction_decay: Option<f64>,
     /// As in `[contact]` [force/length^2].
     pub friction_limit: Option<f64>,
+    /// As in `[contact]`. If `friction` is given without it, there is no table.
+    pub friction_table: Option<Vec<[f64; 3]>>,
     /// As in `[contact]` [time].
     pub birth: Option<f64>,
     /// As in `[contact]` [time].
@@ -153,6 +163,7 @@ impl Contact {
             friction_dynamic,
             friction_decay,
             friction_limit,
+            friction_table,
             birth,
             death,
             thickness,
@@ -170,6 +181,8 @@ impl Contact {
         } else {
             friction_dynamic.or(self.friction_dynamic)
         };
+        let table =
+            friction_table.or_else(|| friction.is_none().then(|| self.friction_table.clone()));
         Self {
             name,
             law: law.unwrap_or_else(|| of_all.clone()),
@@ -177,6 +190,7 @@ impl Contact {
             friction_dynamic: dynamic,
             friction_decay: friction_decay.unwrap_or(self.friction_decay),
             friction_limit: friction_limit.or(self.friction_limit),
+            friction_table: table.unwrap_or_default(),
             birth: birth.unwrap_or(self.birth),
             death: death.or(self.death),
             thickness: thickness.or(self.thickness.filter(|_| thickness_scale.is_none())),
@@ -236,6 +250,7 @@ impl Default for Contact {
             friction_dynamic: None,
             friction_decay: 0.0,
             friction_limit: None,
+            friction_table: Vec::new(),
             birth: 0.0,
             death: None,
             thickness: None,

@@ -10,13 +10,13 @@ use std::path::PathBuf;
 
 /// Length of a beam and its radius [mm].
 const LENGTH: f64 = 100.0;
-const RADIUS: f64 = 2.0;
-const RHO: f64 = 7.85e-6;
+pub(super) const RADIUS: f64 = 2.0;
+pub(super) const RHO: f64 = 7.85e-6;
 const LAWS: [&str; 3] = ["lagrange", "kinematic", "penalty"];
 
 /// Builder of a mesh.
 #[derive(Default)]
-struct Rows {
+pub(super) struct Rows {
     nodes: String,
     beams: String,
     shells: String,
@@ -33,7 +33,7 @@ impl Rows {
     }
 
     /// Adds a row of `n` beams of a part between two points; returns its nodes.
-    fn bar(&mut self, part: u32, n: usize, from: [f64; 3], to: [f64; 3]) -> Vec<usize> {
+    pub(super) fn bar(&mut self, part: u32, n: usize, from: [f64; 3], to: [f64; 3]) -> Vec<usize> {
         let at = |i: usize| [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * i as f64 / n as f64);
         let nodes: Vec<usize> = (0..=n).map(|i| self.node(at(i))).collect();
         self.beams(part, &nodes);
@@ -84,7 +84,7 @@ impl Rows {
 
     /// Returns the job with node sets and the further keys `rest`. Parts 1 and 2 have beams,
     /// part 3 shells, part 4 solids.
-    fn model(&self, end_time: f64, sets: &[(&str, &[usize])], rest: &str) -> Model {
+    pub(super) fn model(&self, end_time: f64, sets: &[(&str, &[usize])], rest: &str) -> Model {
         let list = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         let sets: Vec<String> =
             sets.iter().map(|(name, ids)| format!("{name} = [{}]", list(ids))).collect();
@@ -119,7 +119,7 @@ impl Rows {
 const THICKNESS: f64 = 1.0;
 
 /// Returns the position and velocity of the node with this id.
-fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
+pub(super) fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
     let n = (0..e.nodes.local_count)
         .find(|&n| e.nodes.id[n].label() == id as u64)
         .expect("a node of the mesh");

@@ -4,5 +4,6 @@ mod beam_contact;
 mod contact_laws;
 mod edges;
 mod erosion;
+mod friction;
 mod initial_penetration;
 mod interfaces;

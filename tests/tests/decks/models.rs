@@ -405,7 +405,7 @@ fn single_thicknesses_and_masses() {
         model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
     assert_eq!(model.job.part[0].thickness, 2.5);
     assert!(
-        model.mesh.elements.iter().all(|e| e.thickness == 0.0),
+        model.mesh.elements.iter().all(|e| e.own.thickness == 0.0),
         "elements have the thickness \
         of the part"
     );
@@ -413,7 +413,7 @@ fn single_thicknesses_and_masses() {
     let several = shells.replacen("2.5,2.5,2.5,2.5", "2.5,0.0,2.0,2.5", 1);
     let two = model_of(&format!("{several}{STEEL}{MOVES}"));
     let own: Vec<f64> =
-        two.mesh.elements.iter().filter(|e| e.shape.is_shell()).map(|e| e.thickness).collect();
+        two.mesh.elements.iter().filter(|e| e.shape.is_shell()).map(|e| e.own.thickness).collect();
     assert_eq!((own, two.job.part[0].thickness), (vec![2.0, 2.5], 1.0));
     let text = crumple::input::deck::export::export(&two).unwrap();
     assert!(text.contains("*ELEMENT_SHELL_THICKNESS\n"), "{text}");
@@ -598,8 +598,11 @@ fn offsets_of_shells_and_contact_at_their_middle_surface() {
     let contact = "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n";
     let model = model_of(&format!("{nloc}{STEEL}{MOVES}{contact}{}", cntco(2)));
     assert_eq!(offset(&model), (-1.0, true));
+    let each = shifted([2.0, 4.0], [0.5, -0.5], &cntco(2)).unwrap_or_else(|r| panic!("{r}"));
+    let own: Vec<Option<f64>> = each.mesh.elements.iter().map(|e| e.own.offset).collect();
+    assert_eq!((own, offset(&each)), (vec![Some(0.5), Some(-0.25), None], (0.0, true)));
     for (offsets, lines, words) in [
-        ([0.5, 0.25], "\n".to_string(), "give the shells of each offset a part of their own"),
+        ([0.5, 25.0], "\n".to_string(), "they have to be from -10 to 10"),
         ([0.5; 2], format!(",,,,0.5\n{}", cntco(1)), "set cntco to 2"),
         ([0.5; 2], cntco(3), "set it to 0 (contact is at the nodes), 1 or 2"),
     ] {

@@ -114,6 +114,34 @@ fn a_strip_with_an_offset_rises_towards_the_line_of_the_force() {
     }
 }
 
+/// The same strip with the offset e1 on the half at the clamp and e2 on the other half. With `u =
+/// w - w(L)` its equation is `u'' = k^2 (u + e)`; two halves with `C = cosh kL/2`, `S = sinh
+/// kL/2` give `w(L) = e1 - (e2 - (e2 - e1) C)/(C^2 + S^2)`.
+#[test]
+fn a_strip_with_two_offsets_bends_by_each() {
+    let (n, thickness, force) = (6, 2.0, 0.1);
+    let (length, inertia) = (WIDTH * n as f64, WIDTH * 8.0 / 12.0);
+    let k = (force / (E * inertia)).sqrt();
+    let (c, s) = ((0.5 * k * length).cosh(), (0.5 * k * length).sinh());
+    for [one, two] in [[0.0, 1.0], [1.0, 0.0], [1.0, -0.5]] {
+        let rows = (1..=n).map(|e| format!("[{e}, {:?}]", if e <= n / 2 { one } else { two }));
+        // Shells without a row have the offset of the part.
+        let rows: Vec<String> = rows.skip(usize::from(one == 1.0)).collect();
+        let rows = format!("offsets = [{}]", rows.join(", "));
+        let of_part = format!("offset = {one:?}");
+        let model = strip(n, thickness, [force, 8.0, 6.0], &of_part, &rows);
+        let engine = run_alone(&model, |_| {});
+        let [e1, e2] = [one, two].map(|offset| 0.5 * offset * thickness);
+        let wanted = e1 - (e2 - (e2 - e1) * c) / (c * c + s * s);
+        let found = moved(&engine, 2 * n, 2);
+        let scale = e1.abs().max(e2.abs()) * (1.0 - 1.0 / (k * length).cosh());
+        assert!(
+            (found - wanted).abs() < 0.01 * scale,
+            "offsets {one} and {two}: {found}, expected {wanted}: six elements and residual damping"
+        );
+    }
+}
+
 /// Two sheets that fly at each other turn back when their middles are half the sum of the
 /// thicknesses of the touching shells apart.
 #[test]
@@ -134,19 +162,20 @@ fn shells_meet_at_their_own_thickness() {
         };
         (nodes, (0..9).map(corners).collect::<String>())
     };
-    let gap = |thicknesses: &str, of_part: &str| {
+    let gap = |thicknesses: &str, of_part: &str, offsets: &str| {
         let ((n1, s1), (n2, s2)) = (sheet(1, 1, 1, 0.0, 0.0), sheet(21, 21, 2, 6.0, 1.3));
         let high = (21..37).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
         let text = format!(
             "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n\
-             thicknesses = [{thicknesses}]\n[mesh.node_sets]\n\
+             thicknesses = [{thicknesses}]\noffsets = [{offsets}]\n[mesh.node_sets]\n\
              high = [{high}]\n[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
              law = \"elastic\"\n\
              density = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\n\
              material = \"steel\"\nthickness = 1.0\n\
              [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n{of_part}\n\
              [[initial_velocity]]\nnodes = \"high\"\n\
-             velocity = [0.0, 0.0, -1.0]\n[contact]\n"
+             velocity = [0.0, 0.0, -1.0]\n[contact]\nshell_offset = {}\n",
+            !offsets.is_empty()
         );
         let model = model_of(&text, &[]);
         let mut apart = None;
@@ -172,11 +201,23 @@ fn shells_meet_at_their_own_thickness() {
         (all.as_str(), "contact_thickness_scale = 0.5", 1.25),
         (all.as_str(), "contact_thickness = 0.4", 0.7),
     ] {
-        let apart = gap(thicknesses, of_part);
+        let apart = gap(thicknesses, of_part, "");
         assert!(
             (apart - wanted).abs() < 0.01,
             "{thicknesses} {of_part}: distance {apart}, expected {wanted}"
         );
+    }
+    // The sheets touch at the middle surface of each shell.
+    let down: String = (21..30).map(|e| format!("[{e}, -1.0],")).collect();
+    for (offsets, of_part, wanted) in [
+        (down.as_str(), "", 1.5),
+        (down.as_str(), "offset = 2.0", 1.5),
+        ("[25, -1.0]", "", 1.5),
+        ("[25, 1.0]", "", 1.0),
+        ("[25, -0.5]", "offset = 0.2", 1.25),
+    ] {
+        let apart = gap("", of_part, offsets);
+        assert!((apart - wanted).abs() < 0.01, "{offsets} {of_part}: {apart}, expected {wanted}");
     }
 }
 
@@ -194,6 +235,19 @@ fn own_thicknesses_and_offsets_give_the_same_bits_on_any_number_of_workers() {
         &case("tumble"),
         &["time.max_cycles=600", &thicknesses, "part.1.offset=0.5", "part.5.offset=-1.0"],
     );
+    let own: Vec<String> = plain
+        .mesh
+        .elements
+        .iter()
+        .step_by(4)
+        .map(|e| e.id.label())
+        .map(|id| format!("[{id}, {:?}]", 0.5 * (id % 5) as f64 - 1.0))
+        .collect();
+    let offsets = format!("mesh.offsets=[{}]", own.join(", "));
+    let shifted = read(
+        &case("tumble"),
+        &["time.max_cycles=600", "contact.shell_offset=true", &offsets, "part.5.offset=-1.0"],
+    );
     let serial = run_side_by_side(&model, 1, 600, 0);
     assert_ne!(serial.digest(), run_side_by_side(&plain, 1, 600, 0).digest(), "they matter");
     for (workers, force_every) in [(2, 0), (3, 7), (4, 0)] {
@@ -202,6 +256,11 @@ fn own_thicknesses_and_offsets_give_the_same_bits_on_any_number_of_workers() {
             run_side_by_side(&model, workers, 600, force_every).digest(),
             "{workers} workers"
         );
+    }
+    let serial = run_side_by_side(&shifted, 1, 600, 0);
+    for (workers, force_every) in [(2, 0), (3, 7)] {
+        let found = run_side_by_side(&shifted, workers, 600, force_every);
+        assert_eq!(serial.digest(), found.digest(), "offsets of single shells, {workers} workers");
     }
 }
 
@@ -231,6 +290,7 @@ fn contact_at_middle_surfaces_gives_the_same_bits_on_any_number_of_workers() {
 fn mistakes_in_thicknesses_and_offsets_are_reported_all_at_once() {
     let sets = [
         "mesh.thicknesses=[[1, -2.0], [999999, 1.0], [2, 1.0], [2, 3.0]]".to_string(),
+        "mesh.offsets=[[3, -11.0], [4, 0.5], [4, 0.5], [999998, 1.0]]".to_string(),
         "part.1.offset=30.0".to_string(),
         "part.1.contact_thickness=0.0".to_string(),
         "contact.friction_limit=-1.0".to_string(),
@@ -240,6 +300,9 @@ fn mistakes_in_thicknesses_and_offsets_are_reported_all_at_once() {
         "element 1: its thickness is -2.0",
         "there is no element 999999",
         "element 2 is given a thickness twice",
+        "element 3: its offset is -11.0",
+        "there is no element 999998",
+        "element 4 is given an offset twice",
         "offset is 30",
         "contact_thickness is 0",
         "`friction_limit` is -1.0",
@@ -248,117 +311,4 @@ fn mistakes_in_thicknesses_and_offsets_are_reported_all_at_once() {
     }
 }
 
-/// Pressing weight, mass, velocity and foot area of the block of `cases/slide`, and the duration
-/// of the ramp of the weight.
-const WEIGHT: f64 = 0.4;
-const MASS: f64 = 0.0314;
-const SPEED: f64 = 10.0;
-const FOOT: f64 = 400.0;
-const RAMP: f64 = 0.1;
-
-/// Returns the mean velocity of the block along x.
-fn sliding(e: &Engine) -> f64 {
-    let part = e.settings.parts.iter().position(|p| p.id == 2).unwrap() as u32;
-    let mut nodes: Vec<u32> =
-        e.blocks.elements.iter().filter(|l| l.record.part == part).flat_map(|l| l.nodes).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes.iter().map(|&n| e.nodes.v[n as usize][0]).sum::<f64>() / nodes.len() as f64
-}
-
 const LAWS: [&str; 4] = ["lagrange", "kinematic", "penalty", "mortar"];
-
-/// Runs the block of `cases/slide` with each law, with a limit of a third of Coulomb's friction.
-/// Once the limit is reached, the block loses the velocity `tau A/m` per unit time. Returns the
-/// measured loss over the expected one, by law.
-fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
-    let (friction, end) = (0.3, 1.5);
-    let limit = friction * WEIGHT / FOOT / 3.0;
-    // In the first third of the ramp Coulomb's friction grows up to the limit.
-    let lost = limit * FOOT / MASS * (end - 0.5 * RAMP / 3.0);
-    LAWS.map(|law| {
-        let sets = [
-            format!("contact.law={law}"),
-            format!("contact.friction_limit={limit:?}"),
-            format!("end_time={end:?}"),
-        ];
-        let engine = run_alone(&read(&sets.each_ref().map(String::as_str)), |_| {});
-        (SPEED - sliding(&engine)) / lost
-    })
-}
-
-/// The block slides on one large fixed facet: only its own nodes touch, and their areas are
-/// known.
-#[test]
-fn friction_is_no_more_than_its_limit_times_the_area() {
-    let mut text =
-        "end_time = 1.5\n[mesh]\nnodes = [[101, -60.0, -40.0, 0.0], [102, 60.0, -40.0, 0.0], [103, \
-                    60.0, 40.0, 0.0], \
-                    [104, -60.0, 40.0, 0.0],"
-            .to_string();
-    for n in 0..18 {
-        let at = [10.0 * (n % 3) as f64, 10.0 * (n / 3 % 3) as f64, 1.0 + 10.0 * (n / 9) as f64];
-        write!(text, "[{}, {:?}, {:?}, {:?}],", n + 1, at[0] - 30.0, at[1] - 10.0, at[2]).unwrap();
-    }
-    text += "]\nshells = [[100, 1, 101, 102, 103, 104]]\nsolids = [";
-    for (e, first) in [1, 2, 4, 5].into_iter().enumerate() {
-        let face = [first, first + 1, first + 4, first + 3];
-        let [a, b, c, d] = face;
-        write!(
-            text,
-            "[{}, 2, {a}, {b}, {c}, {d}, {}, {}, {}, {}],",
-            e + 1,
-            a + 9,
-            b + 9,
-            c + 9,
-            d + 9
-        )
-        .unwrap();
-    }
-    text += "]\n[mesh.node_sets]\nbase = [101, 102, 103, 104]\n\
-             block = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, \
-             18]\ntop = [10, 11, 12, 13, 14, 15, 16, 17, 18]\n";
-    let job = std::fs::read_to_string(case("slide").join("job.toml")).unwrap();
-    text += &job[job.find("[output]").unwrap()..];
-    // As in the catalogue, A07: bricks of assumed strain flutter.
-    let read = |sets: &[&str]| model_of(&text, &[sets, &["part.2.hourglass=stiffness"]].concat());
-    for (found, law) in limited(read).into_iter().zip(LAWS) {
-        near(found, 1.0, 0.02, law);
-    }
-    let [high, none] =
-        [&["time.max_cycles=300", "contact.friction_limit=1.0"][..], &["time.max_cycles=300"]];
-    let digest = |sets| run_side_by_side(&read(sets), 1, 300, 0).digest();
-    assert_eq!(digest(high), digest(none), "a limit that is never reached changes nothing");
-}
-
-/// On facets half as large as the block, nodes of the base carry forces too, and the boundary of
-/// the block between them is not known.
-#[test]
-fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
-    for (found, law) in limited(|sets| read(&case("slide"), sets)).into_iter().zip(LAWS) {
-        near(found, 1.0, 0.1, law);
-    }
-}
-
-#[test]
-fn limited_friction_gives_the_same_bits_on_any_number_of_workers() {
-    for (scene, limit) in
-        [("tumble", "contact.friction_limit=0.01"), ("slide", "contact.friction_limit=1e-4")]
-    {
-        for law in LAWS {
-            let law = format!("contact.law={law}");
-            let sets = ["time.max_cycles=600", "contact.friction=0.3", law.as_str()];
-            let model = read(&case(scene), &[&sets[..], &[limit]].concat());
-            let serial = run_side_by_side(&model, 1, 600, 0);
-            assert_ne!(
-                serial.digest(),
-                run_side_by_side(&read(&case(scene), &sets), 1, 600, 0).digest(),
-                "it matters"
-            );
-            for (workers, force_every) in [(2, 0), (3, 11)] {
-                let parallel = run_side_by_side(&model, workers, 600, force_every);
-                assert_eq!(serial.digest(), parallel.digest(), "{scene}, {law}: {workers} workers");
-            }
-        }
-    }
-}

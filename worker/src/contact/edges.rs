@@ -27,6 +27,7 @@
 
 use crate::contact::approach;
 use crate::contact::folds::{Edge, EdgeTable, FoldWedge, Kind};
+use crate::contact::friction;
 use crate::contact::geometry::{EdgeProjection, project_edges, separation};
 use crate::contact::local_search::{ACTIVE, BEHIND, OUTSIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
@@ -459,6 +460,7 @@ impl Edges {
             }
         }
         (pair.normal, pair.side) = (normal, side);
+        pair.edge_area = friction::edge_area((surface, interface), edges, &nodes.x);
         pair.lever_arms = levers((surface, interface), edges, &shifts, (&normal, of_nodes * side));
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
         let pair = pair.with_history(old.as_ref(), gap, tolerated);

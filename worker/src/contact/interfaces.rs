@@ -4,6 +4,7 @@
 //! its two parts. If a node or an edge belongs to several parts, the pair belongs to the last of
 //! their interfaces.
 
+use crate::contact::friction::FrictionTable;
 use crumple_proto::job::{Contact, Part};
 
 /// Entry for two parts that do not touch.
@@ -27,7 +28,7 @@ pub struct Interfaces {
 }
 
 /// Data of an interface, apart from its law.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct InterfaceSettings {
     /// Half thickness of shells that replaces their own [length].
     half: Option<f64>,
@@ -41,6 +42,8 @@ struct InterfaceSettings {
     decay: f64,
     /// Largest shear stress of friction [force/length^2].
     limit: f64,
+    /// Coefficients by pressure and speed, which replace the three above.
+    table: Option<FrictionTable>,
     birth: f64,
     death: f64,
 }
@@ -155,7 +158,10 @@ impl Interfaces {
     /// Returns true if an interface has friction at any speed.
     pub fn has_friction(&self, interface: u16) -> bool {
         let n = &self.numbers[interface as usize];
-        n.friction > 0.0 || n.dynamic > 0.0
+        match &n.table {
+            Some(table) => table.largest() > 0.0,
+            None => n.friction > 0.0 || n.dynamic > 0.0,
+        }
     }
 
     /// Returns true if any interface has friction.
@@ -163,9 +169,13 @@ impl Interfaces {
         (0..self.count() as u16).any(|i| self.has_friction(i))
     }
 
-    /// Computes the coefficient of friction at a sliding speed [length/time].
-    pub fn friction(&self, interface: u16, speed: impl Fn() -> f64) -> f64 {
+    /// Computes the coefficient of friction at a sliding speed [length/time] and a contact
+    /// pressure [force/length^2].
+    pub fn friction(&self, interface: u16, speed: impl Fn() -> f64, pressure: f64) -> f64 {
         let n = &self.numbers[interface as usize];
+        if let Some(table) = &n.table {
+            return table.coefficient(pressure, speed());
+        }
         if n.decay == 0.0 || n.dynamic == n.friction {
             return n.friction;
         }
@@ -177,9 +187,15 @@ impl Interfaces {
         self.numbers[interface as usize].limit
     }
 
-    /// Returns true if any interface has a limit of friction.
-    pub fn limits_friction(&self) -> bool {
-        self.numbers.iter().any(|n| n.limit < f64::INFINITY)
+    /// Returns true if friction depends on the contact pressure in an interface.
+    pub fn has_friction_by_pressure(&self, interface: u16) -> bool {
+        let n = &self.numbers[interface as usize];
+        n.limit < f64::INFINITY || n.table.is_some()
+    }
+
+    /// Returns true if friction depends on the contact pressure in any interface.
+    pub fn have_friction_by_pressure(&self) -> bool {
+        (0..self.count() as u16).any(|i| self.has_friction_by_pressure(i))
     }
 
     /// Returns true if an interface is active at a time.
@@ -209,6 +225,7 @@ impl InterfaceSettings {
             dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
             decay: contact.friction_decay,
             limit: contact.friction_limit.filter(|&limit| limit > 0.0).unwrap_or(f64::INFINITY),
+            table: FrictionTable::new(&contact.friction_table),
             birth: contact.birth,
             death: contact.death.unwrap_or(f64::INFINITY),
         }
@@ -326,12 +343,12 @@ mod tests {
             ..Contact::default()
         };
         let i = Interfaces::new(&job, &PARTS);
-        assert_eq!(i.friction(0, || 0.0), 0.4);
+        assert_eq!(i.friction(0, || 0.0, 0.0), 0.4);
         let expected = 0.1 + 0.3 * (-3.0f64).exp();
-        assert!((i.friction(0, || 1.5) - expected).abs() < 1e-15);
+        assert!((i.friction(0, || 1.5, 0.0) - expected).abs() < 1e-15);
         let job = Contact { friction_decay: 0.0, ..job };
         assert_eq!(
-            Interfaces::new(&job, &PARTS).friction(0, || 1e9),
+            Interfaces::new(&job, &PARTS).friction(0, || 1e9, 0.0),
             0.4,
             "without decay, the static coefficient"
         );

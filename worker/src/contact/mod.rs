@@ -24,6 +24,7 @@ pub mod edges;
 pub mod enforce;
 mod facets;
 pub mod folds;
+mod friction;
 pub mod geometry;
 pub mod interfaces;
 pub mod kernels;
@@ -565,22 +566,7 @@ impl Contact {
             }
             p.lever(nodes);
             p.set_slave_mass(nodes);
-            let speed = || {
-                // Velocities of other workers' nodes are known only without contact.
-                let velocity = p.relative_velocity(nodes);
-                (velocity - p.normal * velocity.dot(&p.normal)).norm()
-            };
-            p.friction_coefficient = self.surface.interfaces.friction(p.interface, speed);
-            let limit = self.surface.interfaces.friction_limit(p.interface);
-            if limit < f64::INFINITY && !p.key.is_edge() {
-                // The normal force of two segments acts on the area of their pair.
-                let of_node = || self.surface.area_of(p, &nodes.x, |_| true);
-                let area = if p.key.is_segment() { p.area } else { of_node() };
-                // The line of a beam has no area, so a limit of shear stress does not apply.
-                if area > 0.0 {
-                    p.limit_friction(limit, area);
-                }
-            }
+            self.surface.set_friction(p, nodes);
             self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).initial_force(p, steps);
             self.penetration = self.penetration.max(p.penetration / p.contact_thickness);
@@ -661,16 +647,16 @@ impl Contact {
         nodes.rotations && self.surface.interfaces.have_friction()
     }
 
-    /// Updates the pressure on the slaves of own pairs whose friction is limited.
+    /// Updates the pressure on the slaves of own pairs whose friction depends on it.
     fn update_pressures(&mut self, nodes: &Nodes) {
         let (surface, t) = (&self.surface, &self.table);
-        if !surface.interfaces.limits_friction() {
+        if !surface.interfaces.have_friction_by_pressure() {
             return;
         }
         let is_limited = |p: &Pair| {
             p.is_owned
                 && p.key.is_node()
-                && surface.interfaces.friction_limit(p.interface) < f64::INFINITY
+                && surface.interfaces.has_friction_by_pressure(p.interface)
         };
         let noted = |(q, p): (usize, &Pair)| {
             let area = surface.area_of(p, &nodes.x, |n| t.bears(n, &p.normal));

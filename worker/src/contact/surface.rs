@@ -188,15 +188,20 @@ impl ContactParts {
     /// uses it [length].
     fn offset(&self, record: &ElementRecord) -> f64 {
         let Some(&(offset, of_part)) = self.offsets.get(record.part as usize) else { return 0.0 };
-        0.5 * offset * if record.thickness > 0.0 { record.thickness } else { of_part }
+        let own = record.own;
+        0.5 * own.offset.unwrap_or(offset)
+            * if own.thickness > 0.0 { own.thickness } else { of_part }
     }
 
     /// Returns the half thickness of a shell in contact [length], without the limit by its
     /// sides; `None` if its part takes no part. The value of a solid has no meaning.
     pub fn half_thickness(&self, record: &ElementRecord) -> Option<f64> {
         let (of_part, instead, scale) = self.half[record.part as usize]?;
-        let half =
-            if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
+        let half = if record.own.thickness > 0.0 && !instead {
+            0.5 * record.own.thickness
+        } else {
+            of_part
+        };
         Some(half * scale)
     }
 }
@@ -403,16 +408,25 @@ impl Surface {
     }
 
     /// Computes the area of the surface that belongs to the slave node of an own pair: a quarter
-    /// of each quad around it and a third of each triangle [length^2]. Faces of solids count
-    /// with their projection against the pair's normal. If some nodes of a segment carry no
+    /// of each quad around it, a third of each triangle and half of each beam, which is a strip as
+    /// wide as its diameter [length^2]. Faces of solids count with their projection against the
+    /// pair's normal. If some nodes of a segment carry no
     /// contact force, their fraction of the area is left out: the contact surface below ends
     /// within the segment.
     pub fn area_of(&self, pair: &Pair, x: &[Row], bears: impl Fn(u32) -> bool) -> f64 {
         let of = |s: &Segment| {
             let [a, b, c, d] = s.corners(x);
             let area = (c - a).cross(&(d - b)) * 0.5;
-            let seen = if s.is_solid() { (-area.dot(&pair.normal)).max(0.0) } else { area.norm() };
-            let corners = if s.is_triangle() { &s.nodes[..3] } else { &s.nodes[..] };
+            let seen = match (s.is_solid(), s.is_line()) {
+                (true, _) => (-area.dot(&pair.normal)).max(0.0),
+                (_, true) => 2.0 * s.half_thickness * (b - a).norm(),
+                _ => area.norm(),
+            };
+            let corners = match (s.is_line(), s.is_triangle()) {
+                (true, _) => &s.nodes[..2],
+                (_, true) => &s.nodes[..3],
+                _ => &s.nodes[..],
+            };
             let (count, borne) =
                 (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
             seen * borne / (count * count)

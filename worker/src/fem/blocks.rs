@@ -516,7 +516,7 @@ impl Blocks {
                 let e = &self.elements[b.first + place.min(b.count - 1)];
                 let mut history = b.history.element(place).to_vec();
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
-                b.element.measure(&mut history, &x, e.record.thickness);
+                b.element.measure(&mut history, &x, e.record.own);
                 b.history.set(place, &history);
             }
         }
@@ -530,7 +530,7 @@ impl Blocks {
             let own = b.first..b.first + b.count;
             for (e, &slot) in self.elements[own.clone()].iter().zip(&slots[own]) {
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
-                let (m, j) = b.element.corner_mass(&x, e.record.thickness);
+                let (m, j) = b.element.corner_mass(&x, e.record.own);
                 for c in 0..e.record.shape.corners() {
                     self.force[slot + c] =
                         [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
@@ -675,7 +675,7 @@ impl Block {
             });
             if histories[i].is_empty() {
                 fresh.fill(0.0);
-                b.element.start(&mut fresh, run[i].record.thickness);
+                b.element.start(&mut fresh, run[i].record.own);
                 if let Ok(at) = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0) {
                     b.element.orient(&mut fresh, settings.axes[at].1);
                 }

@@ -9,7 +9,7 @@ use crate::parallel::partition::{LocalMesh, PartitionData};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::{CornerNodes, Shape};
+use crumple_proto::mesh::{CornerNodes, OwnSection, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all};
 use std::collections::{BTreeMap, HashMap};
@@ -25,6 +25,8 @@ struct WireElement {
     free_faces: u16,
     nodes: CornerNodes,
     thickness: f64,
+    /// Not a number for the offset of the part.
+    offset: f64,
     mass_factor: f64,
     share: f64,
     stable_dt: f64,
@@ -272,7 +274,8 @@ fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
         shape: e.shape as u16,
         free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8 | u16::from(e.slow) << 9,
         nodes: e.nodes,
-        thickness: e.thickness,
+        thickness: e.own.thickness,
+        offset: e.own.offset.unwrap_or(f64::NAN),
         mass_factor: e.mass_factor,
         share: e.share,
         stable_dt: e.stable_dt,
@@ -291,7 +294,10 @@ fn take_element(mail: &mut Mailbox) -> (ElementRecord, Vec<f64>) {
         free_faces: e.free_faces as u8,
         failed: e.free_faces >> 8 & 1 == 1,
         slow: e.free_faces >> 9 & 1 == 1,
-        thickness: e.thickness,
+        own: OwnSection {
+            thickness: e.thickness,
+            offset: Some(e.offset).filter(|offset| !offset.is_nan()),
+        },
         mass_factor: e.mass_factor,
         share: e.share,
         stable_dt: e.stable_dt,
@@ -329,7 +335,10 @@ mod tests {
             free_faces: part as u8,
             failed: part == 5,
             slow: id == 3 || id == 7,
-            thickness: 0.3 * (id % 4) as f64,
+            own: OwnSection {
+                thickness: 0.3 * (id % 4) as f64,
+                offset: (id % 2 == 0).then_some(-0.7),
+            },
             mass_factor: 1.0 + 0.1 * id as f64,
             share: 1.0 / (1.0 + 0.1 * id as f64),
             stable_dt: if part == 2 { f64::INFINITY } else { 0.3 },

@@ -14,7 +14,7 @@ mod walls;
 use super::number::shortest;
 use crate::input::job::{Model, Report};
 use crumple_proto::job::{HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
-use crumple_proto::mesh::{MeshElement, Shape};
+use crumple_proto::mesh::{MeshElement, OwnSection, Shape};
 use crumple_proto::partition::{Material, Param};
 use curves::TimeCurves;
 use std::collections::{BTreeMap, BTreeSet};
@@ -497,28 +497,38 @@ fn mesh(deck: &mut Deck, model: &Model) {
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }
-        let (own, plain): (Vec<_>, Vec<_>) =
-            model.mesh.elements.iter().filter(|e| of(e.shape)).partition(|e| e.thickness > 0.0);
-        for (option, elements) in
-            [("", plain), ("_THICKNESS", own)].into_iter().filter(|list| !list.1.is_empty())
-        {
-            deck.keyword(&format!("{keyword}{option}"));
-            for element in elements {
-                write_element(deck, element);
+        for (option, thick, shifted) in [
+            ("", false, false),
+            ("_THICKNESS", true, false),
+            ("_OFFSET", false, true),
+            ("_THICKNESS_OFFSET", true, true),
+        ] {
+            let has = |e: &OwnSection| (e.thickness > 0.0, e.offset.is_some()) == (thick, shifted);
+            let mut some = model.mesh.elements.iter().filter(|e| of(e.shape) && has(&e.own));
+            let mut elements = some.by_ref().peekable();
+            if elements.peek().is_some() {
+                deck.keyword(&format!("{keyword}{option}"));
             }
+            elements.for_each(|element| write_element(deck, element, &model.job.part));
         }
     }
 }
 
-fn write_element(deck: &mut Deck, element: &MeshElement) {
+fn write_element(deck: &mut Deck, element: &MeshElement, parts: &[Part]) {
     let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
     fields.extend(element.corners().iter().map(|n| Id(n.label())));
     if element.shape == Shape::Tri3 {
         fields.extend(element.corners().last().map(|n| Id(n.label())));
     }
     deck.card(&fields);
-    if element.thickness > 0.0 {
-        deck.card(&[element.thickness; 4].map(Number));
+    let own = element.own;
+    if own.thickness > 0.0 {
+        deck.card(&[own.thickness; 4].map(Number));
+    }
+    if let Some(offset) = own.offset {
+        let of_part = || parts.iter().find(|p| p.id == element.part).map_or(0.0, |p| p.thickness);
+        let thickness = if own.thickness > 0.0 { own.thickness } else { of_part() };
+        deck.card(&[Number(0.5 * offset * thickness)]);
     }
 }
 

@@ -163,4 +163,40 @@ fn check_one(
     let death = contact.death.unwrap_or(f64::INFINITY);
     need(death > contact.birth, "death", death, "later than `birth`");
     need(death > contact.birth || is_own("death"), "birth", contact.birth, "before `death`");
+    if is_own("friction_table") {
+        check_friction_table(&at("friction_table"), contact, is_own("friction"), numbers);
+    }
+}
+
+/// Checks the coefficients of friction by pressure and speed. `is_constant_own` is true if
+/// `friction` is written for the same interface.
+fn check_friction_table(
+    path: &str,
+    contact: &Contact,
+    is_constant_own: bool,
+    numbers: &mut Numbers<'_>,
+) {
+    let rows = &contact.friction_table;
+    let mut report = |row: usize, message: String, help: &str| {
+        numbers.findings.add(Problem::error(format!("{path}.{row}"), message, help));
+    };
+    for (i, row) in rows.iter().enumerate() {
+        if !row.iter().all(|x| *x >= 0.0 && x.is_finite()) {
+            let message = format!("`friction_table` has the row {row:?}");
+            report(i, message, "a row is [pressure, speed, coefficient], each 0 or above");
+        }
+    }
+    for (i, two) in rows.windows(2).enumerate() {
+        let [a, b] = [&two[0], &two[1]];
+        if b[0] < a[0] || b[0] == a[0] && b[1] <= a[1] {
+            let message = format!("`friction_table`: the row {b:?} follows {a:?}");
+            let help = "sort the rows by pressure, and those of one pressure by speed; each speed \
+                        once";
+            report(i + 1, message, help);
+        }
+    }
+    if !rows.is_empty() && is_constant_own && contact.friction > 0.0 {
+        let message = "`friction` and `friction_table` are given both".to_string();
+        report(0, message, "remove one of them: the table replaces the coefficients");
+    }
 }

@@ -4,9 +4,10 @@ use super::validate::Findings;
 use crate::input::deck::Lists;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
-use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, corner_nodes};
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::quality;
+use crumple_worker::fem::elements::LARGEST_OFFSET;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Maximum number of problems of one kind that are reported singly.
@@ -110,7 +111,8 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
             (corners.len() == 2).then_some(Shape::Line2)
         }));
     }
-    thicken(&mut mesh, &source.thicknesses, &mut few);
+    assign(&mut mesh, &THICKNESS, &source.thicknesses, &mut few);
+    assign(&mut mesh, &OFFSET, &source.offsets, &mut few);
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
@@ -126,51 +128,88 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     whole.then_some(Read { mesh, written: Some(lists) })
 }
 
-/// Assigns individual thicknesses to shells, from the `thicknesses` of a job.
-pub fn with_thicknesses(mut read: Read, rows: &[[f64; 2]], findings: &mut Findings) -> Read {
-    thicken(&mut read.mesh, rows, &mut Few::new(findings));
+/// Assigns thicknesses and offsets of their own to shells, from the `thicknesses` and `offsets`
+/// of a job.
+pub fn with_own_sections(
+    mut read: Read,
+    [thicknesses, offsets]: [&[[f64; 2]]; 2],
+    findings: &mut Findings,
+) -> Read {
+    let mut few = Few::new(findings);
+    assign(&mut read.mesh, &THICKNESS, thicknesses, &mut few);
+    assign(&mut read.mesh, &OFFSET, offsets, &mut few);
     read
 }
 
-fn thicken(mesh: &mut Mesh, rows: &[[f64; 2]], few: &mut Few<'_>) {
+/// A list of values of single shells.
+struct OwnValue {
+    /// Key of the list below `mesh`.
+    list: &'static str,
+    /// Name of a value in messages.
+    called: &'static str,
+    fits: fn(f64) -> bool,
+    wanted: &'static str,
+    set: fn(&mut OwnSection, f64),
+}
+
+const THICKNESS: OwnValue = OwnValue {
+    list: "thicknesses",
+    called: "thickness",
+    fits: |t| t > 0.0 && t.is_finite(),
+    wanted: "above 0",
+    set: |own, t| own.thickness = t,
+};
+const OFFSET: OwnValue = OwnValue {
+    list: "offsets",
+    called: "offset",
+    fits: |offset| offset.abs() <= LARGEST_OFFSET,
+    wanted: "from -10 to 10 (-1 to 1 is usual)",
+    set: |own, offset| own.offset = Some(offset),
+};
+
+fn assign(mesh: &mut Mesh, value: &OwnValue, rows: &[[f64; 2]], few: &mut Few<'_>) {
     if rows.is_empty() {
         return;
     }
+    let OwnValue { list, called, wanted, .. } = value;
     let at: HashMap<ElemId, usize> =
         mesh.elements.iter().enumerate().map(|(i, e)| (e.id, i)).collect();
     let mut given = HashSet::with_capacity(rows.len());
-    for (index, &[id, thickness]) in rows.iter().enumerate() {
-        let path = || format!("mesh.thicknesses.{index}");
+    for (index, &[id, number]) in rows.iter().enumerate() {
+        let path = || format!("mesh.{list}.{index}");
         let whole = id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id);
         let Some(&place) = at.get(&ElemId(id as u64)).filter(|_| whole) else {
             few.error(
                 "no shell",
                 path(),
                 format!("there is no element {id}"),
-                "a row is [id of a shell, thickness]",
+                &format!("a row is [id of a shell, {called}]"),
             );
             continue;
         };
         let element = &mut mesh.elements[place];
         if !element.shape.is_shell() {
-            let message = format!("element {id} is not a shell and has no thickness");
+            let message = format!("element {id} is not a shell and has no {called}");
             few.error("no shell", path(), message, "remove this row");
         }
-        if !(thickness > 0.0 && thickness.is_finite()) {
-            let message = format!("element {id}: its thickness is {thickness:?}");
-            few.error(
-                "thickness",
-                path(),
-                message,
-                "it has to be above 0; without a row a shell has the thickness of its part",
+        if !(value.fits)(number) {
+            let message = format!("element {id}: its {called} is {number:?}");
+            let help = format!(
+                "it has to be {wanted}; without a row a shell has the {called} of its part"
             );
+            few.error(called, path(), message, &help);
         }
         if !given.insert(place) {
-            let message = format!("element {id} is given a thickness twice");
-            few.error("thickness twice", path(), message, "remove one of the two rows");
+            let message = format!("element {id} is given {} {called} twice", article(called));
+            few.error("given twice", path(), message, "remove one of the two rows");
         }
-        element.thickness = thickness;
+        (value.set)(&mut element.own, number);
     }
+}
+
+/// Returns the indefinite article of a word.
+fn article(word: &str) -> &'static str {
+    if word.starts_with('o') { "an" } else { "a" }
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";

@@ -51,7 +51,7 @@ use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use report::{DeckSource, Source};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use tree::Node;
 use validate::Findings;
@@ -265,6 +265,8 @@ fn build(
         resolve::settings(&job, sides, &mesh.as_ref().map(thickest).unwrap_or_default())
     };
     settings.axes = axes.unwrap_or_default();
+    settings.with_own_offsets =
+        mesh.as_ref().map_or(Vec::new(), |mesh| with_own_offsets(mesh, &settings));
     settings.ties = ties;
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
@@ -313,12 +315,19 @@ fn build(
     })
 }
 
+/// Returns the indices of the parts with shells of individual offset, ascending.
+fn with_own_offsets(mesh: &Mesh, settings: &Settings) -> Vec<u32> {
+    let own: BTreeSet<u32> =
+        mesh.elements.iter().filter(|e| e.own.offset.is_some()).map(|e| e.part).collect();
+    (0..).zip(&settings.parts).filter(|(_, p)| own.contains(&p.id)).map(|(i, _)| i).collect()
+}
+
 /// Returns the parts with shells of individual thickness, and the largest of these [length].
 fn thickest(mesh: &Mesh) -> BTreeMap<u32, f64> {
     let mut thickest = BTreeMap::new();
-    for e in mesh.elements.iter().filter(|e| e.thickness > 0.0) {
+    for e in mesh.elements.iter().filter(|e| e.own.thickness > 0.0) {
         let most: &mut f64 = thickest.entry(e.part).or_default();
-        *most = most.max(e.thickness);
+        *most = most.max(e.own.thickness);
     }
     thickest
 }
@@ -342,6 +351,7 @@ fn read_mesh(
         springs,
         node_sets,
         thicknesses,
+        offsets,
         ..
     } = &job.mesh;
     let rows = ![
@@ -362,11 +372,8 @@ fn read_mesh(
             .iter()
             .map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
         mesh.node_sets.extend(own);
-        return Some(mesh::with_thicknesses(
-            mesh::Read::of_deck(mesh, deck.lists),
-            thicknesses,
-            findings,
-        ));
+        let read = mesh::Read::of_deck(mesh, deck.lists);
+        return Some(mesh::with_own_sections(read, [thicknesses, offsets], findings));
     }
     match (generator, file, rows) {
         (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
@@ -378,18 +385,15 @@ fn read_mesh(
             ));
             None
         }
-        (None, Some(_), false) if !thicknesses.is_empty() => {
-            let message = "mesh.thicknesses is for mesh.nodes, a generator or a deck only";
-            findings.add(Problem::error(
-                "mesh.thicknesses",
-                message,
-                "write them in the mesh file",
-            ));
+        (None, Some(_), false) if !thicknesses.is_empty() || !offsets.is_empty() => {
+            let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
+            let message = format!("{key} is for mesh.nodes, a generator or a deck only");
+            findings.add(Problem::error(key, message, "write them in the mesh file"));
             None
         }
         (Some(generator), None, false) => {
             let read = mesh::generate(generator, job, findings)?;
-            Some(mesh::with_thicknesses(read, thicknesses, findings))
+            Some(mesh::with_own_sections(read, [thicknesses, offsets], findings))
         }
         (None, Some(file), false) => {
             let file = path.parent().unwrap_or(Path::new("")).join(file);
@@ -516,7 +520,7 @@ impl Model {
             mass_factor: self.elements.mass_factor[i],
             share: self.elements.share[i],
             slow: self.elements.slow.get(i).is_some_and(|&slow| slow),
-            thickness: e.thickness,
+            own: e.own,
             stable_dt: self.elements.massless_dt(i),
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {

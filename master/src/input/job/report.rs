@@ -190,7 +190,7 @@ impl Sources {
     fn show(&self, finding: Finding) -> Located {
         let Finding { problem, place, in_mesh_file } = finding;
         // Below these keys a mesh file replaces the job's [mesh].
-        let inside = ["nodes", "shells", "thicknesses", "node_sets"].iter().any(|key| {
+        let inside = ["nodes", "shells", "thicknesses", "offsets", "node_sets"].iter().any(|key| {
             problem.path.strip_prefix("mesh.").is_some_and(|p| p.split('.').next() == Some(key))
         });
         let (source, path) = match &self.mesh {

@@ -230,8 +230,8 @@ impl Numbers<'_> {
 
 /// Returns the settings of all workers with defaults, and for each of their parts its index in
 /// the job. Default lengths follow from the smallest and the median side of the mesh's elements.
-/// Walls, loads and rigid bodies need the mesh and are added later. `own` holds the parts with
-/// shells of individual thickness, with the largest of these [length].
+/// Walls, loads, rigid bodies and parts with offsets of single shells are added later. `own` holds
+/// the parts with shells of individual thickness, with the largest of these [length].
 pub fn settings(
     job: &Job,
     sides: Option<(f64, f64)>,
@@ -267,6 +267,7 @@ pub fn settings(
         checkpoint: checkpoint_settings(job),
         materials: job.material.iter().map(material).collect(),
         parts,
+        with_own_offsets: Vec::new(),
         axes: Vec::new(),
         precision: job.elements.precision,
         walls: Vec::new(),

@@ -224,9 +224,8 @@ pub fn elements(
         let part = part_of[&element.part];
         let Some(formulation) = blocks.element(part, element.shape) else { continue };
         let x = element.nodes.map(|id| at[&id]);
-        let mass =
-            formulation.corner_mass(&x, element.thickness).0 * element.shape.corners() as f64;
-        let dt = formulation.stable_dt(&x, element.thickness);
+        let mass = formulation.corner_mass(&x, element.own).0 * element.shape.corners() as f64;
+        let dt = formulation.stable_dt(&x, element.own);
         let sound = dt.is_finite() && dt > 0.0 && mass.is_finite() && mass > 0.0;
         if !sound && formulation.discrete().is_none() {
             unsound = (unsound.0 + 1, unsound.1.or(Some(element.id)));

@@ -364,7 +364,7 @@ fn face_back(
 
 /// Returns the thickness of a shell [length].
 fn of_shell(e: &MeshElement, thick: &HashMap<u32, f64>) -> f64 {
-    if e.thickness > 0.0 { e.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
+    if e.own.thickness > 0.0 { e.own.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
 }
 
 /// Returns the thickness of the thickest shell at each node [length].

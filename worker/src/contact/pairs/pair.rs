@@ -139,9 +139,12 @@ pub struct Pair {
     /// not known yet; not sent to other workers [force].
     pub max_friction_force: f64,
     /// Normal pressure of all pairs at the slave node, as a mean over the last steps; zero if it
-    /// is not known. It is set only if friction is limited, and is not sent to other workers
+    /// is not known. It is set only if friction depends on it, and is not sent to other workers
     /// [force/length^2].
     pub pressure: f64,
+    /// Area of contact of two edges, set only if friction depends on the pressure; not sent to
+    /// other workers [length^2].
+    pub edge_area: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
@@ -312,6 +315,7 @@ impl Pair {
             friction_coefficient: 0.0,
             max_friction_force: f64::INFINITY,
             pressure: 0.0,
+            edge_area: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
@@ -334,8 +338,8 @@ impl Pair {
     /// slave node [length^2]. If two surfaces are slaves of each other, the load is divided
     /// arbitrarily between their pairs, so the force of one pair does not give the pressure.
     /// Therefore the coefficient of friction is limited to the shear stress over the pressure as
-    /// soon as the pressure is known. A pair of two segments has its own area, and its pressure
-    /// is not recorded.
+    /// soon as the pressure is known. A pair of two segments or of two edges has its own area,
+    /// and its pressure is not recorded.
     pub fn limit_friction(&mut self, limit: f64, area: f64) {
         if self.pressure > 0.0 {
             self.friction_coefficient = self.friction_coefficient.min(limit / self.pressure);

@@ -45,7 +45,7 @@ use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
 use crumple_proto::job::{BeamSection, Part, Weld};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
 use nalgebra::{Rotation3, UnitQuaternion};
 
@@ -412,7 +412,7 @@ impl Element for Beam {
         history[TRIADS..].iter_mut().zip(towards).for_each(|(column, c)| *column = c);
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]], _: f64) -> (f64, f64) {
+    fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         self.masses((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 
@@ -470,7 +470,7 @@ impl Element for Beam {
         totals
     }
 
-    fn stable_dt(&self, x: &[[f64; 3]], _: f64) -> f64 {
+    fn stable_dt(&self, x: &[[f64; 3]], _: OwnSection) -> f64 {
         self.step((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 

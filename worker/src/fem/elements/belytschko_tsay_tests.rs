@@ -5,6 +5,7 @@ use super::super::testing::*;
 use super::*;
 use crate::fem::materials;
 use crate::math::lanes::Lane;
+use crumple_proto::mesh::OwnSection;
 use crumple_proto::partition::{Material, Param};
 
 const E: f64 = 210.0;
@@ -215,7 +216,7 @@ fn stable_step_is_that_of_waves_or_little_more_than_a_lone_element_bears() {
     let c = (E / (7.8e-6 * (1.0 - NU * NU))).sqrt();
     let step = |nodes: [[f64; 3]; 4]| {
         let mut patch = quad(part(1.0), elastic(E, NU, 7.8e-6), nodes);
-        let dt = patch.element.stable_dt(&nodes, 0.0);
+        let dt = patch.element.stable_dt(&nodes, OwnSection::default());
         assert_eq!(
             patch.forces(1.0).stable_dt.to_bits(),
             dt.to_bits(),
@@ -229,8 +230,9 @@ fn stable_step_is_that_of_waves_or_little_more_than_a_lone_element_bears() {
     assert_close(step(square.map(|x| [3.0 * x[0], x[1], 0.0])), 5.0, 1e-12, "round-off");
     let trapezoid = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [3.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
     assert_close(step(trapezoid), 6.0 / 4.0, 1e-12, "round-off");
-    let (mass, inertia) =
-        quad(part(1.0), elastic(E, NU, 7.8e-6), square).element.corner_mass(&square, 0.0);
+    let (mass, inertia) = quad(part(1.0), elastic(E, NU, 7.8e-6), square)
+        .element
+        .corner_mass(&square, OwnSection::default());
     assert_close(mass, 7.8e-6 * 25.0 / 4.0, 1e-18, "round-off");
     let floor = 25.0 / (4.0 * (2.75 / (1.0 - NU) - 1.0));
     assert_close(

@@ -42,7 +42,7 @@ use crate::fem::materials::{PlaneStress, PointLanes, PointReal};
 use crate::math::lanes::{Each, Lane, Real, cross, dot};
 use crate::nodes::NodeView;
 use crumple_proto::job::Part;
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -422,7 +422,11 @@ impl Formulation for C0Triangle {
         &self.section
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64) {
+    fn section_mut(&mut self) -> &mut Section {
+        &mut self.section
+    }
+
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: OwnSection) -> (f64, f64) {
         let [area, floor] = self.size(x);
         let mass = self.section.elastic.density * self.section.thickness_at_start(own) * area / 3.0;
         (mass, mass * self.section.inertia_per_mass(own, floor))

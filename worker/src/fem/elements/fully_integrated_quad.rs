@@ -80,6 +80,10 @@ impl Kernel for FullyIntegratedQuad {
         &self.section
     }
 
+    fn section_mut(&mut self) -> &mut Section {
+        &mut self.section
+    }
+
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,

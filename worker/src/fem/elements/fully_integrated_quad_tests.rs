@@ -5,6 +5,7 @@ use super::super::testing::*;
 use super::*;
 use crate::fem::materials;
 use crate::math::lanes::Lane;
+use crumple_proto::mesh::OwnSection;
 use crumple_proto::partition::{Material, Param};
 use nalgebra::{DMatrix, DVector};
 
@@ -231,7 +232,7 @@ fn spectrum(nodes: &[[f64; 3]; 4], t: f64, nu: f64) -> (Vec<f64>, f64) {
     let mut all: Vec<f64> =
         (0.5 * (&k + k.transpose())).symmetric_eigenvalues().iter().copied().collect();
     all.sort_by(f64::total_cmp);
-    (all, patch.element.stable_dt(nodes, 0.0))
+    (all, patch.element.stable_dt(nodes, OwnSection::default()))
 }
 
 /// The step is that of the highest frequency of a single element of any shape, or 1.05 of it (see

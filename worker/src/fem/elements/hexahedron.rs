@@ -47,7 +47,7 @@ use crate::fem::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
 use crate::math::lanes::{Real, dot};
 use crate::nodes::NodeView;
 use crumple_proto::job::{HourglassForm, Part};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
 
 /// The row of this element.
@@ -415,7 +415,7 @@ impl Element for Hexahedron {
         true
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]], _: f64) -> (f64, f64) {
+    fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         (
             0.125 * self.elastic.density * Gradient::new(&modes_of_corners(per_corner(x))).volume(),
             0.0,
@@ -427,7 +427,7 @@ impl Element for Hexahedron {
     }
 
     /// Without the viscosity that is quadratic in the rate.
-    fn stable_dt(&self, x: &[[f64; 3]], _: f64) -> f64 {
+    fn stable_dt(&self, x: &[[f64; 3]], _: OwnSection) -> f64 {
         let gradient = Gradient::new(&modes_of_corners(per_corner(x)));
         if !gradient.whole() {
             return f64::NAN;
@@ -442,7 +442,8 @@ impl Element for Hexahedron {
             history.at(self.first_volume()),
             Gradient::new(&modes_of_corners(per_corner(x))).volume(),
         );
-        self.stable_dt(x, 0.0) * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
+        self.stable_dt(x, OwnSection::default())
+            * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
     }
 
     fn is_unstrained(&self, history: State<'_>) -> bool {

@@ -38,12 +38,14 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod unstrained_tests;
 
+pub use section::LARGEST_OFFSET;
+
 use crate::fem::columns::{HistoryColumnsMut, HistoryStorage, State};
 use crate::fem::materials::{self, PlaneStress, PointLanes, Solid, unknown_name};
 use crate::math::lanes::{LANES, LANES32, Lane, Real};
 use crate::nodes::NodeView;
 use crumple_proto::job::Part;
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use std::ops::Range;
@@ -142,20 +144,23 @@ pub trait Element: Send + Sync {
         false
     }
 
-    /// Sets the nonzero entries in the history of a new element. `own` is the thickness of a shell
-    /// that has its own, else zero, here and below [length].
-    fn start(&self, _history: &mut [f64], _own: f64) {}
+    /// Stores an offset for each element, instead of one for the whole part. Shells only.
+    fn store_offsets(&mut self) {}
+
+    /// Sets the nonzero entries in the history of a new element. `own` are the values of a shell
+    /// that replace those of its part, here and below.
+    fn start(&self, _history: &mut [f64], _own: OwnSection) {}
 
     /// Stores in the history of a new element the shape that determines its mass. `x` are the
     /// coordinates of its slots at the start.
-    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: f64) {}
+    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: OwnSection) {}
 
     /// Orients a new beam with this history: its second axis points towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
     /// Returns the mass [mass] and the rotational inertia [mass length^2] that one element
     /// contributes to each of its corners. `x` are the coordinates of its slots.
-    fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64);
+    fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64);
 
     /// Computes internal forces at the coordinates x(t), after it updates the stress from t - dt to
     /// t with the mid-step velocities.
@@ -171,12 +176,12 @@ pub trait Element: Send + Sync {
     /// Returns the stable step of one element at the density of its material, before the safety
     /// factor [time]. It is NaN if the element is inverted or not finite. `x` are the coordinates
     /// of its slots.
-    fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64;
+    fn stable_dt(&self, x: &[[f64; 3]], own: OwnSection) -> f64;
 
     /// Returns the stable step of an element with this history, which keeps the mass of the start
     /// [time].
     fn stable_dt_now(&self, _history: State<'_>, x: &[[f64; 3]]) -> f64 {
-        self.stable_dt(x, 0.0)
+        self.stable_dt(x, OwnSection::default())
     }
 
     /// Returns the fraction of its stable step for which an element is stable alone, without
@@ -336,7 +341,12 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
         }
     };
     match built.map_err(|found| note(format!("part.{part_index}"), found)) {
-        Ok(element) if !stand_in => Ok(element),
+        Ok(mut element) if !stand_in => {
+            if settings.with_own_offsets.contains(&(part_index as u32)) {
+                element.store_offsets();
+            }
+            Ok(element)
+        }
         _ => Err(problems),
     }
 }

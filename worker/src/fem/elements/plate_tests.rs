@@ -3,6 +3,7 @@
 
 use super::testing::*;
 use crumple_proto::job::Part;
+use crumple_proto::mesh::OwnSection;
 use crumple_proto::partition::Material;
 
 /// Quarter of a square plate of side `a`, simply supported outside, symmetric inside, with its
@@ -53,7 +54,7 @@ impl Quarter {
 
     fn stable_dt(&self) -> f64 {
         let all = (0..self.patch.quads.len())
-            .map(|e| self.patch.element.stable_dt(&self.patch.corners(e), 0.0));
+            .map(|e| self.patch.element.stable_dt(&self.patch.corners(e), OwnSection::default()));
         all.fold(f64::INFINITY, f64::min)
     }
 }
@@ -117,7 +118,7 @@ fn cantilever_swings_at_its_frequency() {
         }
         let dt = 0.9
             * (0..cells.len())
-                .map(|e| patch.element.stable_dt(&patch.corners(e), 0.0))
+                .map(|e| patch.element.stable_dt(&patch.corners(e), OwnSection::default()))
                 .fold(1.0, f64::min);
         let found = frequency(dt, || {
             patch.explicit(
@@ -193,7 +194,8 @@ fn critical(nodes: &[[f64; 3]], cells: &[[u32; 4]], part: &Part, nu: f64) -> f64
     let grows = |factor: f64| {
         let mut patch = Patch::new(part.clone(), elastic(1.0, nu, 1.0), nodes, cells);
         let masses = patch.masses();
-        let all = (0..cells.len()).map(|e| patch.element.stable_dt(&patch.corners(e), 0.0));
+        let all = (0..cells.len())
+            .map(|e| patch.element.stable_dt(&patch.corners(e), OwnSection::default()));
         let dt = factor * all.fold(f64::INFINITY, f64::min);
         let mut noise = Noise(1);
         for (v, w) in patch.v.iter_mut().zip(&mut patch.w) {
@@ -253,7 +255,7 @@ fn a_lone_square_is_stable_at_its_step_with_the_usual_safety() {
             assert_close(own * limit, 1.0 / 1.05, 0.004, "bisection to 0.004");
             let step = Patch::new(part, elastic(1.0, 0.3, 1.0), &nodes, &quads)
                 .element
-                .stable_dt(&nodes_of(&nodes), 0.0);
+                .stable_dt(&nodes_of(&nodes), OwnSection::default());
             let c = (1.0 / (1.0 - 0.3 * 0.3_f64)).sqrt();
             assert_close(limit * step * c, 1.0 / 1.3_f64.sqrt(), 0.004, "bisection to 0.004");
         }

@@ -58,6 +58,7 @@ use super::{GroupCorners, GroupNodes, Totals, zero_failed};
 use crate::fem::materials::{PointLanes, PointReal};
 use crate::math::lanes::{Each, Lane, Real, cross, dot};
 use crate::nodes::NodeView;
+use crumple_proto::mesh::OwnSection;
 
 /// Number of generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;
@@ -410,6 +411,9 @@ pub trait Kernel: Send + Sync {
     /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
+    /// Returns the section to change it.
+    fn section_mut(&mut self) -> &mut Section;
+
     /// Computes one element of the geometry `g` in each lane. The reference kernel and the fast
     /// kernel are this one function.
     fn respond<R: PointReal, const N: usize>(
@@ -434,9 +438,13 @@ impl<K: Kernel> Formulation for Quad<K> {
         self.0.section()
     }
 
+    fn section_mut(&mut self) -> &mut Section {
+        self.0.section_mut()
+    }
+
     /// s is at least 1/A. So an inertia of [`Section::inertia_floor`] times `A + TAPER H^2` limits
     /// the frequency of shear to that of the membrane, except for 7 %.
-    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64) {
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: OwnSection) -> (f64, f64) {
         let (section, [area, floor]) = (self.section(), self.size(x));
         let mass = 0.25 * section.elastic.density * section.thickness_at_start(own) * area;
         (mass, mass * section.inertia_per_mass(own, floor))

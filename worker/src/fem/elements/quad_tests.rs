@@ -6,6 +6,7 @@ use super::*;
 use crate::fem::columns::HistoryColumns;
 use crate::math::lanes::LANES;
 use crumple_proto::job::Precision;
+use crumple_proto::mesh::OwnSection;
 
 /// Runs one kernel on lanes and on scalars through the same motions, small in the first lane and
 /// large in the last, and compares bits; returns the fields of the lanes.
@@ -16,7 +17,7 @@ pub fn singles_and_lanes(
 ) -> [ElementFields; LANES] {
     let mut noise = Noise(41);
     let mut fresh = vec![0.0; shell.columns()];
-    shell.start(&mut fresh, 0.0);
+    shell.start(&mut fresh, OwnSection::default());
     let mut wide: Vec<Lane> = fresh.iter().map(|&c| Lane::splat(c)).collect();
     let mut alone = vec![fresh; LANES];
     for _ in 0..40 {

@@ -20,6 +20,7 @@ use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crate::math::lanes::{Each, Real};
 use crumple_proto::job::{HourglassForm, Inverted, Part};
+use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
 use super::{ElementFields, failed_column, zero_failed};
@@ -36,7 +37,7 @@ const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// is ignored, so that an element in rigid motion keeps its stable step exactly.
 const ROUND_OFF: f64 = 4e-6;
 /// Largest offset of the middle surface from the nodal plane, over half the thickness.
-const LARGEST_OFFSET: f64 = 10.0;
+pub const LARGEST_OFFSET: f64 = 10.0;
 /// Largest strain increment of a valid step.
 const STRAIN_LIMIT: f64 = 0.5;
 
@@ -58,8 +59,10 @@ pub struct Section {
     /// Initial thickness of elements that do not have their own [length].
     pub thickness: f64,
     /// Distance from the nodal plane to the middle surface along the normal, over half the
-    /// thickness.
+    /// thickness, of elements that do not have their own.
     offset: f64,
+    /// True if each element stores its offset, in the last column of the section.
+    stores_offsets: bool,
     /// Number of points through the thickness.
     pub points: usize,
     /// Number of points in the plane of an element; each has its own columns.
@@ -227,6 +230,7 @@ impl Section {
             elastic,
             thickness: part.thickness,
             offset: part.offset,
+            stores_offsets: false,
             points: part.points,
             planar: 1,
             hourglass_coefficient: r,
@@ -250,8 +254,18 @@ impl Section {
         Self { planar, ..self }
     }
 
+    /// Makes each element store its offset in a column of the section.
+    pub fn store_offsets(&mut self) {
+        self.stores_offsets = true;
+    }
+
     /// Returns the number of history columns of the section; those of the element follow them.
     pub fn columns(&self) -> usize {
+        self.point_columns() + usize::from(self.stores_offsets)
+    }
+
+    /// Returns the number of columns of the points in the plane; the offset follows them.
+    fn point_columns(&self) -> usize {
         self.planar * self.each()
     }
 
@@ -260,29 +274,38 @@ impl Section {
         POINTS + self.points * self.stride
     }
 
-    /// Returns the initial thickness of an element: `own`, or that of the part if `own` is zero
-    /// [length].
-    pub fn thickness_at_start(&self, own: f64) -> f64 {
-        if own > 0.0 { own } else { self.thickness }
+    /// Returns the initial thickness of an element: its own, or that of the part [length].
+    pub fn thickness_at_start(&self, own: OwnSection) -> f64 {
+        if own.thickness > 0.0 { own.thickness } else { self.thickness }
     }
 
-    /// Sets the thickness. All other columns are zero at the start, until [`Self::measure`].
-    pub fn start(&self, history: &mut [f64], own: f64) {
+    /// Returns the distance from the nodal plane to the middle surface of an element at the start
+    /// [length].
+    fn arm_at_start(&self, own: OwnSection) -> f64 {
+        0.5 * own.offset.unwrap_or(self.offset) * self.thickness_at_start(own)
+    }
+
+    /// Sets the thickness and the stored offset. All other columns are zero at the start, until
+    /// [`Self::measure`].
+    pub fn start(&self, history: &mut [f64], own: OwnSection) {
         let thickness = self.thickness_at_start(own);
         (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = thickness);
+        if self.stores_offsets {
+            history[self.point_columns()] = own.offset.unwrap_or(self.offset);
+        }
     }
 
     /// Stores what determines the mass of an element: its volume at the start, from `area`
     /// [length^2], and its [`Self::inertia_per_mass`].
-    pub fn measure(&self, history: &mut [f64], own: f64, area: f64, floor: f64) {
+    pub fn measure(&self, history: &mut [f64], own: OwnSection, area: f64, floor: f64) {
         (history[VOLUME], history[INERTIA]) =
             (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
     }
 
-    /// Returns true if the middle surface is not in the nodal plane.
+    /// Returns true if the middle surface of some elements is not in the nodal plane.
     #[inline(always)]
     pub fn has_offset(&self) -> bool {
-        self.offset != 0.0
+        self.offset != 0.0 || self.stores_offsets
     }
 
     /// Returns the distance `e` from the nodal plane to the middle surface along the normal
@@ -290,6 +313,10 @@ impl Section {
     /// velocities to the middle surface and its forces back.
     #[inline(always)]
     pub fn arm<R: Real>(&self, history: &[R]) -> R {
+        let half = 0.5 / self.planar as f64;
+        if self.stores_offsets {
+            return history[self.point_columns()] * R::splat(half) * self.thicknesses(history);
+        }
         R::splat(0.5 * self.offset / self.planar as f64) * self.thicknesses(history)
     }
 
@@ -317,10 +344,10 @@ impl Section {
     }
 
     /// Returns [`Self::offset_factor`] of an element at the start.
-    pub fn offset_factor_at_start(&self, own: f64, floor: f64) -> f64 {
-        let arm = 0.5 * self.offset * self.thickness_at_start(own);
+    pub fn offset_factor_at_start(&self, own: OwnSection, floor: f64) -> f64 {
+        let arm = self.arm_at_start(own);
         let ratio = arm.abs() / self.inertia_per_mass(own, floor).sqrt();
-        if self.offset == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
+        if arm == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
     }
 
     /// Returns the stable step [time]. An element keeps the mass of the start while its area A and
@@ -400,8 +427,8 @@ impl Section {
 
     /// Returns true if all columns are zero except those that are set at the start.
     pub fn is_unstrained(&self, history: State<'_>) -> bool {
-        let (each, all) = (self.each(), self.columns());
-        history.is_zero_where(|column| column >= all || column % each >= SHEAR)
+        let (each, all, own) = (self.each(), self.point_columns(), self.columns());
+        history.is_zero_where(|column| column >= own || column < all && column % each >= SHEAR)
     }
 
     /// Returns the smallest rotational inertia of a corner of a quad per mass and area for which
@@ -416,9 +443,9 @@ impl Section {
 
     /// Returns the rotational inertia of a corner about its node per mass [length^2]: that of the
     /// section, but at least `floor` about the middle surface.
-    pub fn inertia_per_mass(&self, own: f64, floor: f64) -> f64 {
+    pub fn inertia_per_mass(&self, own: OwnSection, floor: f64) -> f64 {
         let thickness = self.thickness_at_start(own);
-        let arm = 0.5 * self.offset * thickness;
+        let arm = self.arm_at_start(own);
         (thickness * thickness / 12.0).max(floor) + arm * arm
     }
 
@@ -657,11 +684,11 @@ impl Section {
         let column = self.failed?;
         let (each, one) = (self.each(), R::splat(1.0));
         let mut gone = R::zero();
-        for point in history[..self.columns()].chunks_exact(each) {
+        for point in history[..self.point_columns()].chunks_exact(each) {
             gone += R::select(self.failed_lanes(point)?, one, R::zero());
         }
         let failed = gone.gt(R::splat(self.planar as f64 - 1.5));
-        for point in history[..self.columns()].chunks_exact_mut(each) {
+        for point in history[..self.point_columns()].chunks_exact_mut(each) {
             zero_failed(failed, &mut point[SHEAR..POINTS]);
             for k in 0..self.points {
                 let point = &mut point[POINTS + k * self.stride..][..self.stride];
@@ -687,7 +714,7 @@ impl Section {
         moves: R,
     ) -> R::Mask {
         let (zero, one) = (R::zero(), R::splat(1.0));
-        let (columns, each) = (self.columns(), self.each());
+        let (columns, each) = (self.point_columns(), self.each());
         let last = history.len() - 1;
         let (state, mark) = history.split_at_mut(last);
         let inverted = R::select(
@@ -703,6 +730,7 @@ impl Section {
         for (column, value) in state.iter_mut().enumerate() {
             let kept = match column {
                 VOLUME | INERTIA => *value,
+                _ if self.stores_offsets && column == columns => *value,
                 _ if column < columns && column % each == THICKNESS => R::splat(self.thickness),
                 _ => zero,
             };

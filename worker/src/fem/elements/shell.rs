@@ -8,6 +8,7 @@ use super::{
 use crate::fem::columns::State;
 use crate::fem::materials::PointLanes;
 use crate::nodes::NodeView;
+use crumple_proto::mesh::OwnSection;
 
 /// Properties and kernel of one shell formulation.
 pub trait Formulation: Send + Sync {
@@ -20,8 +21,11 @@ pub trait Formulation: Send + Sync {
     /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
+    /// Returns the section to change it.
+    fn section_mut(&mut self) -> &mut Section;
+
     /// See [`Element::corner_mass`].
-    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64);
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: OwnSection) -> (f64, f64);
 
     /// Returns the area [length^2] and the floor of [`Section::inertia_per_mass`] [length^2] at
     /// these coordinates.
@@ -100,16 +104,20 @@ impl<F: Formulation> Element for Shell<F> {
         true
     }
 
-    fn start(&self, history: &mut [f64], own: f64) {
+    fn store_offsets(&mut self) {
+        self.0.section_mut().store_offsets();
+    }
+
+    fn start(&self, history: &mut [f64], own: OwnSection) {
         self.section().start(history, own);
     }
 
-    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], own: f64) {
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], own: OwnSection) {
         let [area, floor] = self.0.size(four(x));
         self.section().measure(history, own, area, floor);
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64) {
+    fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64) {
         self.0.corner_mass(four(x), own)
     }
 
@@ -122,7 +130,7 @@ impl<F: Formulation> Element for Shell<F> {
         self.section().is_unstrained(history)
     }
 
-    fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64 {
+    fn stable_dt(&self, x: &[[f64; 3]], own: OwnSection) -> f64 {
         let [_, floor] = self.0.size(four(x));
         self.0.stable_dt(four(x)) * self.section().offset_factor_at_start(own, floor)
     }

@@ -6,7 +6,7 @@ use super::{Element, ElementFields, ElementNodalForces, ElementPass, PassTotals,
 use crate::fem::columns::HistoryColumns;
 use crate::nodes::NodeView;
 use crumple_proto::job::{HourglassForm, Part, Precision};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Material;
 
 /// Returns a part of solids without bulk viscosity.
@@ -144,7 +144,7 @@ impl Solids {
     pub fn masses(&self) -> Vec<f64> {
         let mut masses = vec![0.0; self.x.len()];
         for (e, cell) in self.cells.iter().enumerate() {
-            let mass = self.element.corner_mass(&self.corners(e), 0.0).0;
+            let mass = self.element.corner_mass(&self.corners(e), OwnSection::default()).0;
             cell.iter().for_each(|&node| masses[node as usize] += mass);
         }
         masses
@@ -153,7 +153,7 @@ impl Solids {
     /// Returns the stable step of the mesh's elements.
     pub fn stable_dt(&self) -> f64 {
         (0..self.cells.len())
-            .map(|e| self.element.stable_dt(&self.corners(e), 0.0))
+            .map(|e| self.element.stable_dt(&self.corners(e), OwnSection::default()))
             .fold(f64::INFINITY, f64::min)
     }
 

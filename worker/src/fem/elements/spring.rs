@@ -19,7 +19,7 @@ use crate::fem::columns::State;
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
 use crumple_proto::job::Part;
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
 
 /// The row of this element.
@@ -162,7 +162,7 @@ impl Element for Spring {
         COLUMNS
     }
 
-    fn corner_mass(&self, _: &[[f64; 3]], _: f64) -> (f64, f64) {
+    fn corner_mass(&self, _: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         (0.0, 0.0)
     }
 
@@ -201,7 +201,7 @@ impl Element for Spring {
         totals
     }
 
-    fn stable_dt(&self, _: &[[f64; 3]], _: f64) -> f64 {
+    fn stable_dt(&self, _: &[[f64; 3]], _: OwnSection) -> f64 {
         f64::INFINITY
     }
 

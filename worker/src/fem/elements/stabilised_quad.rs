@@ -95,6 +95,10 @@ impl Kernel for StabilisedQuad {
         &self.section
     }
 
+    fn section_mut(&mut self) -> &mut Section {
+        &mut self.section
+    }
+
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,

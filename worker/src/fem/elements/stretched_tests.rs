@@ -2,6 +2,7 @@
 
 use super::testing::{BOTH, FORMULATIONS, Noise, Patch, elastic, grid, part_of, triangles};
 use crumple_proto::job::{Part, Precision};
+use crumple_proto::mesh::OwnSection;
 
 /// Returns a sheet of `n` by `n` squares of side 1, stretched by these factors in twenty steps.
 fn stretched(
@@ -173,7 +174,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
             let of = Part { thinning: true, ..part_of(element, 4.0) };
             let [patch, fresh] =
                 [1.4, 1.0].map(|by| stretched(of.clone(), triangular, 0.3, 1, [by; 2], precision));
-            let shape = patch.element.stable_dt(&patch.corners(0), 0.0);
+            let shape = patch.element.stable_dt(&patch.corners(0), OwnSection::default());
             let thickness = patch.fields(0).thickness;
             let now = patch.element.stable_dt_now(patch.history.element(0), &patch.corners(0));
             let wanted = shape * (4.0 / (1.96 * thickness)).sqrt();
@@ -189,7 +190,10 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
             );
             let as_built = fresh.element.stable_dt_now(fresh.history.element(0), &fresh.corners(0));
             assert!(
-                (as_built / fresh.element.stable_dt(&fresh.corners(0), 0.0) - 1.0).abs() < 1e-6
+                (as_built / fresh.element.stable_dt(&fresh.corners(0), OwnSection::default())
+                    - 1.0)
+                    .abs()
+                    < 1e-6
             );
         }
     }

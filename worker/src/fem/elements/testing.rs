@@ -6,7 +6,7 @@ use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
 use crate::nodes::NodeView;
 use crumple_proto::job::{Inverted, Part, Precision};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::{Material, Param, Settings};
 
 /// Returns a part with the usual options.
@@ -124,6 +124,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         checkpoint: Default::default(),
         materials: vec![material],
         parts: vec![part],
+        with_own_offsets: Vec::new(),
         axes: Vec::new(),
         precision: Default::default(),
         walls: Vec::new(),
@@ -161,7 +162,7 @@ pub fn lay<const C: usize>(
 ) -> (Vec<u32>, HistoryColumns) {
     let mut columns = HistoryColumns::new(precision, cells.len(), element.columns());
     let (lanes, mut fresh) = (columns.lanes(), vec![0.0; element.columns()]);
-    element.start(&mut fresh, 0.0);
+    element.start(&mut fresh, OwnSection::default());
     let mut groups = Vec::new();
     for first in (0..cells.len()).step_by(lanes) {
         let of = |lane: usize| cells[(first + lane).min(cells.len() - 1)];
@@ -195,7 +196,7 @@ impl Patch {
         for place in 0..groups.len() / 4 {
             let corners = quads[place.min(quads.len() - 1)].map(|n| nodes[n as usize]);
             let mut state = history.element(place).to_vec();
-            element.measure(&mut state, &corners, 0.0);
+            element.measure(&mut state, &corners, OwnSection::default());
             history.set(place, &state);
         }
         let still = vec![[0.0; 4]; nodes.len()];
@@ -307,7 +308,7 @@ impl Patch {
     pub fn masses(&self) -> Vec<(f64, f64)> {
         let mut masses = vec![(0.0, 0.0); self.x.len()];
         for (e, quad) in self.quads.iter().enumerate() {
-            let (mass, inertia) = self.element.corner_mass(&self.corners(e), 0.0);
+            let (mass, inertia) = self.element.corner_mass(&self.corners(e), OwnSection::default());
             let corners = if quad[2] == quad[3] { 3 } else { 4 };
             for &node in &quad[..corners] {
                 masses[node as usize].0 += mass;

@@ -268,7 +268,12 @@ impl DeckConverter {
     /// Converts the friction of the card, except for fs -1.
     fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
         let fs = record.real("fs");
-        if fs >= 0.0 {
+        if fs == 2.0 && record.name().ends_with("SURFACE_TO_SURFACE") {
+            let why = "it selects fd as a table of coefficients by pressure and speed; give the \
+                       table as `friction_table` of the contact or its interface, after \
+                       `$crumple:`, and another fs";
+            self.unsupported_value(record, "fs", why);
+        } else if fs >= 0.0 {
             self.put_friction(record, name, Friction::from_record(record), table);
         } else if fs != -1.0 {
             self.unsupported_value(

@@ -8,6 +8,7 @@ use super::tree::Table;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
 use crumple_proto::mesh::{MeshElement, Shape};
+use crumple_worker::fem::elements::LARGEST_OFFSET;
 use std::collections::{BTreeMap, HashMap};
 
 /// Default hourglass coefficient of shells in decks: LS-DYNA's QM.
@@ -228,9 +229,12 @@ impl DeckConverter {
         // LS-DYNA's nloc is the position of the nodes in the section, `offset` that of the middle
         // surface relative to the nodes.
         let of_section = if card.real("nloc") == 0.0 { 0.0 } else { -card.real("nloc") };
-        let offset = self.own_offset(record, of_section, thickness);
+        let offset = self.own_offset((id, record.place("pid")), of_section, thickness);
         if offset != 0.0 {
             table.put("offset", card.place("nloc"), offset);
+        }
+        let of_this = |s: &MeshElement| i64::from(s.part) == id && s.own.offset.is_some();
+        if offset != 0.0 || self.rows.shells.iter().any(of_this) {
             let own_contact_thickness =
                 ["contact_thickness", "contact_thickness_scale"].iter().any(|key| table.has(key));
             self.with_offset.push((id, own_contact_thickness));
@@ -419,7 +423,7 @@ impl DeckConverter {
             return most;
         }
         for &(at, thickness) in &means {
-            self.rows.shells[at].thickness = thickness;
+            self.rows.shells[at].own.thickness = thickness;
         }
         let asked = format!("thickness of {} of its shells, {least} to {most}", means.len());
         self.map(format!("part {id}"), asked, "one for each shell, the mean of its corners");
@@ -428,10 +432,10 @@ impl DeckConverter {
     }
 
     /// Returns the offset of the shells of a part over half their thickness: that of
-    /// `*ELEMENT_SHELL_OFFSET`, if it is the same for all of them, or that of the section.
-    fn own_offset(&mut self, record: &Record, of_section: f64, thickness: f64) -> f64 {
-        let id = record.integer("pid");
-        let mut offsets: HashMap<usize, f64> = HashMap::new();
+    /// `*ELEMENT_SHELL_OFFSET`, if it is the same for all of them, or that of the section. Shells
+    /// with another offset get their own.
+    fn own_offset(&mut self, (id, place): (i64, Place), of_section: f64, thickness: f64) -> f64 {
+        let mut offsets: BTreeMap<usize, f64> = BTreeMap::new();
         for &(at, offset) in &self.rows.offsets {
             if self.rows.shells.get(at).is_some_and(|s| i64::from(s.part) == id) {
                 offsets.insert(at, offset);
@@ -440,28 +444,36 @@ impl DeckConverter {
         if offsets.is_empty() {
             return of_section;
         }
-        let shells = self.rows.shells.iter().enumerate().filter(|(_, s)| i64::from(s.part) == id);
-        let ratio = |(at, shell): (usize, &MeshElement)| {
-            let own = if shell.thickness > 0.0 { shell.thickness } else { thickness };
-            offsets.get(&at).map_or(of_section, |offset| 2.0 * offset / own)
-        };
-        let (least, most) = shells
-            .map(ratio)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |m, r| (m.0.min(r), m.1.max(r)));
-        if most - least > SAME_OFFSET * (1.0 + most.abs()) {
-            let message = format!(
-                "part {id}: its shells have offsets from {least} to {most} times half their \
-                 thickness (*ELEMENT_SHELL_OFFSET, or nloc of the section for the others); shells \
-                 of one part need the same: give the shells of each offset a part of their own"
-            );
-            self.unsupported(record.place("pid"), message, "*ELEMENT_SHELL_OFFSET".into());
-            return of_section;
+        for (&at, offset) in &mut offsets {
+            let own = self.rows.shells[at].own.thickness;
+            *offset *= 2.0 / if own > 0.0 { own } else { thickness };
         }
-        self.map(
-            format!("part {id}"),
-            format!("offsets of {} of its shells", offsets.len()),
-            format!("offset {most} of the part, over half the thickness"),
-        );
-        most
+        let all = self.rows.shells.iter().filter(|s| i64::from(s.part) == id).count();
+        let of_others = (offsets.len() < all).then_some(of_section);
+        let (least, most) = offsets
+            .values()
+            .copied()
+            .chain(of_others)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |m, r| (m.0.min(r), m.1.max(r)));
+        let asked = format!("offsets of {} of its shells", offsets.len());
+        if most - least <= SAME_OFFSET * (1.0 + most.abs()) {
+            let used = format!("offset {most} of the part, over half the thickness");
+            self.map(format!("part {id}"), asked, used);
+            return most;
+        }
+        for (&at, &offset) in &offsets {
+            self.rows.shells[at].own.offset = Some(offset);
+        }
+        if least.abs().max(most.abs()) > LARGEST_OFFSET {
+            let message = format!(
+                "part {id}: the offsets of its shells are {least} to {most} times half their \
+                 thickness"
+            );
+            let help = "they have to be from -10 to 10 (-1 to 1 is usual)";
+            self.trouble.error(place, message, help);
+        }
+        let used = format!("one for each shell, {least} to {most} over half the thickness");
+        self.map(format!("part {id}"), asked, used);
+        of_section
     }
 }

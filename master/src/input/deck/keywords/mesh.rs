@@ -18,9 +18,8 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "shells of three or four nodes. THICKNESS and BETA add a second line; with THICKNESS a \
          shell gets the mean of its corner thicknesses, and a zero means that of the section. \
-         OFFSET adds another line; it becomes `offset` of the part and overrides nloc. All shells \
-         of a part must have the same offset over their thickness, else the deck is refused: give \
-         the shells of each offset a part of their own",
+         OFFSET adds another line and overrides nloc: it becomes `offset` of the part if it is the \
+         same for all its shells, over their thickness, else the offset of each shell",
     )
     .options(&["THICKNESS", "BETA", "OFFSET"]),
     Keyword::new(

@@ -5,6 +5,7 @@ use crate::fem::columns::HistoryColumns;
 use crate::fem::elements::build_block;
 use crate::fem::elements::testing::{elastic, part, settings};
 use crumple_proto::job::{Beam as BeamJob, Part as PartJob, Precision};
+use crumple_proto::mesh::OwnSection;
 
 fn rectangle() -> BeamJob {
     BeamJob {
@@ -35,7 +36,7 @@ fn beam(section: BeamJob) -> Box<dyn Element> {
 fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     let beam = beam(section);
     let mut fresh = vec![0.0; beam.columns()];
-    beam.start(&mut fresh, 0.0);
+    beam.start(&mut fresh, OwnSection::default());
     beam.orient(&mut fresh, [0.3, 1.0, 0.2]);
     let mut history = HistoryColumns::new(Precision::Double, 1, beam.columns());
     history.set(0, &fresh);
