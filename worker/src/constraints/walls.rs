@@ -12,10 +12,12 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::energy::Work;
+use crate::energy::{Work, WorkSum};
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
+use crumple_proto::exact_sum::ExactSum;
+use crumple_proto::histories::each_value;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};
@@ -68,7 +70,7 @@ pub struct Walls {
     /// Number of walls with a mass.
     pushed: usize,
     /// Impulse of each wall on owned nodes so far [force time].
-    pub impulse: Vec<[f64; 3]>,
+    pub impulses: Vec<[ExactSum; 3]>,
     near: Vec<RecoilCandidate>,
     mail: Mailbox,
 }
@@ -84,7 +86,7 @@ impl Walls {
         Self {
             order,
             pushed,
-            impulse: vec![[0.0; 3]; walls.len()],
+            impulses: vec![Default::default(); walls.len()],
             walls,
             near: Vec::new(),
             mail: Mailbox::default(),
@@ -172,8 +174,8 @@ impl Walls {
     }
 
     /// Keeps all local nodes in front of the walls, starting from their velocities in `v_next`,
-    /// or from those in `pushed` for nodes of contact pairs (ascending). Returns the work on
-    /// owned nodes [energy].
+    /// or from those in `pushed` for nodes of contact pairs (ascending). Adds the work on owned
+    /// nodes to `work`.
     ///
     /// # Errors
     /// A worker is gone.
@@ -183,13 +185,13 @@ impl Walls {
         nodes: &mut Nodes,
         pushed: &[(u32, Row)],
         steps: StepSizes,
-    ) -> Result<Work, RankLost> {
+        work: &mut WorkSum,
+    ) -> Result<(), RankLost> {
         let dt = steps.dt;
         for k in 0..self.pushed {
             self.wall_contact(k, comm, nodes, pushed, dt)?;
         }
         let mut pushed = pushed.iter().peekable();
-        let mut work = Work::default();
         for i in 0..nodes.local_count {
             let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.v_next[i], |p| p.1);
             if self.walls.iter().all(|w| w.misses(&nodes.x[i], &free, dt)) {
@@ -198,7 +200,7 @@ impl Walls {
             }
             nodes.v_next[i] = self.stop(nodes, i, free, dt);
             if nodes.is_owned(i) && nodes.v_next[i] != free {
-                work += self.book(nodes, i, free, steps);
+                work.add(self.book(nodes, i, free, steps));
             }
         }
         // Ghosts too, if a wall with a mass has changed its velocity since contact: contact
@@ -206,7 +208,7 @@ impl Walls {
         for &(i, free) in pushed.filter(|_| self.pushed > 0) {
             nodes.v_next[i as usize] = self.stop(nodes, i as usize, free, dt);
         }
-        Ok(work)
+        Ok(())
     }
 
     /// Computes the velocity of the `k`-th wall with a mass from the nodes of all workers,
@@ -253,8 +255,8 @@ impl Walls {
             for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                 v[c] += change[c];
                 let p = nodes.mass[i] * change[c] * steps.given();
-                self.impulse[w][c] += p;
-                work += Work::from_impulse(p, nodes.v[i][c], nodes.v_next[i][c]);
+                self.impulses[w][c].add(p);
+                work = work + Work::from_impulse(p, nodes.v[i][c], nodes.v_next[i][c]);
             }
         }
         work
@@ -264,6 +266,16 @@ impl Walls {
     pub fn give_way(&mut self, wall: usize, impulse: &V3) {
         let w = &mut self.walls[wall];
         w.next -= w.recoil(impulse);
+    }
+
+    /// Makes room in the sums of impulses for more terms.
+    pub fn carry(&mut self) {
+        self.impulses.iter_mut().flatten().for_each(ExactSum::carry);
+    }
+
+    /// Returns the impulse of a wall on owned nodes so far [force time].
+    pub fn impulse(&self, wall: usize) -> [f64; 3] {
+        each_value(&self.impulses[wall])
     }
 
     /// Returns the work of nodes and bodies on walls with a mass in the step [energy].

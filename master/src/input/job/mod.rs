@@ -23,6 +23,7 @@ mod mesh;
 mod numbering;
 pub mod report;
 mod resolve;
+mod restart;
 mod rigid;
 mod sets;
 mod springs;
@@ -237,13 +238,14 @@ fn build(
     sources.job.tree = tree.clone();
     validate::job(&mut tree, findings);
     let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
-    let job: Job = match tree.to_value().try_into() {
+    let mut job: Job = match tree.to_value().try_into() {
         Ok(job) => job,
         Err(error) => {
             findings.add(Problem::error("", error.message(), "correct the job"));
             return None;
         }
     };
+    restart::add(&mut job, findings);
     let mesh = read_mesh(&job, path, deck, sources, findings);
     resolve::check(&job, workers_given, findings);
 

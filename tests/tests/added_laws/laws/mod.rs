@@ -1,4 +1,5 @@
 //! Laws that only tests have, one per file.
 
+pub mod breaking;
 pub mod maxwell;
 pub mod sticky;
