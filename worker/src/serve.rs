@@ -7,6 +7,7 @@ use crate::checkpoint::{
 use crate::engine::{Engine, StepConsensus};
 use crate::fem::blocks::Blocks;
 use crate::parallel::partition::PartitionData;
+use crate::time::Clock;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::{Captured, FileRecord};
@@ -73,6 +74,7 @@ const NEWEST: f64 = 0.05;
 /// # Errors
 /// Another rank is gone.
 pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
+    let mut refused = None;
     let (mut worker, trace) = match await_message(comm, 0, Tag::Order)? {
         ToWorker::Start { settings, tree, elements, nodes, trace } => {
             let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
@@ -83,7 +85,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
             let from = (Path::new(&folder), &common, &pieces[..]);
             match resume(comm, *settings, from)? {
                 Some(mut worker) => {
-                    worker.engine.apply(comm, &changes)?;
+                    refused = worker.engine.apply(comm, &changes)?;
                     (worker, trace)
                 }
                 None => return Ok(()), // the master reports why
@@ -94,6 +96,12 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     if trace {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
+    }
+    if let Some(why) = refused {
+        worker.failed = true;
+        let Clock { cycle, time, .. } = worker.engine.clock;
+        post(comm, 0, Tag::Report, &ToMaster::Trouble(Failure { elem: None, cycle, time, why }))?;
+        return worker.finalize(comm);
     }
     let ran = worker.run(comm);
     if ran.is_err() {

@@ -20,7 +20,7 @@ use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::each_value;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{Mailbox, RankLost, Transport};
-use crumple_proto::wall::{Wall as WallJob, WallMotion};
+use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
 pub use shape::Surface;
@@ -71,6 +71,8 @@ pub struct Walls {
     pushed: usize,
     /// Impulse of each wall on owned nodes so far [force time].
     pub impulses: Vec<[ExactSum; 3]>,
+    /// Number of walls that were there before the run continued; all of them in a new run.
+    known: usize,
     near: Vec<RecoilCandidate>,
     mail: Mailbox,
 }
@@ -87,6 +89,7 @@ impl Walls {
             order,
             pushed,
             impulses: vec![Default::default(); walls.len()],
+            known: walls.len(),
             walls,
             near: Vec::new(),
             mail: Mailbox::default(),
@@ -116,6 +119,7 @@ impl Walls {
 
     /// Sets the states of all walls.
     pub fn restore(&mut self, states: &[WallState]) {
+        self.known = states.len();
         for (wall, state) in self.walls.iter_mut().zip(states) {
             wall.surface = state.surface.clone();
             (wall.last, wall.next) = (state.last, state.next);
@@ -123,6 +127,27 @@ impl Walls {
                 *to = known;
             }
         }
+    }
+
+    /// Returns the owned nodes that start behind the planes that are new since the checkpoint, with
+    /// the number of the wall and the depth [length]. A node that a step of size `dt` could have
+    /// moved there does not count.
+    pub fn behind_new<'a>(
+        &'a self,
+        nodes: &'a Nodes,
+        dt: f64,
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+        let planes = self.walls.iter().enumerate().skip(self.known);
+        let planes = planes.filter(|(_, wall)| wall.job.form == WallForm::Plane);
+        planes.flat_map(move |(w, wall)| {
+            let owned = (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
+            let met = owned.filter(|&i| wall.meets.get(i) != Some(&false));
+            met.filter_map(move |i| {
+                let depth = -wall.surface.distance(&V3::from(xyz(&nodes.x[i])));
+                let moved = dt * V3::from(xyz(&nodes.v[i])).norm();
+                (depth > moved && nodes.fixed[i] & 7 != 7).then_some((w, i, depth))
+            })
+        })
     }
 
     /// Returns true if the model has no walls.

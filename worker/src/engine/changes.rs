@@ -13,14 +13,23 @@ use crumple_proto::transport::{RankLost, Transport, gather_all};
 use std::collections::BTreeSet;
 
 impl Engine {
-    /// Applies changes to an engine that was restored. All workers call this together.
+    /// Applies changes to an engine that was restored. Returns the reason why the run cannot
+    /// continue, if there is one. All workers call this together.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn apply(&mut self, comm: &mut dyn Transport, changes: &Changes) -> Result<(), RankLost> {
-        if *changes == Changes::default() {
-            return Ok(());
+    pub fn apply(
+        &mut self,
+        comm: &mut dyn Transport,
+        changes: &Changes,
+    ) -> Result<Option<String>, RankLost> {
+        if *changes != Changes::default() {
+            self.change(comm, changes)?;
         }
+        self.behind_walls(comm)
+    }
+
+    fn change(&mut self, comm: &mut dyn Transport, changes: &Changes) -> Result<(), RankLost> {
         let before = self.energies(true).stored();
         self.delete_parts(comm, &changes.delete)?;
         for (parts, velocity) in &changes.velocities {
@@ -29,6 +38,24 @@ impl Engine {
         let after = self.energies(true).stored();
         self.ledger.external.transfer(&before, &after);
         Ok(())
+    }
+
+    /// Returns a message if nodes of any worker start behind a wall that is new.
+    fn behind_walls(&self, comm: &mut dyn Transport) -> Result<Option<String>, RankLost> {
+        let behind = self.constraints.walls.behind_new(&self.nodes, self.clock.dt);
+        let mine = behind.map(|(w, i, depth)| [w as u64, self.nodes.id[i].0, depth.to_bits()]);
+        let all = gather_all(comm, mine.collect())?.concat();
+        let most = all.iter().max_by(|a, b| f64::from_bits(a[2]).total_cmp(&f64::from_bits(b[2])));
+        Ok(most.map(|&[wall, node, depth]| {
+            let count = all.iter().filter(|n| n[0] == wall).count();
+            format!(
+                "{count} nodes are behind the new wall `{}`, node {} by {:.3e}: move the wall, or \
+                 reverse its normal, which points to the model",
+                self.settings.walls[wall as usize].name,
+                NodeId(node),
+                f64::from_bits(depth)
+            )
+        }))
     }
 
     /// Sets the velocity of all nodes of some parts, except for constrained degrees of freedom.

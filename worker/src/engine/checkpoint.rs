@@ -231,6 +231,7 @@ impl Engine {
             engine.carry_members(known_bodies);
             let after = engine.energies(true).stored();
             engine.ledger.external.transfer(&before, &after);
+            engine.renew(comm, engine.tree.clone())?; // ghosts of members are constrained too
         }
         engine.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         if let Some(contact) = &mut engine.contact {

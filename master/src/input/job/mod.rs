@@ -293,7 +293,7 @@ fn build(
     }
     let mut elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
     if let Some((_, dt)) = state::smallest(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()) {
-        walls::behind(&settings, &mesh, &nodes, dt, state::fastest_wave(&job), findings);
+        walls::behind(&job, &settings, &mesh, &nodes, dt, findings);
     }
     if findings.any_error() {
         return None;

@@ -201,7 +201,7 @@ impl Bodies {
     ) -> impl Iterator<Item = (usize, V3, V3)> + 'a {
         let bodies = self.bodies.iter().zip(&self.jobs).skip(first);
         bodies.flat_map(move |(body, job)| {
-            let spin = body.spin(&body.last.angular);
+            let spin = body.last_spin;
             let local = job.nodes.iter().filter_map(|&id| nodes.local_index(id));
             local.map(move |n| {
                 let arm = V3::from(xyz(&nodes.x[n as usize])) - body.centre;

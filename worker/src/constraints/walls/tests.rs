@@ -4,7 +4,6 @@ use super::*;
 use crumple_proto::loads::{Motion, MotionForm};
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::threads;
-use crumple_proto::wall::WallForm;
 
 fn wall(friction: f64) -> Walls {
     Walls::new(&[WallJob::plane([0.0, 0.0, 1.0], [0.0, 0.0, 2.0], friction)], &[])
