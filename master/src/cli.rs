@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Parallel explicit finite element solver for crash and impact.
 #[derive(Debug, Parser)]
-#[command(name = "crumple", version, about, after_help = EXIT_CODES)]
+#[command(name = "crumple", version, after_help = EXIT_CODES)]
 pub struct Cli {
     /// Command to run.
     #[command(subcommand)]

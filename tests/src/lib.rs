@@ -2,6 +2,7 @@
 //! binary with a deadline.
 
 pub mod imports;
+pub mod manual;
 pub mod program;
 pub mod restart;
 pub mod tools;

@@ -9,6 +9,7 @@ mod laws;
 use clap::Parser;
 use crumple::cli::{Cli, Command};
 use crumple::run::checkpoint::find::newest_cycle;
+use crumple_tests::manual::blocks;
 use crumple_tests::{case, read, run_side_by_side};
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::materials::LAWS;
@@ -21,8 +22,10 @@ fn add() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         CONTACT_LAWS.add(&laws::sticky::LAW);
+        CONTACT_LAWS.add(&laws::damper::LAW);
         LAWS.add(&laws::maxwell::LAW);
         LAWS.add(&laws::breaking::LAW);
+        LAWS.add(&laws::ludwik::LAW);
     });
 }
 
@@ -148,4 +151,36 @@ fn a_panic_of_a_worker_ends_with_code_4_and_keeps_the_checkpoint() {
         summary["state_digest"].clone()
     };
     assert_eq!(digest(&whole), digest(&out));
+}
+
+/// The job and the law of the tutorial. Johnson and Cook's law is the same law here.
+#[test]
+fn the_material_of_the_tutorial_has_the_bits_of_the_law_that_it_repeats() {
+    add();
+    let page = blocks("docs/tutorials/new-material.md");
+    let job = page.into_iter().find(|block| block.language == "toml").expect("a job");
+    let digest = |law: &str, b: f64| {
+        let path = case("plate").join("job.toml");
+        let sets = [format!("material.0.law={law}"), format!("material.0.b={b:?}")];
+        let model = crumple::input::job::read_text(path, job.text.clone(), &sets);
+        let model = model.unwrap_or_else(|report| panic!("{report}"));
+        run_side_by_side(&model, 2, 200, 0).digest()
+    };
+    assert_eq!(digest("ludwik", 0.5), digest("johnson_cook", 0.5));
+    assert_ne!(digest("ludwik", 0.5), digest("ludwik", 0.6), "the plate yields");
+}
+
+/// The damper of the developer's guide acts, by its coefficient, and on any number of workers.
+#[test]
+fn the_contact_law_of_the_guide_runs() {
+    add();
+    let digest = |scale: f64, workers| {
+        let sets = ["contact.law=damper".into(), format!("contact.damper_scale={scale:?}")];
+        let sets: Vec<&str> = sets.iter().map(|set: &String| &set[..]).collect();
+        let run = run_side_by_side(&read(&case("tumble"), &sets), workers, 900, 0);
+        assert!(run.pairs.iter().any(|pairs| !pairs.is_empty()), "there is contact");
+        run.digest()
+    };
+    assert_eq!(digest(0.35, 1), digest(0.35, 3), "three workers");
+    assert_ne!(digest(0.35, 1), digest(0.2, 1), "another coefficient");
 }

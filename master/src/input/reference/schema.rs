@@ -30,7 +30,7 @@ pub fn job_schema() -> Value {
         entry["type"] = json!([entry["type"], "null"]);
         entry["default"] = Value::Null;
         entry["description"] = "As in `[contact]`.".into();
-        if let Some(words) = entry["enum"].as_array_mut() {
+        if let Some(Value::Array(words)) = entry.get_mut("enum") {
             words.push(Value::Null);
         }
         schema["$defs"]["Interface"]["properties"][row.key] = entry;
@@ -83,7 +83,12 @@ pub fn schema() -> Value {
     let material = &mut defs["MaterialSpec"];
     words(&mut material["properties"]["law"], LAWS.iter().map(|l| l.name));
     material["allOf"] = LAWS.iter().map(|law| of_law(law.name, law.parameters)).collect();
-    schema["allOf"] = GENERATORS.iter().map(of_generator).collect();
+    // A deck may have what a job must have.
+    let needed = schema["required"].take();
+    let from_deck = json!({ "properties": { "mesh": { "required": ["deck"] } } });
+    let needed = json!({ "if": from_deck, "else": { "required": needed } });
+    schema["allOf"] = GENERATORS.iter().map(of_generator).chain([needed]).collect();
+    schema["required"] = json!(["mesh"]);
     schema
 }
 

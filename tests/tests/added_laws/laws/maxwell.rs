@@ -129,3 +129,39 @@ impl Solid for Maxwell {
         self.solid_stress(point, dt)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::build;
+    use crumple_proto::partition::{Material, Param};
+    use crumple_worker::fem::materials::Points;
+
+    const TAU: f64 = 4.0;
+
+    fn gel() -> Material {
+        let numbers = [("youngs_modulus", 2.0), ("poisson", 0.25), ("relaxation_time", TAU)];
+        let parameters =
+            numbers.into_iter().map(|(key, n)| (key.to_string(), Param::Number(n))).collect();
+        Material { name: "gel".into(), law: "maxwell".into(), density: 1e-6, parameters }
+    }
+
+    /// A constant rate for tau in one step, then constant strain for tau in ten steps.
+    #[test]
+    fn stress_is_the_exact_solution() {
+        let law = build(&gel()).expect("a sound material");
+        let mut state = [0.0; 3];
+        let mut step = |eps: f64, dt: f64| {
+            let strain = [[eps, 0.0, 0.0]];
+            law.update_one(
+                Points { state: &mut state, strain: &strain, thickness_strain: &mut [0.0] },
+                dt,
+            );
+            state[0]
+        };
+        let (c, eps, left) = (2.0 / (1.0 - 0.0625), 1e-3, (-1.0_f64).exp());
+        let pulled = step(eps, TAU);
+        assert!((pulled / (c * eps * (1.0 - left)) - 1.0).abs() < 1e-14, "{pulled}");
+        let relaxed = (0..10).fold(0.0, |_, _| step(0.0, 0.1 * TAU));
+        assert!((relaxed / (pulled * left) - 1.0).abs() < 1e-14, "ten products: {relaxed}");
+    }
+}

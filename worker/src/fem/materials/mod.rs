@@ -8,7 +8,7 @@ mod elastic;
 mod j2;
 mod johnson_cook;
 mod parameters;
-mod plasticity;
+pub mod plasticity;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use parameters::Parameters;

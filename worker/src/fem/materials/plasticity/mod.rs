@@ -46,22 +46,36 @@ fn tolerance<R: Real>() -> f64 {
 
 /// A plastic law.
 pub struct Plasticity {
+    /// Elastic constants.
     pub elastic: Elastic,
     /// Yield stress at zero plastic strain [force/length^2].
     pub yield_stress: f64,
+    /// Hardening.
     pub curve: Curve,
+    /// Dependence on the strain rate.
     pub rate: Rate,
+    /// Dependence on the temperature, if any.
     pub thermal: Option<Thermal>,
+    /// Failure of points.
     pub failure: Failure,
 }
 
 /// Yield stress over plastic strain, in units of the initial yield stress.
 pub enum Curve {
-    /// Straight lines: the first slope; then plastic strains at which the slope changes, and the
-    /// change.
-    Lines { slope: f64, ramps: Vec<(f64, f64)> },
+    /// Straight lines.
+    Lines {
+        /// First slope.
+        slope: f64,
+        /// Plastic strains at which the slope changes, and the change.
+        ramps: Vec<(f64, f64)>,
+    },
     /// `1 + b eps_p^n`, 0 < n <= 1.
-    Power { b: f64, n: f64 },
+    Power {
+        /// Factor on the power.
+        b: f64,
+        /// Exponent.
+        n: f64,
+    },
 }
 
 impl Curve {
@@ -74,15 +88,20 @@ impl Curve {
 
 /// Factor of the strain rate on the yield stress, at least one.
 pub enum Rate {
+    /// One.
     None,
-    /// `1 + (rate/c)^inv_p`, c in 1/time.
+    /// `1 + (rate/c)^inv_p`.
     CowperSymonds {
+        /// Rate at which the yield stress is doubled [1/time].
         c: f64,
+        /// Exponent 1/p.
         inv_p: f64,
     },
-    /// `1 + c ln(rate/reference)` above the reference rate [1/time].
+    /// `1 + c ln(rate/reference)` above the reference rate.
     Logarithmic {
+        /// Factor on the logarithm.
         c: f64,
+        /// Reference rate [1/time].
         reference: f64,
     },
 }
@@ -97,6 +116,7 @@ impl Rate {
 /// Softening by temperature, `1 - T*^m` with T* the temperature rise over that to melting, and
 /// heating by plastic work.
 pub struct Thermal {
+    /// Exponent of the homologous temperature.
     pub m: f64,
     /// Melting temperature minus initial temperature [temperature].
     pub to_melting: f64,
@@ -106,6 +126,7 @@ pub struct Thermal {
 
 /// Failure criterion of a point.
 pub enum Failure {
+    /// Points do not fail.
     None,
     /// Fails at this plastic strain.
     Strain(f64),
@@ -113,7 +134,9 @@ pub enum Failure {
     /// T*)`. Damage is the sum of `d eps_p` over it. Rates are relative to the reference rate
     /// [1/time].
     JohnsonCook {
+        /// D1 to D5.
         d: [f64; 5],
+        /// Reference rate [1/time].
         reference: f64,
     },
 }
