@@ -325,6 +325,15 @@ impl<'a> Control<'a> {
             post(self.comm, rank, Tag::Order, &resume)?;
         }
         let done = self.recut();
+        for rank in 1..=self.workers {
+            while done.is_err() && self.trouble.is_none() {
+                match poll_message(self.comm, rank, Tag::Report) {
+                    Ok(Some(ToMaster::Trouble(trouble))) => self.trouble = Some(trouble),
+                    Ok(Some(_)) => {}
+                    Ok(None) | Err(_) => break,
+                }
+            }
+        }
         let Some(refused) = self.trouble.take().filter(|_| done.is_err()) else { return done };
         for rank in 1..=self.workers {
             let _ = post(self.comm, rank, Tag::Order, &ToWorker::Quit); // it may have ended

@@ -134,11 +134,15 @@ fn a_new_velocity_is_that_of_all_nodes_of_the_part() {
 
 #[test]
 fn a_new_wall_stops_what_hits_it() {
-    let wall = "restart.wall=[{name=\"late\", point=[0.0, 0.0, 0.0], normal=[0.0, 0.0, 1.0]}]";
-    let held = on_any_workers(&[wall]);
+    let wall = "restart.wall=[{name=\"late\", point=[0.0, 0.0, -116.0], normal=[0.0, 0.0, 1.0]}]";
+    let all = "restart.velocity=[{parts=[1,2,3,4,5,6,7], velocity=[0.0, 0.0, -100.0]}]";
+    let held = on_any_workers(&[wall, all]);
     let impulse = numbers(&held.summary["momentum"]["wall_impulse"]);
     assert!(impulse[2] > 0.0, "{impulse:?}");
-    let [start, end] = ["start", "end"].map(|key| numbers(&held.summary["momentum"][key]));
+    let time = held.parts.last().unwrap().0;
+    let mass: f64 = held.parts.iter().filter(|row| row.0 == time).map(|row| row.2).sum();
+    let start = [0.0, 0.0, -100.0 * mass];
+    let end = numbers(&held.summary["momentum"]["end"]);
     let size = start.iter().chain(&impulse).map(|p| p.abs()).sum::<f64>();
     for c in 0..3 {
         let off = end[c] - start[c] - impulse[c];

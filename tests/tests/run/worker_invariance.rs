@@ -139,7 +139,7 @@ fn histories_have_the_same_bytes_on_any_number_of_workers() {
         ("graded", "200", &["time.subcycles=4", "output.history_interval=0.01"]),
         ("panel", "150", &[panel, "time.damping=10.0"]),
         ("pipe-whip", "150", &[]),
-        ("brick-wall", "200", &[]),
+        ("brick-wall", "20", &[]),
         ("can-crush", "100", &["elements.precision=single"]),
     ];
     for (scene, cycles, sets) in scenes {
