@@ -4,7 +4,7 @@
 #
 #   deploy/torture.sh [ROUNDS] [SEED]      default: 300 rounds from seed 1
 #
-# At its end it reports rounds, kills, kills of the master and during the writing of checkpoints, the
+# At its end it reports rounds, kills, kills of the master and while checkpoints are written, the
 # worst loss of work, orphan processes, temporary files and the time. A round that fails names its
 # seed and leaves its folder.
 set -euo pipefail

@@ -289,7 +289,8 @@ impl RunArgs {
         self.options.sets().into_iter().chain(end_time).collect()
     }
 
-    /// Returns the options that a supervised run gets, except for folders and workers. One that continues after a loss gets no
+    /// Returns the options that a supervised run gets, except for folders and workers. One that
+    /// continues after a loss gets no
     /// changes of the job again: its checkpoint has them.
     pub fn passed_on(&self, without_changes: bool) -> Vec<String> {
         let mut words = Vec::new();

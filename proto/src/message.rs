@@ -5,7 +5,8 @@
 //! themselves on the cycle before which all of them execute an order. Workers answer a `Recut`
 //! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
 //! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
-//! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved` follows. At the end each worker sends `Closing` with the states of its nodes.
+//! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
+//! follows. At the end each worker sends `Closing` with the states of its nodes.
 //!
 //! A run that continues from a checkpoint begins with `Resume` instead of `Start`, and its first
 //! boxes come from requests as in a repartition.

@@ -106,8 +106,8 @@ impl Mailbox {
         self.take_many(1)[0]
     }
 
-    /// Reads the next items of a message that may be wrong, because a file has it. Returns `None` if
-    /// it has fewer.
+    /// Reads the next items of a message that may be wrong, because a file has it. Returns `None`
+    /// if it has fewer.
     pub fn checked_take_many<T: Pod>(&mut self, count: u64) -> Option<&[T]> {
         let words = usize::try_from(count).ok()?.checked_mul(words_of::<T>())?;
         let end = self.read.checked_add(words).filter(|&end| end <= self.words.len())?;

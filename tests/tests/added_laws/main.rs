@@ -106,8 +106,8 @@ fn an_added_material_law_is_read_and_runs() {
     assert!(unknown.contains("did you mean 'relaxation_time'"), "{unknown}");
 }
 
-/// A worker thread panics: the run ends with code 4, keeps its checkpoints, and continues from there
-/// with the bits of a run without the fault.
+/// A worker thread panics: the run ends with code 4, keeps its checkpoints, and continues from
+/// there with the bits of a run without the fault.
 #[test]
 fn a_panic_of_a_worker_ends_with_code_4_and_keeps_the_checkpoint() {
     add();

@@ -35,7 +35,7 @@ const LONGEST: u64 = 1500;
 /// Interval between two checkpoints [s].
 const INTERVAL: f64 = 0.03;
 
-/// What happened in all rounds.
+/// Counts of all rounds.
 #[derive(Default)]
 struct Record {
     rounds: u64,

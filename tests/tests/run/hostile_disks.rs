@@ -100,7 +100,7 @@ fn a_folder_that_is_removed_during_the_run_is_made_again() {
     assert_eq!(digest_of(&out), digest);
 }
 
-/// A pipe that nobody reads, in place of a file, blocks whoever opens it: like a file system that
+/// A pipe without a reader, in place of a file, blocks whoever opens it: like a file system that
 /// hangs. The run goes on, and does not wait for it at its end.
 #[test]
 fn a_file_system_that_hangs_does_not_stop_the_run() {

@@ -263,7 +263,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
             let name = format!("A23c {element} {ratio}");
             let (mut start, mut grown) = (0.0, false);
             let run = bench.run(&name, &scene(limit / unit), |e| {
-                let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs(); // negative if unstable
+                let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs();
                 if e.clock.cycle == 0 {
                     start = now;
                 }

@@ -106,7 +106,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
                 &format!("A23b cube {nu} {share}"),
                 &scene(share * limit / unit),
                 |e| {
-                    let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs(); // negative if unstable
+                    let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs();
                     if e.clock.cycle == 0 {
                         start = now;
                     }

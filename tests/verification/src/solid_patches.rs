@@ -237,7 +237,7 @@ fn grows(
     let unit = bench.model(name, &scene(1.0))?.first_dt().0 * fast / side;
     let (mut start, mut grown) = (0.0, false);
     let run = bench.run(name, &scene(limit / unit), |e| {
-        let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs(); // negative if unstable
+        let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs();
         if e.clock.cycle == 0 {
             start = now;
         }

@@ -11,8 +11,8 @@
 //! of these rates.
 //!
 //! The norm is that of the energy of a force in the pair's own compliance, `c |f|^2`. Its sums
-//! are exact, so they are equal for any number of workers (`proto/src/exact_sum.rs`). If pairs close or
-//! open, or if a residual grows, the function G has changed: the history is dropped, and the
+//! are exact, so they are equal for any number of workers (`proto/src/exact_sum.rs`). If pairs
+//! close or open, or if a residual grows, the function G has changed: the history is dropped, and the
 //! next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;

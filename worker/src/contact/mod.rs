@@ -683,8 +683,8 @@ impl Contact {
         }
     }
 
-    /// Adds the work of contact with the current velocities to `work`, and stores the pair histories
-    /// of the slaves.
+    /// Adds the work of contact with the current velocities to `work`, and stores the pair
+    /// histories of the slaves.
     pub fn finish_step(&mut self, nodes: &Nodes, steps: StepSizes, work: &mut ContactWork) {
         self.update_pressures(nodes);
         let t = &mut self.table;

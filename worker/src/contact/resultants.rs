@@ -26,7 +26,8 @@ impl Contact {
     }
 
     /// Adds the `share` of the forces of the own pairs of the last step to the sum of each
-    /// transducer. A node that several parts share counts for the lowest of them that is in contact.
+    /// transducer. A node that several parts share counts for the lowest of them that is in
+    /// contact.
     pub fn add_forces_on(
         &self,
         transducers: &[Transducer],

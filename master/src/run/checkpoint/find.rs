@@ -107,8 +107,8 @@ pub fn newest_cycle(run: &Path) -> Option<u64> {
     newest(run).map(|(_, manifest)| manifest.captured.cycle)
 }
 
-/// Returns a message if the folder of a run has a checkpoint and the run did not complete: a new run
-/// would remove it.
+/// Returns a message if the folder of a run has a checkpoint and the run did not complete: a new
+/// run would remove it.
 pub fn unfinished(run: &Path) -> Option<String> {
     let (folder, manifest) = newest(run)?;
     let summary = std::fs::read(run.join("summary.json")).unwrap_or_default();

@@ -156,7 +156,7 @@ pub struct Patch {
     pub moment: Vec<[f64; 4]>,
 }
 
-/// What a pass returned, and the energies that it added, summed over elements.
+/// Result of a pass, with the energies that it added, summed over elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Passed {
     pub stable_dt: f64,
