@@ -12,8 +12,8 @@
 //!
 //! The norm is that of the energy of a force in the pair's own compliance, `c |f|^2`. Its sums
 //! are exact, so they are equal for any number of workers (`proto/src/exact_sum.rs`). If pairs
-//! close or open, or if a residual grows, the function G has changed: the history is dropped, and the
-//! next forces are those of the sweep itself.
+//! close or open, or if a residual grows, the function G has changed: the history is dropped, and
+//! the next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
 use crate::contact::pairs::Pair;
