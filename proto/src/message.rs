@@ -8,8 +8,9 @@
 //! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
 //! follows. At the end each worker sends `Closing` with the states of its nodes.
 //!
-//! A run that continues from a checkpoint begins with `Resume` instead of `Start`, and its first
-//! boxes come from requests as in a repartition.
+//! A run that continues from a checkpoint begins with `Resume` instead of `Start`. A worker answers
+//! with `Ready`, or with `Trouble` if it cannot read its files. The first boxes come from requests
+//! as in a repartition.
 
 use crate::boxes::{Aabb, CutTree};
 use crate::checkpoint::{Captured, FileRecord, Saved};

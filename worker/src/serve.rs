@@ -124,9 +124,11 @@ fn resume(
         Err(why) => {
             let trouble = Failure { elem: None, cycle: 0, time: 0.0, why };
             post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))?;
+            await_message::<ToWorker>(comm, 0, Tag::Order)?; // `Quit`
             return Ok(None);
         }
     };
+    post(comm, 0, Tag::Report, &ToMaster::Ready)?;
     let loads: Vec<_> = checkpoint::loads(&settings, &state.share).collect();
     let tree = loop {
         let question = await_message(comm, 0, Tag::Order)?;

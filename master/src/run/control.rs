@@ -22,7 +22,7 @@ use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
 use crumple_proto::report::{Failure, FinalReport};
 use crumple_proto::transport::{RankLost, Tag, Transport};
-use crumple_proto::wire::{poll_message, post};
+use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -324,21 +324,17 @@ impl<'a> Control<'a> {
         for rank in 1..=self.workers {
             post(self.comm, rank, Tag::Order, &resume)?;
         }
-        let done = self.recut();
+        let mut refused = None;
         for rank in 1..=self.workers {
-            while done.is_err() && self.trouble.is_none() {
-                match poll_message(self.comm, rank, Tag::Report) {
-                    Ok(Some(ToMaster::Trouble(trouble))) => self.trouble = Some(trouble),
-                    Ok(Some(_)) => {}
-                    Ok(None) | Err(_) => break,
-                }
+            if let ToMaster::Trouble(trouble) = await_message(self.comm, rank, Tag::Report)? {
+                refused = Some(trouble.why);
             }
         }
-        let Some(refused) = self.trouble.take().filter(|_| done.is_err()) else { return done };
+        let Some(why) = refused else { return self.recut() };
         for rank in 1..=self.workers {
             let _ = post(self.comm, rank, Tag::Order, &ToWorker::Quit); // it may have ended
         }
-        Err(RunError::Unusable(refused.why))
+        Err(RunError::Unusable(why))
     }
 
     /// Returns the settings of the workers.
@@ -563,19 +559,8 @@ impl<'a> Control<'a> {
     fn recut(&mut self) -> Result<(), RunError> {
         let pair_s = self.balance.pair_seconds();
         let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
-        let cut = bisect(&mut load, self.workers);
+        self.tree = bisect(&mut load, self.workers)?;
         let aside = load.aside;
-        self.tree = match cut {
-            Ok(tree) => tree,
-            Err(lost) => {
-                for (_, message) in aside {
-                    if let ToMaster::Trouble(trouble) = message {
-                        self.trouble = Some(trouble);
-                    }
-                }
-                return Err(lost.into());
-            }
-        };
         for rank in 1..=self.workers {
             post(self.comm, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
         }

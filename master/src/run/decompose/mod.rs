@@ -143,13 +143,7 @@ impl Workers<'_> {
             loop {
                 match answer(await_message(self.comm, rank, Tag::Report)?) {
                     Ok(a) => break answers.push(a),
-                    Err(other) => {
-                        let refuses = matches!(*other, ToMaster::Trouble(_));
-                        self.aside.push((rank - 1, *other));
-                        if refuses {
-                            return Err(RankLost { rank }); // it cannot read its checkpoint
-                        }
-                    }
+                    Err(other) => self.aside.push((rank - 1, *other)),
                 }
             }
         }
