@@ -5,9 +5,9 @@ use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::checkpoint::find::{newest_cycle, run_folder};
 use crate::run::stop::StopFlag;
-use std::os::unix::process::ExitStatusExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
 /// Interval between two looks at the process.
@@ -116,7 +116,9 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
         command.args(["--workers", &workers.to_string()]);
     }
     command.args(args.passed_on(continues && args.resume.is_none()));
-    command.spawn()
+    // In a group of its own: Ctrl-C would reach it directly too, and a launcher that gets two
+    // signals ends its ranks at once.
+    command.stdin(Stdio::null()).process_group(0).spawn()
 }
 
 /// Waits for the end of the run. Passes on a request to stop.

@@ -161,20 +161,15 @@ mod tests {
         });
         p.bind_local(&nodes);
         let dt = 2.0 / steps as f64;
-        let mut work = 0.0;
+        let mut work = WorkSum::default();
+        let sizes = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
         for i in 0..steps {
             nodes.accelerate(dt);
             p.apply(&mut nodes, i as f64 * dt, dt);
-            work += p
-                .work(
-                    &nodes,
-                    (None, &Ties::default()),
-                    StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt },
-                )
-                .total();
+            p.add_work(&nodes, (None, &Ties::default()), sizes, &mut work);
             nodes.advance(dt);
         }
-        (nodes, work)
+        (nodes, work.total())
     }
 
     /// Each form of motion ends at its integral, to round-off. The work equals the kinetic
