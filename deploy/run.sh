@@ -5,12 +5,13 @@
 #   deploy/run.sh cases/tumble --end-time 1           another job, and options of `crumple run`
 #   WORKERS=4 deploy/run.sh                           four workers; the default is one per core
 #   RETRIES=3 deploy/run.sh                           starts again when a worker is lost
+#   CRUMPLE=target/debug/crumple deploy/run.sh        a binary with MPI that is there already
 set -euo pipefail
 # Ctrl-C reaches the run; this script waits for its end and reports its code.
 trap : INT
 
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
-    sed -n '2,7s/^# \{0,1\}//p' "$0"
+    sed -n '2,8s/^# \{0,1\}//p' "$0"
     exit 0
 fi
 
@@ -51,19 +52,23 @@ fi
 # shellcheck source=deploy/setup.sh
 source deploy/setup.sh
 
-cargo build --release --features mpi -p crumple
-target=$(cargo metadata --format-version 1 --no-deps |
-    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+program=${CRUMPLE:-}
+if [[ -z $program ]]; then
+    cargo build --release --features mpi -p crumple
+    target=$(cargo metadata --format-version 1 --no-deps |
+        sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+    program=$target/release/crumple
+fi
 
 echo "run: a master and $workers workers on $job"
 # With RETRIES, a supervisor starts the run again from its newest checkpoint when it is lost.
 code=0
 started=$(date +%s)
 if [[ -n ${RETRIES:-} ]]; then
-    "$target/release/crumple" run "$job" "${arguments[@]}" --retries "$RETRIES" \
-        --launcher "mpirun -n $((workers + 1))" || code=$?
+    "$program" run "$job" "${arguments[@]}" --retries "$RETRIES" --workers "$workers" \
+        --launcher "mpirun -n {ranks}" || code=$?
 else
-    mpirun -n $((workers + 1)) "$target/release/crumple" run "$job" "${arguments[@]}" || code=$?
+    mpirun -n $((workers + 1)) "$program" run "$job" "${arguments[@]}" || code=$?
 fi
 # An interrupted mpirun has its own code. The summary has the end of the run.
 if [[ $code -ne 0 && -f $out/summary.json && $(stat -c %Y "$out/summary.json") -ge $started ]] &&

@@ -3,6 +3,10 @@
 # undisturbed runs (tests/tests/mpi/torture.rs).
 #
 #   deploy/torture.sh [ROUNDS] [SEED]      default: 300 rounds from seed 1
+#
+# At its end it reports rounds, kills, kills of the master and while checkpoints are written, the
+# worst loss of work, orphan processes, temporary files and the time. A round that fails names its
+# seed and leaves its folder.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=deploy/setup.sh

@@ -143,12 +143,18 @@ pub struct RunArgs {
     /// process is killed. Gives up after N failures, or if there was no new checkpoint between two.
     #[arg(long, value_name = "N")]
     pub retries: Option<u32>,
-    /// With --retries, start the run by this command, such as "mpirun -n 5".
+    /// With --retries, start the run by this command, such as "mpirun -n 5". In it, {ranks} stands
+    /// for the number of workers plus 1. After two losses without a new checkpoint between them, a
+    /// run that is started with {ranks} continues with half as many workers.
     #[arg(long, value_name = "COMMAND", requires = "retries")]
     pub launcher: Option<String>,
     /// Folder for results [default: out/ and the name of the job].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Remove the checkpoints of an unfinished run that are in the folder for results. Without this
+    /// option, the folder is refused.
+    #[arg(long, conflicts_with = "resume")]
+    pub overwrite: bool,
     /// Simulated time at which the run ends, in the units of the job [default: end_time of the
     /// job].
     #[arg(long, value_name = "T", value_parser = time, allow_negative_numbers = true)]
@@ -286,13 +292,11 @@ impl RunArgs {
         self.options.sets().into_iter().chain(end_time).collect()
     }
 
-    /// Returns the options that a supervised run gets. One that continues after a loss gets no
+    /// Returns the options that a supervised run gets, except for folders and workers. One that
+    /// continues after a loss gets no
     /// changes of the job again: its checkpoint has them.
     pub fn passed_on(&self, without_changes: bool) -> Vec<String> {
         let mut words = Vec::new();
-        if let Some(workers) = self.options.workers {
-            words.extend(["--workers".to_string(), workers.to_string()]);
-        }
         if !without_changes {
             words.extend(self.sets().into_iter().flat_map(|set| ["--set".to_string(), set]));
         }

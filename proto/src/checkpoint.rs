@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Version of the format of manifests and files. It changes with every change of their content.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 /// First bytes of a file.
 const MAGIC: [u8; 4] = *b"CRCK";
 /// Bytes of the header: magic bytes, version, compression, number of words.
@@ -126,7 +126,12 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<u64>, String> {
     Ok(raw.chunks_exact(8).map(word).collect())
 }
 
-/// Writes a file under its name in `folder`, and waits until the disk has it.
+/// Bytes that are written at once, and bytes after which the disk must have them.
+const PORTION: usize = 4 << 20;
+const SYNC_EVERY: usize = 64 << 20;
+
+/// Writes a file under its name in `folder`, and waits until the disk has it. Calls `progress`
+/// after each portion.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -135,10 +140,18 @@ pub fn write(
     name: &str,
     words: &[u64],
     compression: Compression,
+    progress: &dyn Fn(),
 ) -> io::Result<FileRecord> {
     let bytes = encode(words, compression)?;
     let mut file = File::create(folder.join(name))?;
-    file.write_all(&bytes)?;
+    for part in bytes.chunks(SYNC_EVERY) {
+        for portion in part.chunks(PORTION) {
+            file.write_all(portion)?;
+            progress();
+        }
+        file.sync_data()?;
+        progress();
+    }
     file.sync_all()?;
     let blake3 = blake3::hash(&bytes).to_hex().to_string();
     Ok(FileRecord { name: name.into(), bytes: bytes.len() as u64, blake3 })
@@ -188,7 +201,7 @@ mod tests {
                 assert_eq!(decode(&encode(words, kind).unwrap()).unwrap(), words, "{kind:?}");
             }
             let dir = tempfile::tempdir().unwrap();
-            let record = write(dir.path(), "a.bin", &WORDS, kind).unwrap();
+            let record = write(dir.path(), "a.bin", &WORDS, kind, &|| ()).unwrap();
             assert_eq!(read(dir.path(), &record).unwrap(), WORDS);
             verify(dir.path(), &record).unwrap();
         }
@@ -200,7 +213,7 @@ mod tests {
     fn no_changed_file_is_read() {
         let dir = tempfile::tempdir().unwrap();
         for kind in [Compression::None, Compression::Zstd] {
-            let record = write(dir.path(), "a.bin", &WORDS, kind).unwrap();
+            let record = write(dir.path(), "a.bin", &WORDS, kind, &|| ()).unwrap();
             let path = dir.path().join("a.bin");
             let good = std::fs::read(&path).unwrap();
             for i in 0..good.len() {

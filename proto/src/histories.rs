@@ -1,6 +1,7 @@
 //! Histories by kind: requests of a job, in ids, and the contributions of workers to each
 //! history interval.
 
+use crate::exact_sum::ExactSum;
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 
@@ -69,54 +70,44 @@ impl Surface {
     }
 }
 
-/// Contributions of one worker at one time; empty where nothing is requested.
+/// Contributions of one worker at one time, as exact sums, or those of all workers, as numbers;
+/// empty where nothing is requested.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct HistoryShares {
+pub struct HistoryShares<N = f64> {
     /// Per part, in the order of the settings.
-    pub parts: Vec<PartShare>,
+    pub parts: Vec<PartShare<N>>,
     /// Pairs of parts that touch, ascending.
-    pub contacts: Vec<ContactShare>,
+    pub contacts: Vec<ContactShare<N>>,
     /// Nodes of all groups that this worker owns, ascending.
     pub nodes: Vec<NodeState>,
     /// Per section.
-    pub sections: Vec<SectionShare>,
-    /// Contact forces on transducers, ascending by transducer and pair.
-    pub transducers: Vec<PairForce>,
+    pub sections: Vec<SectionShare<N>>,
+    /// Contact force on the surface of each transducer [force].
+    pub transducers: Vec<[N; 3]>,
 }
 
 /// Sums over the elements of a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PartShare {
+pub struct PartShare<N = f64> {
     /// Mass [mass].
-    pub mass: f64,
+    pub mass: N,
     /// Kinetic energy of that mass [energy].
-    pub kinetic: f64,
+    pub kinetic: N,
     /// Internal energy: stored elastically and dissipated plastically [energy].
-    pub internal: f64,
+    pub internal: N,
     /// Hourglass and drilling energy [energy].
-    pub hourglass: f64,
+    pub hourglass: N,
     /// Linear momentum [mass length/time].
-    pub momentum: [f64; 3],
+    pub momentum: [N; 3],
 }
 
 /// Contact force between two parts; the first has the lower index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ContactShare {
+pub struct ContactShare<N = f64> {
     /// Indices into the parts of the settings.
     pub parts: [u32; 2],
     /// Force on the first part [force].
-    pub force: [f64; 3],
-}
-
-/// Force of one contact pair on a transducer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PairForce {
-    /// Index of the transducer.
-    pub transducer: u32,
-    /// Key of the pair; the ascending order of keys does not depend on the number of workers.
-    pub pair: [u64; 4],
-    /// Force on the transducer's surface [force].
-    pub force: [f64; 3],
+    pub force: [N; 3],
 }
 
 /// Motion of a node.
@@ -136,58 +127,82 @@ pub struct NodeState {
 
 /// Sums of the forces that the elements of a section exert on its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SectionShare {
+pub struct SectionShare<N = f64> {
     /// Force [force].
-    pub force: [f64; 3],
+    pub force: [N; 3],
     /// Moment about the origin [force length].
-    pub moment: [f64; 3],
+    pub moment: [N; 3],
     /// Sum of the coordinates of the owned nodes [length].
-    pub places: [f64; 3],
+    pub places: [N; 3],
     /// Number of owned nodes.
     pub nodes: u64,
 }
 
-fn add(a: &mut [f64; 3], b: &[f64; 3]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+/// Adds the sums `b` of another worker to the sums `a`.
+pub fn merge_each(a: &mut [ExactSum; 3], b: &[ExactSum; 3]) {
+    a.iter_mut().zip(b).for_each(|(a, b)| a.merge(b));
 }
 
-impl HistoryShares {
+/// Returns sums as numbers.
+pub fn each_value(sums: &[ExactSum; 3]) -> [f64; 3] {
+    sums.each_ref().map(ExactSum::value)
+}
+
+impl HistoryShares<ExactSum> {
     /// Adds the contributions of another worker at the same time.
-    pub fn add(&mut self, o: &Self) {
+    pub fn merge(&mut self, o: &Self) {
         for (a, b) in self.parts.iter_mut().zip(&o.parts) {
-            a.mass += b.mass;
-            a.kinetic += b.kinetic;
-            a.internal += b.internal;
-            a.hourglass += b.hourglass;
-            add(&mut a.momentum, &b.momentum);
+            a.mass.merge(&b.mass);
+            a.kinetic.merge(&b.kinetic);
+            a.internal.merge(&b.internal);
+            a.hourglass.merge(&b.hourglass);
+            merge_each(&mut a.momentum, &b.momentum);
         }
         for b in &o.contacts {
             match self.contacts.binary_search_by_key(&b.parts, |a| a.parts) {
-                Ok(i) => add(&mut self.contacts[i].force, &b.force),
-                Err(i) => self.contacts.insert(i, *b),
+                Ok(i) => merge_each(&mut self.contacts[i].force, &b.force),
+                Err(i) => self.contacts.insert(i, b.clone()),
             }
         }
         self.nodes.extend(&o.nodes);
         self.nodes.sort_by_key(|n| n.id);
         for (a, b) in self.sections.iter_mut().zip(&o.sections) {
-            add(&mut a.force, &b.force);
-            add(&mut a.moment, &b.moment);
-            add(&mut a.places, &b.places);
+            merge_each(&mut a.force, &b.force);
+            merge_each(&mut a.moment, &b.moment);
+            merge_each(&mut a.places, &b.places);
             a.nodes += b.nodes;
         }
-        self.transducers.extend(&o.transducers);
-        self.transducers.sort_by_key(|p| (p.transducer, p.pair));
+        for (a, b) in self.transducers.iter_mut().zip(&o.transducers) {
+            merge_each(a, b);
+        }
     }
 
-    /// Returns the force on each of `count` transducers [force]. `self` must be the sum over
-    /// all workers. Pairs are added in ascending order, so that the result does not depend on
-    /// the decomposition, to the bit.
-    pub fn transducer_forces(&self, count: usize) -> Vec<[f64; 3]> {
-        let mut forces = vec![[0.0; 3]; count];
-        for pair in &self.transducers {
-            add(&mut forces[pair.transducer as usize], &pair.force);
+    /// Returns the contributions as numbers.
+    pub fn values(&self) -> HistoryShares {
+        let part = |p: &PartShare<ExactSum>| PartShare {
+            mass: p.mass.value(),
+            kinetic: p.kinetic.value(),
+            internal: p.internal.value(),
+            hourglass: p.hourglass.value(),
+            momentum: each_value(&p.momentum),
+        };
+        let contact = |c: &ContactShare<ExactSum>| ContactShare {
+            parts: c.parts,
+            force: each_value(&c.force),
+        };
+        let section = |s: &SectionShare<ExactSum>| SectionShare {
+            force: each_value(&s.force),
+            moment: each_value(&s.moment),
+            places: each_value(&s.places),
+            nodes: s.nodes,
+        };
+        HistoryShares {
+            parts: self.parts.iter().map(part).collect(),
+            contacts: self.contacts.iter().map(contact).collect(),
+            nodes: self.nodes.clone(),
+            sections: self.sections.iter().map(section).collect(),
+            transducers: self.transducers.iter().map(each_value).collect(),
         }
-        forces
     }
 }
 
@@ -208,7 +223,10 @@ mod tests {
 
     #[test]
     fn pairs_of_parts_add_up_by_name_and_nodes_come_in_order() {
-        let pair = |a, b, f| ContactShare { parts: [a, b], force: [f, 0.0, -f] };
+        let pair = |a, b, f: f64| ContactShare {
+            parts: [a, b],
+            force: [f, 0.0, -f].map(|f| ExactSum::from_iter([f])),
+        };
         let node = |id| NodeState { id: NodeId(id), ..NodeState::default() };
         let mut one = HistoryShares {
             contacts: vec![pair(0, 3, 1.0)],
@@ -220,28 +238,23 @@ mod tests {
             nodes: vec![node(5)],
             ..HistoryShares::default()
         };
-        one.add(&other);
+        one.merge(&other);
         assert_eq!(one.contacts, [pair(0, 1, 4.0), pair(0, 3, 3.0)]);
         assert_eq!(one.nodes, [node(2), node(5), node(9)]);
+        assert_eq!(one.values().contacts[1].force, [3.0, 0.0, -3.0]);
     }
 
-    /// 1 + 1e-16 - 1 is 0 in this order and another number in others. The order must be that of
-    /// the pairs, not of the workers.
+    /// 1 + 1e-16 - 1 is 0 in this order and another number in others.
     #[test]
-    fn a_transducer_sums_in_the_order_of_pairs() {
-        let felt =
-            |pair, f| PairForce { transducer: 1, pair: [pair, 0, 9, 0], force: [f, 0.0, 0.0] };
-        let of = |pairs: &[PairForce]| HistoryShares {
-            transducers: pairs.to_vec(),
+    fn the_sum_of_a_transducer_does_not_depend_on_the_workers_of_its_pairs() {
+        let of = |forces: &[f64]| HistoryShares {
+            transducers: vec![[forces.iter().copied().collect(), ExactSum::ZERO, ExactSum::ZERO]],
             ..HistoryShares::default()
         };
-        for (one, two) in [
-            (of(&[felt(1, 1.0), felt(3, -1.0)]), of(&[felt(2, 1e-16)])),
-            (of(&[felt(2, 1e-16), felt(3, -1.0)]), of(&[felt(1, 1.0)])),
-        ] {
+        for (one, two) in [(of(&[1.0, -1.0]), of(&[1e-16])), (of(&[1e-16, -1.0]), of(&[1.0]))] {
             let mut sum = one;
-            sum.add(&two);
-            assert_eq!(sum.transducer_forces(2), [[0.0; 3], [0.0; 3]]);
+            sum.merge(&two);
+            assert_eq!(sum.values().transducers, [[1e-16, 0.0, 0.0]]);
         }
     }
 

@@ -5,6 +5,7 @@ mod checkpoint;
 mod contact;
 mod loads;
 mod output;
+mod restart;
 mod rigid;
 mod spring;
 mod tie;
@@ -15,6 +16,7 @@ pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{Contact, Interface, Setting};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
+pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
 pub use spring::Spring;
 pub use tie::Tie;
@@ -58,6 +60,9 @@ pub struct Job {
     /// Checkpoints.
     #[serde(default)]
     pub checkpoint: Checkpoint,
+    /// Changes when a run continues.
+    #[serde(default)]
+    pub restart: Restart,
     /// Materials.
     #[serde(default)]
     pub material: Vec<MaterialSpec>,

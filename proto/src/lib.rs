@@ -6,12 +6,14 @@
 //! - [`loads`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions, rigid bodies, ties,
 //!   walls
 //! - [`boxes`]: boxes that tile space
+//! - [`exact_sum`]: sums that do not depend on the order of their terms
 //! - [`histories`]: requested histories, and the contributions of workers
 //! - [`message`], [`report`], [`trace`], [`wire`]: messages between master and workers
 //! - [`transport`]: transport of messages, by threads or MPI
 
 pub mod boxes;
 pub mod checkpoint;
+pub mod exact_sum;
 pub mod histories;
 pub mod ids;
 pub mod job;

@@ -5,13 +5,16 @@
 //! themselves on the cycle before which all of them execute an order. Workers answer a `Recut`
 //! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
 //! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
-//! on disk. At the end each worker sends `Closing` with the states of its nodes.
+//! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
+//! follows. At the end each worker sends `Closing` with the states of its nodes.
 //!
-//! A run that continues from a checkpoint begins with `Resume` instead of `Start`, and its first
-//! boxes come from requests as in a repartition.
+//! A run that continues from a checkpoint begins with `Resume` instead of `Start`. A worker answers
+//! with `Ready`, or with `Trouble` if it cannot read its files. The first boxes come from requests
+//! as in a repartition.
 
 use crate::boxes::{Aabb, CutTree};
 use crate::checkpoint::{Captured, FileRecord, Saved};
+use crate::exact_sum::ExactSum;
 use crate::partition::{ElementRecord, NodeRecord, Settings};
 use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
 use crate::trace::Recording;
@@ -44,6 +47,8 @@ pub enum ToWorker {
         common: FileRecord,
         /// Files of the workers of that time.
         pieces: Vec<FileRecord>,
+        /// Changes of the model.
+        changes: Changes,
         /// True if the worker records spans and moments for `--trace`.
         trace: bool,
     },
@@ -80,6 +85,15 @@ pub enum ToWorker {
     Cuts(CutTree),
 }
 
+/// Changes of the model when a run continues from a checkpoint; parts are indices.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Changes {
+    /// Parts that are deleted.
+    pub delete: Vec<u32>,
+    /// Parts, and the velocity of their nodes [length/time].
+    pub velocities: Vec<(Vec<u32>, [f64; 3])>,
+}
+
 /// Action that an order requests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
@@ -90,8 +104,13 @@ pub enum Action {
     Recut,
     /// A checkpoint of the present state. The run continues.
     Checkpoint,
+    /// A copy of the present state in memory, in place of the one before. The run continues.
+    Copy,
     /// End of the run with complete output, and a checkpoint before it if the job has checkpoints.
     Stop,
+    /// As `Stop`, but the run has failed: the checkpoint is that of the copy in memory, if there is
+    /// one.
+    Fail,
 }
 
 /// Message from a worker to the master.
@@ -100,7 +119,7 @@ pub enum ToMaster {
     /// Progress and load.
     Report(Box<StepReport>),
     /// Contribution of this worker to a history row.
-    History(Box<HistoryPart>),
+    History(Box<HistoryPart<ExactSum>>),
     /// The field files of one time are complete.
     Fields {
         /// Number of the output.
@@ -111,6 +130,9 @@ pub enum ToMaster {
     /// The worker has copied its state for a checkpoint. All rows and fields that `Captured`
     /// counts were sent before.
     Captured(Captured),
+    /// The worker has copied its state in memory, in this time [s]. All rows and fields that
+    /// `Captured` counts were sent before.
+    Copied(Captured, f64),
     /// The files of a checkpoint are on disk, or could not be written.
     Saved(Saved),
     /// Warning that does not end the run.

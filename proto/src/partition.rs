@@ -82,6 +82,8 @@ pub struct CheckpointSettings {
     pub at_stop: bool,
     /// Compression of the files.
     pub compression: Compression,
+    /// Time without progress of a file after which a run that ends gives it up [s].
+    pub patience: f64,
 }
 
 /// Contact in messages is text, because the keys of contact laws are not fixed, and a message has

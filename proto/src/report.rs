@@ -1,6 +1,7 @@
 //! Reports that workers send to the master during the run.
 
-use crate::histories::HistoryShares;
+use crate::exact_sum::ExactSum;
+use crate::histories::{HistoryShares, each_value, merge_each};
 use crate::ids::ElemId;
 use serde::{Deserialize, Serialize};
 
@@ -94,46 +95,71 @@ impl Displacement {
 /// there.
 const MIN_KINETIC: f64 = 0.81 / 0.19;
 
-/// Energies of one worker's partition [energy]. The work of contact and walls is positive if it
-/// accelerates the nodes.
+/// Energies of one worker's partition, as exact sums, or of the whole model, as numbers [energy].
+/// The work of contact and walls is positive if it accelerates the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energies {
+pub struct Energies<N = f64> {
     /// Kinetic energy: product of the velocities of the mid-steps before and after.
-    pub kinetic: f64,
+    pub kinetic: N,
     /// Kinetic energy from the mean square of both mid-step velocities, minus `kinetic`: large
     /// if velocities oscillate from step to step.
-    pub swing: f64,
+    pub swing: N,
     /// Internal energy: stored elastically and dissipated plastically.
-    pub internal: f64,
+    pub internal: N,
     /// Energy of hourglass control and drilling stiffness.
-    pub hourglass: f64,
+    pub hourglass: N,
     /// Work of contact forces, friction included.
-    pub contact: f64,
+    pub contact: N,
     /// Part of `contact` that is done by friction.
-    pub friction: f64,
+    pub friction: N,
     /// Part of `contact` from pairs that penetrated at the start of the run, until they first
     /// separate.
-    pub starting: f64,
+    pub starting: N,
     /// Work of rigid walls on nodes, friction included, and work on walls that have a mass.
-    pub wall: f64,
+    pub wall: N,
     /// Work of loads, damping and prescribed motion.
-    pub external: f64,
+    pub external: N,
+}
+
+impl Energies<ExactSum> {
+    /// Adds the energies of another worker.
+    pub fn merge(&mut self, o: &Self) {
+        self.kinetic.merge(&o.kinetic);
+        self.swing.merge(&o.swing);
+        self.internal.merge(&o.internal);
+        self.hourglass.merge(&o.hourglass);
+        self.contact.merge(&o.contact);
+        self.friction.merge(&o.friction);
+        self.starting.merge(&o.starting);
+        self.wall.merge(&o.wall);
+        self.external.merge(&o.external);
+    }
+
+    /// Returns the kinetic, internal and hourglass energy [energy].
+    pub fn stored(&self) -> ExactSum {
+        let mut sum = self.kinetic.clone();
+        sum.merge(&self.internal);
+        sum.merge(&self.hourglass);
+        sum
+    }
+
+    /// Returns the energies as numbers [energy].
+    pub fn values(&self) -> Energies {
+        Energies {
+            kinetic: self.kinetic.value(),
+            swing: self.swing.value(),
+            internal: self.internal.value(),
+            hourglass: self.hourglass.value(),
+            contact: self.contact.value(),
+            friction: self.friction.value(),
+            starting: self.starting.value(),
+            wall: self.wall.value(),
+            external: self.external.value(),
+        }
+    }
 }
 
 impl Energies {
-    /// Adds the energies of another worker.
-    pub fn add(&mut self, o: &Self) {
-        self.kinetic += o.kinetic;
-        self.swing += o.swing;
-        self.internal += o.internal;
-        self.hourglass += o.hourglass;
-        self.contact += o.contact;
-        self.friction += o.friction;
-        self.starting += o.starting;
-        self.wall += o.wall;
-        self.external += o.external;
-    }
-
     /// Returns the `initial` energy plus the energy supplied since [energy].
     pub fn supplied(&self, initial: f64) -> f64 {
         initial.max(0.0) + self.external.abs() + self.wall.max(0.0) + self.contact.max(0.0)
@@ -155,9 +181,10 @@ impl Energies {
     }
 }
 
-/// Contribution of one worker to a history row.
+/// Contribution of one worker to a history row, with exact sums, or the row of all workers, with
+/// numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct HistoryPart {
+pub struct HistoryPart<N = f64> {
     /// Number of the row.
     pub row: u64,
     /// Cycles completed.
@@ -167,13 +194,13 @@ pub struct HistoryPart {
     /// Step in use [time].
     pub dt: f64,
     /// Energies of the worker.
-    pub energies: Energies,
+    pub energies: Energies<N>,
     /// Linear momentum [mass length/time].
-    pub momentum: [f64; 3],
+    pub momentum: [N; 3],
     /// Angular momentum about the origin [mass length^2/time].
-    pub angular_momentum: [f64; 3],
+    pub angular_momentum: [N; 3],
     /// Impulse that each wall has exerted on this worker's nodes so far [force time].
-    pub wall_impulse: Vec<[f64; 3]>,
+    pub wall_impulse: Vec<[N; 3]>,
     /// Displacement of each wall since the start, equal on all workers [length].
     pub wall_displacement: Vec<[f64; 3]>,
     /// Active contact pairs.
@@ -188,7 +215,47 @@ pub struct HistoryPart {
     /// before the safety factor; equal on all workers [time].
     pub contact_dt: f64,
     /// Requested histories.
-    pub shares: HistoryShares,
+    pub shares: HistoryShares<N>,
+}
+
+impl HistoryPart<ExactSum> {
+    /// Adds the contribution of another worker. The controlling element is that of the worker with
+    /// the smallest step, with the lowest id of several; all workers use this step.
+    pub fn merge(&mut self, o: &Self) {
+        self.energies.merge(&o.energies);
+        merge_each(&mut self.momentum, &o.momentum);
+        merge_each(&mut self.angular_momentum, &o.angular_momentum);
+        let walls = self.wall_impulse.iter_mut().zip(&o.wall_impulse);
+        walls.for_each(|(a, b)| merge_each(a, b));
+        self.shares.merge(&o.shares);
+        self.pairs += o.pairs;
+        self.penetration = self.penetration.max(o.penetration);
+        let is_before = o.controlling_dt == self.controlling_dt && o.controlling < self.controlling;
+        if o.controlling_dt < self.controlling_dt || is_before {
+            (self.controlling, self.controlling_dt) = (o.controlling, o.controlling_dt);
+        }
+    }
+
+    /// Returns the row with numbers.
+    pub fn values(&self) -> HistoryPart {
+        HistoryPart {
+            row: self.row,
+            cycle: self.cycle,
+            time: self.time,
+            dt: self.dt,
+            energies: self.energies.values(),
+            momentum: each_value(&self.momentum),
+            angular_momentum: each_value(&self.angular_momentum),
+            wall_impulse: self.wall_impulse.iter().map(each_value).collect(),
+            wall_displacement: self.wall_displacement.clone(),
+            pairs: self.pairs,
+            penetration: self.penetration,
+            controlling_dt: self.controlling_dt,
+            controlling: self.controlling,
+            contact_dt: self.contact_dt,
+            shares: self.shares.values(),
+        }
+    }
 }
 
 /// Reason for which a worker cannot continue.
@@ -288,7 +355,7 @@ pub struct FinalReport {
 
 /// Summary of one worker's elements of a part, and of the surfaces of the part that the worker
 /// saw.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartRecord {
     /// Elements at the end, without failed ones.
     pub elements: u64,
@@ -305,11 +372,10 @@ pub struct PartRecord {
     pub strain_jump: f64,
     /// Largest difference of von Mises stress between two such elements [force/length^2].
     pub stress_jump: f64,
-    /// Work of the part's stresses, done on this worker [energy].
-    pub internal: f64,
-    /// Work of the part's hourglass control and drilling stiffness, done on this worker
-    /// [energy].
-    pub hourglass: f64,
+    /// Work of the stresses of the worker's elements [energy].
+    pub internal: ExactSum,
+    /// Work of hourglass control and drilling stiffness of the worker's elements [energy].
+    pub hourglass: ExactSum,
     /// True if a global search ever found a candidate among its nodes and segments, that is,
     /// within reach and skin.
     pub near: bool,
@@ -327,8 +393,8 @@ impl PartRecord {
         self.von_mises = self.von_mises.max(o.von_mises);
         self.strain_jump = self.strain_jump.max(o.strain_jump);
         self.stress_jump = self.stress_jump.max(o.stress_jump);
-        self.internal += o.internal;
-        self.hourglass += o.hourglass;
+        self.internal.merge(&o.internal);
+        self.hourglass.merge(&o.hourglass);
         self.near |= o.near;
         self.touched |= o.touched;
     }

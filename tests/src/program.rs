@@ -197,6 +197,11 @@ impl Running {
         self.folder.path().join("out")
     }
 
+    /// Returns the process id.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Returns the process ids of all child processes.
     ///
     /// # Panics

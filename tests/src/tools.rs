@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::env;
 use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
@@ -81,6 +81,70 @@ pub fn chromium() -> Option<PathBuf> {
     or_skip(named.map(PathBuf::from).or_else(in_path).ok_or_else(|| Missing {
         what: "no Chromium in PATH".into(),
         install: "install the package chromium, or name a browser in CRUMPLE_CHROMIUM".into(),
+    }))
+}
+
+/// A disk in memory that is mounted until it is dropped.
+pub struct Disk(PathBuf);
+
+/// Mounts an empty disk of `bytes` on a folder, which is made; else see [`or_skip`].
+///
+/// # Panics
+/// When the folder cannot be made.
+pub fn tmpfs(folder: &Path, bytes: u64) -> Option<Disk> {
+    std::fs::create_dir_all(folder).expect("a folder can be made");
+    let size = format!("size={bytes}");
+    let mounted = mount(&["-t", "tmpfs", "-o", &size, "tmpfs"], folder);
+    or_skip(mounted.map(|()| Disk(folder.to_owned())).map_err(|what| Missing {
+        what,
+        install: "run it as root on a machine that allows mounts".into(),
+    }))
+}
+
+impl Disk {
+    /// Refuses all later writes. A file that is being written is waited for.
+    ///
+    /// # Panics
+    /// When the disk cannot be mounted again.
+    pub fn make_read_only(&self) {
+        for _ in 0..100 {
+            if mount(&["-o", "remount,ro"], &self.0).is_ok() {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        panic!("{} is always in use", self.0.display());
+    }
+
+    /// Allows writes again.
+    ///
+    /// # Panics
+    /// When the disk cannot be mounted again.
+    pub fn make_writable(&self) {
+        mount(&["-o", "remount,rw"], &self.0).expect("it was writable before");
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").args(["-l"]).arg(&self.0).status();
+    }
+}
+
+fn mount(options: &[&str], folder: &Path) -> Result<(), String> {
+    let said = Command::new("mount").args(options).arg(folder).output();
+    let said = said.map_err(|error| format!("mount: {error}"))?;
+    let why = || format!("mount: {}", String::from_utf8_lossy(&said.stderr).trim());
+    if said.status.success() { Ok(()) } else { Err(why()) }
+}
+
+/// Makes a pipe with a name; else see [`or_skip`].
+pub fn fifo(path: &Path) -> Option<()> {
+    let made = Command::new("mkfifo").arg(path).status().map_err(|error| error.to_string());
+    let made = made.and_then(|status| status.success().then_some(()).ok_or("it failed".into()));
+    or_skip(made.map_err(|why: String| Missing {
+        what: format!("mkfifo: {why}"),
+        install: "install coreutils".into(),
     }))
 }
 

@@ -1,14 +1,19 @@
 //! The energy ledger: external work, stored, dissipated and lost energy. The sums are for reports
-//! only; no decision depends on them.
+//! only; no decision of a worker depends on them.
+//!
+//! All sums are exact, and each of their terms belongs to one node, element, pair, wall or body.
+//! So they do not depend on the distribution of these over workers.
 
-use crate::fem::elements::PassTotals;
+use crate::fem::blocks::Blocks;
 use crate::math::row::{Row, xyz};
 use crate::nodes::Nodes;
+use crumple_proto::exact_sum::ExactSum;
+use crumple_proto::histories::each_value;
 use crumple_proto::report::Energies;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::iter::Sum;
-use std::ops::{Add, AddAssign, Mul};
+use std::ops::{Add, Mul};
 
 /// Work of impulses in a step, in two halves: before the present time with the velocities of the
 /// previous mid-step, after it with those of the next mid-step [energy].
@@ -45,12 +50,6 @@ impl Add for Work {
     }
 }
 
-impl AddAssign for Work {
-    fn add_assign(&mut self, b: Self) {
-        *self = *self + b;
-    }
-}
-
 impl Mul<f64> for Work {
     type Output = Self;
     fn mul(self, a: f64) -> Self {
@@ -64,86 +63,93 @@ impl Sum for Work {
     }
 }
 
-/// Work of contact forces in a step.
-#[derive(Clone, Copy, Debug, Default)]
+/// Number of cycles between two calls of [`ExactSum::carry`]; sums over a worker's nodes in each
+/// cycle have fewer than 2^31 terms in between.
+pub const CARRY_EVERY: u64 = 64;
+
+/// Work so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct WorkSum {
+    /// Work of all steps [energy].
+    total: ExactSum,
+    /// Its part between the present time and the next mid-step [energy].
+    ahead: ExactSum,
+}
+
+impl WorkSum {
+    /// Adds the work of one node, pair or body in the present step.
+    pub fn add(&mut self, work: Work) {
+        self.total.add(work.total());
+        self.ahead.add(work.after);
+    }
+
+    /// Adds the work that has changed an energy from `before` to `after`.
+    pub fn transfer(&mut self, before: &ExactSum, after: &ExactSum) {
+        self.total.merge(after);
+        self.total.remove(before);
+    }
+
+    fn merge(&mut self, o: &Self) {
+        self.total.merge(&o.total);
+        self.ahead.merge(&o.ahead);
+    }
+
+    /// Returns the work of all steps [energy].
+    #[cfg(test)]
+    pub fn total(&self) -> f64 {
+        self.total.value()
+    }
+
+    /// Returns the work until the present time [energy].
+    pub fn at_present(&self) -> ExactSum {
+        let mut sum = self.total.clone();
+        sum.remove(&self.ahead);
+        sum
+    }
+}
+
+/// Work of contact forces.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ContactWork {
     /// Work of all contact forces.
-    pub total: Work,
+    pub total: WorkSum,
     /// Work of friction.
-    pub friction: Work,
+    pub friction: WorkSum,
     /// Work of the pairs that penetrate since the start of the run.
-    pub starting: Work,
+    pub starting: WorkSum,
 }
 
-/// Energies and work accumulated on this worker.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+/// Work accumulated on this worker.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Ledger {
-    internal: f64,
-    hourglass: f64,
-    contact: LedgerEntry,
-    friction: LedgerEntry,
-    starting: LedgerEntry,
-    wall: LedgerEntry,
-    external: LedgerEntry,
-}
-
-/// Work so far, and the part of it between the present time and the next mid-step [energy].
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct LedgerEntry {
-    total: f64,
-    ahead: f64,
-}
-
-impl LedgerEntry {
-    fn book(&mut self, work: Work) {
-        self.total += work.total();
-        self.ahead = work.after;
-    }
-
-    fn add(&mut self, o: &Self) {
-        self.total += o.total;
-        self.ahead += o.ahead;
-    }
-
-    fn at_present(&self) -> f64 {
-        self.total - self.ahead
-    }
+    /// Work of contact forces.
+    pub contact: ContactWork,
+    /// Work of walls on nodes and bodies, and of these on walls with a mass.
+    pub wall: WorkSum,
+    /// Work of loads, damping and prescribed motion.
+    pub external: WorkSum,
 }
 
 impl Ledger {
     /// Adds the ledger of another worker.
     pub fn add(&mut self, o: &Self) {
-        let Self { internal, hourglass, contact, friction, starting, wall, external } = o;
-        self.internal += internal;
-        self.hourglass += hourglass;
-        self.contact.add(contact);
-        self.friction.add(friction);
-        self.starting.add(starting);
-        self.wall.add(wall);
-        self.external.add(external);
+        let Self { contact: ContactWork { total, friction, starting }, wall, external } = o;
+        self.contact.total.merge(total);
+        self.contact.friction.merge(friction);
+        self.contact.starting.merge(starting);
+        self.wall.merge(wall);
+        self.external.merge(external);
     }
 
-    /// Books the energies of a pass over elements.
-    pub fn book_elements(&mut self, t: &PassTotals) {
-        self.internal += t.internal;
-        self.hourglass += t.hourglass;
-    }
-
-    /// Books the work of contact in a step.
-    pub fn book_contact(&mut self, work: ContactWork) {
-        self.contact.book(work.total);
-        self.friction.book(work.friction);
-        self.starting.book(work.starting);
-    }
-
-    /// Books the work of walls in a step.
-    pub fn book_wall(&mut self, work: Work) {
-        self.wall.book(work);
-    }
-
-    /// Books the work of loads, damping and prescribed motion in a step.
-    pub fn book_external(&mut self, work: Work) {
-        self.external.book(work);
+    /// Begins a step, before its first work is added.
+    pub fn begin_step(&mut self, cycle: u64) {
+        let Self { contact: ContactWork { total, friction, starting }, wall, external } = self;
+        for sum in [total, friction, starting, wall, external] {
+            sum.ahead = ExactSum::ZERO;
+            if cycle.is_multiple_of(CARRY_EVERY) {
+                sum.total.carry();
+            }
+        }
     }
 
     /// Returns the energies at the present time, between the mid-steps with velocities v- and v+
@@ -153,16 +159,17 @@ impl Ledger {
     /// f(n+1)) / 2`.
     ///
     /// Between two steps these are the energies of the time at which the finished step began.
-    pub fn energies(&self, nodes: &Nodes) -> Energies {
+    pub fn energies(&self, nodes: &Nodes, blocks: &Blocks) -> Energies<ExactSum> {
         let (kinetic, swing) = kinetic(nodes);
+        let of_elements = |kind: usize| blocks.energies().map(|(_, e)| e[kind]).collect();
         Energies {
             kinetic,
             swing,
-            internal: self.internal,
-            hourglass: self.hourglass,
-            contact: self.contact.at_present(),
-            friction: self.friction.at_present(),
-            starting: self.starting.at_present(),
+            internal: of_elements(0),
+            hourglass: of_elements(1),
+            contact: self.contact.total.at_present(),
+            friction: self.contact.friction.at_present(),
+            starting: self.contact.starting.at_present(),
             wall: self.wall.at_present(),
             external: self.external.at_present(),
         }
@@ -171,7 +178,7 @@ impl Ledger {
 
 /// Returns the kinetic energy of owned nodes at the present time, and by how much the mean of the
 /// squared velocities gives more, `m |v+ - v-|^2 / 4` [energy].
-fn kinetic(nodes: &Nodes) -> (f64, f64) {
+fn kinetic(nodes: &Nodes) -> (ExactSum, ExactSum) {
     let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let change = |a: &Row, b: &Row| (0..3).map(|c| (b[c] - a[c]) * (b[c] - a[c])).sum::<f64>();
     let swing = |i: usize| 0.25 * nodes.mass[i] * change(&nodes.v[i], &nodes.v_next[i]);
@@ -184,31 +191,35 @@ fn kinetic(nodes: &Nodes) -> (f64, f64) {
         0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.v_next[i]) + turning)
     };
     let own = || (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
-    (own().map(of).sum(), own().map(swing).sum())
+    (own().map(of).collect(), own().map(swing).collect())
 }
 
-/// Returns the linear and angular momentum of owned nodes about the origin at the last mid-step.
-/// Positions at mid-step are not stored; angular momentum uses present positions.
-pub fn momentum(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
-    momentum_of(nodes, &nodes.v, &nodes.w)
+/// Linear momentum [mass length/time] and angular momentum about the origin [mass length^2/time].
+pub type Momenta<N = f64> = ([N; 3], [N; 3]);
+
+/// Returns the momenta of owned nodes at the last mid-step. Positions at mid-step are not stored;
+/// angular momentum uses present positions.
+pub fn momentum(nodes: &Nodes) -> Momenta {
+    let (linear, angular) = momentum_sums(nodes, true);
+    (each_value(&linear), each_value(&angular))
 }
 
-/// Returns both momenta at the present time, within a step: with the mean of the velocities
-/// before and after.
-pub fn momentum_at_present(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
-    momentum_of(nodes, &nodes.v_next, &nodes.w_next)
-}
-
-fn momentum_of(nodes: &Nodes, next_v: &[Row], next_w: &[Row]) -> ([f64; 3], [f64; 3]) {
-    let (mut p, mut l) = (Vector3::zeros(), Vector3::zeros());
+/// Returns the momenta of owned nodes as exact sums: at the last mid-step if the run has `ended`,
+/// otherwise at the present time, within a step, with the mean of the velocities before and after.
+pub fn momentum_sums(nodes: &Nodes, ended: bool) -> Momenta<ExactSum> {
+    let (mut linear, mut angular) = Momenta::<ExactSum>::default();
+    let next = if ended { [&nodes.v, &nodes.w] } else { [&nodes.v_next, &nodes.w_next] };
+    let mean = |a: &Row, b: &Row| 0.5 * (Vector3::from(xyz(a)) + Vector3::from(xyz(b)));
     for i in (0..nodes.local_count).filter(|&i| nodes.is_owned(i)) {
-        let mean = |a: &Row, b: &Row| 0.5 * (Vector3::from(xyz(a)) + Vector3::from(xyz(b)));
-        let v = mean(&nodes.v[i], &next_v[i]);
-        p += nodes.mass[i] * v;
-        l += nodes.mass[i] * Vector3::from(xyz(&nodes.x[i])).cross(&v);
+        let p = nodes.mass[i] * mean(&nodes.v[i], &next[0][i]);
+        let mut l = Vector3::from(xyz(&nodes.x[i])).cross(&p);
         if nodes.rotations {
-            l += nodes.inertia[i] * mean(&nodes.w[i], &next_w[i]);
+            l += nodes.inertia[i] * mean(&nodes.w[i], &next[1][i]);
         }
+        (0..3).for_each(|c| {
+            linear[c].add(p[c]);
+            angular[c].add(l[c]);
+        });
     }
-    (p.into(), l.into())
+    (linear, angular)
 }

@@ -1,13 +1,14 @@
 //! The serial engine of one worker. It builds mesh, state and laws from its partition and owns
 //! them.
 
+mod changes;
 pub mod checkpoint;
 
 use crate::constraints::Constraints;
 use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
-use crate::energy::{Ledger, momentum, momentum_at_present};
+use crate::energy::{Ledger, momentum_sums};
 use crate::erosion::erode;
 use crate::fem::blocks::Blocks;
 use crate::histories::{Histories, HistoryState};
@@ -24,6 +25,7 @@ use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
+use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{Displacement, Energies, HistoryPart, Phase, PhaseSeconds};
@@ -63,7 +65,7 @@ pub struct Engine {
     histories: Histories,
     /// Energies at the start of the present outer step. Later in the outer step, energies of slow
     /// elements and of motion belong to different times.
-    balance: Option<Energies>,
+    balance: Option<Energies<ExactSum>>,
     /// Motion of local nodes since the last repartition or membership update.
     pub motion: MotionTracker,
     /// The global reduction of each step.
@@ -124,7 +126,6 @@ impl Engine {
             tree,
             agreement,
         };
-        engine.blocks.by_part = vec![[0.0; 2]; engine.settings.parts.len()];
         engine.begin_partition(local.surface, |_| Vec::new());
         Ok(engine)
     }
@@ -134,21 +135,31 @@ impl Engine {
     /// # Errors
     /// A worker is gone.
     pub fn renew(&mut self, comm: &mut dyn Transport, tree: CutTree) -> Result<(), RankLost> {
+        self.renew_without(comm, tree, &[])
+    }
+
+    /// As [`Self::renew`], without the elements of some parts.
+    fn renew_without(
+        &mut self,
+        comm: &mut dyn Transport,
+        tree: CutTree,
+        parts: &[u32],
+    ) -> Result<(), RankLost> {
         self.tree = tree;
-        // Energies by part stay with the worker that computed them; `slow_dt` is equal on all
-        // workers.
-        let by_part = std::mem::take(&mut self.blocks.by_part);
-        let slow_dt = self.blocks.slow_dt;
+        let slow_dt = self.blocks.slow_dt; // equal on all workers
         let all_computed = self.blocks.all_computed;
         let local = self.take_local_mesh();
         let mut share = migrate(comm, &self.tree, &local, self.contact.as_ref())?;
         drop(local);
+        if !parts.is_empty() {
+            share.remove_parts(parts);
+        }
         let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
         let local = build_local_mesh(comm, &self.settings, &self.tree, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         (self.boxes, self.classes) = (local.boxes, local.classes);
-        (self.blocks.by_part, self.blocks.slow_dt) = (by_part, slow_dt);
+        self.blocks.slow_dt = slow_dt;
         if all_computed {
             self.blocks.compute_all();
         }
@@ -335,18 +346,17 @@ impl Engine {
     /// oscillate within an outer step of m steps dt. There the conserved energy has, to second
     /// order, the additional term `-(dt^2/12) (2 m - 1) (m - 1) sum f_s f_f/M`, with the forces f_s
     /// of slow and f_f of fast elements on a node of mass M. It counts as kinetic energy here.
-    pub fn energies(&self, ended: bool) -> Energies {
-        let mut energies = self.ledger.energies(&self.nodes);
+    pub fn energies(&self, ended: bool) -> Energies<ExactSum> {
+        let mut energies = self.ledger.energies(&self.nodes, &self.blocks);
         if self.settings.subcycles > 1 {
             let (m, dt) = (self.settings.subcycles as f64, self.clock.dt);
-            energies.kinetic -= dt * dt / 12.0
-                * (2.0 * m - 1.0)
-                * (m - 1.0)
-                * self.blocks.subcycle_coupling(&self.nodes);
+            let factor = -dt * dt / 12.0 * (2.0 * m - 1.0) * (m - 1.0);
+            let coupling = self.blocks.subcycle_coupling(&self.nodes);
+            coupling.for_each(|term| energies.kinetic.add(factor * term));
         }
         if self.nodes.me == 0 {
-            energies.kinetic +=
-                self.constraints.bodies.beyond().0 + self.constraints.walls.carried(ended).0;
+            energies.kinetic.add(self.constraints.bodies.beyond().0);
+            energies.kinetic.add(self.constraints.walls.carried(ended).0);
         }
         energies
     }
@@ -357,14 +367,14 @@ impl Engine {
     /// # Errors
     /// The master is gone.
     pub fn send_row(&mut self, comm: &mut dyn Transport, ended: bool) -> Result<(), RankLost> {
-        let of = if ended { momentum } else { momentum_at_present };
-        let (mut momentum, mut angular_momentum) = of(&self.nodes);
-        let energies = self.balance.filter(|_| ended).unwrap_or_else(|| self.energies(ended));
+        let (mut momentum, mut angular_momentum) = momentum_sums(&self.nodes, ended);
+        let balance = self.balance.clone().filter(|_| ended);
+        let energies = balance.unwrap_or_else(|| self.energies(ended));
         if self.nodes.me == 0 {
             let (angular, carried) =
                 (self.constraints.bodies.beyond().1, self.constraints.walls.carried(ended).1);
-            (0..3).for_each(|c| angular_momentum[c] += angular[c]);
-            (0..3).for_each(|c| momentum[c] += carried[c]);
+            (0..3).for_each(|c| angular_momentum[c].add(angular[c]));
+            (0..3).for_each(|c| momentum[c].add(carried[c]));
         }
         let smallest = self.blocks.smallest_step(&self.nodes);
         let row = HistoryPart {
@@ -375,7 +385,7 @@ impl Engine {
             energies,
             momentum,
             angular_momentum,
-            wall_impulse: self.constraints.walls.impulse.clone(),
+            wall_impulse: self.constraints.walls.impulses.clone(),
             wall_displacement: self
                 .constraints
                 .walls

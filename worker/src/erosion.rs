@@ -39,8 +39,22 @@ pub fn erode(
     nodes: &Nodes,
 ) -> Result<Vec<ElemId>, RankLost> {
     let failed: Vec<usize> = blocks.newly_failed().collect();
+    leave_surface(comm, blocks, nodes, &failed)?;
+    Ok(failed.iter().map(|&i| blocks.elements[i].record.id).collect())
+}
+
+/// Marks these own elements as failed, and frees the faces of own solids that such solids of any
+/// worker covered. All workers call this together.
+///
+/// # Errors
+/// A worker is gone.
+pub fn leave_surface(
+    comm: &mut dyn Transport,
+    blocks: &mut Blocks,
+    nodes: &Nodes,
+    failed: &[usize],
+) -> Result<(), RankLost> {
     failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
-    let ids = failed.iter().map(|&i| blocks.elements[i].record.id).collect();
     let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| r.shape.is_solid());
     let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
     // Only workers that have a corner of a face can have its other side. All get the message,
@@ -49,7 +63,7 @@ pub fn erode(
     let here = |face: &&Face| nodes.local_index(face[0]).is_some();
     let bared: Vec<Face> = bared.iter().flatten().filter(here).copied().collect();
     if bared.is_empty() {
-        return Ok(ids);
+        return Ok(());
     }
     let mut opposing: HashMap<Face, Vec<(usize, usize)>> = HashMap::new();
     for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| e.record.shape.is_solid()) {
@@ -60,5 +74,5 @@ pub fn erode(
     for &(i, f) in bared.iter().filter_map(|face| opposing.get(face)).flatten() {
         blocks.elements[i].record.free_faces |= 1 << f;
     }
-    Ok(ids)
+    Ok(())
 }

@@ -8,9 +8,10 @@ use crate::loads::Loads;
 use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::Clock;
+use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::{
-    ContactShare, HistoryRequests, HistoryShares, NodeState, PairForce, PartShare, Section,
-    SectionShare,
+    ContactShare, HistoryRequests, HistoryShares, NodeState, PartShare, Section, SectionShare,
+    merge_each,
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
@@ -53,35 +54,24 @@ pub struct Histories {
 /// [force].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct SurfaceForces {
-    between_parts: BTreeMap<[u32; 2], [f64; 3]>,
-    on_transducers: BTreeMap<(u32, [u64; 4]), [f64; 3]>,
+    between_parts: BTreeMap<[u32; 2], [ExactSum; 3]>,
+    on_transducers: Vec<[ExactSum; 3]>,
 }
 
 impl SurfaceForces {
+    /// Adds the `share` of the forces of a cycle.
     fn add(&mut self, share: f64, contact: &Contact, nodes: &Nodes, asked: &HistoryRequests) {
-        let add =
-            |sum: &mut [f64; 3], force: [f64; 3]| (0..3).for_each(|c| sum[c] += share * force[c]);
         if asked.contacts {
-            for c in contact.forces_between_parts() {
-                add(self.between_parts.entry(c.parts).or_default(), c.force);
-            }
+            contact.add_forces_between_parts(share, &mut self.between_parts);
         }
-        if !asked.transducers.is_empty() {
-            for p in contact.forces_on_transducers(&asked.transducers, nodes) {
-                add(self.on_transducers.entry((p.transducer, p.pair)).or_default(), p.force);
-            }
-        }
+        self.on_transducers.resize(asked.transducers.len(), Default::default());
+        contact.add_forces_on(&asked.transducers, share, nodes, &mut self.on_transducers);
     }
 
-    fn contacts(&self) -> Vec<ContactShare> {
-        self.between_parts.iter().map(|(&parts, &force)| ContactShare { parts, force }).collect()
-    }
-
-    fn transducers(&self) -> Vec<PairForce> {
-        self.on_transducers
-            .iter()
-            .map(|(&(transducer, pair), &force)| PairForce { transducer, pair, force })
-            .collect()
+    fn contacts(&self) -> Vec<ContactShare<ExactSum>> {
+        let share =
+            |(&parts, force): (_, &[ExactSum; 3])| ContactShare { parts, force: force.clone() };
+        self.between_parts.iter().map(share).collect()
     }
 }
 
@@ -102,12 +92,13 @@ pub struct ContactSums(SurfaceForces);
 impl ContactSums {
     /// Adds the forces of another worker.
     pub fn add(&mut self, o: &Self) {
-        let add = |sum: &mut [f64; 3], more: &[f64; 3]| (0..3).for_each(|c| sum[c] += more[c]);
         for (&parts, force) in &o.0.between_parts {
-            add(self.0.between_parts.entry(parts).or_default(), force);
+            merge_each(self.0.between_parts.entry(parts).or_default(), force);
         }
-        for (&pair, force) in &o.0.on_transducers {
-            add(self.0.on_transducers.entry(pair).or_default(), force);
+        let count = self.0.on_transducers.len().max(o.0.on_transducers.len());
+        self.0.on_transducers.resize(count, Default::default());
+        for (sum, force) in self.0.on_transducers.iter_mut().zip(&o.0.on_transducers) {
+            merge_each(sum, force);
         }
     }
 }
@@ -183,31 +174,29 @@ impl Histories {
     /// Returns this worker's shares of a row. Velocities are those before and after the present
     /// time or, if the run has `ended`, those of the last two mid-steps; forces are then those of
     /// the last step.
-    pub fn shares(&self, state: &HistoryState<'_>, ended: bool) -> HistoryShares {
+    pub fn shares(&self, state: &HistoryState<'_>, ended: bool) -> HistoryShares<ExactSum> {
         let asked = &state.settings.histories;
         // Contact reacts at once to the forces of slow elements: only means over an outer step
         // are meaningful.
-        let felt = (state.settings.subcycles > 1).then_some(if ended {
-            &self.felt
-        } else {
-            &self.felt_before
-        });
+        let mut of_step = SurfaceForces::default();
+        let felt = match (state.settings.subcycles > 1, ended) {
+            (true, true) => &self.felt,
+            (true, false) => &self.felt_before,
+            (false, _) => {
+                if let Some(contact) = state.contact {
+                    of_step.add(1.0, contact, state.nodes, asked);
+                }
+                &of_step
+            }
+        };
+        let mut transducers = felt.on_transducers.clone();
+        transducers.resize(asked.transducers.len(), Default::default());
         HistoryShares {
             parts: if asked.parts { parts(state, ended) } else { Vec::new() },
-            contacts: match (state.contact, felt) {
-                (_, Some(felt)) => felt.contacts(),
-                (Some(contact), _) if asked.contacts => contact.forces_between_parts(),
-                _ => Vec::new(),
-            },
+            contacts: felt.contacts(),
             nodes: self.nodes.iter().map(|&n| self.node(state, n as usize, ended)).collect(),
             sections: self.sections(state),
-            transducers: match (state.contact, felt) {
-                (_, Some(felt)) => felt.transducers(),
-                (Some(contact), _) if !asked.transducers.is_empty() => {
-                    contact.forces_on_transducers(&asked.transducers, state.nodes)
-                }
-                _ => Vec::new(),
-            },
+            transducers,
         }
     }
 
@@ -220,7 +209,7 @@ impl Histories {
         NodeState { a: known.unwrap_or_else(|| mean_acceleration(state, n)), ..motion }
     }
 
-    fn sections(&self, state: &HistoryState<'_>) -> Vec<SectionShare> {
+    fn sections(&self, state: &HistoryState<'_>) -> Vec<SectionShare<ExactSum>> {
         if self.sections.is_empty() {
             return Vec::new();
         }
@@ -231,39 +220,38 @@ impl Histories {
         }
         let at = |n: u32| V3::from(xyz(&state.nodes.x[n as usize]));
         let share = |section: &LocalSection| {
-            let (mut force, mut moment) = (V3::zeros(), V3::zeros());
+            let mut sums = SectionShare { nodes: section.nodes.len() as u64, ..Default::default() };
             for &(slot, n, cycles) in &section.corners {
                 let pressed = pressed.get(&slot).copied().unwrap_or_default();
                 let f = (-V3::from(xyz(&state.blocks.force[slot])) - pressed) / cycles;
-                force += f;
-                moment += at(n).cross(&f);
+                add(&mut sums.force, f);
+                let mut moment = at(n).cross(&f);
                 if let Some(m) = state.blocks.moment.get(slot) {
                     moment -= V3::from(xyz(m)) / cycles;
                 }
+                add(&mut sums.moment, moment);
             }
-            let places = section.nodes.iter().map(|&n| at(n)).sum::<V3>();
-            let nodes = section.nodes.len() as u64;
-            SectionShare {
-                force: force.into(),
-                moment: moment.into(),
-                places: places.into(),
-                nodes,
-            }
+            section.nodes.iter().for_each(|&n| add(&mut sums.places, at(n)));
+            sums
         };
         self.sections.iter().map(share).collect()
     }
 }
 
+fn add(sums: &mut [ExactSum; 3], term: V3) {
+    (0..3).for_each(|c| sums[c].add(term[c]));
+}
+
 /// Returns the energies, masses and momenta of own elements by part. Nodal masses are those of
 /// the elements; masses added by `[[mass]]` belong to no part.
-fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare> {
+fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
     let (nodes, blocks) = (state.nodes, state.blocks);
-    let share = |energy: &[f64; 2]| PartShare {
-        internal: energy[0],
-        hourglass: energy[1],
-        ..PartShare::default()
-    };
-    let mut parts: Vec<PartShare> = blocks.by_part.iter().map(share).collect();
+    let mut parts = vec![PartShare::<ExactSum>::default(); state.settings.parts.len()];
+    for (e, energies) in blocks.energies() {
+        let part = &mut parts[e.record.part as usize];
+        part.internal.add(energies[0]);
+        part.hourglass.add(energies[1]);
+    }
     let dot = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     for b in &blocks.blocks {
         for e in &blocks.elements[b.first..b.first + b.count] {
@@ -278,10 +266,10 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare> {
                 } else {
                     0.0
                 };
-                part.mass += mass;
-                part.kinetic += 0.5 * (mass * dot(v, next) + turning);
+                part.mass.add(mass);
+                part.kinetic.add(0.5 * (mass * dot(v, next) + turning));
                 let at = |c: usize| if ended { v[c] } else { 0.5 * (v[c] + next[c]) };
-                (0..3).for_each(|c| part.momentum[c] += mass * at(c));
+                (0..3).for_each(|c| part.momentum[c].add(mass * at(c)));
             }
         }
     }

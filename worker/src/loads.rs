@@ -5,7 +5,7 @@
 //! velocities before and after, as in the ledger.
 
 use crate::curve::Curve;
-use crate::energy::Work;
+use crate::energy::{Work, WorkSum};
 use crate::fem::blocks::{Blocks, Portion};
 use crate::math::row::{Row, row};
 use crate::nodes::Nodes;
@@ -206,16 +206,17 @@ impl Loads {
         }
     }
 
-    /// Returns the work done on owned nodes and elements in the step [energy]. The velocities at
-    /// its end must be known.
-    pub fn work(&self, nodes: &Nodes, steps: StepSizes, set: ElementSet) -> Work {
+    /// Adds the work done on owned nodes and elements in the step to `sum`. The velocities at its
+    /// end must be known.
+    pub fn add_work(&self, nodes: &Nodes, steps: StepSizes, set: ElementSet, sum: &mut WorkSum) {
+        let mid = steps.dt_velocity;
         let moved = |f: &Row, i: usize| Work::from_impulses(f, &nodes.v[i], &nodes.v_next[i]);
         let turned = |f: &Row, i: usize| Work::from_impulses(f, &nodes.w[i], &nodes.w_next[i]);
         let own = || (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
-        let mut work = Work::default();
         if !self.gravity.is_empty() {
-            work +=
-                own().map(|i| moved(&self.falling, i) * (nodes.mass[i] * self.times(i, set))).sum();
+            own().for_each(|i| {
+                sum.add(moved(&self.falling, i) * (nodes.mass[i] * self.times(i, set) * mid));
+            });
         }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
@@ -223,16 +224,15 @@ impl Loads {
                 moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() }
             };
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_owned(i));
-            work += owned.map(|i| of(i) * self.times(i, set)).sum::<Work>() * load.factor;
+            owned.for_each(|i| sum.add(of(i) * (self.times(i, set) * load.factor * mid)));
         }
         for face in self.faces.iter().filter(|f| f.is_in(set)) {
-            work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum();
+            let corners = face.nodes.iter().zip(&face.force);
+            sum.add(corners.map(|(&n, f)| moved(f, n as usize)).sum::<Work>() * mid);
         }
-        work = work * steps.dt_velocity;
         if self.damping > 0.0 {
-            work += own().map(|i| self.damped(nodes, i, steps.dt_velocity)).sum();
+            own().for_each(|i| sum.add(self.damped(nodes, i, mid)));
         }
-        work
     }
 
     /// Returns the work of damping on node `i` [energy].

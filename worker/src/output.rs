@@ -82,8 +82,12 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
         let (strain_jump, stress_jump) = (strain.width(), stress.width());
         parts[part as usize].add(&PartRecord { strain_jump, stress_jump, ..PartRecord::default() });
     }
+    for (e, energies) in engine.blocks.energies() {
+        let part = &mut parts[e.record.part as usize];
+        part.internal.add(energies[0]);
+        part.hourglass.add(energies[1]);
+    }
     for (number, part) in parts.iter_mut().enumerate() {
-        [part.internal, part.hourglass] = engine.blocks.by_part[number];
         (part.near, part.touched) =
             engine.contact.as_ref().map_or((false, false), |c| c.record_of(number));
     }

@@ -7,6 +7,7 @@ use crate::checkpoint::{
 use crate::engine::{Engine, StepConsensus};
 use crate::fem::blocks::Blocks;
 use crate::parallel::partition::PartitionData;
+use crate::time::Clock;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::{Captured, FileRecord};
@@ -20,6 +21,7 @@ use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Number of cycles between two reports to the master.
@@ -48,8 +50,13 @@ pub struct Worker {
     crossed: bool,
     /// Number of inverted shells named in warnings.
     named: u64,
-    /// True if a checkpoint is ordered.
+    /// True if a checkpoint is ordered, and if a copy in memory is.
     checkpoint_due: bool,
+    copy_due: bool,
+    /// The last copy, if it is newer than the last checkpoint; all workers have it of one cycle.
+    kept: Option<Task>,
+    /// True if the run has failed.
+    failed: bool,
     writer: Writer,
     /// Messages and bytes sent before the checkpoint from which the run continues.
     sent_before: [u64; 2],
@@ -67,21 +74,34 @@ const NEWEST: f64 = 0.05;
 /// # Errors
 /// Another rank is gone.
 pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
+    let mut refused = None;
     let (mut worker, trace) = match await_message(comm, 0, Tag::Order)? {
         ToWorker::Start { settings, tree, elements, nodes, trace } => {
             let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
             let share = PartitionData { elements, nodes, ..PartitionData::default() };
             (Worker::new(Engine::new(comm, *settings, tree, share)?), trace)
         }
-        ToWorker::Resume { settings, folder, common, pieces, trace } => {
+        ToWorker::Resume { settings, folder, common, pieces, changes, trace } => {
             let from = (Path::new(&folder), &common, &pieces[..]);
-            (resume(comm, *settings, from)?, trace)
+            match resume(comm, *settings, from)? {
+                Some(mut worker) => {
+                    refused = worker.engine.apply(comm, &changes)?;
+                    (worker, trace)
+                }
+                None => return Ok(()), // the master reports why
+            }
         }
         _ => return Ok(()), // the job is invalid; the master reports why
     };
     if trace {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
+    }
+    if let Some(why) = refused {
+        worker.failed = true;
+        let Clock { cycle, time, .. } = worker.engine.clock;
+        post(comm, 0, Tag::Report, &ToMaster::Trouble(Failure { elem: None, cycle, time, why }))?;
+        return worker.finalize(comm);
     }
     let ran = worker.run(comm);
     if ran.is_err() {
@@ -91,34 +111,37 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     worker.finalize(comm)
 }
 
-/// Reads the files of a checkpoint and builds a worker that continues from there.
+/// Reads the files of a checkpoint and builds a worker that continues from there. Returns `None` if
+/// a worker cannot read its files.
 fn resume(
     comm: &mut dyn Transport,
     settings: Settings,
     (folder, common, pieces): (&Path, &FileRecord, &[FileRecord]),
-) -> Result<Worker, RankLost> {
+) -> Result<Option<Worker>, RankLost> {
     let (me, workers) = (comm.rank() - 1, comm.size() - 1);
-    let state = match checkpoint::read_state(folder, common, pieces, (me, workers)) {
+    let state = match checkpoint::read_state(folder, &settings, common, pieces, (me, workers)) {
         Ok(state) => state,
         Err(why) => {
             let trouble = Failure { elem: None, cycle: 0, time: 0.0, why };
             post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))?;
-            return Err(RankLost { rank: me + 1 });
+            await_message::<ToWorker>(comm, 0, Tag::Order)?; // `Quit`
+            return Ok(None);
         }
     };
+    post(comm, 0, Tag::Report, &ToMaster::Ready)?;
     let loads: Vec<_> = checkpoint::loads(&settings, &state.share).collect();
     let tree = loop {
         let question = await_message(comm, 0, Tag::Order)?;
         match answer(comm, question, &mut |_, f| loads.iter().for_each(|&(c, l)| f(c, l)))? {
             None => {}
             Some(ToWorker::Cuts(tree)) => break tree,
-            Some(_) => return Err(RankLost { rank: 0 }), // it sends no orders yet
+            Some(_) => return Ok(None), // another worker cannot read its files
         }
     };
     let (sent, crossed, named) = (state.own.sent, state.own.crossed, state.own.named);
     let restored = (state.common, state.own);
     let engine = Engine::restore(comm, settings, tree, state.share, restored)?;
-    Ok(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) })
+    Ok(Some(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) }))
 }
 
 /// Calls a function with the centre and the load of every own element. The number is the CPU time
@@ -178,6 +201,9 @@ impl Worker {
             crossed: false,
             named: 0,
             checkpoint_due: false,
+            copy_due: false,
+            kept: None,
+            failed: false,
             writer: Writer::default(),
             sent_before: [0; 2],
         }
@@ -211,6 +237,7 @@ impl Worker {
             self.warn_of_inverted(comm)?;
             if let Some(elem) = agreed.failure {
                 self.report_failure(comm, elem)?;
+                self.failed = true;
                 break;
             }
             let cpu = self.cycle_cpu(comm);
@@ -244,19 +271,23 @@ impl Worker {
         self.engine.clock.starts_outer_step(&self.engine.settings)
     }
 
-    /// Copies the state for a checkpoint if one is due, in the same cycle on all workers, and
-    /// starts to write it.
+    /// Copies the state if a checkpoint or a copy is due, in the same cycle on all workers, and
+    /// starts to write it if it is a checkpoint.
     fn save_if_due(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let Engine { clock, settings, .. } = &mut self.engine;
         let asked = &settings.checkpoint;
         let timed = clock.pass_checkpoint_time(&asked.times);
-        if !(std::mem::take(&mut self.checkpoint_due) || timed || self.stopped && asked.at_stop) {
+        let at_end = self.stopped && asked.at_stop && !(self.failed && self.kept.is_some());
+        let writes = std::mem::take(&mut self.checkpoint_due) || timed || at_end;
+        let copies = std::mem::take(&mut self.copy_due) && !self.stopped;
+        if !writes && !copies {
             return Ok(());
         }
-        if let Some(saved) = self.writer.wait() {
-            post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
+        if self.stopped {
+            self.finish_writing(comm)?;
         }
         let began = Instant::now();
+        self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
         (copied.own.crossed, copied.own.named) = (self.crossed, self.named);
         (0..2).for_each(|i| copied.own.sent[i] += self.sent_before[i]);
@@ -267,17 +298,42 @@ impl Worker {
             rows: clock.rows,
             fields: clock.fields as u64,
         };
-        post(comm, 0, Tag::Report, &ToMaster::Captured(captured))?;
-        self.writer.start(Task {
+        let task = Task {
             copied,
             dir: settings.checkpoint.dir.clone().into(),
             cycle: clock.cycle,
             worker: comm.rank() - 1,
             compression: settings.checkpoint.compression,
             copy: began.elapsed(),
-        });
+            progress: Arc::default(),
+        };
+        if writes {
+            post(comm, 0, Tag::Report, &ToMaster::Captured(captured))?;
+            self.write(comm, task)?;
+        } else {
+            let seconds = task.copy.as_secs_f64();
+            post(comm, 0, Tag::Report, &ToMaster::Copied(captured, seconds))?;
+            self.kept = Some(task);
+        }
         self.engine.timer.lap(Phase::Output);
         Ok(())
+    }
+
+    /// Starts to write a checkpoint.
+    fn write(&mut self, comm: &mut dyn Transport, task: Task) -> Result<(), RankLost> {
+        for saved in self.writer.poll().into_iter().chain(self.writer.start(task)) {
+            post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
+        }
+        Ok(())
+    }
+
+    /// Waits for the files of a checkpoint, if some are being written.
+    fn finish_writing(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let patience = Duration::from_secs_f64(self.engine.settings.checkpoint.patience);
+        match self.writer.wait(patience) {
+            None => Ok(()),
+            Some(saved) => post(comm, 0, Tag::Report, &ToMaster::Saved(saved)),
+        }
     }
 
     fn write_fields_if_due(
@@ -487,6 +543,8 @@ impl Worker {
     fn execute(&mut self, comm: &mut dyn Transport, action: Action) -> Result<(), RankLost> {
         match action {
             Action::Stop => self.stopped = true,
+            Action::Fail => (self.stopped, self.failed) = (true, true),
+            Action::Copy => self.copy_due = true,
             Action::Checkpoint => self.checkpoint_due = true,
             Action::Renew(tree) => self.engine.renew(comm, tree)?,
             Action::Recut => {
@@ -528,8 +586,10 @@ impl Worker {
         self.warn_of_crossings(comm)?;
         self.write_fields_if_due(comm, true)?;
         self.send_recording(comm)?;
-        if let Some(saved) = self.writer.wait() {
-            post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
+        self.finish_writing(comm)?;
+        if let Some(kept) = self.kept.take().filter(|_| self.failed) {
+            self.write(comm, kept)?;
+            self.finish_writing(comm)?;
         }
         let e = &self.engine;
         let traffic = comm.traffic();
@@ -566,7 +626,7 @@ fn kind(action: &Action) -> Kind {
     match action {
         Action::Renew(_) => Kind::High,
         Action::Recut => Kind::Low,
-        Action::Checkpoint => Kind::Checkpoint,
-        Action::Stop => Kind::Stop,
+        Action::Checkpoint | Action::Copy => Kind::Checkpoint,
+        Action::Stop | Action::Fail => Kind::Stop,
     }
 }

@@ -3,8 +3,8 @@
 //! `STAGES` is the whole step. Every stage is a function of this file, and its time is booked for
 //! the phase in its row.
 
-use crate::constraints::ConstraintWork;
 use crate::coupling::ContactCoupling;
+use crate::energy::CARRY_EVERY;
 use crate::engine::{Engine, StepConsensus};
 use crate::erosion;
 use crate::fem::blocks::Portion;
@@ -80,14 +80,12 @@ struct Cycle {
     steps: StepSizes,
     /// Elements that this cycle computes.
     set: ElementSet,
-    /// Totals over own elements.
+    /// Minima over own elements.
     totals: PassTotals,
     /// Motion of own nodes since the last renewal.
     drift: RigidMotion,
     /// True if contact needs rotational velocities of ghosts.
     couples: bool,
-    /// Work of walls and rigid bodies.
-    work: ConstraintWork,
     /// Result of the global reduction.
     agreed: StepConsensus,
 }
@@ -102,7 +100,6 @@ impl Cycle {
             totals: PassTotals::NONE,
             drift: RigidMotion::none(),
             couples: false,
-            work: ConstraintWork::default(),
             agreed: StepConsensus::default(),
         }
     }
@@ -116,7 +113,7 @@ fn element_forces(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, blocks, halo, ledger, loads, .. } = engine;
+    let Engine { clock, nodes, blocks, halo, loads, .. } = engine;
     for portion in Portion::ALL {
         let dt = clock.last_dt;
         cycle.totals.add(&blocks.add_internal_forces(nodes, dt, cycle.set, portion));
@@ -125,7 +122,6 @@ fn element_forces(
             halo.send_element_forces(comm, blocks, cycle.set)?;
         }
     }
-    ledger.book_elements(&cycle.totals);
     Ok(())
 }
 
@@ -257,25 +253,27 @@ fn enforce_contact(
 ///
 /// [`Constraints`]: crate::constraints::Constraints
 fn react(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Result<(), RankLost> {
-    let Engine { clock, nodes, contact, constraints, .. } = engine;
-    cycle.work = constraints.react(comm, nodes, contact.as_ref(), clock.time, cycle.steps)?;
-    Ok(())
+    let Engine { clock, nodes, contact, constraints, ledger, .. } = engine;
+    ledger.begin_step(clock.cycle);
+    if clock.cycle.is_multiple_of(CARRY_EVERY) {
+        constraints.walls.carry();
+    }
+    constraints.react(comm, nodes, contact.as_ref(), (clock.time, cycle.steps), ledger)
 }
 
-/// Books the work of the step. The velocities at its end are final here.
+/// Adds the work of the step to the ledger. The velocities at its end are final here.
 fn balance_energy(
     engine: &mut Engine,
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
     let Engine { nodes, contact, ledger, loads, constraints, .. } = engine;
-    ledger.book_wall(cycle.work.walls);
     if let Some(contact) = contact {
-        ledger.book_contact(contact.finish_step(nodes, cycle.steps));
+        contact.finish_step(nodes, cycle.steps, &mut ledger.contact);
     }
-    let on_prescribed = constraints.prescribed_work(nodes, contact.as_ref(), cycle.steps);
-    let on_loads = loads.work(nodes, cycle.steps, cycle.set);
-    ledger.book_external(on_loads + on_prescribed + cycle.work.external);
+    let external = &mut ledger.external;
+    constraints.add_prescribed_work(nodes, contact.as_ref(), cycle.steps, external);
+    loads.add_work(nodes, cycle.steps, cycle.set, external);
     Ok(())
 }
 

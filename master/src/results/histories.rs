@@ -131,10 +131,12 @@ impl Histories {
             of_sections: of_sections.transpose()?,
             of_transducers: of_transducers.transpose()?,
             touching,
-            last_walls: last.map_or_else(
-                || (0.0, vec![[0.0; 3]; settings.walls.len()]),
-                |row| (row.time, row.wall_impulse.clone()),
-            ),
+            last_walls: {
+                let (time, mut impulses) =
+                    last.map_or((0.0, Vec::new()), |row| (row.time, row.wall_impulse.clone()));
+                impulses.resize(settings.walls.len(), [0.0; 3]); // walls may be new
+                (time, impulses)
+            },
         })
     }
 
@@ -214,9 +216,8 @@ impl Histories {
             table.flush()?;
         }
         if let Some(table) = &mut self.of_transducers {
-            let forces = shares.transducer_forces(self.transducers.len());
-            for (name, force) in self.transducers.iter().zip(forces) {
-                put(table, [time.clone(), name.clone()], force)?;
+            for (name, force) in self.transducers.iter().zip(&shares.transducers) {
+                put(table, [time.clone(), name.clone()], *force)?;
             }
             table.flush()?;
         }

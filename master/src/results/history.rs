@@ -3,9 +3,11 @@
 use crate::input::job::{Model, fastest_wave};
 use crate::results::histories::{Histories, NAMES};
 use crate::results::workers;
+use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::report::HistoryPart;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::{Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -81,7 +83,8 @@ pub struct History {
     workers: usize,
     walls: Vec<String>,
     kinds: Histories,
-    parts: BTreeMap<u64, Vec<HistoryPart>>,
+    /// Sums over the workers that have contributed to a row, and their number.
+    parts: BTreeMap<u64, (usize, HistoryPart<ExactSum>)>,
     /// The rows so far.
     pub course: Course,
     /// True with subcycles. The energy then oscillates about its balance by a fraction of the
@@ -162,6 +165,14 @@ pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
     walls.iter().enumerate().map(name).collect()
 }
 
+/// Returns the names of the walls that the run had from its start. Only these have columns in
+/// `history.csv`.
+fn first_walls(model: &Model) -> Vec<String> {
+    let mut names = wall_names(&model.settings.walls);
+    names.truncate(names.len() - model.job.restart.wall.len());
+    names
+}
+
 /// A file that cannot be written, and the reason.
 pub(crate) type Unwritten = (PathBuf, std::io::Error);
 
@@ -210,7 +221,7 @@ impl Tables<'_> {
 
 /// Returns the names of the columns of a job's `history.csv`, with their units.
 pub fn columns(model: &Model) -> Vec<String> {
-    let (u, walls) = (Labels::from_units(&model.job.units), wall_names(&model.settings.walls));
+    let (u, walls) = (Labels::from_units(&model.job.units), first_walls(model));
     let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
     for name in [
         "kinetic",
@@ -262,7 +273,7 @@ impl History {
         model: &Model,
         course: Course,
     ) -> Result<Self, Unwritten> {
-        let walls = wall_names(&model.settings.walls);
+        let walls = first_walls(model);
         Ok(Self {
             kinds: Histories::new(tables, model, course.last.as_ref().map(|row| &row.sum))?,
             file: tables.open(FILE, columns(model))?,
@@ -288,15 +299,19 @@ impl History {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add_part(&mut self, part: HistoryPart, extras: Extras) -> csv::Result<()> {
+    pub fn add_part(&mut self, part: HistoryPart<ExactSum>, extras: Extras) -> csv::Result<()> {
         let number = part.row;
-        let parts = self.parts.entry(number).or_default();
-        parts.push(part);
-        if parts.len() < self.workers {
+        match self.parts.entry(number) {
+            Entry::Vacant(entry) => drop(entry.insert((1, part))),
+            Entry::Occupied(mut entry) => {
+                entry.get_mut().0 += 1;
+                entry.get_mut().1.merge(&part);
+            }
+        }
+        if self.parts[&number].0 < self.workers {
             return Ok(());
         }
-        let parts = self.parts.remove(&number).unwrap_or_default();
-        let sum = add_up(&parts);
+        let sum = self.parts.remove(&number).unwrap_or_default().1.values();
         // The initial energy is that of the first row minus the work done until then.
         let initial = self.course.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
@@ -375,30 +390,6 @@ impl History {
 /// the work of contact forces; a value up to `round_off` counts as zero.
 fn created(work: f64, most: f64, round_off: f64) -> f64 {
     if work > round_off { work / most.max(work) } else { 0.0 }
-}
-
-/// Sums over workers. The controlling element is that of the worker with the smallest step, with
-/// the lowest id of several; all workers use this step.
-fn add_up(parts: &[HistoryPart]) -> HistoryPart {
-    let mut sum = parts[0].clone();
-    for p in &parts[1..] {
-        sum.energies.add(&p.energies);
-        for c in 0..3 {
-            sum.momentum[c] += p.momentum[c];
-            sum.angular_momentum[c] += p.angular_momentum[c];
-        }
-        for (a, b) in sum.wall_impulse.iter_mut().zip(&p.wall_impulse) {
-            (0..3).for_each(|c| a[c] += b[c]);
-        }
-        sum.shares.add(&p.shares);
-        sum.pairs += p.pairs;
-        sum.penetration = sum.penetration.max(p.penetration);
-        let is_before = p.controlling_dt == sum.controlling_dt && p.controlling < sum.controlling;
-        if p.controlling_dt < sum.controlling_dt || is_before {
-            (sum.controlling, sum.controlling_dt) = (p.controlling, p.controlling_dt);
-        }
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
 use crumple_proto::report::{Failure, FinalReport};
 use crumple_proto::transport::{RankLost, Tag, Transport};
-use crumple_proto::wire::{poll_message, post};
+use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -45,6 +45,9 @@ pub enum RunError {
         /// Error of the operating system.
         error: std::io::Error,
     },
+    /// A checkpoint with the right sums cannot be used.
+    #[error("{0}; continue from another checkpoint: give its folder with --resume")]
+    Unusable(String),
     /// The trace cannot be written.
     #[error("{path}: {error}; choose another file with --trace", path = .path.display())]
     Trace {
@@ -155,8 +158,9 @@ impl<'a> Control<'a> {
             move |error| RunError::Output { path, error }
         };
         std::fs::create_dir_all(out).map_err(failed(out))?;
-        let mut checkpoints =
-            Checkpoints::new(out, &job.checkpoint, workers, model.mesh.elements.len());
+        let deleted = &job.restart.delete;
+        let elements = model.mesh.elements.iter().filter(|e| !deleted.contains(&e.part)).count();
+        let mut checkpoints = Checkpoints::new(out, &job.checkpoint, workers, elements);
         checkpoints.set_stamp(stamp);
         let mut series = Series::new(&fields);
         let known = from.as_ref().map(|(from, _)| from.master.clone());
@@ -252,11 +256,16 @@ impl<'a> Control<'a> {
                 self.order(Action::Stop);
             } else if !self.stop_ordered && self.checkpoints.take_due(stop.take_request()) {
                 self.order(Action::Checkpoint);
+            } else if !self.stop_ordered && self.checkpoints.copies.take_due() {
+                self.order(Action::Copy);
             } else if let Some(due) = self.balance.due().filter(|_| !self.stop_ordered) {
                 self.redecompose(&due);
             }
             if self.ready.len() == self.workers {
                 self.recut()?;
+            }
+            if let Some(warning) = self.checkpoints.complain() {
+                self.warn(&warning);
             }
             self.show();
             if !heard {
@@ -294,9 +303,7 @@ impl<'a> Control<'a> {
     fn continue_from(&mut self, from: &Resumption) -> Result<(), RunError> {
         let captured = &from.manifest.captured;
         for why in &from.refused {
-            let message = format!("a newer checkpoint cannot be used: {why}");
-            tracing::warn!(message);
-            self.progress.println(&format!("warning: {message}"));
+            self.warn(&format!("a newer checkpoint cannot be used: {why}"));
         }
         tracing::info!(cycle = captured.cycle, time = captured.time, "run continues");
         self.progress.println(&format!(
@@ -311,12 +318,23 @@ impl<'a> Control<'a> {
             folder: from.folder.to_string_lossy().into_owned(),
             common: from.manifest.common.clone(),
             pieces: from.manifest.pieces.clone(),
+            changes: from.changes.clone(),
             trace: self.trace.is_some(),
         };
         for rank in 1..=self.workers {
             post(self.comm, rank, Tag::Order, &resume)?;
         }
-        self.recut()
+        let mut refused = None;
+        for rank in 1..=self.workers {
+            if let ToMaster::Trouble(trouble) = await_message(self.comm, rank, Tag::Report)? {
+                refused = Some(trouble.why);
+            }
+        }
+        let Some(why) = refused else { return self.recut() };
+        for rank in 1..=self.workers {
+            let _ = post(self.comm, rank, Tag::Order, &ToWorker::Quit); // it may have ended
+        }
+        Err(RunError::Unusable(why))
     }
 
     /// Returns the settings of the workers.
@@ -447,16 +465,21 @@ impl<'a> Control<'a> {
                     self.checkpoints.add_master(captured.cycle, state);
                 }
             }
+            ToMaster::Copied(captured, seconds) => {
+                if self.checkpoints.copies.add(seconds) {
+                    let imbalance = self.balance.imbalance();
+                    self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
+                    let state = self.state();
+                    self.checkpoints.copies.set(captured, state);
+                }
+            }
             ToMaster::Saved(saved) => match self.checkpoints.add_saved(saved) {
                 None => {}
                 Some(Ok(message)) => {
                     tracing::info!(message);
                     self.progress.println(&message);
                 }
-                Some(Err(warning)) => {
-                    tracing::warn!(warning);
-                    self.progress.println(&format!("warning: {warning}"));
-                }
+                Some(Err(warning)) => self.warn(&warning),
             },
             ToMaster::Ready => {
                 self.ready.push(worker);
@@ -480,6 +503,12 @@ impl<'a> Control<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Reports a warning.
+    fn warn(&mut self, warning: &str) {
+        tracing::warn!(warning);
+        self.progress.println(&format!("warning: {warning}"));
     }
 
     /// Returns the error for a failure to write `workers.csv`.

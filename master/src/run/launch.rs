@@ -11,6 +11,7 @@ use crate::run::lock::Lock;
 use crate::run::stop::StopFlag;
 use crate::run::supervise;
 use crate::stdout::say;
+use crumple_proto::job::Restart;
 use crumple_proto::transport::{Transport, threads};
 use std::path::{Path, PathBuf};
 
@@ -76,10 +77,13 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
             return None;
         }
     };
+    if from.is_none() && model.job.restart != Restart::default() {
+        return bad("`restart` changes a run that continues: give --resume too".into());
+    }
     let stamp = compare::stamp(&model, sets);
     let from = match from {
         None => None,
-        Some(from) => match compare::adapt(&mut model, &stamp, &from) {
+        Some(mut from) => match compare::adapt(&mut model, &stamp, &mut from) {
             Ok(changes) => Some((from, changes)),
             Err(why) => return bad(format!("{}: {why}", from.folder.display())),
         },
@@ -89,6 +93,12 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
         Ok(lock) => lock,
         Err(why) => return bad(why),
     };
+    if from.is_none()
+        && !args.overwrite
+        && let Some(why) = find::unfinished(&out)
+    {
+        return bad(why);
+    }
     Some(Ready { model, workers, origin: Origin { stamp, from }, out, _lock: lock })
 }
 
@@ -218,6 +228,7 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
                 Status::Stopped => STOPPED,
                 Status::Failed => {
                     eprintln!("error: {}", summary.reason);
+                    name_last_state(&out, &summary);
                     FAILED
                 }
             }
@@ -236,6 +247,28 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
         None => {}
     }
     code
+}
+
+/// Names the last state of a run that has failed, and the command that continues from it.
+fn name_last_state(out: &Path, summary: &Summary) {
+    match find::newest(out) {
+        Some((folder, manifest)) => {
+            let at = manifest.captured;
+            eprintln!(
+                "  the state of cycle {}, time {:.6e}, is kept in {}",
+                at.cycle,
+                at.time,
+                folder.display()
+            );
+            eprintln!(
+                "  continue from it with a change, such as: crumple run --resume {} --set \
+                 time.dt_max={:.3e}",
+                out.display(),
+                0.5 * summary.dt.last
+            );
+        }
+        None => eprintln!("  there is no checkpoint: the run starts again from time 0"),
+    }
 }
 
 /// Writes events of the master and of threads to `log.jsonl`. If the folder cannot be written,

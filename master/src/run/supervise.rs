@@ -5,9 +5,9 @@ use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::checkpoint::find::{newest_cycle, run_folder};
 use crate::run::stop::StopFlag;
-use std::os::unix::process::ExitStatusExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
 /// Interval between two looks at the process.
@@ -16,6 +16,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 const WORKER_LOST: u8 = 4;
 /// Exit codes that a run chooses itself: it ended as it should. All others are losses.
 const ENDED: [i32; 4] = [0, 2, 3, 130];
+
+/// Word of a launcher that stands for the number of ranks.
+const RANKS: &str = "{ranks}";
 
 /// Runs the job, at most `retries` times more than once. Returns the exit code of the last run.
 pub fn run(args: &RunArgs, retries: u32) -> u8 {
@@ -31,12 +34,16 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         },
     };
     let stop = StopFlag::listen(true);
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let mut workers = args.options.workers.unwrap_or_else(cores);
     let mut reached = if args.resume.is_some() { newest_cycle(&out) } else { None };
     let mut continues = args.resume.is_some();
+    // Losses in a row without a new checkpoint.
+    let mut in_vain = 0;
     for lost in 0..=retries {
         let from = args.resume.as_ref().filter(|_| lost == 0).unwrap_or(&out);
         let folder = if continues { from } else { &out };
-        let ended = start(args, folder, continues).and_then(|child| wait(child, &stop));
+        let ended = start(args, folder, continues, workers).and_then(|child| wait(child, &stop));
         let status = match ended {
             Ok(status) => status,
             Err(error) => {
@@ -56,27 +63,40 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             (None, signal) => format!("signal {}", signal.unwrap_or_default()),
         };
         let newest = newest_cycle(&out);
+        in_vain = if newest > reached { 0 } else { in_vain + 1 };
         let cycle = newest.map_or("the start".to_string(), |cycle| format!("cycle {cycle}"));
+        let fewer = in_vain > 1 && workers > 1 && has_ranks(args);
         if lost == retries {
             eprintln!("error: the run was lost ({what}) {} times; no retry is left", lost + 1);
-        } else if lost > 0 && newest <= reached {
+        } else if in_vain > 1 && !fewer {
             eprintln!(
                 "error: the run was lost again ({what}) without a new checkpoint after {cycle}"
             );
             return WORKER_LOST;
         } else {
-            eprintln!("warning: the run was lost ({what}); it continues from {cycle}");
+            let mut next = format!("it continues from {cycle}");
+            if fewer {
+                (workers, in_vain) = (workers / 2, 0);
+                next += &format!(", with {workers} workers: a host may be gone");
+            }
+            eprintln!("warning: the run was lost ({what}); {next}");
         }
         (reached, continues) = (newest, newest.is_some());
     }
     WORKER_LOST
 }
 
+/// Returns true if the launcher takes any number of ranks.
+fn has_ranks(args: &RunArgs) -> bool {
+    args.launcher.as_ref().is_some_and(|launcher| launcher.contains(RANKS))
+}
+
 /// Starts the run by the launcher, if one is given.
-fn start(args: &RunArgs, out: &Path, continues: bool) -> std::io::Result<Child> {
+fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io::Result<Child> {
     let program = std::env::current_exe()?;
-    let mut words: Vec<&str> =
-        args.launcher.iter().flat_map(|launcher| launcher.split_whitespace()).collect();
+    let ranks = (workers + 1).to_string();
+    let launcher = args.launcher.as_deref().unwrap_or_default().replace(RANKS, &ranks);
+    let mut words: Vec<&str> = launcher.split_whitespace().collect();
     let mut command = if words.is_empty() {
         Command::new(&program)
     } else {
@@ -90,9 +110,15 @@ fn start(args: &RunArgs, out: &Path, continues: bool) -> std::io::Result<Child> 
         command.arg("--resume").arg(out);
     } else {
         command.arg("--out").arg(out);
+        command.args(args.overwrite.then_some("--overwrite"));
+    }
+    if let Some(workers) = args.options.workers.filter(|_| !has_ranks(args)) {
+        command.args(["--workers", &workers.to_string()]);
     }
     command.args(args.passed_on(continues && args.resume.is_none()));
-    command.spawn()
+    // In a group of its own: Ctrl-C would reach it directly too, and a launcher that gets two
+    // signals ends its ranks at once.
+    command.stdin(Stdio::null()).process_group(0).spawn()
 }
 
 /// Waits for the end of the run. Passes on a request to stop.

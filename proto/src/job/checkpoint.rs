@@ -15,6 +15,12 @@ pub struct Checkpoint {
     pub at: Vec<f64>,
     /// Number of checkpoints that are kept, at least 1. Older ones are removed.
     pub keep: usize,
+    /// Longest wall time between two copies of the state in memory, as in `every`; `"off"` for
+    /// none. The last copy is written if the run fails. Copies take at most a 200th of the time.
+    pub in_memory: String,
+    /// Wall time without progress of a file, as in `every`, after which a run that ends gives up
+    /// its checkpoint.
+    pub patience: String,
     /// Compression of the files: `none` or `zstd`.
     pub compression: Compression,
 }
@@ -25,6 +31,8 @@ impl Default for Checkpoint {
             every: "10 min".into(),
             at: Vec::new(),
             keep: 2,
+            in_memory: "30 s".into(),
+            patience: "60 s".into(),
             compression: Compression::default(),
         }
     }
@@ -50,27 +58,48 @@ impl Checkpoint {
     /// # Errors
     /// The text is no interval; the message describes valid ones.
     pub fn interval(&self) -> Result<Option<Duration>, &'static str> {
-        const WANTED: &str = "write a number above 0 and a unit, such as \"30 s\", \"10 min\" or \
-                              \"2 h\", or \"off\"";
-        let text = self.every.trim();
-        if text == "off" {
-            return Ok(None);
-        }
-        let split = text.find(|c: char| c.is_ascii_alphabetic()).ok_or(WANTED)?;
-        let (number, unit) = text.split_at(split);
-        let seconds = match unit {
-            "s" => 1.0,
-            "min" => 60.0,
-            "h" => 3600.0,
-            _ => return Err(WANTED),
-        };
-        let number: f64 = number.trim().parse().map_err(|_| WANTED)?;
-        let seconds = number * seconds;
-        if seconds > 0.0 && seconds <= LONGEST {
-            Ok(Some(Duration::from_secs_f64(seconds)))
-        } else {
-            Err(WANTED)
-        }
+        interval(&self.every)
+    }
+
+    /// Returns the longest interval between two copies in memory, `None` for none.
+    ///
+    /// # Errors
+    /// As [`Self::interval`].
+    pub fn copy_interval(&self) -> Result<Option<Duration>, &'static str> {
+        interval(&self.in_memory)
+    }
+
+    /// Returns the time without progress of a file after which a run that ends gives it up.
+    ///
+    /// # Errors
+    /// As [`Self::interval`]; the time must not be `off`.
+    pub fn patience(&self) -> Result<Duration, &'static str> {
+        interval(&self.patience)?.ok_or("write a number above 0 and a unit, such as \"60 s\"")
+    }
+}
+
+/// Returns the wall time that a text describes, `None` for `off`.
+fn interval(text: &str) -> Result<Option<Duration>, &'static str> {
+    const WANTED: &str = "write a number above 0 and a unit, such as \"30 s\", \"10 min\" or \
+                          \"2 h\", or \"off\"";
+    let text = text.trim();
+    if text == "off" {
+        return Ok(None);
+    }
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).ok_or(WANTED)?;
+    let (number, unit) = text.split_at(split);
+    let seconds = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(WANTED),
+    };
+    let number: f64 = number.trim().parse().map_err(|_| WANTED)?;
+    let seconds = number * seconds;
+    if seconds > 0.0 && seconds <= LONGEST {
+        Ok(Some(Duration::from_secs_f64(seconds)))
+    } else {
+        Err(WANTED)
     }
 }
 

@@ -106,6 +106,20 @@ impl Mailbox {
         self.take_many(1)[0]
     }
 
+    /// Reads the next items of a message that may be wrong, because a file has it. Returns `None`
+    /// if it has fewer.
+    pub fn checked_take_many<T: Pod>(&mut self, count: u64) -> Option<&[T]> {
+        let words = usize::try_from(count).ok()?.checked_mul(words_of::<T>())?;
+        let end = self.read.checked_add(words).filter(|&end| end <= self.words.len())?;
+        let start = std::mem::replace(&mut self.read, end);
+        Some(bytemuck::cast_slice(&self.words[start..end]))
+    }
+
+    /// Reads the next item of a message that may be wrong. Returns `None` if there is none.
+    pub fn checked_take<T: Pod>(&mut self) -> Option<T> {
+        self.checked_take_many(1).map(|items| items[0])
+    }
+
     /// Reads all items that are left.
     #[inline]
     pub fn rest<T: Pod>(&mut self) -> &[T] {

@@ -6,11 +6,16 @@
 
 mod laws;
 
+use clap::Parser;
+use crumple::cli::{Cli, Command};
+use crumple::run::checkpoint::find::newest_cycle;
 use crumple_tests::manual::blocks;
 use crumple_tests::{case, read, run_side_by_side};
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::materials::LAWS;
+use std::path::Path;
 use std::sync::Once;
+use std::sync::atomic::Ordering;
 
 /// Adds the rows of this test, before a job is read.
 fn add() {
@@ -19,6 +24,7 @@ fn add() {
         CONTACT_LAWS.add(&laws::sticky::LAW);
         CONTACT_LAWS.add(&laws::damper::LAW);
         LAWS.add(&laws::maxwell::LAW);
+        LAWS.add(&laws::breaking::LAW);
         LAWS.add(&laws::ludwik::LAW);
     });
 }
@@ -98,6 +104,53 @@ fn an_added_material_law_is_read_and_runs() {
     assert!(missing.contains("relaxation_time is missing"), "{missing}");
     let unknown = bars("relaxation = 1.0").err().expect("an unknown parameter").to_string();
     assert!(unknown.contains("did you mean 'relaxation_time'"), "{unknown}");
+}
+
+/// A worker thread panics: the run ends with code 4, keeps its checkpoints, and continues from
+/// there with the bits of a run without the fault.
+#[test]
+fn a_panic_of_a_worker_ends_with_code_4_and_keeps_the_checkpoint() {
+    add();
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(case("tumble").join("job.toml")).unwrap();
+    let is_flow = |line: &&str| !line.starts_with("hardening");
+    let text: Vec<&str> = text.lines().filter(is_flow).collect();
+    let law = "law = \"breaking\"\nrelaxation_time = 1.0";
+    let text = text.join("\n").replacen("law = \"j2\"", law, 1);
+    let job = folder.path().join("job.toml");
+    std::fs::write(&job, text).unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let launch = |words: &[&str]| {
+        let words = [&["crumple", "run", "--no-report", "--quiet"], words].concat();
+        let Command::Run(args) = Cli::parse_from(words).command else { panic!("it is a run") };
+        crumple::run::launch::run(&args)
+    };
+    let job = job.to_string_lossy();
+    let cycles = "--set=time.max_cycles=500";
+    let often = "--set=checkpoint.every=\"0.02 s\"";
+    let [whole, out] = [at("whole"), at("out")];
+    assert_eq!(launch(&[&job, cycles, "--workers=1", "--out", &whole]), 0);
+    let lost = std::thread::scope(|scope| {
+        let words = [&job, cycles, often, "--workers=2", "--out", &out];
+        let run = scope.spawn(move || launch(&words));
+        while newest_cycle(Path::new(&out)).is_none() {
+            assert!(!run.is_finished(), "the run ended before its first checkpoint");
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        laws::breaking::BREAKS.store(true, Ordering::Relaxed);
+        let code = run.join().unwrap();
+        laws::breaking::BREAKS.store(false, Ordering::Relaxed);
+        code
+    });
+    assert_eq!(lost, 4);
+    assert!(newest_cycle(Path::new(&out)).is_some());
+    assert_eq!(launch(&["--resume", &out, "--workers=3"]), 0);
+    let digest = |out: &str| {
+        let text = std::fs::read_to_string(Path::new(out).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        summary["state_digest"].clone()
+    };
+    assert_eq!(digest(&whole), digest(&out));
 }
 
 /// The job and the law of the tutorial. Johnson and Cook's law is the same law here.

@@ -214,7 +214,7 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
             let low = at(e, above[5]).0[2];
             let high = 0.5 * (at(e, above[10] + 2 + 5).0[2] + at(e, above[10] + 2 + 6).0[2]);
             nearest = nearest.min(low - high);
-            let energies = e.ledger.energies(&e.nodes);
+            let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
             initial = initial.max(if e.clock.cycle == 1 { energies.kinetic } else { 0.0 });
             worst = worst.max((energies.kinetic + energies.internal) / initial);
         });

@@ -82,9 +82,10 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
             let (mut pairs, mut kinetic) = (0, 0.0f64);
             let end = run_alone(&model, |e: &Engine| {
                 pairs = pairs.max(e.contact.as_ref().unwrap().owned_pairs().count());
-                kinetic = kinetic.max(e.ledger.energies(&e.nodes).kinetic.abs());
+                kinetic =
+                    kinetic.max(e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs());
             });
-            let energies = end.ledger.energies(&end.nodes);
+            let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
             let work = energies.contact.abs() + energies.starting.abs();
             assert!(
                 end.clock.cycle > 2000 && pairs > 20,
@@ -118,7 +119,7 @@ fn a_folded_panel_in_flight_gains_nothing() {
         let model = mesh.model(0.5, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
         let (mut first, mut most, mut work) = (None, 0.0f64, 0.0f64);
         run_alone(&model, |e: &Engine| {
-            let now = e.ledger.energies(&e.nodes);
+            let now = e.ledger.energies(&e.nodes, &e.blocks).values();
             first.get_or_insert(now.kinetic);
             most = most.max(now.kinetic);
             work = work.max(now.contact);
@@ -149,7 +150,7 @@ fn work_at_starting_penetrations_is_booked_apart() {
                     upper.collect::<Vec<_>>().into_iter().for_each(|n| e.nodes.v[n][2] = -1.0);
                     return ControlFlow::Continue(());
                 }
-                let now = e.ledger.energies(&e.nodes);
+                let now = e.ledger.energies(&e.nodes, &e.blocks).values();
                 kinetic = if e.clock.cycle == 1 { now.kinetic } else { kinetic };
                 (taken, given) = (taken.min(now.starting), given.max(now.starting));
                 contact = contact.min(now.contact);

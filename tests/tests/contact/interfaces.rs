@@ -116,7 +116,7 @@ fn parts_that_do_not_touch_pass_through_each_other() {
     let sunk = first.unwrap() - block(&engine).1;
     let expected = WEIGHT / MASS * (0.5 * end * end - 0.5 * RAMP * end + RAMP * RAMP / 6.0);
     assert!((sunk / expected - 1.0).abs() < 0.01, "displacement {sunk}, closed form {expected}");
-    assert_eq!(engine.ledger.energies(&engine.nodes).contact, 0.0);
+    assert_eq!(engine.ledger.energies(&engine.nodes, &engine.blocks).values().contact, 0.0);
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
             )
         });
     });
-    let energies = engine.ledger.energies(&engine.nodes);
+    let energies = engine.ledger.energies(&engine.nodes, &engine.blocks).values();
     assert!(energies.contact < 0.0, "contact dissipates energy: {energies:?}");
 }
 

@@ -4,4 +4,5 @@
 
 mod processes;
 mod redecomposition;
+mod supervisor;
 mod torture;

@@ -2,17 +2,20 @@
 //! workers and transports: the digest and the files are those of a run without interruption.
 //!
 //! `CRUMPLE_TORTURE_ROUNDS` sets the number of rounds, `CRUMPLE_TORTURE_SEED` the first seed;
-//! `deploy/torture.sh` does so.
+//! `deploy/torture.sh` does so. At the end there is a report. A round that fails names its seed and
+//! leaves its folder.
 
+use crumple::run::checkpoint::find::{folders, newest_cycle};
 use crumple_tests::program::{crumple_with, mpi_or_skip, mpirun, run, send, start};
 use crumple_tests::restart::assert_same_files;
 
 use rustix::process::Signal;
 use std::collections::BTreeMap;
 use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant, SystemTime};
 
 /// Rounds of the suite.
 const ROUNDS: u64 = 10;
@@ -29,6 +32,62 @@ const SCENES: [(&str, u64); 6] = [
 const KILLS: u32 = 3;
 /// Longest time before a kill [ms].
 const LONGEST: u64 = 1500;
+/// Interval between two checkpoints [s].
+const INTERVAL: f64 = 0.03;
+
+/// Counts of all rounds.
+#[derive(Default)]
+struct Record {
+    rounds: u64,
+    kills: u64,
+    /// Kills of a process that was the master, or of all ranks as threads of one process.
+    of_master: u64,
+    /// Kills that left a checkpoint without manifest.
+    while_writing: u64,
+    /// Kills of processes that had not written a checkpoint yet.
+    before_any: u64,
+    /// Longest time from the first file of the last checkpoint to a kill [s].
+    worst_loss: f64,
+    orphans: u64,
+    temporary: u64,
+}
+
+impl Record {
+    fn show(&self, took: Duration) {
+        let Self { rounds, kills, of_master, while_writing, before_any, .. } = self;
+        println!("torture: {rounds} rounds, {:.0} s", took.as_secs_f64());
+        println!("  kills                            {kills}");
+        println!("  of the master or of all workers  {of_master}");
+        println!("  while a checkpoint was written   {while_writing}");
+        println!("  before a first checkpoint        {before_any}");
+        println!(
+            "  worst loss of work               {:.3} s, {:.1} of the interval of {INTERVAL} s",
+            self.worst_loss,
+            self.worst_loss / INTERVAL
+        );
+        println!("  orphan processes found           {}", self.orphans);
+        println!("  temporary files left             {}", self.temporary);
+    }
+
+    /// Records the state of a run's folder right after a kill at the time `now`. `known` is the
+    /// newest checkpoint when the process was started.
+    fn add_kill(&mut self, out: &Path, known: Option<u64>, now: SystemTime) {
+        self.kills += 1;
+        let all = folders(&out.join("checkpoints"));
+        let (whole, parts): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|f| f.join("MANIFEST").exists());
+        self.while_writing += u64::from(!parts.is_empty());
+        let newest = whole.first().filter(|_| newest_cycle(out) > known);
+        let Some(newest) = newest else {
+            self.before_any += 1;
+            return;
+        };
+        let written = |e: fs::DirEntry| e.metadata().ok()?.modified().ok();
+        let files = fs::read_dir(newest).unwrap().filter_map(|e| written(e.unwrap()));
+        let lost = files.min().and_then(|first| now.duration_since(first).ok());
+        self.worst_loss = self.worst_loss.max(lost.map_or(0.0, |lost| lost.as_secs_f64()));
+    }
+}
 
 fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
@@ -39,9 +98,10 @@ fn killed_runs_give_the_results_of_undisturbed_ones() {
     let seed = number("CRUMPLE_TORTURE_SEED", 1);
     let with_mpi = mpi_or_skip().is_some();
     let mut known: BTreeMap<&str, (String, PathBuf, tempfile::TempDir)> = BTreeMap::new();
-    let mut kills = 0;
+    let (mut record, began) = (Record::default(), Instant::now());
     for round in 0..number("CRUMPLE_TORTURE_ROUNDS", ROUNDS) {
-        let mut random = fastrand::Rng::with_seed(seed + round);
+        let seed = seed + round;
+        let mut random = fastrand::Rng::with_seed(seed);
         let (scene, cycles) = SCENES[random.usize(..SCENES.len())];
         let (digest, whole, _) = known.entry(scene).or_insert_with(|| {
             let folder = tempfile::tempdir().unwrap();
@@ -53,15 +113,24 @@ fn killed_runs_give_the_results_of_undisturbed_ones() {
         });
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
-        let killed = one_round(&mut random, (scene, cycles), &out, with_mpi);
-        println!("round {round}, seed {}: {scene}, {killed} kills", seed + round);
-        kills += killed;
-        assert_eq!(&digest_of(&out), digest, "seed {}: {scene}", seed + round);
-        assert_same_files(whole, &out);
-        assert_clean(&out);
+        let before = record.kills;
+        let survived = catch_unwind(AssertUnwindSafe(|| {
+            one_round(&mut random, (scene, cycles), &out, with_mpi, &mut record);
+            assert_eq!(&digest_of(&out), digest, "digest");
+            assert_same_files(whole, &out);
+            assert_clean(&out, &mut record);
+        }));
+        record.rounds += 1;
+        println!("round {round}, seed {seed}: {scene}, {} kills", record.kills - before);
+        if let Err(why) = survived {
+            record.show(began.elapsed());
+            println!("seed {seed} failed; repeat it by: deploy/torture.sh 1 {seed}");
+            println!("its folder is {}", folder.keep().display());
+            resume_unwind(why);
+        }
     }
-    println!("{kills} kills");
-    assert!(kills > 0, "no run was killed before its end");
+    record.show(began.elapsed());
+    assert!(record.kills > 0, "no run was killed before its end");
 }
 
 fn words(scene: &str, cycles: u64, out: &Path, every: &str) -> Vec<String> {
@@ -89,45 +158,47 @@ fn command(words: &[String], workers: usize, mpi: bool) -> Command {
     crumple_with(&words)
 }
 
-/// Runs a scene, kills it up to `KILLS` times, and lets it end. Returns the number of kills.
+/// Runs a scene, kills it up to `KILLS` times, and lets it end.
 fn one_round(
     random: &mut fastrand::Rng,
     (scene, cycles): (&str, u64),
     out: &Path,
     with_mpi: bool,
-) -> u32 {
-    let mut killed = 0;
+    record: &mut Record,
+) {
     for attempt in 0..=KILLS {
         let folder = out.to_string_lossy().into_owned();
         // Before the first checkpoint, a run starts again.
-        let whole = crumple::run::checkpoint::find::newest_cycle(out).is_some();
-        let words = if whole {
+        let known = newest_cycle(out);
+        let words = if known.is_some() {
             ["run", "--resume", &folder, "--no-report"].map(String::from).to_vec()
         } else {
-            words(scene, cycles, out, "0.03 s")
+            words(scene, cycles, out, &format!("{INTERVAL} s"))
         };
         let (workers, mpi) = (random.usize(1..=4), with_mpi && random.bool());
         let running = start(command(&words, workers, mpi));
         if attempt == KILLS {
             running.end().with_code(0);
-            return killed;
+            return;
         }
         std::thread::sleep(Duration::from_millis(random.u64(100..LONGEST)));
         let ranks = if mpi { running.ranks() } else { Vec::new() };
-        match ranks.get(random.usize(..=workers)) {
+        let victim = random.usize(..=workers);
+        let now = SystemTime::now();
+        match ranks.get(victim) {
             Some(&rank) => send(rank, Signal::KILL),
             None => running.signal(Signal::KILL),
         }
         let ended = running.end();
-        for &rank in &ranks {
-            assert!(!is_running(rank), "rank {rank} is an orphan");
-        }
+        let orphans: Vec<u32> = ranks.iter().copied().filter(|&rank| is_running(rank)).collect();
+        record.orphans += orphans.len() as u64;
+        assert!(orphans.is_empty(), "orphans: {orphans:?}");
         if ended.code == Some(0) {
-            return killed;
+            return;
         }
-        killed += 1;
+        record.of_master += u64::from(ranks.is_empty() || victim == 0);
+        record.add_kill(out, known, now);
     }
-    killed
 }
 
 /// Returns true if the process runs after a grace period, in which launchers end their ranks.
@@ -150,16 +221,17 @@ fn digest_of(out: &Path) -> String {
 }
 
 /// No temporary file, no lock and no incomplete checkpoint is left.
-fn assert_clean(folder: &Path) {
+fn assert_clean(folder: &Path, record: &mut Record) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        assert!(!name.ends_with(".tmp") && name != "run.lock", "{}", path.display());
-        if name.starts_with("cycle_") {
-            assert!(path.join("MANIFEST").exists(), "{}", path.display());
+        let incomplete = name.starts_with("cycle_") && !path.join("MANIFEST").exists();
+        if name.ends_with(".tmp") || name == "run.lock" || incomplete {
+            record.temporary += 1;
+            panic!("{} is left", path.display());
         }
         if path.is_dir() {
-            assert_clean(&path);
+            assert_clean(&path, record);
         }
     }
 }

@@ -99,11 +99,11 @@ fn struck(n: usize) -> Struck {
     );
     let (mut last_push, mut impulse, mut work) = (0.0, 0.0, f64::NAN);
     let end = bars.run(1, &rest, |e| {
-        let now = e.constraints.walls.impulse[0][0];
+        let now = e.constraints.walls.impulse(0)[0];
         if now > impulse {
             (impulse, last_push) = (now, e.clock.time);
         }
-        work = e.ledger.energies(&e.nodes).wall;
+        work = e.ledger.energies(&e.nodes, &e.blocks).values().wall;
     });
     let mass = RHO * LENGTH * LENGTH / n as f64 * THICKNESS;
     let area = LENGTH / n as f64 * THICKNESS;
@@ -197,7 +197,7 @@ fn exchange(n: usize, v: f64) -> Exchange {
         // Over a time t the stress s gives the bar of mass rho L A a mean velocity s t / (rho L).
         stress: gained / v / (when / 2.0),
         touch: last_push * c() / (2.0 * LENGTH),
-        work: end.ledger.energies(&end.nodes).contact / (0.5 * mass * v * v),
+        work: end.ledger.energies(&end.nodes, &end.blocks).values().contact / (0.5 * mass * v * v),
     };
     eprintln!(
         "N = {n}, v = {v}: restitution {:.4}, stress {:.4} (rho c v / 2), contact time {:.4} \

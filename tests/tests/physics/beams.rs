@@ -87,7 +87,7 @@ fn a_cantilever_bends_and_twists_as_beams_do() {
         moment.x, moment.y, moment.z
     );
     let end = run_alone(&cantilever(2, &turn, RECTANGLE, ELASTIC, 60.0, &rest), |_| {});
-    let energy = end.ledger.energies(&end.nodes).internal;
+    let energy = end.ledger.energies(&end.nodes, &end.blocks).values().internal;
     assert!(
         (energy / (0.5 * torque * 1e-3) - 1.0).abs() < 0.01,
         "constant to three digits: {energy}"
@@ -144,7 +144,7 @@ fn a_plastic_hinge_bears_its_moment() {
         let (mut at, mut unexplained) = (None, 0.0f64);
         let end =
             run_alone(&cantilever(n, &Rotation3::identity(), RECTANGLE, law, 32.0, rest), |e| {
-                let energies = e.ledger.energies(&e.nodes);
+                let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
                 if e.clock.time > 24.0 {
                     at.get_or_insert((e.nodes.x[n][1], energies.external));
                 }
@@ -152,7 +152,8 @@ fn a_plastic_hinge_bears_its_moment() {
                     .max(energies.balance(0.0).abs() / energies.external.abs().max(1e-3));
             });
         let (way, work) = at.unwrap();
-        let force = (end.ledger.energies(&end.nodes).external - work) / (way - end.nodes.x[n][1]);
+        let force = (end.ledger.energies(&end.nodes, &end.blocks).values().external - work)
+            / (way - end.nodes.x[n][1]);
         let expected = 1.01 * 0.3 * 2.0 * 16.0 / 4.0 / (LENGTH * (1.0 - 1.0 / (3.0 * n as f64)));
         assert!((force / expected - 1.0).abs() < 0.01, "{n} beams: {force}, expected {expected}");
         assert!(unexplained < 1e-3, "{n} beams: {unexplained}");
@@ -173,7 +174,7 @@ fn a_loose_frame_keeps_momentum() {
     let (mut first, mut worst, mut unexplained, mut initial) = (None, [0.0f64; 2], 0.0f64, 0.0);
     let end = run_alone(&model, |e: &Engine| {
         let (p, l) = momentum(&e.nodes);
-        let energies = e.ledger.energies(&e.nodes);
+        let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
         let now = [p, l];
         let start = *first.get_or_insert(now);
         if e.clock.cycle == 1 {
@@ -186,7 +187,7 @@ fn a_loose_frame_keeps_momentum() {
     });
     let (p, l) = (0.01, 1.0);
     assert!(worst[0] < 1e-12 * p * 1e2 && worst[1] < 1e-10 * l, "{worst:?}");
-    let internal = end.ledger.energies(&end.nodes).internal;
+    let internal = end.ledger.energies(&end.nodes, &end.blocks).values().internal;
     assert!(internal > 0.01 * initial, "the beams yield: {internal} of {initial}");
     assert!(unexplained < 1e-3, "{unexplained}");
 }
@@ -215,7 +216,7 @@ fn a_weld_breaks_at_its_strength() {
             &cantilever(1, &Rotation3::identity(), section, ELASTIC, 80.0, &rest),
             |_| {},
         );
-        let energies = end.ledger.energies(&end.nodes);
+        let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
         let failed = end.blocks.elements[0].record.failed;
         assert_eq!(failed, work.is_some(), "{velocity:?}: {energies:?}");
         if let Some(work) = work {

@@ -51,7 +51,7 @@ fn drift(element: &str, swing: [f64; 3]) -> [f64; 2] {
     let size = |l: [f64; 3]| l.iter().map(|c| c * c).sum::<f64>().sqrt();
     let (mut start, mut worst) = (None, [0.0f64; 2]);
     run_alone(&model, |e| {
-        let now = e.ledger.energies(&e.nodes);
+        let now = e.ledger.energies(&e.nodes, &e.blocks).values();
         let (energy, l) = (now.kinetic + now.internal + now.hourglass, momentum(&e.nodes).1);
         let (first, begun) = *start.get_or_insert((energy, l));
         worst[0] = worst[0].max((energy / first - 1.0).abs());

@@ -67,7 +67,7 @@ impl Balance {
     }
 
     fn look(&mut self, e: &Engine) {
-        let energies = e.ledger.energies(&e.nodes);
+        let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
         self.left = self.left.max(energies.balance(self.initial).abs());
         self.work = energies.external;
     }
@@ -270,7 +270,7 @@ fn a_pressed_block_slides_to_a_stop() {
         end.nodes.x[12][0] - 10.0
     );
     assert!(fastest_after < 1e-2, "remains at rest: {fastest_after}");
-    let e = end.ledger.energies(&end.nodes);
+    let e = end.ledger.energies(&end.nodes, &end.blocks).values();
     assert!(
         (e.wall / -1.570 - 1.0).abs() < 0.005,
         "friction dissipates all kinetic energy: {}",

@@ -136,7 +136,7 @@ fn a_rigid_cube_falls_and_lands() {
             && end.constraints.bodies.bodies[0].last_spin.norm() < 1e-9
     );
     assert!(dip > -1e-9, "no node is below the wall: {dip}");
-    let wall = end.ledger.energies(&end.nodes).wall;
+    let wall = end.ledger.energies(&end.nodes, &end.blocks).values().wall;
     assert!(
         (wall / (-0.5 * 1.40071f64.powi(2)) - 1.0).abs() < 1e-3,
         "all kinetic energy is lost: \
@@ -227,7 +227,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
             deepest = deepest.max(contact.penetration);
         });
         let body = &end.constraints.bodies.bodies[0];
-        let energies = end.ledger.energies(&end.nodes);
+        let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
         let initial = 0.5 * body.mass * 101.0;
         eprintln!(
             "{law}: momentum {worst:?}, {energies:?}, initial {initial}, penetration {deepest}"

@@ -46,7 +46,7 @@ impl Balance {
         if e.clock.cycle > 2 && e.clock.dt == e.clock.first_dt {
             // `balance` takes a negative kinetic energy, as at a reversal of the motion, as
             // zero.
-            let energies = e.ledger.energies(&e.nodes);
+            let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
             let now = energies.kinetic + energies.internal;
             let first = *self.first.get_or_insert(now);
             self.worst = self.worst.max((now / first - 1.0).abs());
@@ -104,7 +104,8 @@ fn a_damper_slows_exponentially() {
             "{numbers}: {ratio} {late}"
         );
         assert!(balance.worst < 1e-12, "{numbers}: {}", balance.worst);
-        let taken = end.ledger.energies(&end.nodes).internal / (0.5 * m * v * v);
+        let taken =
+            end.ledger.energies(&end.nodes, &end.blocks).values().internal / (0.5 * m * v * v);
         assert!((taken - (1.0 - (-2.0 * c * 2.0 / m).exp())).abs() < 1e-3, "{numbers}: {taken}");
     }
 }

@@ -145,7 +145,7 @@ impl Watch {
         for ((changed, now), then) in self.changed.iter_mut().zip([p, l]).zip(first) {
             *changed = (0..3).map(|c| (now[c] - then[c]).abs()).fold(*changed, f64::max);
         }
-        let energies = e.ledger.energies(&e.nodes);
+        let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
         if e.clock.cycle == 1 {
             self.initial = energies.balance(0.0);
         }
@@ -301,7 +301,7 @@ fn arms_turn_with_their_face() {
         let mut watch = Watch::default();
         let end = run_alone(&model, |e: &Engine| watch.look(e));
         let Watch { changed: worst, unexplained, initial, .. } = watch;
-        let energies = end.ledger.energies(&end.nodes);
+        let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
         // The arms turn exactly, but their moments are those of small steps: the error is the
         // square of rotations within a step.
         let (strained, left) = if struck { (0.5, 1e-3) } else { (1e-4, 1e-5) };
@@ -409,10 +409,11 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
         let end = run_alone(&model, |e: &Engine| {
             watch.look(e);
             deepest = deepest.max(e.contact.as_ref().unwrap().penetration);
-            least = least.max(e.ledger.energies(&e.nodes).contact / watch.initial);
+            least =
+                least.max(e.ledger.energies(&e.nodes, &e.blocks).values().contact / watch.initial);
         });
         let Watch { changed: [worst, _], unexplained: most, initial, .. } = watch;
-        let energies = end.ledger.energies(&end.nodes);
+        let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
         assert!(
             energies.contact < -0.01 * initial,
             "{law}: there is an impact: {energies:?} of \
@@ -582,7 +583,7 @@ fn prescribed_nodes_move_tied_slaves() {
     // Round-off of positions over the length of a step.
     assert!(speeds.iter().all(|v| (v - speeds[0]).abs() < 1e-10), "{speeds:?}");
     let mass = RHO * (40.0 * 40.0 + 14.0 * 19.0);
-    let energies = end.ledger.energies(&end.nodes);
+    let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
     let exact = 0.5 * mass * speeds[0].powi(2);
     // The velocities and the work are half a step apart.
     assert!(

@@ -168,6 +168,30 @@ fn a_signal_requests_a_checkpoint() {
     assert_eq!(ended.summary()["checkpoints"]["written"], 1);
 }
 
+/// A run that fails keeps a state from shortly before, also if it writes no checkpoints before. The
+/// message names it, and the run continues from there with a change.
+#[test]
+fn a_failed_run_keeps_the_state_before_its_failure() {
+    let cause = "--set=time.safety=2.5";
+    let words = ["run", "cases/jeep-frame", "--workers", "2", "--no-report", cause];
+    let failed = run(crumple_with(&words)).with_code(3);
+    let (said, out) = (failed.said(), failed.out());
+    let kept = checkpoints(&out);
+    assert_eq!(kept.len(), 1, "{said}");
+    assert!(said.contains(&kept[0]) && said.contains("--resume"), "{said}");
+    let end = failed.summary()["cycles"].as_u64().unwrap();
+    let cycle: u64 = kept[0].strip_prefix("cycle_").unwrap().parse().unwrap();
+    assert!(cycle < end && end - cycle < 1000, "cycle {cycle} of {end}");
+    let suggested = said.split("--set ").nth(1).unwrap().split_whitespace().next().unwrap();
+    let more = ["--set", suggested, "--set", "time.max_cycles=1", "--workers", "1"];
+    let more = [&["run", "--resume", out.to_str().unwrap(), "--no-report"][..], &more].concat();
+    let again = run(crumple_with(&more)).with_code(0);
+    assert!(again.said().contains("continues from"), "{}", again.said());
+    let off = ["--set", "checkpoint.in_memory=off"];
+    let failed = run(crumple_with(&[&words[..], &off].concat())).with_code(3);
+    assert!(failed.said().contains("there is no checkpoint"), "{}", failed.said());
+}
+
 /// Times of the job: a checkpoint in the first cycle after each; `keep` of them stay.
 #[test]
 fn checkpoints_are_written_at_times_and_old_ones_are_removed() {
@@ -208,7 +232,7 @@ fn a_broken_checkpoint_is_refused_and_the_one_before_is_used() {
     for name in checkpoints(&out) {
         let path = out.join("checkpoints").join(name).join("MANIFEST");
         let text = fs::read_to_string(&path).unwrap();
-        fs::write(&path, text.replacen(" 1 ", " 99 ", 1)).unwrap();
+        fs::write(&path, text.replacen(&format!(" {FORMAT} "), " 99 ", 1)).unwrap();
     }
     let refused = resume(&out, "1").with_code(2);
     for text in ["no whole checkpoint", "format 99", "MANIFEST"] {

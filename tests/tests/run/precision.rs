@@ -25,7 +25,7 @@ fn a_tube_folds_as_in_double_precision() {
             met += e.contact.iter().map(|c| c.owned_pairs().count()).sum::<usize>()
         });
         assert!(met > 0, "there is contact between the folds");
-        (engine.ledger.energies(&engine.nodes), engine.clock.cycle)
+        (engine.ledger.energies(&engine.nodes, &engine.blocks).values(), engine.clock.cycle)
     });
     let off = single.0.internal / double.0.internal - 1.0;
     assert!(

@@ -5,6 +5,8 @@
 use crumple::run::embedded::run_alone;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::transport::threads;
+use crumple_tests::program::{crumple_with, run};
+use crumple_tests::restart::assert_same_histories;
 use crumple_tests::{Trace, case, read, run_side_by_side};
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::Portion;
@@ -123,4 +125,39 @@ fn strained_elements_that_stand_still_keep_their_forces() {
     let mut ends = threads::connect(2);
     e.renew(&mut ends[1], CutTree::single()).expect("one worker");
     assert_eq!(forces(&mut e), before);
+}
+
+/// Histories of all kinds, of walls with and without a mass, with subcycles, friction, erosion,
+/// loads and damping: the same bytes on any number of workers.
+#[test]
+fn histories_have_the_same_bytes_on_any_number_of_workers() {
+    let panel = "output.section=[{nodes=\"side\", parts=[1, 2]}]";
+    let tumble = "output.transducer=[{name=\"all\", parts=[1]}]";
+    let scenes: [(&str, &str, &[&str]); 7] = [
+        ("jeep-frame", "300", &["gravity=[{acceleration=[0.0, 0.0, -0.01]}]"]),
+        ("tumble", "900", &[tumble, "parallel.force_every=70"]),
+        ("graded", "200", &["time.subcycles=4", "output.history_interval=0.01"]),
+        ("panel", "150", &[panel, "time.damping=10.0"]),
+        ("pipe-whip", "150", &[]),
+        ("brick-wall", "20", &[]),
+        ("can-crush", "100", &["elements.precision=single"]),
+    ];
+    for (scene, cycles, sets) in scenes {
+        let on = |workers: &str| {
+            let job = format!("cases/{scene}");
+            let limit = format!("time.max_cycles={cycles}");
+            let mut words = vec!["run", &job, "--no-report", "--workers", workers];
+            words.extend(["--set", &limit, "--set=checkpoint.every=off"]);
+            words.extend(sets.iter().flat_map(|set| ["--set", set]));
+            run(crumple_with(&words)).with_code(0)
+        };
+        let one = on("1");
+        for workers in ["2", "3"] {
+            let other = on(workers);
+            println!("{scene}, {workers} workers");
+            assert_same_histories(&one.out(), &other.out());
+            assert_eq!(one.summary()["energy"], other.summary()["energy"], "{scene}");
+            assert_eq!(one.summary()["momentum"], other.summary()["momentum"], "{scene}");
+        }
+    }
 }

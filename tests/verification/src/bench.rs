@@ -139,7 +139,7 @@ pub fn run_watched(
     let ended = run_alone(model, |e| {
         // The ledger is at the time at which the last step began.
         if begun {
-            last = e.ledger.energies(&e.nodes);
+            last = e.ledger.energies(&e.nodes, &e.blocks).values();
             // External work can be returned, so its largest value is the measure.
             came_in = came_in.max(last.external.abs());
             // Normal contact, friction and walls count separately: the loss of one must not hide
@@ -156,7 +156,7 @@ pub fn run_watched(
                 worst = worst.max((last.balance(initial) / scale).abs());
             }
         } else {
-            initial = e.ledger.energies(&e.nodes).kinetic;
+            initial = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic;
             start = momentum(&e.nodes).into();
             begun = true;
         }

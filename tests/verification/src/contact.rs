@@ -170,7 +170,7 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
             for &n in block.all() {
                 fastest = fastest.max(mean_velocity(e, &[n], 2).abs());
             }
-            let now = e.ledger.energies(&e.nodes);
+            let now = e.ledger.energies(&e.nodes, &e.blocks).values();
             energy = energy.max(now.kinetic + now.internal + now.hourglass);
         })?;
         let variant = format!("{law}, plate 0.1 mm inside a fixed one");
@@ -221,7 +221,7 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                     passed += 1;
                 }
                 inward = inward.max(-mean_velocity(e, &[n], 2) / v);
-                let now = e.ledger.energies(&e.nodes);
+                let now = e.ledger.energies(&e.nodes, &e.blocks).values();
                 made = made.max((now.kinetic + now.internal + now.hourglass) / run.initial - 1.0);
             }
             let variant = format!("{law}, {how}, 11 offsets");

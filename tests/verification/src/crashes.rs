@@ -86,7 +86,7 @@ impl Crash {
             penetration =
                 penetration.max(e.contact.as_ref().map_or(0.0, |contact| contact.penetration));
             while self.stations.get(absorbed.len()).is_some_and(|&at| t >= at) {
-                let energies = e.ledger.energies(&e.nodes);
+                let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
                 absorbed.push(energies.internal + energies.hourglass);
             }
             if absorbed.len() == self.stations.len() {
@@ -101,7 +101,11 @@ impl Crash {
                 run.engine.clock.time
             ));
         }
-        let parts = &run.engine.blocks.by_part;
+        let mut parts = vec![[0.0; 2]; run.engine.settings.parts.len()];
+        for (e, [internal, hourglass]) in run.engine.blocks.energies() {
+            let [a, b] = parts[e.record.part as usize];
+            parts[e.record.part as usize] = [a + internal, b + hourglass];
+        }
         let whole: f64 = parts.iter().map(|p| p[0]).sum();
         let share = |p: &[f64; 2]| if p[0] >= 0.01 * whole { p[1] / p[0] } else { 0.0 };
         let hourglass = parts.iter().map(share).fold(0.0, f64::max);

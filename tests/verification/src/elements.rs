@@ -263,7 +263,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
             let name = format!("A23c {element} {ratio}");
             let (mut start, mut grown) = (0.0, false);
             let run = bench.run(&name, &scene(limit / unit), |e| {
-                let now = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
+                let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs();
                 if e.clock.cycle == 0 {
                     start = now;
                 }
@@ -527,7 +527,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut held = 0.0f64;
     let run = bench.watch("C10 hourglass", &scene, |e| {
         crossings.add_sample(e.clock.time, displacement(e, corners[0])[0]);
-        held = held.max(e.ledger.energies(&e.nodes).hourglass);
+        held = held.max(e.ledger.energies(&e.nodes, &e.blocks).values().hourglass);
     })?;
     let variant = "belytschko_tsay, one shell, r = 0.03";
     Ok(run.with_energy(

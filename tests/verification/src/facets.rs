@@ -308,12 +308,12 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                 }
                 before = Some(now);
                 if e.clock.cycle == 0 {
-                    start = e.ledger.energies(&e.nodes).kinetic;
+                    start = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic;
                 }
             })?;
             let variant = format!("{}, friction {friction}, in the drum", law.name);
             let crossed = angle.abs() / TAU * FACETS as f64;
-            let end = run.engine.ledger.energies(&run.engine.nodes);
+            let end = run.engine.ledger.energies(&run.engine.nodes, &run.engine.blocks).values();
             let kept = (end.kinetic + end.internal + end.hourglass) / start;
             if friction == 0.0 {
                 // A corner of the polygon turns the path by 5 degrees: no law that treats facets

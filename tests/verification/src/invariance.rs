@@ -52,7 +52,7 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
             let mut rising = 0.0f64;
             let mut least = 0.0f64;
             let run = run_watched(&model, |e| {
-                let work = e.ledger.energies(&e.nodes).friction;
+                let work = e.ledger.energies(&e.nodes, &e.blocks).values().friction;
                 rising = rising.max(work - least);
                 least = least.min(work);
                 ControlFlow::Continue(())
@@ -232,8 +232,9 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
             ControlFlow::Continue(())
         })?;
         let variant = format!("{}{how}, 10 cubes and 10 plates, 1e5 steps", law.name);
-        let pushed =
-            |c: usize| run.engine.constraints.walls.impulse.iter().map(|p| p[c]).sum::<f64>();
+        let pushed = |c: usize| {
+            run.engine.constraints.walls.impulses.iter().map(|p| p[c].value()).sum::<f64>()
+        };
         let now = momentum(&run.engine.nodes).0;
         let sizes: f64 =
             (0..run.engine.nodes.local_count).map(|i| run.engine.nodes.mass[i] * 10.0).sum();

@@ -152,7 +152,7 @@ fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
         ));
         let (mut before, mut broke) = (0.0, f64::NAN);
         let run = bench.watch(&format!("A33 {how}"), &scene, |e| {
-            let now = e.ledger.energies(&e.nodes).internal;
+            let now = e.ledger.energies(&e.nodes, &e.blocks).values().internal;
             if broke.is_nan() && before > 0.0 && now <= before {
                 broke = speed * (e.clock.time - e.clock.last_dt);
             }

@@ -93,7 +93,10 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
     ));
     let (mut first, mut last) = (None, (0.0, 0.0));
     let run = bench.watch("A34 hinge", &scene, |e| {
-        let at = (-displacement(e, nodes[N])[2], e.ledger.energies(&e.nodes).external);
+        let at = (
+            -displacement(e, nodes[N])[2],
+            e.ledger.energies(&e.nodes, &e.blocks).values().external,
+        );
         if at.0 > 0.7 * way {
             first.get_or_insert(at);
         }

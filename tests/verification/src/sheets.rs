@@ -97,7 +97,7 @@ fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         let mut whole = 0.0f64;
         let run = bench.watch(&format!("A37 {element}"), &scene, |e| {
-            whole = whole.max(e.ledger.energies(&e.nodes).external);
+            whole = whole.max(e.ledger.energies(&e.nodes, &e.blocks).values().external);
         })?;
         let variant = format!("{element}, failure strain {fails}");
         let volume = THICKNESS * SIDE * SIDE;

@@ -432,7 +432,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                     (low, high) = (low.min(x), high.max(x));
                 }
             }
-            let now = -e.ledger.energies(&e.nodes).friction;
+            let now = -e.ledger.energies(&e.nodes, &e.blocks).values().friction;
             back = back.max(heat - now);
             heat = heat.max(now);
         })?;

@@ -106,7 +106,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
                 &format!("A23b cube {nu} {share}"),
                 &scene(share * limit / unit),
                 |e| {
-                    let now = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
+                    let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs();
                     if e.clock.cycle == 0 {
                         start = now;
                     }
@@ -222,7 +222,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         let run = bench.watch(&format!("C10 cube {form}"), &scene, |e| {
             let u = displacement(e, cube.at([0; 3]))[0];
             crossings.add_sample(e.clock.time, u);
-            let now = e.ledger.energies(&e.nodes);
+            let now = e.ledger.energies(&e.nodes, &e.blocks).values();
             (most, held) = (most.max(u.abs()), held.max(now.hourglass));
             grows = grows.max(now.kinetic - before);
             before = now.kinetic;

@@ -237,7 +237,7 @@ fn grows(
     let unit = bench.model(name, &scene(1.0))?.first_dt().0 * fast / side;
     let (mut start, mut grown) = (0.0, false);
     let run = bench.run(name, &scene(limit / unit), |e| {
-        let now = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
+        let now = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic.abs();
         if e.clock.cycle == 0 {
             start = now;
         }
@@ -305,7 +305,7 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
     let run = bench.watch("A06 cubes", &scene, |e| {
-        push.add_sample(e.clock.time, e.constraints.walls.impulse[0][0])
+        push.add_sample(e.clock.time, e.constraints.walls.impulse(0)[0])
     })?;
     let [from, to] = [0.02, 0.1].map(|x| bar.at([(x * N as f64) as usize, 0, 0]));
     let strain = (displacement(&run.engine, from)[0] - displacement(&run.engine, to)[0]) / 0.08;
@@ -358,7 +358,7 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
             for &n in block.all() {
                 fastest = fastest.max(mean_velocity(e, &[n], 2).abs());
             }
-            let now = e.ledger.energies(&e.nodes);
+            let now = e.ledger.energies(&e.nodes, &e.blocks).values();
             energy = energy.max(now.kinetic + now.internal + now.hourglass);
             ControlFlow::Continue(())
         })?;

@@ -284,7 +284,7 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         let (mut from, mut fastest) = (None, 0.0f64);
         let run = bench.watch(&format!("C15c {friction}"), &scene, |e| {
             if e.clock.time > 200.0 * period {
-                from.get_or_insert_with(|| (e.clock.time, e.constraints.walls.impulse.clone()));
+                from.get_or_insert_with(|| (e.clock.time, e.constraints.walls.impulses.clone()));
                 fastest =
                     (0..3).fold(fastest, |m, c| m.max(mean_velocity(e, block.all(), c).abs()));
             }
@@ -294,8 +294,8 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("friction {friction}");
         let span = run.engine.clock.time - since;
         let reaction = |c: usize| -> f64 {
-            let walls = run.engine.constraints.walls.impulse.iter().zip(&before);
-            walls.map(|(now, then)| now[c] - then[c]).sum::<f64>() / span
+            let walls = run.engine.constraints.walls.impulses.iter().zip(&before);
+            walls.map(|(now, then)| now[c].value() - then[c].value()).sum::<f64>() / span
         };
         all.push(run.given_row(&variant));
         for (c, axis) in ["x", "y", "z"].into_iter().enumerate() {

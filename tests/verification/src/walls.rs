@@ -204,7 +204,7 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
     let run = bench.watch("A06 wall", &scene, |e| {
-        push.add_sample(e.clock.time, e.constraints.walls.impulse[0][0])
+        push.add_sample(e.clock.time, e.constraints.walls.impulse(0)[0])
     })?;
     // Behind the plastic front, 0.16 m from the wall at the end.
     let [from, to] = [0.02, 0.1].map(|x| bar.at((x * N as f64) as usize, 0));

@@ -5,6 +5,8 @@ use crate::engine::checkpoint::Copied;
 use crumple_proto::checkpoint::{COMMON, FileRecord, Saved, folder_name, piece_name, write};
 use crumple_proto::job::Compression;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -22,6 +24,8 @@ pub struct Task {
     pub compression: Compression,
     /// Time of the copy.
     pub copy: Duration,
+    /// Counts the portions written.
+    pub progress: Arc<AtomicU64>,
 }
 
 impl Task {
@@ -37,45 +41,84 @@ impl Task {
         let folder = self.dir.join(folder_name(self.cycle));
         let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
         std::fs::create_dir_all(&folder).map_err(failed)?;
+        let count = || {
+            self.progress.fetch_add(1, Ordering::Relaxed);
+        };
         let words = piece_words(&self.copied.parcel, &self.copied.own);
-        let mut files = vec![
-            write(&folder, &piece_name(self.worker), &words, self.compression).map_err(failed)?,
-        ];
+        let name = piece_name(self.worker);
+        let mut files =
+            vec![write(&folder, &name, &words, self.compression, &count).map_err(failed)?];
         if !self.copied.common.is_empty() {
-            let common = write(&folder, COMMON, &self.copied.common, self.compression);
-            files.push(common.map_err(failed)?);
+            let common = &self.copied.common;
+            files.push(write(&folder, COMMON, common, self.compression, &count).map_err(failed)?);
         }
         Ok(files)
     }
 }
+
+/// Interval between two looks at the thread.
+const LOOK_EVERY: Duration = Duration::from_millis(2);
 
 /// The thread that writes, if one is at work.
 #[derive(Default)]
 pub struct Writer {
     thread: Option<JoinHandle<Saved>>,
     cycle: u64,
+    progress: Arc<AtomicU64>,
 }
 
 impl Writer {
-    /// Starts to write. [`Writer::wait`] must have returned the result of the last task.
-    pub fn start(&mut self, task: Task) {
-        self.cycle = task.cycle;
+    /// Starts to write, unless another task is still at work: the new one then fails at once, so
+    /// that no worker waits for a slow disk.
+    pub fn start(&mut self, task: Task) -> Option<Saved> {
+        if self.thread.is_some() {
+            let why = format!(
+                "the files of the checkpoint of cycle {} are still being written to {}",
+                self.cycle,
+                task.dir.display()
+            );
+            return Some(failed(task.cycle, why));
+        }
+        (self.cycle, self.progress) = (task.cycle, task.progress.clone());
         self.thread = Some(std::thread::spawn(|| task.run()));
+        None
     }
 
     /// Returns the result of the task, if it has ended.
     pub fn poll(&mut self) -> Option<Saved> {
-        if self.thread.as_ref()?.is_finished() { self.wait() } else { None }
+        if !self.thread.as_ref()?.is_finished() {
+            return None;
+        }
+        let ended = |_| failed(self.cycle, "the thread that writes ended early".into());
+        self.thread.take().map(|thread| thread.join().unwrap_or_else(ended))
     }
 
-    /// Waits for the task, if there is one, and returns its result.
-    pub fn wait(&mut self) -> Option<Saved> {
-        let failed = |_| Saved {
-            cycle: self.cycle,
-            files: Err("the thread that writes the checkpoint ended early".into()),
-            copy_s: 0.0,
-            write_s: 0.0,
-        };
-        self.thread.take().map(|thread| thread.join().unwrap_or_else(failed))
+    /// Waits for the task, if there is one, and returns its result. Gives it up if it makes no
+    /// progress for a time of `patience`: it then has failed.
+    pub fn wait(&mut self, patience: Duration) -> Option<Saved> {
+        let mut last = (self.progress.load(Ordering::Relaxed), Instant::now());
+        loop {
+            self.thread.as_ref()?;
+            if let Some(saved) = self.poll() {
+                return Some(saved);
+            }
+            let now = self.progress.load(Ordering::Relaxed);
+            if now != last.0 {
+                last = (now, Instant::now());
+            }
+            if last.1.elapsed() > patience {
+                self.thread = None; // it ends with the process
+                let why = format!(
+                    "no part of a file was written for {:.0} s: the file system hangs",
+                    patience.as_secs_f64()
+                );
+                return Some(failed(self.cycle, why));
+            }
+            std::thread::sleep(LOOK_EVERY);
+        }
     }
+}
+
+fn failed(cycle: u64, why: String) -> Saved {
+    Saved { cycle, files: Err(why), copy_s: 0.0, write_s: 0.0 }
 }

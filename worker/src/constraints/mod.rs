@@ -22,7 +22,7 @@ pub mod walls;
 
 use crate::contact::Contact;
 use crate::contact::surroundings::Exclusions;
-use crate::energy::Work;
+use crate::energy::{Ledger, WorkSum};
 use crate::math::row::Row;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
@@ -48,15 +48,6 @@ pub struct Constraints {
     pub ties: Ties,
     /// Touched nodes with their velocities after contact and before walls [length/time].
     before_walls: Vec<(u32, Row)>,
-}
-
-/// Work of constraints in a step that is known when all velocities are final.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ConstraintWork {
-    /// Work of walls on nodes and bodies, and of these on walls with a mass [energy].
-    pub walls: Work,
-    /// Work of external forces on rigid bodies: damping and prescribed motion [energy].
-    pub external: Work,
 }
 
 impl Constraints {
@@ -148,7 +139,7 @@ impl Constraints {
         Ok(())
     }
 
-    /// Lets constraints react to contact. Returns the work of walls and rigid bodies.
+    /// Lets constraints react to contact. Adds the work of walls and rigid bodies to the ledger.
     ///
     /// # Errors
     /// A worker is gone.
@@ -157,10 +148,9 @@ impl Constraints {
         comm: &mut dyn Transport,
         nodes: &mut Nodes,
         contact: Option<&Contact>,
-        time: f64,
-        steps: StepSizes,
-    ) -> Result<ConstraintWork, RankLost> {
-        let mut work = ConstraintWork::default();
+        (time, steps): (f64, StepSizes),
+        ledger: &mut Ledger,
+    ) -> Result<(), RankLost> {
         if let Some(contact) = contact {
             self.ties.distribute_contact_forces(comm, nodes, contact, steps)?;
         }
@@ -170,27 +160,27 @@ impl Constraints {
             let touched = contact.iter().flat_map(|c| c.contact_forces(nodes, steps));
             self.before_walls.extend(touched);
             self.ties.add_contact_forces(&mut self.before_walls, nodes, steps);
-            work.walls += self.walls.enforce(comm, nodes, &self.before_walls, steps)?;
+            let pushed = &self.before_walls;
+            self.walls.enforce(comm, nodes, pushed, steps, &mut ledger.wall)?;
         }
-        let on_bodies = self.bodies.finish(nodes, &mut self.walls, time, steps);
+        self.bodies.finish(nodes, &mut self.walls, time, steps, ledger);
         self.ties.update_slave_velocities(comm, nodes, steps.dt)?;
         if nodes.me == 0 {
-            work.walls += self.walls.work_on_masses(); // all workers know it: count it once
+            ledger.wall.add(self.walls.work_on_masses()); // all workers know it: count it once
         }
-        work.walls += on_bodies.wall;
-        work.external = on_bodies.external;
-        Ok(work)
+        Ok(())
     }
 
-    /// Returns the work of prescribed motions on owned nodes in the step, with final velocities
-    /// [energy].
-    pub fn prescribed_work(
+    /// Adds the work of prescribed motions on owned nodes in the step, with final velocities, to
+    /// `sum`.
+    pub fn add_prescribed_work(
         &self,
         nodes: &Nodes,
         contact: Option<&Contact>,
         steps: StepSizes,
-    ) -> Work {
-        self.prescribed.work(nodes, (contact, &self.ties), steps)
+        sum: &mut WorkSum,
+    ) {
+        self.prescribed.add_work(nodes, (contact, &self.ties), steps, sum);
     }
 
     /// Moves rigid bodies with their members, and walls, to their positions at the end of the step.

@@ -8,7 +8,7 @@
 use crate::constraints::ties::Ties;
 use crate::contact::Contact;
 use crate::curve::Curve;
-use crate::energy::Work;
+use crate::energy::{Work, WorkSum};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
@@ -99,16 +99,16 @@ impl Prescribed {
         }
     }
 
-    /// Returns the work of the constraint on owned nodes in the step [energy]. The constraint
+    /// Adds the work of the constraint on owned nodes in the step to `sum`. The constraint
     /// exerts the forces that the prescribed velocities need in addition to all others, contact
     /// included.
-    pub fn work(
+    pub fn add_work(
         &self,
         nodes: &Nodes,
         (contact, ties): (Option<&Contact>, &Ties),
         steps: StepSizes,
-    ) -> Work {
-        let mut work = Work::default();
+        sum: &mut WorkSum,
+    ) {
         for m in &self.motions {
             for &n in m.nodes.iter().filter(|&&n| nodes.is_owned(n as usize)) {
                 let i = n as usize;
@@ -121,18 +121,17 @@ impl Prescribed {
                         let (a, b) = (nodes.v[i][c], nodes.v_next[i][c]);
                         let impulse = nodes.mass[i] * (b - a)
                             - steps.dt_velocity * (nodes.force[i][c] + pushed[c]);
-                        work += Work::from_impulse(impulse, a, b);
+                        sum.add(Work::from_impulse(impulse, a, b));
                     }
                     if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
                         let (a, b) = (nodes.w[i][c], nodes.w_next[i][c]);
                         let impulse = nodes.inertia[i] * (b - a)
                             - steps.dt_velocity * (nodes.moment[i][c] + turned[c]);
-                        work += Work::from_impulse(impulse, a, b);
+                        sum.add(Work::from_impulse(impulse, a, b));
                     }
                 }
             }
         }
-        work
     }
 }
 
@@ -162,20 +161,15 @@ mod tests {
         });
         p.bind_local(&nodes);
         let dt = 2.0 / steps as f64;
-        let mut work = 0.0;
+        let mut work = WorkSum::default();
+        let sizes = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
         for i in 0..steps {
             nodes.accelerate(dt);
             p.apply(&mut nodes, i as f64 * dt, dt);
-            work += p
-                .work(
-                    &nodes,
-                    (None, &Ties::default()),
-                    StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt },
-                )
-                .total();
+            p.add_work(&nodes, (None, &Ties::default()), sizes, &mut work);
             nodes.advance(dt);
         }
-        (nodes, work)
+        (nodes, work.total())
     }
 
     /// Each form of motion ends at its integral, to round-off. The work equals the kinetic

@@ -25,9 +25,23 @@ pub struct ConstraintStateView<'a> {
     ties: &'a Ties,
 }
 
+impl ConstraintState {
+    /// Checks that the state has the bodies and walls of a job.
+    ///
+    /// # Errors
+    /// It has others: the reason.
+    pub fn fit(&self, settings: &Settings) -> Result<(), String> {
+        let (walls, jobs) = (self.walls.len(), settings.walls.len());
+        if walls > jobs {
+            return Err(format!("it has {walls} walls, and the job has {jobs}"));
+        }
+        self.bodies.fit(&settings.rigid)
+    }
+}
+
 impl Constraints {
     /// Returns the state that all workers have in common. The impulses of walls,
-    /// [`Walls::impulse`], are sums of one worker and not part of it.
+    /// [`Walls::impulses`], are sums of one worker and not part of it.
     pub fn state(&self) -> ConstraintStateView<'_> {
         // Prescribed motions are functions of time; `before_walls` belongs to one step.
         let Self { prescribed: _, bodies, walls, ties, before_walls: _ } = self;

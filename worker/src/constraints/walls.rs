@@ -12,13 +12,15 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::energy::Work;
+use crate::energy::{Work, WorkSum};
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
+use crumple_proto::exact_sum::ExactSum;
+use crumple_proto::histories::each_value;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{Mailbox, RankLost, Transport};
-use crumple_proto::wall::{Wall as WallJob, WallMotion};
+use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
 pub use shape::Surface;
@@ -68,7 +70,9 @@ pub struct Walls {
     /// Number of walls with a mass.
     pushed: usize,
     /// Impulse of each wall on owned nodes so far [force time].
-    pub impulse: Vec<[f64; 3]>,
+    pub impulses: Vec<[ExactSum; 3]>,
+    /// Number of walls that were there before the run continued; all of them in a new run.
+    known: usize,
     near: Vec<RecoilCandidate>,
     mail: Mailbox,
 }
@@ -84,7 +88,8 @@ impl Walls {
         Self {
             order,
             pushed,
-            impulse: vec![[0.0; 3]; walls.len()],
+            impulses: vec![Default::default(); walls.len()],
+            known: walls.len(),
             walls,
             near: Vec::new(),
             mail: Mailbox::default(),
@@ -114,6 +119,7 @@ impl Walls {
 
     /// Sets the states of all walls.
     pub fn restore(&mut self, states: &[WallState]) {
+        self.known = states.len();
         for (wall, state) in self.walls.iter_mut().zip(states) {
             wall.surface = state.surface.clone();
             (wall.last, wall.next) = (state.last, state.next);
@@ -121,6 +127,27 @@ impl Walls {
                 *to = known;
             }
         }
+    }
+
+    /// Returns the owned nodes that start behind the planes that are new since the checkpoint, with
+    /// the number of the wall and the depth [length]. A node that a step of size `dt` could have
+    /// moved there does not count.
+    pub fn behind_new<'a>(
+        &'a self,
+        nodes: &'a Nodes,
+        dt: f64,
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+        let planes = self.walls.iter().enumerate().skip(self.known);
+        let planes = planes.filter(|(_, wall)| wall.job.form == WallForm::Plane);
+        planes.flat_map(move |(w, wall)| {
+            let owned = (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
+            let met = owned.filter(|&i| wall.meets.get(i) != Some(&false));
+            met.filter_map(move |i| {
+                let depth = -wall.surface.distance(&V3::from(xyz(&nodes.x[i])));
+                let moved = dt * V3::from(xyz(&nodes.v[i])).norm();
+                (depth > moved && nodes.fixed[i] & 7 != 7).then_some((w, i, depth))
+            })
+        })
     }
 
     /// Returns true if the model has no walls.
@@ -176,8 +203,8 @@ impl Walls {
     }
 
     /// Keeps all local nodes in front of the walls, starting from their velocities in `v_next`,
-    /// or from those in `pushed` for nodes of contact pairs (ascending). Returns the work on
-    /// owned nodes [energy].
+    /// or from those in `pushed` for nodes of contact pairs (ascending). Adds the work on owned
+    /// nodes to `work`.
     ///
     /// # Errors
     /// A worker is gone.
@@ -187,7 +214,8 @@ impl Walls {
         nodes: &mut Nodes,
         pushed: &[(u32, Row)],
         steps: StepSizes,
-    ) -> Result<Work, RankLost> {
+        work: &mut WorkSum,
+    ) -> Result<(), RankLost> {
         let dt = steps.dt;
         for k in 0..self.pushed {
             self.wall_contact(k, comm, nodes, pushed, dt)?;
@@ -195,19 +223,18 @@ impl Walls {
         let local = pushed.partition_point(|p| (p.0 as usize) < nodes.local_count);
         let (touched, ghosts) = pushed.split_at(local);
         touched.iter().for_each(|&(i, free)| nodes.v_next[i as usize] = free);
-        let work = self.enforce_on_local(nodes, steps);
+        self.enforce_on_local(nodes, steps, work);
         // Ghosts too, if a wall with a mass has changed its velocity since contact: contact
         // stores the slip of pairs.
         for &(i, free) in ghosts.iter().filter(|_| self.pushed > 0) {
             nodes.v_next[i as usize] = self.stop(nodes, i as usize, free, dt);
         }
-        Ok(work)
+        Ok(())
     }
 
-    /// Keeps all local nodes in front of the walls, from their velocities in `v_next`. Returns the
-    /// work on owned nodes [energy].
-    fn enforce_on_local(&mut self, nodes: &mut Nodes, steps: StepSizes) -> Work {
-        let mut work = Work::default();
+    /// Keeps all local nodes in front of the walls, from their velocities in `v_next`. Adds the
+    /// work on owned nodes to `work`.
+    fn enforce_on_local(&mut self, nodes: &mut Nodes, steps: StepSizes, work: &mut WorkSum) {
         let (mut next, end) = (0, nodes.local_count);
         while next < end {
             // Nearly all nodes stay clear of all walls.
@@ -218,11 +245,10 @@ impl Walls {
             let free = nodes.v_next[i];
             nodes.v_next[i] = self.stop(nodes, i, free, steps.dt);
             if nodes.is_owned(i) && nodes.v_next[i] != free {
-                work += self.book(nodes, i, free, steps);
+                work.add(self.book(nodes, i, free, steps));
             }
             next = i + 1;
         }
-        work
     }
 
     /// Computes the velocity of the `k`-th wall with a mass from the nodes of all workers,
@@ -269,8 +295,8 @@ impl Walls {
             for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                 v[c] += change[c];
                 let p = nodes.mass[i] * change[c] * steps.given();
-                self.impulse[w][c] += p;
-                work += Work::from_impulse(p, nodes.v[i][c], nodes.v_next[i][c]);
+                self.impulses[w][c].add(p);
+                work = work + Work::from_impulse(p, nodes.v[i][c], nodes.v_next[i][c]);
             }
         }
         work
@@ -280,6 +306,16 @@ impl Walls {
     pub fn give_way(&mut self, wall: usize, impulse: &V3) {
         let w = &mut self.walls[wall];
         w.next -= w.recoil(impulse);
+    }
+
+    /// Makes room in the sums of impulses for more terms.
+    pub fn carry(&mut self) {
+        self.impulses.iter_mut().flatten().for_each(ExactSum::carry);
+    }
+
+    /// Returns the impulse of a wall on owned nodes so far [force time].
+    pub fn impulse(&self, wall: usize) -> [f64; 3] {
+        each_value(&self.impulses[wall])
     }
 
     /// Returns the work of nodes and bodies on walls with a mass in the step [energy].

@@ -11,15 +11,15 @@
 //! of these rates.
 //!
 //! The norm is that of the energy of a force in the pair's own compliance, `c |f|^2`. Its sums
-//! are exact, so they are equal for any number of workers (`exact_sum.rs`). If pairs close or
-//! open, or if a residual grows, the function G has changed: the history is dropped, and the
-//! next forces are those of the sweep itself.
+//! are exact, so they are equal for any number of workers (`proto/src/exact_sum.rs`). If pairs
+//! close or open, or if a residual grows, the function G has changed: the history is dropped, and
+//! the next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
 use crate::contact::pairs::Pair;
 use crate::contact::surroundings::Peers;
-use crate::math::exact_sum::{ExactSum, WORDS};
 use crate::math::row::V3;
+use crumple_proto::exact_sum::{ExactSum, WORDS};
 use crumple_proto::transport::RankLost;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
@@ -104,7 +104,7 @@ impl Acceleration {
         words.push(changed.into());
         peers.sum(&mut words)?;
         let changed = words[words.len() - 1] > 0;
-        let sums: Vec<f64> = words.chunks_exact(WORDS).map(ExactSum::value).collect();
+        let sums: Vec<f64> = words.chunks_exact(WORDS).map(ExactSum::value_of).collect();
         let size = sums[2 * n];
         if n > 0 {
             if self.products.nrows() < n {

@@ -669,21 +669,20 @@ impl Contact {
         }
     }
 
-    /// Adds the work of contact with the current velocities, and stores the pair histories of
-    /// the slaves.
-    pub fn finish_step(&mut self, nodes: &Nodes, steps: StepSizes) -> ContactWork {
+    /// Adds the work of contact with the current velocities to `work`, and stores the pair
+    /// histories of the slaves.
+    pub fn finish_step(&mut self, nodes: &Nodes, steps: StepSizes, work: &mut ContactWork) {
         self.update_pressures(nodes);
         let t = &mut self.table;
-        let mut work = ContactWork::default();
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             let velocity = p.relative_velocity(nodes);
             let sheared = p.force - p.normal * p.force.dot(&p.normal);
             // Friction uses the velocity of the next mid-step; half of its work is done by the
             // present time.
             let slid = 0.5 * steps.dt_velocity * sheared.dot(&velocity);
-            work.friction += Work { before: slid, after: slid };
+            work.friction.add(Work { before: slid, after: slid });
             if p.initial_gap < 0.0 {
-                work.starting += p.work(nodes, steps.dt_velocity);
+                work.starting.add(p.work(nodes, steps.dt_velocity));
             }
             let law = self.laws.of_pair(p);
             p.slip = law.slip(p, &velocity, steps);
@@ -692,20 +691,20 @@ impl Contact {
         for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_owned(**n as usize))
         {
             let (before, after) = (&nodes.v[n as usize], &nodes.v_next[n as usize]);
-            work.total += Work::from_impulses(&row((f * steps.dt_velocity).into()), before, after);
+            let impulse = row((f * steps.dt_velocity).into());
+            work.total.add(Work::from_impulses(&impulse, before, after));
         }
         for (&n, couple) in
             t.touched.iter().zip(&t.couples).filter(|(n, _)| nodes.is_owned(**n as usize))
         {
             let (before, after) = (&nodes.w[n as usize], &nodes.w_next[n as usize]);
-            work.total +=
-                Work::from_impulses(&row((couple * steps.dt_velocity).into()), before, after);
+            let impulse = row((couple * steps.dt_velocity).into());
+            work.total.add(Work::from_impulses(&impulse, before, after));
         }
         self.store_histories();
         let t = &self.table;
         self.edges.store_history(t.pairs.iter());
         self.facets.store_history(t.pairs.iter());
-        work
     }
 
     /// Stores the pair histories of the slaves.

@@ -11,7 +11,6 @@ use crate::constraints::{ConstraintState, Constraints};
 use crate::contact::Contact;
 use crate::contact::state::ContactState;
 use crate::energy::Ledger;
-use crate::fem::blocks::Blocks;
 use crate::histories::{ContactSums, Histories};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
@@ -22,6 +21,8 @@ use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
+use crumple_proto::exact_sum::ExactSum;
+use crumple_proto::histories::merge_each;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{PHASES, PhaseSeconds};
 use crumple_proto::transport::{RankLost, Transport};
@@ -43,12 +44,21 @@ pub struct CommonState {
     erosions: u64,
 }
 
+impl CommonState {
+    /// Checks that the state has the bodies and walls of a job.
+    ///
+    /// # Errors
+    /// It has others: the reason.
+    pub fn fit(&self, settings: &Settings) -> Result<(), String> {
+        self.constraints.fit(settings)
+    }
+}
+
 /// Sums of one worker.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct WorkerState {
     ledger: Ledger,
-    by_part: Vec<[f64; 2]>,
-    wall_impulse: Vec<[f64; 3]>,
+    wall_impulses: Vec<[ExactSum; 3]>,
     contact: ContactState,
     contact_sums: ContactSums,
     seconds: PhaseSeconds,
@@ -64,13 +74,10 @@ impl WorkerState {
     /// Adds the sums of another worker.
     pub fn add(&mut self, o: &Self) {
         self.ledger.add(&o.ledger);
-        self.by_part.resize(self.by_part.len().max(o.by_part.len()), [0.0; 2]);
-        for (a, b) in self.by_part.iter_mut().zip(&o.by_part) {
-            (0..2).for_each(|i| a[i] += b[i]);
-        }
-        self.wall_impulse.resize(self.wall_impulse.len().max(o.wall_impulse.len()), [0.0; 3]);
-        for (a, b) in self.wall_impulse.iter_mut().zip(&o.wall_impulse) {
-            (0..3).for_each(|i| a[i] += b[i]);
+        let walls = self.wall_impulses.len().max(o.wall_impulses.len());
+        self.wall_impulses.resize(walls, Default::default());
+        for (a, b) in self.wall_impulses.iter_mut().zip(&o.wall_impulses) {
+            merge_each(a, b);
         }
         self.contact.add(&o.contact);
         self.contact_sums.add(&o.contact_sums);
@@ -148,9 +155,8 @@ impl Engine {
         Ok(Copied {
             parcel: parcel?,
             own: WorkerState {
-                ledger: *ledger,
-                by_part: blocks.by_part.clone(),
-                wall_impulse: constraints.walls.impulse.clone(),
+                ledger: ledger.clone(),
+                wall_impulses: constraints.walls.impulses.clone(),
                 contact: contact.as_ref().map(Contact::state).unwrap_or_default(),
                 contact_sums: histories.contact_sums(),
                 seconds: timer.seconds,
@@ -183,10 +189,12 @@ impl Engine {
             local.nodes.retain_outer_means(&means);
         }
         let mut constraints = Constraints::restore(&settings, common.constraints);
+        let known_bodies = constraints.bodies.bodies.len();
+        constraints.bodies.extend(comm, &settings, &local.nodes)?;
         constraints.bind_local(comm, &mut local.nodes)?;
-        if own.wall_impulse.len() == constraints.walls.impulse.len() {
-            constraints.walls.impulse = own.wall_impulse;
-        }
+        let walls = constraints.walls.impulses.len();
+        constraints.walls.impulses = own.wall_impulses;
+        constraints.walls.impulses.resize(walls, Default::default());
         let mut agreement = StepReduction::new();
         [agreement.elements_dt, agreement.contact_dt] = common.limits;
         let mut timer = Timer::default();
@@ -217,9 +225,14 @@ impl Engine {
             tree,
             agreement,
         };
-        let Blocks { by_part, slow_dt, .. } = &mut engine.blocks;
-        (*by_part, *slow_dt) = (own.by_part, common.slow_dt);
-        by_part.resize(engine.settings.parts.len(), [0.0; 2]);
+        engine.blocks.slow_dt = common.slow_dt;
+        if known_bodies < engine.settings.rigid.len() {
+            let before = engine.energies(true).stored();
+            engine.carry_members(known_bodies);
+            let after = engine.energies(true).stored();
+            engine.ledger.external.transfer(&before, &after);
+            engine.renew(comm, engine.tree.clone())?; // ghosts of members are constrained too
+        }
         engine.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         if let Some(contact) = &mut engine.contact {
             contact.restore(own.contact, common.started);

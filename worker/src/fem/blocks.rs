@@ -6,7 +6,9 @@
 
 use crate::fem::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::fem::columns::{HistoryColumns, State};
-use crate::fem::elements::{Element, ElementNodalForces, ElementPass, PassTotals, build_block};
+use crate::fem::elements::{
+    Element, ElementEnergies, ElementNodalForces, ElementPass, PassTotals, build_block,
+};
 use crate::math::row::{Row, xyz};
 use crate::nodes::NodeView;
 use crate::nodes::Nodes;
@@ -66,6 +68,9 @@ pub struct Block {
     groups: Vec<u32>,
     /// History columns.
     history: HistoryColumns,
+    /// Internal energy, and hourglass and drilling energy, of each element so far, with padding
+    /// [energy].
+    energies: [Vec<f64>; 2],
     /// For each group, true if it was never strained: its forces are zero while all its nodes
     /// move alike.
     unstrained: Vec<bool>,
@@ -91,9 +96,6 @@ pub struct Blocks {
     /// Own elements, by block and index in the block, that may use only a part of their mass:
     /// their stable step is shorter than that of the kernel.
     weak: Vec<[usize; 2]>,
-    /// Internal energy, and hourglass and drilling energy, of own elements so far by part; empty
-    /// unless histories need it [energy].
-    pub by_part: Vec<[f64; 2]>,
     /// True if [`Self::compute_all`] was called.
     pub all_computed: bool,
     /// True if the CPU time of batches is measured in this cycle, for [`Self::kernel_seconds`].
@@ -161,6 +163,24 @@ impl Block {
         self.history.element(index)
     }
 
+    /// Returns the internal energy of an element so far, and its hourglass and drilling energy
+    /// [energy].
+    pub fn energies(&self, index: usize) -> [f64; 2] {
+        self.energies.each_ref().map(|column| column[index])
+    }
+
+    /// Returns the state of an element for its next worker: history columns and energies.
+    pub fn columns(&self, index: usize) -> Vec<f64> {
+        let mut columns = self.state(index).to_vec();
+        columns.extend(self.energies(index));
+        columns
+    }
+
+    /// Returns the number of columns of an element of this kind on its way to another worker.
+    pub fn columns_of(element: &dyn Element) -> usize {
+        element.columns() + 2
+    }
+
     /// Returns the number of elements per group.
     pub fn lanes(&self) -> usize {
         self.history.lanes()
@@ -187,8 +207,7 @@ impl Block {
 }
 
 impl Blocks {
-    /// Sorts elements into blocks. `history[i]` are the columns of `elements[i]`, empty for a new
-    /// element.
+    /// Sorts elements into blocks, each with its [`Block::columns`], empty for a new element.
     ///
     /// # Panics
     /// If a part cannot be built; the master checks all parts before it distributes
@@ -230,7 +249,6 @@ impl Blocks {
                 .fold(f64::INFINITY, f64::min),
             elements,
             blocks,
-            by_part: Vec::new(),
             all_computed: false,
             timed: false,
             force: Vec::new(),
@@ -243,6 +261,15 @@ impl Blocks {
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
         all
+    }
+
+    /// Returns each own element with its internal energy so far, and its hourglass and drilling
+    /// energy [energy].
+    pub fn energies(&self) -> impl Iterator<Item = (&LocalElement, [f64; 2])> {
+        self.blocks.iter().flat_map(|b| {
+            let own = self.elements[b.first..b.first + b.count].iter();
+            own.enumerate().map(|(i, e)| (e, b.energies(i)))
+        })
     }
 
     /// Returns own elements that have failed and are still in the contact surface, as indices
@@ -282,7 +309,7 @@ impl Blocks {
         let records =
             size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
-            history: self.blocks.iter().map(|b| b.history.bytes()).sum(),
+            history: self.blocks.iter().map(Block::history_bytes).sum(),
             force: size_of_val(&self.force[..]),
             moment: size_of_val(&self.moment[..]),
             connectivity: records + lists,
@@ -443,10 +470,6 @@ impl Blocks {
                 b.forces(batch.groups.clone(), nodes.view(), dt, out)
             };
             pass.trouble = pass.trouble.map(|i| b.first + i);
-            if let Some(energy) = self.by_part.get_mut(self.elements[b.first].record.part as usize)
-            {
-                *energy = [energy[0] + pass.internal, energy[1] + pass.hourglass];
-            }
             totals.add(&pass);
             self.assemble_nodal(&plan, nodes, &plan.early[batch.nodes.clone()]);
             if let Some(before) = &mut clock {
@@ -468,13 +491,13 @@ impl Blocks {
         self.plans[1].slots_of(i).is_empty() && !self.plans[0].slots_of(i).is_empty()
     }
 
-    /// Returns the sum of `f_s f_f / m` over owned nodes with slow and fast elements, at the
+    /// Returns the terms `f_s f_f / m` of owned nodes with slow and fast elements, at the
     /// start of an outer step [energy/time^2]. f_s are the forces of slow elements, f_f all
     /// others but contact forces, m masses or inertias.
-    pub fn subcycle_coupling(&self, nodes: &Nodes) -> f64 {
+    pub fn subcycle_coupling<'a>(&'a self, nodes: &'a Nodes) -> impl Iterator<Item = f64> + 'a {
         let cycles = self.subcycles as f64;
         let [all, fast] = &self.plans;
-        let product = |column: &[Row], force: &Row, inverse: &Row, i: usize| {
+        let product = move |column: &[Row], force: &Row, inverse: &Row, i: usize| {
             let sum = |plan: &AssemblyPlan, c: usize| {
                 plan.slots_of(i).iter().map(|&s| column[s as usize][c]).sum::<f64>()
             };
@@ -484,14 +507,14 @@ impl Blocks {
             };
             (0..3).map(of).sum::<f64>()
         };
-        let of = |i: usize| {
+        let of = move |i: usize| {
             let turning = match self.moment.is_empty() {
                 true => 0.0,
                 false => product(&self.moment, &nodes.moment[i], &nodes.inv_inertia[i], i),
             };
             product(&self.force, &nodes.force[i], &nodes.inv_mass[i], i) + turning
         };
-        self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_owned(i)).map(of).sum()
+        self.between.iter().map(|&i| i as usize).filter(move |&i| nodes.is_owned(i)).map(of)
     }
 
     /// Assembles the local nodes that are not assembled yet.
@@ -522,12 +545,16 @@ impl Blocks {
         }
     }
 
-    /// Writes the corner masses and inertias of own elements at initial coordinates into the
-    /// slots.
-    pub fn set_corner_masses(&mut self, nodes: &Nodes) {
+    /// Writes the corner masses and inertias of own elements of the `counted` parts, at initial
+    /// coordinates, into the slots.
+    pub fn set_corner_masses(&mut self, nodes: &Nodes, counted: impl Fn(u32) -> bool) {
+        self.force.fill([0.0; 4]);
         let slots = self.first_slots();
         for b in &self.blocks {
             let own = b.first..b.first + b.count;
+            if !counted(self.elements[b.first].record.part) {
+                continue;
+            }
             for (e, &slot) in self.elements[own.clone()].iter().zip(&slots[own]) {
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
                 let (m, j) = b.element.corner_mass(&x, e.record.own);
@@ -551,6 +578,25 @@ impl Blocks {
             nodes.invert_mass(i);
         }
         // Rigid elements do not overwrite their slots.
+        self.force.fill([0.0; 4]);
+    }
+
+    /// Removes the corner masses in the slots from the nodes, in ascending element id.
+    pub fn remove_masses(&mut self, nodes: &mut Nodes) {
+        for i in 0..nodes.local_count {
+            let (mut mass, mut inertia) = (0.0, 0.0);
+            for &slot in self.plans[0].slots_of(i) {
+                mass += self.force[slot as usize][0];
+                inertia += self.force[slot as usize][1];
+            }
+            if mass > 0.0 {
+                nodes.mass[i] -= mass;
+                if nodes.rotations {
+                    nodes.inertia[i] -= inertia;
+                }
+                nodes.invert_mass(i);
+            }
+        }
         self.force.fill([0.0; 4]);
     }
 
@@ -657,6 +703,7 @@ impl Block {
             slots,
             groups: vec![0; groups * slots * lanes],
             history,
+            energies: [(); 2].map(|()| vec![0.0; groups * lanes]),
             unstrained: vec![false; groups],
             fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
             interface,
@@ -673,15 +720,16 @@ impl Block {
             (0..slots).for_each(|c| {
                 b.groups[(place / lanes * slots + c) * lanes + place % lanes] = run[i].nodes[c]
             });
-            if histories[i].is_empty() {
+            if let Some((state, energies)) = histories[i].split_last_chunk::<2>() {
+                b.history.set(place, state);
+                b.energies.iter_mut().zip(energies).for_each(|(column, &e)| column[place] = e);
+            } else {
                 fresh.fill(0.0);
                 b.element.start(&mut fresh, run[i].record.own);
                 if let Ok(at) = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0) {
                     b.element.orient(&mut fresh, settings.axes[at].1);
                 }
                 b.history.set(place, &fresh);
-            } else {
-                b.history.set(place, &histories[i]);
             }
         }
         for (group, unstrained) in b.unstrained.iter_mut().enumerate() {
@@ -689,6 +737,11 @@ impl Block {
                 .all(|i| b.element.is_unstrained(b.history.element(i)));
         }
         b
+    }
+
+    /// Returns the bytes of history columns and energies.
+    fn history_bytes(&self) -> usize {
+        self.history.bytes() + self.energies.iter().map(|e| size_of_val(&e[..])).sum::<usize>()
     }
 
     /// Returns the number of slots of a group.
@@ -720,6 +773,7 @@ impl Block {
     ) -> PassTotals {
         let (groups, history, unstrained) =
             (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
+        let [internal, hourglass] = &mut self.energies;
         self.element.forces(ElementPass {
             range,
             count: self.count,
@@ -729,6 +783,7 @@ impl Block {
             nodes,
             dt,
             out,
+            energies: ElementEnergies { internal, hourglass },
         })
     }
 }

@@ -1,6 +1,5 @@
 //! Mathematics that does not depend on nodes, elements or workers.
 
-pub mod exact_sum;
 pub mod lanes;
 pub mod rigid_motion;
 pub mod row;

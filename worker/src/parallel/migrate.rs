@@ -14,7 +14,7 @@ use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all};
 use std::collections::{BTreeMap, HashMap};
 
-/// Element in a message, followed by `columns` history numbers.
+/// Element in a message, followed by `columns` numbers: history and energies.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireElement {
@@ -84,14 +84,20 @@ impl Parcel {
     }
 }
 
-/// Adds the items of a message to a partition.
-pub fn unpack(words: Vec<u64>, share: &mut PartitionData) {
+/// Adds the items of a message to a partition. Returns `None` if it is no such message; the
+/// partition then has a part of it.
+pub fn unpack(words: Vec<u64>, share: &mut PartitionData) -> Option<()> {
     let mut mail = Mailbox::from_words(words);
-    let header: Header = mail.take();
-    share.elements.extend((0..header.elements).map(|_| take_element(&mut mail)));
-    share.nodes.extend_from_slice(mail.take_many(header.nodes as usize));
-    share.memories.extend((0..header.histories).map(|_| take_histories(&mut mail)));
-    share.means.extend_from_slice(mail.take_many(header.means as usize));
+    let header: Header = mail.checked_take()?;
+    for _ in 0..header.elements {
+        share.elements.push(take_element(&mut mail)?);
+    }
+    share.nodes.extend_from_slice(mail.checked_take_many(header.nodes)?);
+    for _ in 0..header.histories {
+        share.memories.extend([take_histories(&mut mail)?]);
+    }
+    share.means.extend_from_slice(mail.checked_take_many(header.means)?);
+    mail.is_read().then_some(())
 }
 
 /// Sends every element of the local mesh to the worker whose box contains its centre. Returns
@@ -165,7 +171,7 @@ pub fn centre_of_record(e: &ElementRecord, place: impl Fn(NodeId) -> [f64; 3]) -
 fn exchange(comm: &mut dyn Transport, parcels: Vec<Vec<u64>>) -> Result<PartitionData, RankLost> {
     let mut share = PartitionData::default();
     for words in exchange_all(comm, parcels)? {
-        unpack(words, &mut share);
+        unpack(words, &mut share).expect("workers send whole messages");
     }
     Ok(share)
 }
@@ -188,7 +194,7 @@ fn pack_local(
     let memories = gather_memories(comm, local, contact)?;
     let elements = local.blocks.blocks.iter().flat_map(|b| {
         let own = local.blocks.elements[b.first..b.first + b.count].iter().enumerate();
-        own.map(|(i, e)| (&e.record, e.nodes, b.state(i).to_vec(), to(e)))
+        own.map(|(i, e)| (&e.record, e.nodes, b.columns(i), to(e)))
     });
     Ok(pack(count, elements, |n: u32| {
         let record = local.nodes.record(n as usize);
@@ -256,7 +262,7 @@ fn gather_memories(
     for (_, words) in parcels.into_iter().enumerate().filter(|(w, _)| *w != me) {
         let mut mail = Mailbox::from_words(words);
         while !mail.is_read() {
-            let (id, list) = take_histories(&mut mail);
+            let (id, list) = take_histories(&mut mail).expect("workers send whole messages");
             all.entry(id).or_default().extend(list);
         }
     }
@@ -284,12 +290,12 @@ fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
     mail.extend(columns);
 }
 
-fn take_element(mail: &mut Mailbox) -> (ElementRecord, Vec<f64>) {
-    let e: WireElement = mail.take();
+fn take_element(mail: &mut Mailbox) -> Option<(ElementRecord, Vec<f64>)> {
+    let e: WireElement = mail.checked_take()?;
     let record = ElementRecord {
         id: e.id,
         part: e.part,
-        shape: Shape::ALL[e.shape as usize],
+        shape: *Shape::ALL.get(usize::from(e.shape))?,
         nodes: e.nodes,
         free_faces: e.free_faces as u8,
         failed: e.free_faces >> 8 & 1 == 1,
@@ -302,7 +308,7 @@ fn take_element(mail: &mut Mailbox) -> (ElementRecord, Vec<f64>) {
         share: e.share,
         stable_dt: e.stable_dt,
     };
-    (record, mail.take_many(e.columns as usize).to_vec())
+    Some((record, mail.checked_take_many(e.columns)?.to_vec()))
 }
 
 fn put_histories(mail: &mut Mailbox, node: NodeId, list: &[PairHistory]) {
@@ -311,9 +317,9 @@ fn put_histories(mail: &mut Mailbox, node: NodeId, list: &[PairHistory]) {
     mail.extend(list);
 }
 
-fn take_histories(mail: &mut Mailbox) -> (NodeId, Vec<PairHistory>) {
-    let (node, count): (NodeId, u64) = (mail.take(), mail.take());
-    (node, mail.take_many(count as usize).to_vec())
+fn take_histories(mail: &mut Mailbox) -> Option<(NodeId, Vec<PairHistory>)> {
+    let (node, count): (NodeId, u64) = (mail.checked_take()?, mail.checked_take()?);
+    Some((node, mail.checked_take_many(count)?.to_vec()))
 }
 
 #[cfg(test)]
@@ -374,7 +380,8 @@ mod tests {
         remembered.iter().for_each(|(&node, list)| parcel.add_histories(node, list));
 
         let mut arrived = PartitionData::default();
-        unpack(parcel.into_words(), &mut arrived);
+        let words = parcel.into_words();
+        unpack(words.clone(), &mut arrived).unwrap();
         let bits = |all: &[(ElementRecord, Vec<f64>)]| -> Vec<Vec<u64>> {
             all.iter().map(|(_, h)| h.iter().map(|a| a.to_bits()).collect()).collect()
         };
@@ -383,7 +390,12 @@ mod tests {
         assert_eq!((arrived.memories, arrived.nodes.len()), (remembered, 0));
         assert_eq!(arrived.means, [mean]);
         let mut none = PartitionData::default();
-        unpack(Parcel::default().into_words(), &mut none);
+        unpack(Parcel::default().into_words(), &mut none).unwrap();
         assert!(none.elements.is_empty() && none.nodes.is_empty() && none.memories.is_empty());
+        for cut in 0..words.len() {
+            assert!(unpack(words[..cut].to_vec(), &mut PartitionData::default()).is_none());
+        }
+        let more = [&words[..], &[0]].concat();
+        assert!(unpack(more, &mut PartitionData::default()).is_none());
     }
 }

@@ -20,7 +20,7 @@ use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, gather_all};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Data of one worker, as distributed at the start or migrated.
 #[derive(Default)]
@@ -34,6 +34,17 @@ pub struct PartitionData {
     /// Mean translational and rotational velocities of nodes in the outer step; duplicates are
     /// possible. Empty without subcycles.
     pub means: Vec<OuterStepMean>,
+}
+
+impl PartitionData {
+    /// Removes the elements of some parts, and the nodes that no other element has.
+    pub fn remove_parts(&mut self, parts: &[u32]) {
+        self.elements.retain(|(e, _)| !parts.contains(&e.part));
+        let used: BTreeSet<NodeId> = self.elements.iter().flat_map(|(e, _)| e.nodes).collect();
+        self.nodes.retain(|n| used.contains(&n.id));
+        self.memories.retain(|id, _| used.contains(id));
+        self.means.retain(|m| used.contains(&m.id));
+    }
 }
 
 /// Local mesh and links of a worker.
@@ -150,7 +161,7 @@ pub fn build_local_mesh(
         link_element_forces(comm, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
         blocks.measure(&nodes);
-        blocks.set_corner_masses(&nodes);
+        blocks.set_corner_masses(&nodes, |_| true);
         halo.send_element_forces(comm, &blocks, ElementSet::All)?;
         halo.recv_element_forces(comm, &mut blocks, ElementSet::All)?;
         blocks.assemble_masses(&mut nodes);

@@ -23,6 +23,7 @@ mod mesh;
 mod numbering;
 pub mod report;
 mod resolve;
+mod restart;
 mod rigid;
 mod sets;
 mod springs;
@@ -237,13 +238,14 @@ fn build(
     sources.job.tree = tree.clone();
     validate::job(&mut tree, findings);
     let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
-    let job: Job = match tree.to_value().try_into() {
+    let mut job: Job = match tree.to_value().try_into() {
         Ok(job) => job,
         Err(error) => {
             findings.add(Problem::error("", error.message(), "correct the job"));
             return None;
         }
     };
+    restart::add(&mut job, findings);
     let mesh = read_mesh(&job, path, deck, sources, findings);
     resolve::check(&job, workers_given, findings);
 
@@ -293,7 +295,7 @@ fn build(
     }
     let mut elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
     if let Some((_, dt)) = state::smallest(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()) {
-        walls::behind(&settings, &mesh, &nodes, dt, state::fastest_wave(&job), findings);
+        walls::behind(&job, &settings, &mesh, &nodes, dt, findings);
     }
     if findings.any_error() {
         return None;

@@ -133,9 +133,15 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
 
 fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {
     let checkpoint = &job.checkpoint;
-    if let Err(wanted) = checkpoint.interval() {
-        let message = format!("`every` is \"{}\"", checkpoint.every);
-        numbers.findings.add(Problem::error("checkpoint.every", message, wanted));
+    for (key, text, wanted) in [
+        ("every", &checkpoint.every, checkpoint.interval().err()),
+        ("in_memory", &checkpoint.in_memory, checkpoint.copy_interval().err()),
+        ("patience", &checkpoint.patience, checkpoint.patience().err()),
+    ] {
+        if let Some(wanted) = wanted {
+            let message = format!("`{key}` is \"{text}\"");
+            numbers.findings.add(Problem::error(&format!("checkpoint.{key}"), message, wanted));
+        }
     }
     for (index, &t) in checkpoint.at.iter().enumerate() {
         numbers.need(t >= 0.0, &format!("checkpoint.at.{index}"), t, "a time, 0 or above");
@@ -293,6 +299,7 @@ fn checkpoint_settings(job: &Job) -> CheckpointSettings {
         times,
         at_stop: job.checkpoint.interval().is_ok_and(|every| every.is_some()),
         compression: job.checkpoint.compression,
+        patience: job.checkpoint.patience().map_or(0.0, |patience| patience.as_secs_f64()),
     }
 }
 

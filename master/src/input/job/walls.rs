@@ -1,7 +1,7 @@
 //! Rigid walls of a job: checks, and conversion to numbers and ids.
 
 use super::loads::{Curves, starts_with_jump};
-use super::state::{NodeSets, NodeStart};
+use super::state::{NodeSets, NodeStart, fastest_wave};
 use super::validate::Findings;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Wall as WallSpec};
@@ -214,15 +214,18 @@ fn square(wall: &WallSpec, normal: &[f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// Reports nodes that start behind infinite planes, which expel them in the first step of length
-/// `dt` [time]. A speed of more than a tenth of the `wave` speed of the materials is an error.
+/// `dt` [time]. A speed of more than a tenth of the wave speed of the materials is an error.
+/// Walls that the section `restart` adds are not there at the start.
 pub fn behind(
+    job: &Job,
     settings: &Settings,
     mesh: &Mesh,
     start: &NodeStart,
     dt: f64,
-    wave: f64,
     findings: &mut Findings,
 ) {
+    let wave = fastest_wave(job);
+    let first = &settings.walls[..settings.walls.len().saturating_sub(job.restart.wall.len())];
     let held: HashSet<NodeId> =
         settings.rigid.iter().flat_map(|b| b.nodes.iter().copied()).collect();
     let free: Vec<&MeshNode> = mesh
@@ -232,7 +235,7 @@ pub fn behind(
         .filter(|(n, f)| **f & 7 != 7 && !held.contains(&n.id))
         .map(|n| n.0)
         .collect();
-    for (w, wall) in settings.walls.iter().enumerate().filter(|(_, w)| w.form == WallForm::Plane) {
+    for (w, wall) in first.iter().enumerate().filter(|(_, w)| w.form == WallForm::Plane) {
         let depth =
             |x: &[f64; 3]| (0..3).map(|c| (wall.point[c] - x[c]) * wall.direction[c]).sum::<f64>();
         let meets = free.iter().filter(|n| wall.allows(n.id));

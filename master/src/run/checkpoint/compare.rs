@@ -3,16 +3,20 @@
 use super::find::Resumption;
 use super::manifest::Stamp;
 use crate::input::job::Model;
-use crumple_proto::job::MeshSource;
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{MeshSource, Part, Restart};
+use crumple_proto::message::Changes;
 use serde_json::Value;
+use std::collections::HashSet;
 
 /// Keys that may change, with all keys below them.
-const FREE: [&str; 9] = [
+const FREE: [&str; 10] = [
     "title",
     "end_time",
     "output",
     "parallel",
     "checkpoint",
+    "restart",
     "time.max_cycles",
     "time.damping",
     "time.dt_max",
@@ -27,7 +31,17 @@ const BOUND_CONTACT: [&str; 3] = ["contact.edges", "contact.interface", "contact
 pub fn stamp(model: &Model, set: Vec<String>) -> Stamp {
     let mut job = model.job.clone();
     job.mesh = MeshSource::default();
-    let (elements, nodes) = model.records();
+    // Without the bodies and walls that `restart` adds, and their effect on nodes.
+    let (bodies, walls) = (job.restart.rigid.len(), job.restart.wall.len());
+    job.rigid.truncate(job.rigid.len() - bodies);
+    job.wall.truncate(job.wall.len() - walls);
+    let (elements, mut nodes) = model.records();
+    let added = &model.settings.rigid[model.settings.rigid.len() - bodies..];
+    for id in added.iter().flat_map(|body| &body.nodes) {
+        if let Ok(i) = nodes.binary_search_by_key(id, |n| n.id) {
+            nodes[i].fixed = 0;
+        }
+    }
     let mut hash = blake3::Hasher::new();
     hash.update(bytemuck::cast_slice(&nodes));
     hash.update(bytemuck::cast_slice(&crumple_proto::wire::encode(&elements)));
@@ -38,6 +52,48 @@ pub fn stamp(model: &Model, set: Vec<String>) -> Stamp {
         job: serde_json::to_value(&job).unwrap_or_default(),
         mesh: hash.finalize().to_hex().to_string(),
     }
+}
+
+/// Returns the changes of the model that `new` has in addition to `old`.
+///
+/// # Errors
+/// An old one is missing: a change cannot be taken back.
+fn additional(old: &Restart, new: &Restart, parts: &[Part]) -> Result<Changes, String> {
+    let missing = old.delete.iter().find(|id| !new.delete.contains(id));
+    if let Some(id) = missing {
+        return Err(format!("part {id} was deleted: `restart.delete` has to name it again"));
+    }
+    if !new.rigid.starts_with(&old.rigid) {
+        let known = &old.rigid;
+        return Err(format!("`restart.rigid` has to begin with the parts of before, {known:?}"));
+    }
+    if !new.wall.starts_with(&old.wall) {
+        let count = old.wall.len();
+        return Err(format!("`restart.wall` has to begin with the {count} walls of before"));
+    }
+    let index = |id: &u32| Some(parts.iter().position(|p| p.id == *id)? as u32);
+    let velocities = if new.velocity == old.velocity { &[][..] } else { &new.velocity };
+    Ok(Changes {
+        delete: new.delete.iter().filter(|id| !old.delete.contains(id)).filter_map(index).collect(),
+        velocities: velocities
+            .iter()
+            .map(|v| (v.parts.iter().filter_map(index).collect(), v.velocity))
+            .collect(),
+    })
+}
+
+/// Checks that a part that is deleted has no tied nodes: their masses are those of others.
+fn check_ties(model: &Model, changes: &Changes) -> Result<(), String> {
+    let ids: Vec<u32> =
+        changes.delete.iter().map(|&i| model.settings.parts[i as usize].id).collect();
+    let tied: HashSet<NodeId> = model.settings.ties.iter().map(|t| t.node).collect();
+    let held = model.mesh.elements.iter().filter(|e| ids.contains(&e.part)).find_map(|e| {
+        let node = e.nodes.iter().find(|&n| tied.contains(n))?;
+        Some((e.part, *node))
+    });
+    held.map_or(Ok(()), |(part, node)| {
+        Err(format!("part {part} cannot be deleted: its node {node} is tied to a surface"))
+    })
 }
 
 /// Returns the changes of a job, as `key=value`.
@@ -71,8 +127,12 @@ pub fn changes(old: &Stamp, new: &Stamp) -> Result<Vec<String>, String> {
 ///
 /// # Errors
 /// A change is not possible; the message says why.
-pub fn adapt(model: &mut Model, new: &Stamp, from: &Resumption) -> Result<Vec<String>, String> {
+pub fn adapt(model: &mut Model, new: &Stamp, from: &mut Resumption) -> Result<Vec<String>, String> {
     let changes = changes(&from.manifest.stamp, new)?;
+    let before = from.manifest.stamp.job.get("restart").cloned();
+    let before: Restart = before.and_then(|r| serde_json::from_value(r).ok()).unwrap_or_default();
+    from.changes = additional(&before, &model.job.restart, &model.settings.parts)?;
+    check_ties(model, &from.changes)?;
     let (captured, settings) = (&from.manifest.captured, &mut model.settings);
     if settings.end_time <= captured.time {
         return Err(format!(

@@ -3,7 +3,9 @@
 use super::MasterState;
 use super::manifest::{MANIFEST, Manifest};
 use crumple_proto::checkpoint::{read, verify};
+use crumple_proto::message::Changes;
 use crumple_proto::wire;
+use crumple_worker::checkpoint::verify_piece;
 use std::path::{Path, PathBuf};
 
 /// Name of the folder of all checkpoints in the folder of a run.
@@ -19,6 +21,8 @@ pub struct Resumption {
     pub manifest: Manifest,
     /// State of the master.
     pub master: MasterState,
+    /// Changes of the model; none until the job is known.
+    pub changes: Changes,
     /// Newer checkpoints that could not be used, with the reasons.
     pub refused: Vec<String>,
 }
@@ -39,7 +43,15 @@ pub fn folders(dir: &Path) -> Vec<PathBuf> {
 /// Reads a checkpoint and checks all its files.
 fn check(folder: &Path) -> Result<(Manifest, MasterState), String> {
     let manifest = Manifest::read(folder)?;
-    manifest.files().try_for_each(|file| verify(folder, file))?;
+    verify(folder, &manifest.common)?;
+    let mut elements = 0;
+    for piece in &manifest.pieces {
+        elements += verify_piece(folder, piece)?;
+    }
+    if elements != manifest.elements {
+        let known = manifest.elements;
+        return Err(format!("{}: it has {elements} of {known} elements", folder.display()));
+    }
     let words = read(folder, &manifest.master)?;
     let master = wire::decode(&words)
         .ok_or_else(|| format!("{}: the state of the master is not valid", folder.display()))?;
@@ -68,7 +80,8 @@ pub fn find(dir: &Path) -> Result<Resumption, String> {
     for folder in candidates {
         match check(&folder) {
             Ok((manifest, master)) => {
-                return Ok(Resumption { run: run_folder(dir)?, folder, manifest, master, refused });
+                let (run, changes) = (run_folder(dir)?, Changes::default());
+                return Ok(Resumption { run, folder, manifest, master, changes, refused });
             }
             Err(why) => refused.push(why),
         }
@@ -82,9 +95,36 @@ pub fn find(dir: &Path) -> Result<Resumption, String> {
     Err(message)
 }
 
+/// Returns the folder and the manifest of the newest checkpoint of a run that has a manifest.
+pub fn newest(run: &Path) -> Option<(PathBuf, Manifest)> {
+    let with_manifest = |folder: PathBuf| Some((Manifest::read(&folder).ok()?, folder));
+    let found = folders(&run.join(DIR)).into_iter().find_map(with_manifest);
+    found.map(|(manifest, folder)| (folder, manifest))
+}
+
 /// Returns the cycle of the newest checkpoint of a run that has a manifest.
 pub fn newest_cycle(run: &Path) -> Option<u64> {
-    folders(&run.join(DIR)).iter().find_map(|f| Manifest::read(f).ok()).map(|m| m.captured.cycle)
+    newest(run).map(|(_, manifest)| manifest.captured.cycle)
+}
+
+/// Returns a message if the folder of a run has a checkpoint and the run did not complete: a new
+/// run would remove it.
+pub fn unfinished(run: &Path) -> Option<String> {
+    let (folder, manifest) = newest(run)?;
+    let summary = std::fs::read(run.join("summary.json")).unwrap_or_default();
+    let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap_or_default();
+    if summary["status"] == "completed" {
+        return None;
+    }
+    let run = run.display();
+    Some(format!(
+        "{run} has a run that did not complete, with a checkpoint of cycle {}, time {:.6e}, in {}; \
+         continue it with `crumple run --resume {run}`, remove it with --overwrite, or choose \
+         another folder with --out",
+        manifest.captured.cycle,
+        manifest.captured.time,
+        folder.display()
+    ))
 }
 
 /// Removes what a run that has ended left after its checkpoint: folders without manifest, and

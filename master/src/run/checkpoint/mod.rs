@@ -8,12 +8,14 @@
 //! is renamed into place.
 
 pub mod compare;
+pub mod copies;
 pub mod find;
 pub mod manifest;
 
 use crate::results::history::Course;
 use crate::results::summary::{CheckpointSummary, Restart};
 use crate::run::balance::Accounts;
+use copies::Copies;
 use crumple_proto::checkpoint::{COMMON, Captured, FileRecord, Saved, folder_name, write};
 use crumple_proto::job::Checkpoint;
 use crumple_proto::wire;
@@ -75,7 +77,12 @@ pub struct Checkpoints {
     /// Time of the last order, or of the start.
     last: Instant,
     ordered: bool,
+    /// Time without an end of the writing after which there is a warning.
+    patience: Duration,
+    complained: bool,
     pending: BTreeMap<u64, Pending>,
+    /// Copies in memory.
+    pub copies: Copies,
     /// Number and cost.
     pub summary: CheckpointSummary,
     /// Cycle and time of the last complete one.
@@ -95,7 +102,10 @@ impl Checkpoints {
             stamp: Stamp::default(),
             last: Instant::now(),
             ordered: false,
+            patience: asked.patience().unwrap_or_default(),
+            complained: false,
             pending: BTreeMap::new(),
+            copies: Copies::new(asked.copy_interval().unwrap_or_default(), workers),
             summary: CheckpointSummary::default(),
             newest: None,
         }
@@ -139,9 +149,27 @@ impl Checkpoints {
         }
     }
 
+    /// Returns a warning if the files of the last checkpoint take long, once for each.
+    pub fn complain(&mut self) -> Option<String> {
+        let cycle = *self.pending.keys().next()?;
+        if self.complained || self.last.elapsed() < self.patience {
+            return None;
+        }
+        self.complained = true;
+        Some(format!(
+            "the checkpoint of cycle {cycle} is still being written to {}: the file system is slow \
+             or hangs. The run continues; there is no other checkpoint meanwhile",
+            self.dir.display()
+        ))
+    }
+
     /// Adds the files of a worker. After the last worker it makes the checkpoint complete and
     /// returns a message for the user, or a warning.
     pub fn add_saved(&mut self, saved: Saved) -> Option<Result<String, String>> {
+        if let Some((captured, state)) = self.copies.take(saved.cycle) {
+            let copied = Pending { captured, copies: self.workers, ..Pending::default() };
+            self.pending.insert(saved.cycle, Pending { master: Some(state), ..copied });
+        }
         let pending = self.pending.get_mut(&saved.cycle)?;
         pending.saved.push(saved.files);
         pending.copy_s = pending.copy_s.max(saved.copy_s);
@@ -150,7 +178,7 @@ impl Checkpoints {
             return None;
         }
         let pending = self.pending.remove(&saved.cycle)?;
-        self.ordered = false;
+        (self.ordered, self.complained) = (false, false);
         let (copy_s, write_s, captured) = (pending.copy_s, pending.write_s, pending.captured);
         let folder = self.dir.join(folder_name(saved.cycle));
         Some(match self.complete(&folder, pending) {
@@ -200,7 +228,7 @@ impl Checkpoints {
             let path = self.run.join(name);
             sync(&path).map_err(|error| named(&path, error))?;
         }
-        let master = write(folder, MASTER, &wire::encode(&state), Default::default())
+        let master = write(folder, MASTER, &wire::encode(&state), Default::default(), &|| ())
             .map_err(|error| named(folder, error))?;
         let manifest = Manifest {
             program: env!("CARGO_PKG_VERSION").into(),

@@ -117,7 +117,7 @@ impl Control<'_> {
         if self.trouble.is_none() && !self.stop_ordered {
             self.trouble = Some(trouble);
             self.stop_ordered = true;
-            self.order(Action::Stop);
+            self.order(Action::Fail);
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
-use crumple_worker::fem::materials::plasticity::{Curve, Failure, Plasticity, Rate};
+use crumple_worker::fem::materials::plasticity::{Coefficients, Curve, Failure, Plasticity, Rate};
 use crumple_worker::fem::materials::{
     BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow, Parameters,
 };
@@ -60,6 +60,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     let n = parameters.required("n", "above 0 and at most 1", |n| n > 0.0 && n <= 1.0);
     parameters.finish()?;
     Ok(Plasticity {
+        coefficients: Coefficients::new(&elastic, a),
         elastic,
         yield_stress: a,
         curve: Curve::Power { b: b / a, n },

@@ -23,7 +23,8 @@ pub static LAW: Law = Law {
     solid,
 };
 
-const PARAMETERS: &[ParameterRow] = &[ParameterRow {
+/// Its parameters.
+pub const PARAMETERS: &[ParameterRow] = &[ParameterRow {
     key: "relaxation_time",
     form: Form::Number,
     otherwise: DefaultValue::Needed,

@@ -15,7 +15,7 @@ mod walls;
 
 use crate::constraints::walls::Walls;
 use crate::contact::surroundings::NodalForces;
-use crate::energy::Work;
+use crate::energy::Ledger;
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
@@ -122,15 +122,6 @@ pub struct Bodies {
     mail: Mailbox,
 }
 
-/// Work on bodies that sums over nodes do not contain.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BodyWork {
-    /// Work of walls.
-    pub wall: Work,
-    /// Work of damping and prescribed motion.
-    pub external: Work,
-}
-
 impl Bodies {
     /// Returns the local indices of members with forces or moments, contact excepted. Workers
     /// send these to each other for owned nodes.
@@ -150,12 +141,30 @@ impl Bodies {
         settings: &Settings,
         nodes: &Nodes,
     ) -> Result<Self, RankLost> {
-        let mut all = Self { jobs: settings.rigid.clone(), ..Self::default() };
-        if all.jobs.is_empty() {
-            return Ok(all);
+        let mut all = Self::default();
+        all.extend(comm, settings, nodes)?;
+        Ok(all)
+    }
+
+    /// Builds the bodies of the job that are not there yet, from the present state of their
+    /// members. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn extend(
+        &mut self,
+        comm: &mut dyn Transport,
+        settings: &Settings,
+        nodes: &Nodes,
+    ) -> Result<(), RankLost> {
+        let all = self;
+        all.jobs = settings.rigid.clone();
+        let first = all.bodies.len();
+        if all.jobs.len() == first {
+            return Ok(());
         }
         let mut mine: Vec<WireMember> = Vec::new();
-        for (b, job) in all.jobs.iter().enumerate() {
+        for (b, job) in all.jobs.iter().enumerate().skip(first) {
             let owned =
                 job.nodes.iter().filter_map(|&id| nodes.local_index(id)).map(|n| n as usize);
             mine.extend(owned.filter(|&i| nodes.is_owned(i)).map(|i| WireMember {
@@ -171,16 +180,51 @@ impl Bodies {
         let parcels = gather_all(comm, mine)?;
         let mut members: Vec<WireMember> = parcels.concat();
         members.sort_unstable_by_key(|m| (m.body, m.node));
-        for (b, job) in all.jobs.iter().enumerate() {
+        for (b, job) in all.jobs.iter().enumerate().skip(first) {
             let own: Vec<&WireMember> = members.iter().filter(|m| m.body == b as u64).collect();
             let (body, beyond) = assemble(job, &settings.loads.curves, &own);
             all.arms.push(own.iter().map(|m| V3::from(m.x) - body.centre).collect());
             all.bodies.push(body);
             all.beyond.push(beyond);
         }
-        all.share = vec![0.0; all.bodies.len()];
-        all.damped = vec![[(V3::zeros(), V3::zeros()); 2]; all.bodies.len()];
-        Ok(all)
+        all.share.resize(all.bodies.len(), 0.0);
+        all.damped.resize(all.bodies.len(), [(V3::zeros(), V3::zeros()); 2]);
+        Ok(())
+    }
+
+    /// Returns the local members of the bodies from number `first` on, with the velocity and the
+    /// rotational velocity that their body gives them at the last mid-step.
+    pub fn carried<'a>(
+        &'a self,
+        first: usize,
+        nodes: &'a Nodes,
+    ) -> impl Iterator<Item = (usize, V3, V3)> + 'a {
+        let bodies = self.bodies.iter().zip(&self.jobs).skip(first);
+        bodies.flat_map(move |(body, job)| {
+            let spin = body.last_spin;
+            let local = job.nodes.iter().filter_map(|&id| nodes.local_index(id));
+            local.map(move |n| {
+                let arm = V3::from(xyz(&nodes.x[n as usize])) - body.centre;
+                (n as usize, body.last.velocity + spin.cross(&arm), spin)
+            })
+        })
+    }
+
+    /// Checks that these are the bodies of a job, or its first ones.
+    ///
+    /// # Errors
+    /// They are not: the reason.
+    pub fn fit(&self, jobs: &[BodyJob]) -> Result<(), String> {
+        let count = self.bodies.len();
+        let lengths = [self.arms.len(), self.beyond.len(), self.share.len(), self.damped.len()];
+        if count > jobs.len() || lengths.iter().any(|&length| length != count) {
+            return Err(format!("it has {count} rigid bodies, and the job has {}", jobs.len()));
+        }
+        let other = |(arms, job): &(&Vec<V3>, &BodyJob)| arms.len() != job.nodes.len();
+        match self.arms.iter().zip(jobs).position(|pair| other(&pair)) {
+            Some(body) => Err(format!("rigid body {body} has other nodes in the job")),
+            None => Ok(()),
+        }
     }
 
     /// Sets the definitions of bodies from a checkpoint.
@@ -429,9 +473,10 @@ impl Bodies {
         walls: &mut Walls,
         time: f64,
         steps: StepSizes,
-    ) -> BodyWork {
+        ledger: &mut Ledger,
+    ) {
         if self.is_empty() {
-            return BodyWork::default();
+            return;
         }
         if !self.coupled {
             self.keep_out(walls, steps.dt);
@@ -451,28 +496,28 @@ impl Bodies {
         for m in self.members.iter().chain(&self.copies) {
             nodes.w_next[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
         }
-        if nodes.me == 0 { self.book(walls, steps) } else { BodyWork::default() }
+        if nodes.me == 0 {
+            self.book(walls, steps, ledger);
+        }
     }
 
-    /// Records the impulses of walls and returns the work of walls, damping and constraints.
-    fn book(&self, walls: &mut Walls, steps: StepSizes) -> BodyWork {
-        let mut work = BodyWork::default();
+    /// Records the impulses of walls and the work of walls, damping and constraints.
+    fn book(&self, walls: &mut Walls, steps: StepSizes, ledger: &mut Ledger) {
         // Impulse of a wall, without the part that damping takes.
         let given = steps.given();
         for p in &self.pushes {
             let body = &self.bodies[p.body];
             let felt = body.work(&p.impulse, &p.arm.cross(&p.impulse));
-            work.wall += felt * given;
-            work.external += felt * (1.0 - given);
-            (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c] * given);
+            ledger.wall.add(felt * given);
+            ledger.external.add(felt * (1.0 - given));
+            (0..3).for_each(|c| walls.impulses[p.wall][c].add(p.impulse[c] * given));
         }
         for (body, damped) in self.bodies.iter().zip(&self.damped) {
-            work.external += body.prescribed_work();
+            ledger.external.add(body.prescribed_work());
             for (impulse, angular) in damped {
-                work.external += body.work(impulse, angular);
+                ledger.external.add(body.work(impulse, angular));
             }
         }
-        work
     }
 
     /// Ends the step: moves bodies and their local members to their new positions.

@@ -165,7 +165,8 @@ impl Scene {
                 "an update would still change a pair"
             );
         }
-        let work = contact.finish_step(nodes, *steps);
+        let mut work = ContactWork::default();
+        contact.finish_step(nodes, *steps, &mut work);
         nodes.advance(steps.dt);
         self.work += work.total.total();
         work

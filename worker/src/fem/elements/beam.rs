@@ -418,7 +418,8 @@ impl Element for Beam {
 
     /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
-        let ElementPass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
+        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
+            pass.double();
         let groups = groups.as_chunks::<LANES>().0;
         let (mut totals, columns) = (PassTotals::NONE, self.columns());
         let mut state = vec![0.0; columns];
@@ -447,7 +448,8 @@ impl Element for Beam {
                 [r.force, r.moments[0], r.moments[1]].iter().zip(moves).zip((FORCES..).step_by(3))
             {
                 let before = V3::from_column_slice(&state[column..column + 3]);
-                totals.internal += if gone { 0.0 } else { 0.5 * dt * (before + now).dot(&moved) };
+                energies.internal[i] +=
+                    if gone { 0.0 } else { 0.5 * dt * (before + now).dot(&moved) };
                 state[column..column + 3].copy_from_slice(now.as_slice());
             }
             let slot = i * ENDS;

@@ -31,7 +31,7 @@ fn pair(
 }
 
 /// Moves the far side of the second shell to this x in one step of 1, and stops it there.
-fn fold(patch: &mut Patch, to: f64) -> super::PassTotals {
+fn fold(patch: &mut Patch, to: f64) -> super::testing::Passed {
     patch.aim(1.0, |x| [if x[0] > 1.5 { to } else { 1.0001 * x[0] }, x[1], x[2]], [0.0; 3]);
     let totals = patch.step(1.0);
     patch.v.fill([0.0; 4]);

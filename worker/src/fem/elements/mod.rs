@@ -59,15 +59,11 @@ pub struct ElementNodalForces<'a> {
     pub moment: &'a mut [[f64; 4]],
 }
 
-/// Sums and minima over the elements of a pass.
+/// Minima over the elements of a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassTotals {
     /// Smallest stable step of the elements passed, before the safety factor [time].
     pub stable_dt: f64,
-    /// Increase of internal energy [energy].
-    pub internal: f64,
-    /// Increase of hourglass and drilling energy [energy].
-    pub hourglass: f64,
     /// First element of the pass that is inverted, is not finite, or has a strain increment of more
     /// than one half in one step.
     pub trouble: Option<usize>,
@@ -75,16 +71,22 @@ pub struct PassTotals {
 
 impl PassTotals {
     /// Totals of no elements.
-    pub const NONE: Self =
-        Self { stable_dt: f64::INFINITY, internal: 0.0, hourglass: 0.0, trouble: None };
+    pub const NONE: Self = Self { stable_dt: f64::INFINITY, trouble: None };
 
     /// Adds the totals of another pass.
     pub fn add(&mut self, o: &Self) {
         self.stable_dt = self.stable_dt.min(o.stable_dt);
-        self.internal += o.internal;
-        self.hourglass += o.hourglass;
         self.trouble = self.trouble.or(o.trouble);
     }
+}
+
+/// Energies of the elements of a block so far, with padding. Each element has its own sum in
+/// ascending time, which does not depend on the other elements of its worker.
+pub struct ElementEnergies<'a> {
+    /// Internal energy [energy].
+    pub internal: &'a mut [f64],
+    /// Hourglass and drilling energy [energy].
+    pub hourglass: &'a mut [f64],
 }
 
 /// Local nodes of a group of W elements with C slots, per corner and lane. Padding lanes repeat the
@@ -99,8 +101,7 @@ type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
 pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     /// Groups to compute.
     pub range: Range<usize>,
-    /// Number of real elements of the block. The rest of the last group is padding, which adds
-    /// nothing to the totals.
+    /// Number of real elements of the block. The rest of the last group is padding.
     pub count: usize,
     /// Local nodes of the whole block: one row per slot in each group.
     pub groups: &'a [u32],
@@ -115,6 +116,8 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     pub dt: f64,
     /// Element nodal forces of the whole block.
     pub out: ElementNodalForces<'a>,
+    /// Energies of the whole block, to which the pass adds.
+    pub energies: ElementEnergies<'a>,
 }
 
 /// Output fields of an element.
@@ -509,14 +512,14 @@ impl<'a> ElementPass<'a> {
     /// up the totals.
     #[inline(always)]
     fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         match history {
             HistoryStorage::Double(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
                     .shells_in::<LANES>(columns, kernel)
             }
             HistoryStorage::Single(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
                     .shells_in::<LANES32>(columns, kernel)
             }
         }
@@ -525,14 +528,14 @@ impl<'a> ElementPass<'a> {
     /// Calls `kernel` for each group of eight-node solids, as [`Self::shells`] does for shells.
     #[inline(always)]
     fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         match history {
             HistoryStorage::Double(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
                     .solids_in::<LANES>(columns, kernel)
             }
             HistoryStorage::Single(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
                     .solids_in::<LANES32>(columns, kernel)
             }
         }
@@ -544,11 +547,11 @@ impl<'a> ElementPass<'a> {
     /// # Panics
     /// If the block stores its columns in single precision.
     fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         let HistoryStorage::Double(history) = history else {
             panic!("this element exists in double precision only")
         };
-        ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
+        ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
     }
 }
 
@@ -558,7 +561,7 @@ impl<L> ElementPass<'_, &mut [L]> {
     where
         L: PointLanes<W>,
     {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         let corners = range.start * W..range.end * W;
         let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
         let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
@@ -579,7 +582,7 @@ impl<L> ElementPass<'_, &mut [L]> {
             }
             kernel.group(group, &nodes, state, dt, [force, moment])
         };
-        total(range, count, each.map(respond))
+        total(range, count, energies, each.map(respond))
     }
 
     #[inline(always)]
@@ -587,7 +590,7 @@ impl<L> ElementPass<'_, &mut [L]> {
     where
         L: PointLanes<W>,
     {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         let force =
             out.force.as_chunks_mut::<8>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
@@ -600,28 +603,36 @@ impl<L> ElementPass<'_, &mut [L]> {
             }
             kernel.group(group, &nodes, state, dt, force)
         };
-        total(range, count, each.map(respond))
+        total(range, count, energies, each.map(respond))
     }
 }
 
-/// Sums up the totals of the groups in `range`. Padding lanes add nothing.
+/// Adds the energies of the groups in `range` to those of their elements, and returns the minima.
 #[inline(always)]
 fn total<L: PointLanes<W>, const W: usize>(
     range: Range<usize>,
     count: usize,
+    energies: ElementEnergies<'_>,
     groups: impl Iterator<Item = Totals<L>>,
 ) -> PassTotals {
-    let mut sum = GroupSum::<L, W>::new();
-    range.zip(groups).for_each(|(index, totals)| sum.add(index, count, &totals));
-    sum.finish()
+    let mut minima = GroupMinima::<L, W>::new();
+    let internal = &mut energies.internal.as_chunks_mut::<W>().0[range.clone()];
+    let hourglass = &mut energies.hourglass.as_chunks_mut::<W>().0[range.clone()];
+    let sums = internal.iter_mut().zip(hourglass);
+    range.zip(groups).zip(sums).for_each(|((index, totals), (internal, hourglass))| {
+        let more = (totals.internal.to_array(), totals.hourglass.to_array());
+        for lane in 0..W {
+            internal[lane] += more.0[lane];
+            hourglass[lane] += more.1[lane];
+        }
+        minima.include(index, count, &totals);
+    });
+    minima.finish()
 }
 
-/// Sums over groups, lane by lane.
-struct GroupSum<L, const W: usize> {
+/// Minima over groups, lane by lane.
+struct GroupMinima<L, const W: usize> {
     stable_dt: L,
-    /// Double in any precision: the increase of one group is small compared with the sum.
-    internal: [f64; W],
-    hourglass: [f64; W],
     trouble: Option<usize>,
 }
 
@@ -630,30 +641,15 @@ struct GroupSum<L, const W: usize> {
 /// for squares at nu = 0: `sqrt(3 * 2^-24)` of the squared frequency, and half as much of the step.
 const SHORT_STEP: f64 = 1.0 - 1.0 / 4096.0;
 
-impl<L: PointLanes<W>, const W: usize> GroupSum<L, W> {
+impl<L: PointLanes<W>, const W: usize> GroupMinima<L, W> {
     #[inline(always)]
     fn new() -> Self {
-        Self {
-            stable_dt: L::splat(f64::INFINITY),
-            internal: [0.0; W],
-            hourglass: [0.0; W],
-            trouble: None,
-        }
+        Self { stable_dt: L::splat(f64::INFINITY), trouble: None }
     }
 
     #[inline(always)]
-    fn add(&mut self, index: usize, count: usize, totals: &Totals<L>) {
-        // Padding repeats a real element, so its stable step and its soundness are valid. Only sums
-        // must exclude it.
-        let real = count.saturating_sub(index * W);
-        let counted = |values: L| {
-            if real >= W { values.to_array() } else { first_lanes(values.to_array(), real) }
-        };
-        let (internal, hourglass) = (counted(totals.internal), counted(totals.hourglass));
-        for lane in 0..W {
-            self.internal[lane] += internal[lane];
-            self.hourglass[lane] += hourglass[lane];
-        }
+    fn include(&mut self, index: usize, count: usize, totals: &Totals<L>) {
+        // Padding repeats a real element, so its stable step and its soundness are valid.
         self.stable_dt = Real::min(totals.stable_dt, self.stable_dt);
         let sound = L::select(totals.sound, L::zero(), L::splat(1.0));
         if L::any(sound.gt(L::zero())) && self.trouble.is_none() {
@@ -666,17 +662,9 @@ impl<L: PointLanes<W>, const W: usize> GroupSum<L, W> {
         let stable_dt = self.stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min);
         PassTotals {
             stable_dt: if L::SHORT { SHORT_STEP * stable_dt } else { stable_dt },
-            internal: self.internal.iter().sum(),
-            hourglass: self.hourglass.iter().sum(),
             trouble: self.trouble,
         }
     }
-}
-
-/// Keeps the first `count` lanes and sets the others to zero.
-fn first_lanes<const W: usize>(mut values: [f64; W], count: usize) -> [f64; W] {
-    values[count..].fill(0.0);
-    values
 }
 
 /// Runs `$call` with the constant `$n` set to the number of points, so that the compiler unrolls

@@ -27,7 +27,7 @@ impl Quarter {
     }
 
     /// Advances one step under a pressure along z, with supports on x = a/2 and y = a/2.
-    fn step(&mut self, dt: f64, pressure: f64) -> super::PassTotals {
+    fn step(&mut self, dt: f64, pressure: f64) -> super::testing::Passed {
         let (n, side, hard) = (self.n, self.side, self.hard);
         let at = |node: usize| (node % (n + 1), node / (n + 1));
         let share = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };

@@ -1,8 +1,8 @@
 //! Helpers for tests of solids: a mesh of hexahedra with its columns, meshes, a minimal explicit
 //! solver.
 
-use super::testing::{Noise, lay, part, settings};
-use super::{Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block};
+use super::testing::{Noise, Passed, lay, part, passed, settings};
+use super::{Element, ElementFields, ElementNodalForces, ElementPass, build_block};
 use crate::fem::columns::HistoryColumns;
 use crate::nodes::NodeView;
 use crumple_proto::job::{HourglassForm, Part, Precision};
@@ -62,23 +62,26 @@ impl Solids {
     }
 
     /// Computes the forces at the present positions of the nodes.
-    pub fn forces(&mut self, dt: f64) -> PassTotals {
+    pub fn forces(&mut self, dt: f64) -> Passed {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.v };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut [] };
-        self.element.forces(ElementPass {
-            range: 0..self.groups.len() / (8 * self.history.lanes()),
-            count: self.cells.len(),
-            groups: &self.groups,
-            history: self.history.as_mut(),
-            unstrained: &mut self.unstrained,
-            nodes,
-            dt,
-            out,
+        passed((self.cells.len(), self.groups.len() / 8), |energies| {
+            self.element.forces(ElementPass {
+                range: 0..self.groups.len() / (8 * self.history.lanes()),
+                count: self.cells.len(),
+                groups: &self.groups,
+                history: self.history.as_mut(),
+                unstrained: &mut self.unstrained,
+                nodes,
+                dt,
+                out,
+                energies,
+            })
         })
     }
 
     /// Moves nodes with their velocities, then computes the forces.
-    pub fn step(&mut self, dt: f64) -> PassTotals {
+    pub fn step(&mut self, dt: f64) -> Passed {
         for (x, v) in self.x.iter_mut().zip(&self.v) {
             (0..3).for_each(|i| x[i] += dt * v[i]);
         }
@@ -86,7 +89,7 @@ impl Solids {
     }
 
     /// Moves every node to `target` in a step of 1.
-    pub fn go(&mut self, target: impl Fn([f64; 3]) -> [f64; 3]) -> PassTotals {
+    pub fn go(&mut self, target: impl Fn([f64; 3]) -> [f64; 3]) -> Passed {
         for (x, v) in self.x.iter().zip(&mut self.v) {
             let to = target([x[0], x[1], x[2]]);
             (0..3).for_each(|i| v[i] = to[i] - x[i]);
@@ -164,7 +167,7 @@ impl Solids {
         masses: &[f64],
         load: impl Fn(usize) -> [f64; 3],
         fix: impl Fn(usize, &mut [f64; 4]),
-    ) -> PassTotals {
+    ) -> Passed {
         for (node, force) in self.nodal().into_iter().enumerate() {
             let load = load(node);
             (0..3).for_each(|i| self.v[node][i] += dt * (load[i] - force[i]) / masses[node]);

@@ -168,7 +168,8 @@ impl Element for Spring {
 
     /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
-        let ElementPass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
+        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
+            pass.double();
         let groups = groups.as_chunks::<LANES>().0;
         let mut totals = PassTotals::NONE;
         for i in range.start * LANES..(range.end * LANES).min(count) {
@@ -187,7 +188,7 @@ impl Element for Spring {
             let force = along * force;
             for c in 0..3 {
                 let before = std::mem::replace(&mut state[FORCE + c], force[c]);
-                totals.internal += 0.5 * (before + force[c]) * v[c] * dt;
+                energies.internal[i] += 0.5 * (before + force[c]) * v[c] * dt;
             }
             columns.iter_mut().zip(state).for_each(|(column, s)| column.as_mut_array()[lane] = s);
             let slot = i * ENDS;

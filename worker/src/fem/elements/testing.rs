@@ -1,7 +1,10 @@
 //! Helpers for element tests: parts and materials in a line, a mesh with its columns, a minimal
 //! explicit solver.
 
-use super::{Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block};
+use super::{
+    Element, ElementEnergies, ElementFields, ElementNodalForces, ElementPass, PassTotals,
+    build_block,
+};
 use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
 use crate::nodes::NodeView;
@@ -154,6 +157,28 @@ pub struct Patch {
     pub moment: Vec<[f64; 4]>,
 }
 
+/// Result of a pass, with the energies that it added, summed over elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed {
+    pub stable_dt: f64,
+    pub internal: f64,
+    pub hourglass: f64,
+    pub trouble: Option<usize>,
+}
+
+/// Runs a pass over a block with `count` elements in this number of `places`, which include
+/// padding.
+pub fn passed(
+    (count, places): (usize, usize),
+    pass: impl FnOnce(ElementEnergies<'_>) -> PassTotals,
+) -> Passed {
+    let [mut internal, mut hourglass] = [(); 2].map(|()| vec![0.0; places]);
+    let PassTotals { stable_dt, trouble } =
+        pass(ElementEnergies { internal: &mut internal, hourglass: &mut hourglass });
+    let [internal, hourglass] = [internal, hourglass].map(|e| e[..count].iter().sum());
+    Passed { stable_dt, internal, hourglass, trouble }
+}
+
 /// Returns the connectivity in groups, and the columns of new elements.
 pub fn lay<const C: usize>(
     element: &dyn Element,
@@ -216,7 +241,7 @@ impl Patch {
     }
 
     /// Moves nodes with their velocities, then computes the forces.
-    pub fn step(&mut self, dt: f64) -> PassTotals {
+    pub fn step(&mut self, dt: f64) -> Passed {
         for (x, v) in self.x.iter_mut().zip(&self.v) {
             (0..3).for_each(|i| x[i] += dt * v[i]);
         }
@@ -224,18 +249,21 @@ impl Patch {
     }
 
     /// Computes the forces at the present positions of the nodes.
-    pub fn forces(&mut self, dt: f64) -> PassTotals {
+    pub fn forces(&mut self, dt: f64) -> Passed {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut self.moment };
-        self.element.forces(ElementPass {
-            range: 0..self.groups.len() / (4 * self.history.lanes()),
-            count: self.quads.len(),
-            groups: &self.groups,
-            history: self.history.as_mut(),
-            unstrained: &mut self.unstrained,
-            nodes,
-            dt,
-            out,
+        passed((self.quads.len(), self.groups.len() / 4), |energies| {
+            self.element.forces(ElementPass {
+                range: 0..self.groups.len() / (4 * self.history.lanes()),
+                count: self.quads.len(),
+                groups: &self.groups,
+                history: self.history.as_mut(),
+                unstrained: &mut self.unstrained,
+                nodes,
+                dt,
+                out,
+                energies,
+            })
         })
     }
 
@@ -325,7 +353,7 @@ impl Patch {
         masses: &[(f64, f64)],
         load: impl Fn(usize) -> [f64; 3],
         fix: impl Fn(usize, &mut [f64; 4], &mut [f64; 4]),
-    ) -> PassTotals {
+    ) -> Passed {
         let mut force: Vec<[f64; 3]> = (0..self.x.len()).map(load).collect();
         let mut moment = vec![[0.0; 3]; self.x.len()];
         for (e, quad) in self.quads.iter().enumerate() {

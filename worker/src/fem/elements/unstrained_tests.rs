@@ -1,9 +1,9 @@
 //! Elements at rest or in uniform motion, whose forces are not computed: the results have the same
 //! bits as if they were computed.
 
+use super::Element;
 use super::solid_testing::{Solids, solids};
-use super::testing::{BOTH, FORMULATIONS, Patch, laws, lay, shells};
-use super::{Element, PassTotals};
+use super::testing::{BOTH, FORMULATIONS, Passed, Patch, laws, lay, shells};
 use crate::fem::columns::HistoryColumns;
 use crumple_proto::job::{HourglassForm, Precision};
 use crumple_proto::partition::Material;
@@ -11,7 +11,7 @@ use crumple_proto::partition::Material;
 /// A mesh of new elements.
 trait Mesh {
     fn view(&mut self) -> View<'_>;
-    fn step(&mut self, dt: f64) -> PassTotals;
+    fn step(&mut self, dt: f64) -> Passed;
     fn cells(&self) -> Vec<Vec<usize>>;
 }
 
@@ -32,7 +32,7 @@ impl Mesh for Patch {
         View { element: &**element, history, unstrained, v, w, force, moment }
     }
 
-    fn step(&mut self, dt: f64) -> PassTotals {
+    fn step(&mut self, dt: f64) -> Passed {
         self.step(dt)
     }
 
@@ -47,7 +47,7 @@ impl Mesh for Solids {
         View { element: &**element, history, unstrained, v, w: &mut [], force, moment: &mut [] }
     }
 
-    fn step(&mut self, dt: f64) -> PassTotals {
+    fn step(&mut self, dt: f64) -> Passed {
         self.step(dt)
     }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::fem::columns::HistoryColumns;
 use crate::fem::elements::build_block;
-use crate::fem::elements::testing::{elastic, part, settings};
+use crate::fem::elements::testing::{elastic, part, passed, settings};
 use crumple_proto::job::{Beam as BeamJob, Part as PartJob, Precision};
 use crumple_proto::mesh::OwnSection;
 
@@ -52,17 +52,20 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
             crate::fem::elements::ElementNodalForces { force: &mut force, moment: &mut moment };
         let dt = if k == 0 { 0.0 } else { 1.0 };
         let (groups, history) = (groups.as_flattened(), history.as_mut());
-        let pass = ElementPass {
-            range: 0..1,
-            count: 1,
-            groups,
-            history,
-            unstrained: &mut [],
-            nodes,
-            dt,
-            out,
-        };
-        assert_eq!(beam.forces(pass).trouble, None);
+        let done = passed((1, LANES), |energies| {
+            beam.forces(ElementPass {
+                range: 0..1,
+                count: 1,
+                groups,
+                history,
+                unstrained: &mut [],
+                nodes,
+                dt,
+                out,
+                energies,
+            })
+        });
+        assert_eq!(done.trouble, None);
     }
     [force[1], moment[0], moment[1]].map(|r| V3::new(r[0], r[1], r[2]))
 }

@@ -1,0 +1,44 @@
+//! A law with a fault: that of `maxwell.rs`, but its update of shells panics while [`BREAKS`] is
+//! set. It shows what a run does when a worker has a bug.
+
+use super::maxwell;
+use crumple_worker::fem::materials::{BuildResult, Elastic, Law, PlaneStress, Points};
+use crumple_worker::math::lanes::{Lane, Lane32};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The row of this law.
+pub static LAW: Law = Law {
+    name: "breaking",
+    meaning: "Linear viscoelasticity of shells that panics on request.",
+    parameters: maxwell::PARAMETERS,
+    build,
+    solid: maxwell::LAW.solid,
+};
+
+/// True while updates panic.
+pub static BREAKS: AtomicBool = AtomicBool::new(false);
+
+struct Breaking(Box<dyn PlaneStress>);
+
+fn build(material: &crumple_proto::partition::Material) -> BuildResult {
+    Ok(Box::new(Breaking((maxwell::LAW.build)(material)?)))
+}
+
+impl PlaneStress for Breaking {
+    fn history(&self) -> &'static [&'static str] {
+        self.0.history()
+    }
+    fn elastic(&self) -> Elastic {
+        self.0.elastic()
+    }
+    fn update(&self, points: Points<'_, Lane>, dt: f64) {
+        assert!(!BREAKS.load(Ordering::Relaxed), "a fault that a test requested");
+        self.0.update(points, dt);
+    }
+    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
+        self.0.update_short(points, dt);
+    }
+    fn update_one(&self, points: Points<'_, f64>, dt: f64) {
+        self.0.update_one(points, dt);
+    }
+}

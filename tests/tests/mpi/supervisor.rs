@@ -1,0 +1,154 @@
+//! `crumple run --retries`: lost ranks, hosts that are gone, Ctrl-C through the script, and the end
+//! of all hope.
+
+use crumple::run::checkpoint::find::newest_cycle;
+use crumple_tests::program::{
+    Running, crumple, crumple_with, mpi_or_skip, mpirun, root, run, send, start,
+};
+use crumple_tests::restart::{assert_same_files, checkpoints};
+use rustix::process::{Pid, Signal, kill_process_group};
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const TUMBLE: [&str; 6] = [
+    "run",
+    "cases/tumble",
+    "--no-report",
+    "--set",
+    "time.max_cycles=600",
+    "--set=checkpoint.every=\"0.05 s\"",
+];
+
+/// Writes an executable script.
+fn script(folder: &Path, text: &str) -> PathBuf {
+    let path = folder.join("launch.sh");
+    fs::write(&path, format!("#!/bin/sh\n{text}\n")).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+/// Returns a supervised run with the environment that `mpirun` needs.
+fn supervised(launcher: &str, more: &[&str]) -> Command {
+    let mut command = crumple_with(&TUMBLE);
+    for (name, value) in mpirun(1, &[]).get_envs() {
+        command.env(name, value.unwrap_or_default());
+    }
+    command.args(["--retries", "5", "--launcher", launcher]).args(more);
+    command
+}
+
+/// Waits for a checkpoint, so that a loss is one of a run that makes progress.
+fn wait_for_checkpoint(running: &mut Running) {
+    let out = running.out();
+    running.wait_for("there is a checkpoint", |_| newest_cycle(&out));
+}
+
+/// Returns the ranks of all processes below this one.
+fn ranks_below(pid: u32) -> Vec<u32> {
+    let children = format!("/proc/{pid}/task/{pid}/children");
+    let children = fs::read_to_string(children).unwrap_or_default();
+    let children: Vec<u32> = children.split_whitespace().filter_map(|p| p.parse().ok()).collect();
+    let is_rank = |pid: &u32| {
+        let environment = fs::read_to_string(format!("/proc/{pid}/environ")).unwrap_or_default();
+        let name = fs::read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
+        name.trim() == "crumple" && environment.contains("OMPI_COMM_WORLD_RANK=")
+    };
+    let below = children.iter().flat_map(|&child| ranks_below(child));
+    children.iter().copied().filter(is_rank).chain(below).collect()
+}
+
+/// A rank is killed; the supervisor starts mpirun again, and the results are those of a run without
+/// a loss.
+#[test]
+fn a_run_whose_rank_was_killed_continues() {
+    let Some(()) = mpi_or_skip() else { return };
+    let whole = run(crumple_with(&[&TUMBLE[..5], &["--workers", "1"]].concat())).with_code(0);
+    let mut running = start(supervised("mpirun -n 3", &[]));
+    wait_for_checkpoint(&mut running);
+    let supervisor = running.id();
+    let ranks = running.wait_for("three ranks run", |_| {
+        Some(ranks_below(supervisor)).filter(|ranks| ranks.len() == 3)
+    });
+    send(ranks[1], Signal::KILL);
+    let ended = running.end().with_code(0);
+    assert!(ended.said().contains("the run was lost"), "{}", ended.said());
+    assert_eq!(ended.digest(), whole.digest());
+    assert_same_files(&whole.out(), &ended.out());
+}
+
+/// A launcher that cannot start so many ranks any more, as when a host is gone: after two losses
+/// without progress half of the workers run.
+#[test]
+fn a_run_continues_on_fewer_ranks_when_a_host_is_gone() {
+    let Some(()) = mpi_or_skip() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[ \"$1\" -gt 3 ] && exit 213\nn=$1; shift\nexec mpirun -n $n \"$@\"";
+    let launcher = script(folder.path(), text);
+    let launcher = format!("{} {{ranks}}", launcher.display());
+    let ended = run(supervised(&launcher, &["--workers", "5"])).with_code(0);
+    assert_eq!(ended.summary()["workers"], 2, "{}", ended.said());
+    assert!(ended.said().contains("with 2 workers"), "{}", ended.said());
+    assert!(ended.said().contains("exit code 213"), "{}", ended.said());
+}
+
+/// No progress between two losses, and no fewer workers to try: exit code 4, long before the last
+/// retry.
+#[test]
+fn a_run_that_makes_no_progress_is_given_up() {
+    let ended = run(supervised("false", &[])).with_code(4);
+    assert!(ended.said().contains("without a new checkpoint"), "{}", ended.said());
+    assert_eq!(ended.said().matches("was lost").count(), 2, "{}", ended.said());
+}
+
+/// From a single checkpoint: later runs continue from the newest checkpoint of the run's folder.
+#[test]
+fn a_supervised_run_from_one_checkpoint_continues_from_newer_ones() {
+    let words = [&TUMBLE[..5], &["--set=checkpoint.at=[0.2, 0.3]", "--workers=1"]].concat();
+    let whole = run(crumple_with(&words)).with_code(0);
+    let out = whole.out();
+    let digest = whole.digest();
+    let first = out.join("checkpoints").join(&checkpoints(&out)[0]);
+    let from = newest_cycle(&out).unwrap();
+    let words = ["run", "--resume", first.to_str().unwrap(), "--retries=3", "--no-report"];
+    let more = ["--workers=2", "--set=checkpoint.every=\"0.05 s\"", "--set=checkpoint.at=[]"];
+    let mut running = start(crumple_with(&[&words[..], &more].concat()));
+    running.wait_for("there is a newer checkpoint", |_| {
+        newest_cycle(&out).filter(|&cycle| cycle > from)
+    });
+    send(running.children()[0], Signal::KILL);
+    let ended = running.end().with_code(0);
+    let said = ended.said();
+    let continued: Vec<&str> = said.lines().filter(|l| l.contains("continues from T=")).collect();
+    assert_eq!(continued.len(), 2, "{said}");
+    assert!(continued[0].contains(first.to_str().unwrap()), "{said}");
+    assert!(!continued[1].contains(first.to_str().unwrap()), "{said}");
+    assert_eq!(whole.digest(), digest);
+}
+
+/// Ctrl-C reaches all processes of the script at once. It ends with 130, and the run has kept its
+/// state.
+#[test]
+fn the_script_ends_with_130_after_ctrl_c() {
+    let Some(()) = mpi_or_skip() else { return };
+    for retries in [None, Some("2")] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let mut command = Command::new("bash");
+        command.arg(root().join("deploy/run.sh")).args(["cases/tumble", "--no-report", TUMBLE[5]]);
+        command.arg("--out").arg(&out);
+        command.env("CRUMPLE", crumple()).env("WORKERS", "2");
+        if let Some(retries) = retries {
+            command.env("RETRIES", retries);
+        }
+        let mut running = start(command);
+        running.wait_for("there is a checkpoint", |_| newest_cycle(&out));
+        let group = Pid::from_raw(running.id() as i32).unwrap();
+        kill_process_group(group, Signal::INT).unwrap();
+        let ended = running.end();
+        assert_eq!(ended.code, Some(130), "retries {retries:?}: {}", ended.said());
+        let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+        assert!(summary.contains("\"status\": \"stopped\""), "{}", ended.said());
+    }
+}

@@ -1,0 +1,194 @@
+//! Checkpoints on disks that are full, read-only, slow or wrong: the run goes on, says what is
+//! wrong, and continues from the newest checkpoint that is whole.
+
+use crumple::run::checkpoint::manifest::Manifest;
+use crumple_proto::checkpoint::{decode, encode, piece_name};
+use crumple_proto::job::Compression;
+use crumple_tests::program::{Ended, crumple_with, run, start};
+use crumple_tests::restart::{checkpoints, copy_folder};
+use crumple_tests::tools::{fifo, tmpfs};
+use std::fs;
+use std::path::Path;
+
+/// A run with checkpoints at two times.
+const TWICE: [&str; 7] = [
+    "run",
+    "cases/tumble",
+    "--no-report",
+    "--workers=2",
+    "--set=time.max_cycles=500",
+    "--set=checkpoint.at=[0.2, 0.4]",
+    "--set=checkpoint.patience=1 s",
+];
+/// Bytes of one of its checkpoints, rounded up.
+const BYTES: u64 = 800_000;
+
+fn with(out: &Path, more: &[&str]) -> std::process::Command {
+    let out = ["--out", out.to_str().unwrap()];
+    crumple_with(&[&TWICE[..], &out, more].concat())
+}
+
+fn resume(out: &Path) -> Ended {
+    run(crumple_with(&["run", "--resume", out.to_str().unwrap(), "--workers=1", "--no-report"]))
+}
+
+fn digest_of(out: &Path) -> String {
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    summary["state_digest"].as_str().unwrap().into()
+}
+
+/// Returns a run without trouble, with both checkpoints, and its digest.
+fn whole() -> (Ended, String) {
+    let ended = run(crumple_with(&TWICE)).with_code(0);
+    assert_eq!(checkpoints(&ended.out()).len(), 2);
+    let digest = ended.digest();
+    (ended, digest)
+}
+
+/// Checks that only the first checkpoint is there, after a run that said why, and that a run
+/// continues from it.
+fn assert_first_is_kept(out: &Path, ended: &Ended, why: &str, digest: &str) {
+    assert!(ended.said().contains(why), "{why}: {}", ended.said());
+    assert!(ended.said().contains("is kept"), "{}", ended.said());
+    assert_eq!(checkpoints(out).len(), 1, "{}", ended.said());
+    assert_eq!(digest_of(out), digest, "the run went on");
+    resume(out).with_code(0);
+    assert_eq!(digest_of(out), digest);
+}
+
+#[test]
+fn a_full_disk_costs_the_checkpoint_and_keeps_the_one_before() {
+    let (_, digest) = whole();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let Some(_disk) = tmpfs(&out.join("checkpoints"), BYTES + BYTES / 2) else { return };
+    let ended = run(with(&out, &["--set=checkpoint.every=10 min"])).with_code(0);
+    assert_first_is_kept(&out, &ended, "No space left on device", &digest);
+}
+
+#[test]
+fn a_disk_that_becomes_read_only_keeps_the_checkpoint_before() {
+    let (_, digest) = whole();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let Some(disk) = tmpfs(&out.join("checkpoints"), 8 * BYTES) else { return };
+    let mut running = start(with(&out, &["--set=time.max_cycles=500"]));
+    running.wait_for("the first checkpoint is there", |_| {
+        (checkpoints(&out).len() == 1).then_some(())
+    });
+    disk.make_read_only();
+    let ended = running.end().with_code(0);
+    disk.make_writable();
+    assert_first_is_kept(&out, &ended, "Read-only file system", &digest);
+}
+
+/// The next checkpoint makes the folder again.
+#[test]
+fn a_folder_that_is_removed_during_the_run_is_made_again() {
+    let (_, digest) = whole();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut running = start(with(&out, &[]));
+    running.wait_for("the first checkpoint is there", |_| {
+        (checkpoints(&out).len() == 1).then_some(())
+    });
+    fs::remove_dir_all(out.join("checkpoints")).unwrap();
+    running.end().with_code(0);
+    assert_eq!(checkpoints(&out).len(), 1, "the second one");
+    resume(&out).with_code(0);
+    assert_eq!(digest_of(&out), digest);
+}
+
+/// A pipe without a reader, in place of a file, blocks whoever opens it: like a file system that
+/// hangs. The run goes on, and does not wait for it at its end.
+#[test]
+fn a_file_system_that_hangs_does_not_stop_the_run() {
+    let (known, digest) = whole();
+    let second = checkpoints(&known.out()).pop().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut running = start(with(&out, &[]));
+    running.wait_for("the first checkpoint is there", |_| {
+        (checkpoints(&out).len() == 1).then_some(())
+    });
+    fs::create_dir_all(out.join("checkpoints").join(&second)).unwrap();
+    let Some(()) = fifo(&out.join("checkpoints").join(&second).join(piece_name(1))) else { return };
+    let ended = running.end().with_code(0);
+    assert_first_is_kept(&out, &ended, "the file system hangs", &digest);
+}
+
+/// Files with right sums and wrong contents: an error with the file, or the checkpoint before; no
+/// panic.
+#[test]
+fn wrong_contents_with_right_sums_are_refused() {
+    let (known, digest) = whole();
+    type Change = fn(&mut Vec<u64>);
+    let changes: [(&str, Change); 7] = [
+        ("no words", |words| words.clear()),
+        ("a huge parcel", |words| words[0] = u64::MAX),
+        ("a huge number of elements", |words| words[1] = u64::MAX >> 1),
+        ("one element less", |words| words[1] -= 1),
+        ("an element with another node", |words| words[9] = 999_999_999),
+        ("an unknown shape", |words| words[6] |= 0xffff << 32),
+        ("half of the words", |words| words.truncate(words.len() / 2)),
+    ];
+    for (what, change) in changes {
+        let copy = tempfile::tempdir().unwrap();
+        let out = copy.path().join("out");
+        copy_folder(&known.out(), &out);
+        let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+        rewrite(&newest, &piece_name(1), change);
+        let ended = resume(&out).with_code(0);
+        let said = ended.said();
+        assert!(said.contains("a newer checkpoint cannot be used"), "{what}: {said}");
+        assert!(said.contains(&piece_name(1)) && !said.contains("panicked"), "{what}: {said}");
+        assert_eq!(digest_of(&out), digest, "{what}");
+    }
+    // The common state is read by the workers only.
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    rewrite(&newest, "common.bin", |words| words.truncate(words.len() / 2));
+    let refused = resume(&out).with_code(2);
+    let said = refused.said();
+    assert!(said.contains("common.bin") && said.contains("another checkpoint"), "{said}");
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+/// Changes the words of a file, and the manifest so that the sums are right.
+fn rewrite(folder: &Path, name: &str, change: fn(&mut Vec<u64>)) {
+    let mut words = decode(&fs::read(folder.join(name)).unwrap()).unwrap();
+    change(&mut words);
+    let bytes = encode(&words, Compression::None).unwrap();
+    fs::write(folder.join(name), &bytes).unwrap();
+    let mut manifest = Manifest::read(folder).unwrap();
+    let files = [&mut manifest.common].into_iter().chain(&mut manifest.pieces);
+    for file in files.filter(|file| file.name == name) {
+        file.bytes = bytes.len() as u64;
+        file.blake3 = blake3::hash(&bytes).to_hex().to_string();
+    }
+    manifest.write(folder).unwrap();
+}
+
+/// A new run does not remove the checkpoints of an unfinished one without being asked.
+#[test]
+fn a_folder_with_an_unfinished_run_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut running = start(with(&out, &[]));
+    running.wait_for("the first checkpoint is there", |_| {
+        (checkpoints(&out).len() == 1).then_some(())
+    });
+    running.signal(rustix::process::Signal::TERM);
+    running.end().with_code(130);
+    let before = checkpoints(&out);
+    let refused = run(with(&out, &[])).with_code(2);
+    for text in ["did not complete", "--resume", "--overwrite"] {
+        assert!(refused.said().contains(text), "{}", refused.said());
+    }
+    assert_eq!(checkpoints(&out), before);
+    run(with(&out, &["--overwrite"])).with_code(0);
+    run(with(&out, &[])).with_code(0); // the run before is complete
+}
