@@ -1,12 +1,9 @@
-//! `crumple run --retries`: lost ranks, hosts that are gone, Ctrl-C through the script, and the end
-//! of all hope.
+//! `crumple run --retries`: lost ranks, hosts that are gone, and runs that are given up.
 
 use crumple::run::checkpoint::find::newest_cycle;
-use crumple_tests::program::{
-    Running, crumple, crumple_with, mpi_or_skip, mpirun, root, run, send, start,
-};
+use crumple_tests::program::{Running, crumple_with, mpi_or_skip, mpirun, run, send, start};
 use crumple_tests::restart::{assert_same_files, checkpoints};
-use rustix::process::{Pid, Signal, kill_process_group};
+use rustix::process::Signal;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -125,30 +122,4 @@ fn a_supervised_run_from_one_checkpoint_continues_from_newer_ones() {
     assert!(continued[0].contains(first.to_str().unwrap()), "{said}");
     assert!(!continued[1].contains(first.to_str().unwrap()), "{said}");
     assert_eq!(whole.digest(), digest);
-}
-
-/// Ctrl-C reaches all processes of the script at once. It ends with 130, and the run has kept its
-/// state.
-#[test]
-fn the_script_ends_with_130_after_ctrl_c() {
-    let Some(()) = mpi_or_skip() else { return };
-    for retries in [None, Some("2")] {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("out");
-        let mut command = Command::new("bash");
-        command.arg(root().join("deploy/run.sh")).args(["cases/tumble", "--no-report", TUMBLE[5]]);
-        command.arg("--out").arg(&out);
-        command.env("CRUMPLE", crumple()).env("WORKERS", "2");
-        if let Some(retries) = retries {
-            command.env("RETRIES", retries);
-        }
-        let mut running = start(command);
-        running.wait_for("there is a checkpoint", |_| newest_cycle(&out));
-        let group = Pid::from_raw(running.id() as i32).unwrap();
-        kill_process_group(group, Signal::INT).unwrap();
-        let ended = running.end();
-        assert_eq!(ended.code, Some(130), "retries {retries:?}: {}", ended.said());
-        let summary = fs::read_to_string(out.join("summary.json")).unwrap();
-        assert!(summary.contains("\"status\": \"stopped\""), "{}", ended.said());
-    }
 }
