@@ -72,12 +72,15 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
             .filter(|e| e["ph"] == "i" && e["tid"] == worker)
             .map(|e| e["name"].as_str().unwrap())
             .collect();
-        for words in [
-            "order 1 received: high redecomposition",
-            "order 1: high redecomposition",
-            "order 2: low redecomposition",
-        ] {
-            assert!(moments.contains(&words), "{words} is not among {moments:?}");
+        // Copies of the state in memory are orders too, so that numbers differ from run to run.
+        for words in
+            [" received: high redecomposition", ": high redecomposition", ": low redecomposition"]
+        {
+            let is_there = moments.iter().any(|m| {
+                let number = m.strip_prefix("order ").and_then(|m| m.strip_suffix(words));
+                number.is_some_and(|n| n.parse::<u32>().is_ok())
+            });
+            assert!(is_there, "no order{words} among {moments:?}");
         }
     }
     for (p, name) in PHASES.iter().enumerate() {

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub static LAW: Law = Law {
     name: "breaking",
     meaning: "Linear viscoelasticity of shells that panics on request.",
-    parameters: maxwell::PARAMETERS,
+    parameters: maxwell::LAW.parameters,
     build,
     solid: maxwell::LAW.solid,
 };

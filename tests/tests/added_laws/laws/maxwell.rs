@@ -23,8 +23,7 @@ pub static LAW: Law = Law {
     solid,
 };
 
-/// Its parameters.
-pub const PARAMETERS: &[ParameterRow] = &[ParameterRow {
+const PARAMETERS: &[ParameterRow] = &[ParameterRow {
     key: "relaxation_time",
     form: Form::Number,
     otherwise: DefaultValue::Needed,

@@ -414,9 +414,10 @@ impl Section {
     }
 
     /// Returns the columns of a history that [`Self::stable_dt`] reads, if these are the first
-    /// ones: the thicknesses at several points in the plane are not.
+    /// ones: the thicknesses at several points in the plane and stored offsets are not.
     pub fn shape_columns(&self, history: State<'_>) -> Option<[f64; POINTS]> {
-        (self.planar == 1).then(|| std::array::from_fn(|column| history.at(column)))
+        (self.planar == 1 && !self.stores_offsets)
+            .then(|| std::array::from_fn(|column| history.at(column)))
     }
 
     /// Returns the current thickness [length].
