@@ -140,7 +140,7 @@ fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {
     ] {
         if let Some(wanted) = wanted {
             let message = format!("`{key}` is \"{text}\"");
-            numbers.findings.add(Problem::error(&format!("checkpoint.{key}"), message, wanted));
+            numbers.findings.add(Problem::error(format!("checkpoint.{key}"), message, wanted));
         }
     }
     for (index, &t) in checkpoint.at.iter().enumerate() {
