@@ -1,6 +1,7 @@
 //! Runs that are interrupted and continue from files, on engines in this process.
 
 use crumple::input::job::Model;
+use crumple::results::histories::NAMES;
 use crumple::results::summary::state_digest;
 use crumple::run::decompose::{Centres, bisect};
 use crumple_proto::boxes::CutTree;
@@ -133,17 +134,6 @@ fn share_of(model: &Model, tree: &CutTree, worker: usize) -> PartitionData {
     PartitionData { elements: own, nodes, ..PartitionData::default() }
 }
 
-/// Files of histories that do not depend on the workers.
-const HISTORIES: [&str; 8] = [
-    "history.csv",
-    "parts.csv",
-    "walls.csv",
-    "contacts.csv",
-    "contact_pairs.csv",
-    "nodes.csv",
-    "sections.csv",
-    "transducers.csv",
-];
 /// Words in the titles of columns of costs and of the partition.
 const OF_WORKERS: [&str; 4] = ["wall [s]", "cpu", "redecompositions", " elements"];
 
@@ -153,7 +143,7 @@ const OF_WORKERS: [&str; 4] = ["wall [s]", "cpu", "redecompositions", " elements
 /// # Panics
 /// When they differ.
 pub fn assert_same_histories(one: &Path, other: &Path) {
-    for name in HISTORIES {
+    for name in NAMES.iter().chain([&"history.csv"]) {
         assert_eq!(one.join(name).exists(), other.join(name).exists(), "{name}");
         if !one.join(name).exists() {
             continue; // the scene has none

@@ -11,7 +11,7 @@
 //! - [`coupling`]: the constraints and the other workers, as contact sees them
 //! - [`parallel`]: partition, ghosts, migration, the reduction of each step
 //! - [`parameter`], [`registry`]: keys of laws; tables of laws that can be extended
-//! - [`math`]: SIMD lanes, best-fit rigid motion, exact sums
+//! - [`math`]: SIMD lanes, best-fit rigid motion
 //! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed
 //!   elements
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records,

@@ -154,6 +154,10 @@ fn write(
         1e-6 * saved as f64,
         saved / count
     )?;
+    if model.job.checkpoint.copy_interval().unwrap_or_default().is_some() {
+        writeln!(out, "  copy in memory (checkpoint.in_memory): as many bytes as a checkpoint")?;
+        bytes += saved as f64;
+    }
     let rated =
         |m: &&crumple_proto::partition::Material| m.parameters.contains_key("cowper_symonds");
     let rates: Vec<&str> =

@@ -35,7 +35,7 @@ pub struct Histories {
 }
 
 /// Names of all files.
-pub(crate) const NAMES: [&str; 7] = [
+pub const NAMES: [&str; 7] = [
     "parts.csv",
     "walls.csv",
     "contacts.csv",
