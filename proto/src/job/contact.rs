@@ -1,5 +1,6 @@
 //! Contact and its interfaces, as they are written.
 
+use super::Setting;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -268,54 +269,5 @@ impl Default for Contact {
             parameters: BTreeMap::new(),
             interface: Vec::new(),
         }
-    }
-}
-
-/// Value of a key that a law publishes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Setting {
-    /// True or false.
-    Flag(bool),
-    /// A number written without a point.
-    Whole(i64),
-    /// A number written with a point.
-    Number(f64),
-    /// A word.
-    Word(String),
-}
-
-impl Setting {
-    /// Returns the value of a number; `None` for a flag or a word.
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Self::Number(value) => Some(*value),
-            Self::Whole(value) => Some(*value as f64),
-            Self::Flag(_) | Self::Word(_) => None,
-        }
-    }
-}
-
-impl From<bool> for Setting {
-    fn from(value: bool) -> Self {
-        Self::Flag(value)
-    }
-}
-
-impl From<i64> for Setting {
-    fn from(value: i64) -> Self {
-        Self::Whole(value)
-    }
-}
-
-impl From<f64> for Setting {
-    fn from(value: f64) -> Self {
-        Self::Number(value)
-    }
-}
-
-impl From<&str> for Setting {
-    fn from(value: &str) -> Self {
-        Self::Word(value.into())
     }
 }

@@ -387,10 +387,13 @@ fn control_cards_set_the_run() {
     let (time, plate, cube) = (&model.job.time, &model.job.part[0], &model.job.part[1]);
     assert_eq!((time.safety, time.mass_scaling_dt, time.damping), (0.67, 1e-3, 3.0));
     assert_eq!(
-        (plate.warping, plate.thinning, plate.hourglass_coefficient),
-        (true, true, Some(0.07))
+        ["warping", "thinning", "hourglass_coefficient"].map(|key| &plate.parameters[key]),
+        [&true.into(), &true.into(), &0.07.into()]
     );
-    assert_eq!((cube.bulk_viscosity, model.job.output.field_interval), (Some([0.05, 1.2]), 0.5));
+    assert_eq!(
+        (&cube.parameters["bulk_viscosity"], model.job.output.field_interval),
+        (&[0.05, 1.2].into(), 0.5)
+    );
     assert_eq!(model.job.title, "Two");
 }
 

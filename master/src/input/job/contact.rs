@@ -59,7 +59,12 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
     }
     let conflict = |c: &Contact| {
         let law = laws::contact_law(&c.law)?;
-        (law.conflict)(&law.values(c), job.time.safety)
+        let values = law.values(c);
+        if values.missing().next().is_some() {
+            None
+        } else {
+            (law.conflict)(&values, job.time.safety)
+        }
     };
     if let Some(problem) = contact.each().find_map(|c| conflict(&c)) {
         numbers.findings.add(problem);
@@ -132,6 +137,15 @@ fn check_one(
     let laws: Vec<&str> = laws::contact_laws().into_iter().chain([Contact::NO_LAW]).collect();
     if is_own("law") {
         numbers.word(&at("law"), &contact.law, &laws);
+    }
+    for row in laws::contact_law(&contact.law)
+        .filter(|_| is_own("law"))
+        .into_iter()
+        .flat_map(|law| law.values(contact).missing().collect::<Vec<_>>())
+    {
+        let message = format!("{path}: law \"{}\" has no `{}`", contact.law, row.key);
+        let help = format!("add `{} = ...`: {}", row.key, row.meaning);
+        numbers.findings.add(Problem::error(at(row.key), message, help));
     }
     for (row, _) in laws::contact_keys().into_iter().filter(|(row, _)| is_own(row.key)) {
         match (contact.parameters.get(row.key), row.form, row.range) {

@@ -1,10 +1,10 @@
 //! The numbers of a job: range checks and defaults.
 
 use super::validate::{Findings, nearest};
-use super::{contact, walls};
+use super::{contact, laws, walls};
 use crate::features;
 use crumple_proto::histories::HistoryRequests;
-use crumple_proto::job::{Contact, Job, Part};
+use crumple_proto::job::{Contact, Job, Part, Setting};
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
@@ -111,6 +111,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     );
 
     check_checkpoints(job, &mut numbers);
+    element_words(job, &mut numbers);
     parts_and_materials(job, numbers.findings);
     loads(job, &mut Numbers { findings });
     walls::check(job, findings);
@@ -129,6 +130,18 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         ));
     }
     super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
+}
+
+/// Checks the words of parts that no element of the part may use; an element checks its own.
+fn element_words(job: &Job, numbers: &mut Numbers<'_>) {
+    for key in laws::element_keys() {
+        let words = key.words();
+        for (index, part) in job.part.iter().enumerate().filter(|_| !words.is_empty()) {
+            if let Some(Setting::Word(word)) = part.parameters.get(key.key) {
+                numbers.word(&format!("part.{index}.{}", key.key), word, &words);
+            }
+        }
+    }
 }
 
 fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {

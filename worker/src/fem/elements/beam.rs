@@ -44,6 +44,7 @@ use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
+use crate::parameter::Values;
 use crumple_proto::job::{BeamSection, Part, Weld};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
@@ -54,6 +55,8 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "beam",
     shape: Shape::Beam2,
     meaning: "Two-node beam in a corotating frame, with a cross section of fibres.",
+    parameters: [&[], &[]],
+    idle: |_| &[],
     build: Constructor::Shell(build),
 };
 
@@ -109,7 +112,7 @@ pub struct Beam {
     weld: Option<Weld>,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
         problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));

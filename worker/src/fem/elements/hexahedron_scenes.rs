@@ -187,8 +187,7 @@ fn elastic_of(nu: f64) -> Elastic {
 #[test]
 fn bulk_viscosity_damps_and_stays_stable() {
     let (nodes, cells) = block([2, 2, 2], [2.0; 3]);
-    let part =
-        Part { bulk_viscosity: Some([0.5, 1.5]), ..solid_part(HourglassForm::Stiffness, None) };
+    let part = solid_part(HourglassForm::Stiffness, None).with("bulk_viscosity", [0.5, 1.5]);
     let mut solids = Solids::new(part, elastic(1.0, NU, 1.0), &nodes, &cells);
     let plain = Solids::new(
         solid_part(HourglassForm::Stiffness, None),

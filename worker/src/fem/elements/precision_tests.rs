@@ -1,11 +1,12 @@
 //! Single precision against double: forces, energies, steps, laws, and quantities that must be
 //! kept.
 
+use super::HourglassForm;
 use super::solid_testing::{Solids, solids};
 use super::testing::{
     BOTH, E, FORMULATIONS, Noise, Patch, YIELD, laws, material, part, shells, steel,
 };
-use crumple_proto::job::{HourglassForm, Part, Precision};
+use crumple_proto::job::Precision;
 use crumple_proto::partition::Param;
 
 /// Both precisions get the same random motion: strains of a few per cent in all, most of them
@@ -184,7 +185,7 @@ fn large_trials_return_to_the_yield_surface() {
         let steel = steel("j2", &[("yield_stress", Param::Number(yield_stress))]);
         let mut patch = Patch::in_precision(
             Precision::Single,
-            Part { points: 2, ..part(0.1) },
+            part(0.1).with("points", 2),
             steel,
             &nodes,
             &[[0, 1, 2, 3]],

@@ -7,7 +7,7 @@ use crumple_proto::job::Part;
 
 /// Returns a part of a formulation, with the hourglass coefficient of the reference table.
 fn shell(element: &str, thickness: f64) -> Part {
-    Part { element: Some(element.into()), hourglass_coefficient: Some(0.02), ..part(thickness) }
+    part_of(element, thickness).with("hourglass_coefficient", 0.02)
 }
 
 /// Returns the nodes of a grid of `nx` by `ny` elements; `at` gives the coordinates for fractions

@@ -2,20 +2,19 @@
 //! solver.
 
 use super::testing::{Noise, Passed, lay, part, passed, settings};
-use super::{Element, ElementFields, ElementNodalForces, ElementPass, build_block};
+use super::{Element, ElementFields, ElementNodalForces, ElementPass, HourglassForm, build_block};
 use crate::fem::columns::HistoryColumns;
 use crate::nodes::NodeView;
-use crumple_proto::job::{HourglassForm, Part, Precision};
+use crumple_proto::job::{Part, Precision};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Material;
 
 /// Returns a part of solids without bulk viscosity.
 pub fn solid_part(hourglass: HourglassForm, coefficient: Option<f64>) -> Part {
-    Part {
-        hourglass: Some(hourglass),
-        hourglass_coefficient: coefficient,
-        bulk_viscosity: Some([0.0; 2]),
-        ..part(0.0)
+    let part = part(0.0).with("hourglass", hourglass.word()).with("bulk_viscosity", [0.0; 2]);
+    match coefficient {
+        Some(coefficient) => part.with("hourglass_coefficient", coefficient),
+        None => part,
     }
 }
 
@@ -223,7 +222,7 @@ pub fn solids(precision: Precision, steel: &Material, form: HourglassForm) -> So
     }
     Solids::in_precision(
         precision,
-        Part { hourglass: Some(form), ..part(0.0) },
+        part(0.0).with("hourglass", form.word()),
         steel.clone(),
         &nodes,
         &cells,

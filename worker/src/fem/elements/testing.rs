@@ -8,9 +8,10 @@ use super::{
 use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
 use crate::nodes::NodeView;
-use crumple_proto::job::{Inverted, Part, Precision};
+use crumple_proto::job::{Part, Precision};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::{Material, Param, Settings};
+use std::collections::BTreeMap;
 
 /// Returns a part with the usual options.
 pub fn part(thickness: f64) -> Part {
@@ -25,15 +26,8 @@ pub fn part(thickness: f64) -> Part {
         contact_thickness: None,
         contact_thickness_scale: 1.0,
         element: None,
-        points: 5,
-        hourglass: None,
-        hourglass_coefficient: None,
-        bulk_viscosity: None,
-        warping: false,
         skin: false,
-        inverted: Inverted::Stop,
-        thinning: false,
-        drilling: 0.01,
+        parameters: BTreeMap::new(),
     }
 }
 
@@ -404,7 +398,7 @@ pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4
         std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next())
     };
     let nodes: Vec<[f64; 3]> = nodes.iter().map(moved).collect();
-    let base = Part { thinning: true, warping: true, ..part(0.3) };
+    let base = part(0.3).with("thinning", true).with("warping", true);
     let of = |name: &str| Part { element: Some(name.into()), ..base.clone() };
     [
         Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),

@@ -1,11 +1,11 @@
 //! Elements at rest or in uniform motion, whose forces are not computed: the results have the same
 //! bits as if they were computed.
 
-use super::Element;
 use super::solid_testing::{Solids, solids};
 use super::testing::{BOTH, FORMULATIONS, Passed, Patch, laws, lay, shells};
+use super::{Element, HourglassForm};
 use crate::fem::columns::HistoryColumns;
-use crumple_proto::job::{HourglassForm, Precision};
+use crumple_proto::job::Precision;
 use crumple_proto::partition::Material;
 
 /// A mesh of new elements.
