@@ -16,7 +16,7 @@ use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
 use crumple_proto::report::{Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepReport};
-use crumple_proto::trace::{Event, Kind};
+use crumple_proto::trace::{Event, OrderKind};
 use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
@@ -622,11 +622,11 @@ impl Worker {
 }
 
 /// Returns the kind of an order, for the recording.
-fn kind(action: &Action) -> Kind {
+fn kind(action: &Action) -> OrderKind {
     match action {
-        Action::Renew(_) => Kind::High,
-        Action::Recut => Kind::Low,
-        Action::Checkpoint | Action::Copy => Kind::Checkpoint,
-        Action::Stop | Action::Fail => Kind::Stop,
+        Action::Renew(_) => OrderKind::High,
+        Action::Recut => OrderKind::Low,
+        Action::Checkpoint | Action::Copy => OrderKind::Checkpoint,
+        Action::Stop | Action::Fail => OrderKind::Stop,
     }
 }

@@ -13,7 +13,7 @@ use crate::run::checkpoint::find::{Resumption, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
 use crate::run::decompose::{Loads, Workers, bisect, drifted};
-use crate::run::progress::{Progress, State};
+use crate::run::progress::{Progress, RunState};
 use crate::run::stop::StopFlag;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::Captured;
@@ -576,7 +576,7 @@ impl<'a> Control<'a> {
         let last = &self.balance.last[0];
         let error = self.history.course.last.as_ref().map_or(0.0, |r| r.error);
         let (pairs, imbalance) = (self.balance.pairs(), self.balance.mean_imbalance());
-        self.progress.show(&State {
+        self.progress.show(&RunState {
             cycle: last.cycle,
             time: last.time,
             dt: last.dt,

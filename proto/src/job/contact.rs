@@ -153,7 +153,7 @@ impl Contact {
     }
 
     /// Returns the settings of one of its interfaces.
-    pub fn of(&self, interface: &Interface) -> Self {
+    pub fn with_interface(&self, interface: &Interface) -> Self {
         let Interface {
             name,
             parts,
@@ -214,7 +214,7 @@ impl Contact {
     /// Returns its own settings and those of its interfaces, in their order.
     pub fn each(&self) -> impl Iterator<Item = Self> + '_ {
         let own = Self { interface: Vec::new(), ..self.clone() };
-        std::iter::once(own).chain(self.interface.iter().map(|i| self.of(i)))
+        std::iter::once(own).chain(self.interface.iter().map(|i| self.with_interface(i)))
     }
 
     /// Returns the parts on both sides, as indices into `ids`, by its own settings without its

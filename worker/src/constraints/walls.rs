@@ -23,14 +23,14 @@ use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
-pub use shape::Surface;
+pub use shape::WallSurface;
 
 /// One wall.
 #[derive(Debug)]
 pub struct Wall {
     job: WallJob,
     /// Surface at the present time.
-    pub surface: Surface,
+    pub surface: WallSurface,
     /// Coulomb friction coefficient.
     pub friction: f64,
     drive: Drive,
@@ -44,7 +44,7 @@ pub struct Wall {
 /// State of a wall, equal on all workers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WallState {
-    surface: Surface,
+    surface: WallSurface,
     last: V3,
     next: V3,
     /// Position at the end of the step of a prescribed motion [length].
@@ -357,7 +357,7 @@ impl Walls {
 
 impl Wall {
     fn new(job: &WallJob, curves: &[Vec<[f64; 2]>]) -> Self {
-        let surface = Surface::new(job);
+        let surface = WallSurface::new(job);
         let (drive, velocity) = match &job.motion {
             WallMotion::Still => (Drive::Still, V3::zeros()),
             WallMotion::Pushed { mass, speed } => {

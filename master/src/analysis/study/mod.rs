@@ -61,7 +61,7 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
         eprintln!("stopped: repeat the command to continue");
         return Ok(STOPPED);
     }
-    let table = Table::of(&study, &plan, &out)?;
+    let table = Table::collect(&study, &plan, &out)?;
     let csv = out.join("results.csv");
     table.write(&csv).map_err(|error| format!("{}: {error}", csv.display()))?;
     say!("{}", csv.display());

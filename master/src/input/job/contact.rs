@@ -2,7 +2,7 @@
 
 use super::laws;
 use super::resolve::Numbers;
-use super::tree::{Entry, Kind, Node};
+use super::tree::{Entry, Node, NodeContent};
 use super::validate::nearest;
 use crumple_proto::job::{Contact, Interface, Job, Setting};
 use crumple_proto::problem::Problem;
@@ -11,10 +11,10 @@ use crumple_worker::parameter::Form;
 /// Converts the list `[[contact]]` to `[contact]`, with the other entries of the list as its
 /// interfaces. Values keep their places.
 pub fn from_list(tree: &mut Node) {
-    let Kind::Table(keys) = &mut tree.kind else { return };
+    let NodeContent::Table(keys) = &mut tree.kind else { return };
     let Some(entry) = keys.get_mut("contact") else { return };
-    let Kind::Array(list) = &mut entry.node.kind else { return };
-    if !list.iter().all(|node| matches!(node.kind, Kind::Table(_))) {
+    let NodeContent::Array(list) = &mut entry.node.kind else { return };
+    if !list.iter().all(|node| matches!(node.kind, NodeContent::Table(_))) {
         return; // the check against the schema reports it
     }
     let mut list = std::mem::take(list).into_iter();
@@ -22,15 +22,15 @@ pub fn from_list(tree: &mut Node) {
         keys.remove("contact");
         return;
     };
-    let Kind::Table(own) = &mut first.kind else { return };
+    let NodeContent::Table(own) = &mut first.kind else { return };
     let interfaces: Vec<Node> = list.collect();
     if !interfaces.is_empty() {
         let at = interfaces[0].place;
         let all = own.entry("interface".into()).or_insert_with(|| Entry {
             key: at,
-            node: Node { kind: Kind::Array(Vec::new()), place: at },
+            node: Node { kind: NodeContent::Array(Vec::new()), place: at },
         });
-        if let Kind::Array(all) = &mut all.node.kind {
+        if let NodeContent::Array(all) = &mut all.node.kind {
             all.extend(interfaces);
         }
     }

@@ -84,7 +84,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         }
     }
     for (index, row) in source.shells.iter().enumerate() {
-        let kind = Kind { list: "shells", called: "a shell", help: SHELL_ROW };
+        let kind = ElementList { list: "shells", called: "a shell", help: SHELL_ROW };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| match corners {
             [_, _, c, d] => Some(if c == d { Shape::Tri3 } else { Shape::Quad4 }),
             [_, _, _] => Some(Shape::Tri3),
@@ -92,21 +92,27 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         }));
     }
     for (index, row) in source.solids.iter().enumerate() {
-        let kind = Kind { list: "solids", called: "a solid", help: SOLID_ROW };
+        let kind = ElementList { list: "solids", called: "a solid", help: SOLID_ROW };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
             (corners.len() == 8).then_some(Shape::Hex8)
         }));
     }
     for (index, row) in source.beams.iter().enumerate() {
-        let kind =
-            Kind { list: "beams", called: "a beam", help: "write [id, part id, n1, n2, n3]" };
+        let kind = ElementList {
+            list: "beams",
+            called: "a beam",
+            help: "write [id, part id, n1, n2, n3]",
+        };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
             (corners.len() == 3).then_some(Shape::Beam2)
         }));
     }
     for (index, row) in source.springs.iter().enumerate() {
-        let kind =
-            Kind { list: "springs", called: "a spring", help: "write [id, part id, n1, n2]" };
+        let kind = ElementList {
+            list: "springs",
+            called: "a spring",
+            help: "write [id, part id, n1, n2]",
+        };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
             (corners.len() == 2).then_some(Shape::Line2)
         }));
@@ -217,7 +223,7 @@ const SOLID_ROW: &str =
     "write [id, part id, n1, ..., n8]: the nodes of a face, then those of the opposite face";
 
 /// A list of elements, with its names in messages.
-struct Kind {
+struct ElementList {
     list: &'static str,
     called: &'static str,
     help: &'static str,
@@ -227,7 +233,7 @@ struct Kind {
 /// returns the shape for a list of corners.
 fn element(
     row: &[u64],
-    kind: &Kind,
+    kind: &ElementList,
     index: usize,
     few: &mut Few<'_>,
     shape: impl Fn(&[u64]) -> Option<Shape>,

@@ -121,9 +121,10 @@ fn deck_job(path: &Path) -> Source {
     let entry = |node| tree::Entry { key: whole, node };
     let table = |key: &str, node| {
         let entries = [(key.to_string(), entry(node))].into_iter().collect();
-        Node { kind: tree::Kind::Table(entries), place: whole }
+        Node { kind: tree::NodeContent::Table(entries), place: whole }
     };
-    let tree = table("mesh", table("deck", Node { kind: tree::Kind::String(name), place: whole }));
+    let tree =
+        table("mesh", table("deck", Node { kind: tree::NodeContent::String(name), place: whole }));
     Source { file: path.display().to_string(), text: String::new(), tree }
 }
 
@@ -188,17 +189,19 @@ fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Op
         sets::apply(&mut tree, &sources.sets, &mut Findings::default());
     }
     let mesh = tree.get("mesh")?;
-    let tree::Kind::String(name) = &mesh.get("deck")?.kind else { return None };
+    let tree::NodeContent::String(name) = &mesh.get("deck")?.kind else { return None };
     let words = |node: &Node| match &node.kind {
-        tree::Kind::String(word) => Some(word.clone()),
+        tree::NodeContent::String(word) => Some(word.clone()),
         _ => None,
     };
     let leave_out = match mesh.get("leave_out").map(|n| &n.kind) {
-        Some(tree::Kind::Array(items)) => items.iter().filter_map(words).collect(),
+        Some(tree::NodeContent::Array(items)) => items.iter().filter_map(words).collect(),
         _ => Vec::new(),
     };
-    let allowed =
-        matches!(mesh.get("allow_unsupported").map(|n| &n.kind), Some(tree::Kind::Boolean(true)));
+    let allowed = matches!(
+        mesh.get("allow_unsupported").map(|n| &n.kind),
+        Some(tree::NodeContent::Boolean(true))
+    );
     let file = path.parent().unwrap_or(Path::new("")).join(name);
     let mut deck = deck::read(&file, &leave_out, allowed);
     contact::from_list(&mut sources.job.tree);

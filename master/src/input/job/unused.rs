@@ -2,7 +2,7 @@
 //! effect.
 
 use super::laws::{ElementKey, Used, contact_keys, element_keys};
-use super::tree::{Kind, Node, Place};
+use super::tree::{Node, NodeContent, Place};
 use super::validate::Findings;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::mesh::Shape;
@@ -46,7 +46,8 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
                 warn(format!("contact.{key}"), key, &contact.law, laws);
             }
-            let Some(Kind::Array(interfaces)) = table.get("interface").map(|node| &node.kind)
+            let Some(NodeContent::Array(interfaces)) =
+                table.get("interface").map(|node| &node.kind)
             else {
                 continue;
             };
@@ -58,7 +59,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             }
         }
     }
-    let Some(Kind::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };
+    let Some(NodeContent::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };
     for (index, ((table, part), used)) in parts.iter().zip(&job.part).zip(used).enumerate() {
         // Parts without elements are reported elsewhere.
         if !used.contains(&true) {

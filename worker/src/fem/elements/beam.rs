@@ -34,7 +34,7 @@ mod section;
 #[cfg(test)]
 mod tests;
 
-use self::section::Section;
+use self::section::FibreSection;
 use super::section::label;
 use super::{
     BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, PassTotals,
@@ -97,7 +97,7 @@ const STRAIN_LIMIT: f64 = 0.5;
 pub struct Beam {
     law: Box<dyn PlaneStress>,
     elastic: Elastic,
-    section: Section,
+    section: FibreSection,
     /// Area [length^2]; second moments about the second and third axis, torsion constant
     /// [length^4].
     moments: [f64; 4],
@@ -216,7 +216,7 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult 
     if !problems.is_empty() {
         return Err(problems);
     }
-    let section = Section::new(beam);
+    let section = FibreSection::new(beam);
     Ok(Box::new(Beam {
         weld: beam.weld.clone(),
         elastic: law.elastic(),

@@ -87,7 +87,7 @@ fn stretch(patch: &mut Patch, size: f64) {
 /// nodes.
 fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
     let unit = if size < 1e-6 { 1e9 } else { 1.0 };
-    for element in 0..patch.quads.len() {
+    for element in 0..patch.cells.len() {
         let stress = patch.fields(element).stress.map(|s| unit * s);
         for (c, wanted) in [(0, 4000.0 / 3.0), (1, 4000.0 / 3.0), (3, 400.0)] {
             assert_close(stress[c], wanted, tolerance * wanted, why);
@@ -95,7 +95,7 @@ fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
     }
     for node in 4..8 {
         let mut sum = [0.0; 3];
-        for (e, quad) in patch.quads.iter().enumerate() {
+        for (e, quad) in patch.cells.iter().enumerate() {
             // The fourth corner of a triangle repeats its third, with zero force.
             for c in (0..4).filter(|&c| quad[c] == node) {
                 (0..3).for_each(|i| sum[i] += patch.corner(e, c).0[i]);
@@ -133,7 +133,7 @@ fn rigid_rotation_leaves_no_stress() {
                 patch.aim(1.0, target, angle);
                 patch.step(1.0);
                 if [25, 50, 100].contains(&step) {
-                    for element in 0..patch.quads.len() {
+                    for element in 0..patch.cells.len() {
                         let fields = patch.fields(element);
                         let largest =
                             fields.stress.iter().fold(fields.von_mises, |m, s| m.max(s.abs()));
@@ -161,7 +161,7 @@ fn rigid_rotation_leaves_no_stress() {
 /// Returns a patch of the same elements, for its element and connectivity.
 fn patch_like(other: &Patch, name: &str) -> Patch {
     let again = shells().into_iter().find(|(n, _)| *n == name).expect("the name is in this list").1;
-    assert_eq!(again.quads, other.quads);
+    assert_eq!(again.cells, other.cells);
     again
 }
 

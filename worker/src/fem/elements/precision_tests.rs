@@ -39,7 +39,7 @@ fn shells_give_nearly_the_forces_of_double_precision() {
                     .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
             };
             // Corners beyond the last element are padding, of which one precision has more.
-            let corners = 4 * long.quads.len();
+            let corners = 4 * long.cells.len();
             let off = [
                 off(&long.force[..corners], &short.force[..corners]) / force,
                 off(&long.moment[..corners], &short.moment[..corners]) / moment,
@@ -49,7 +49,7 @@ fn shells_give_nearly_the_forces_of_double_precision() {
             assert!(off.iter().all(|&o| o < 2e-5), "{} {kind}: {off:?}", steel.law);
             assert!(off[0] > 1e-9, "{} {kind}: nothing was rounded, {off:?}", steel.law);
             let strain = |patch: &Patch| {
-                (0..patch.quads.len()).map(|e| patch.fields(e).plastic_strain).sum::<f64>()
+                (0..patch.cells.len()).map(|e| patch.fields(e).plastic_strain).sum::<f64>()
             };
             let (flowed, short_flowed) = (strain(&long), strain(&short));
             assert!(steel.law == "elastic" || flowed > 0.01, "{} {kind}: {flowed}", steel.law);
@@ -119,8 +119,8 @@ fn solids_give_nearly_the_forces_of_double_precision() {
                 }
                 all
             });
-            let (size, sums) = (long.largest(), short.sums().0);
-            for (a, b) in long.nodal().iter().flatten().zip(short.nodal().iter().flatten()) {
+            let (size, sums) = (long.largest().0, short.sums().0);
+            for (a, b) in long.nodal().0.iter().flatten().zip(short.nodal().0.iter().flatten()) {
                 assert!((a - b).abs() < 2e-5 * size, "{} {form:?}: {a} {b} of {size}", steel.law);
             }
             assert!(

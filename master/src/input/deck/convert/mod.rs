@@ -24,11 +24,11 @@ mod walls;
 mod welds;
 
 use super::diagnostics::Trouble;
-use super::keywords::{self, Row};
+use super::keywords::{self, KeywordRow};
 use super::parameters::Parameters;
 use super::record::{Cards, Record};
 use super::table::Effect;
-use super::text::{Block, Texts};
+use super::text::{KeywordBlock, Texts};
 use super::{Mapping, Unsupported};
 use crate::input::job::tree::{Node, Place};
 use crumple_proto::ids::NodeId;
@@ -49,7 +49,7 @@ pub struct DeckConverter {
     /// Content that the engine does not support.
     pub unsupported: Vec<Unsupported>,
     tree: Tree,
-    curves: BTreeMap<i64, curves::Curve>,
+    curves: BTreeMap<i64, curves::DeckCurve>,
     boxes: HashMap<i64, [[f64; 2]; 3]>,
     axes: HashMap<i64, [[f64; 3]; 3]>,
     node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
@@ -170,8 +170,8 @@ impl DeckConverter {
     fn block(
         &mut self,
         texts: &Texts,
-        block: &Block,
-        row: &'static Row,
+        block: &KeywordBlock,
+        row: &'static KeywordRow,
         options: &[&'static str],
         parameters: &mut Parameters,
     ) {

@@ -3,7 +3,7 @@
 use super::DeckConverter;
 use super::contact::Friction;
 use super::materials::Material;
-use super::sections::{self, Hourglass, Kind, Section, Sections};
+use super::sections::{self, DeckSection, Hourglass, SectionKind, Sections};
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
@@ -69,7 +69,7 @@ impl DeckConverter {
             names.push(name.clone());
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
-            if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
+            if let Some(section) = section.filter(|s| s.kind == SectionKind::Discrete) {
                 self.parts.insert(id, Part { rigid: None, material: None, place });
                 self.spring_part(&record, section, &name);
                 continue;
@@ -112,7 +112,7 @@ impl DeckConverter {
             self.contact_card(&record, id, section.kind, &mut table);
             let shapes = shapes.get(&id).copied().unwrap_or_default();
             match section.kind {
-                Kind::Shell => self.shell(
+                SectionKind::Shell => self.shell(
                     &record,
                     section,
                     sections,
@@ -120,13 +120,13 @@ impl DeckConverter {
                     own_thickness.get(&id),
                     &mut table,
                 ),
-                Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
-                Kind::Beam => self.beam_part(&record, section, material, &mut table),
-                Kind::Discrete => {}
+                SectionKind::Solid => self.solid(&record, section, sections, shapes, &mut table),
+                SectionKind::Beam => self.beam_part(&record, section, material, &mut table),
+                SectionKind::Discrete => {}
             }
             match (material.skin, section.kind) {
                 (false, _) => {}
-                (true, Kind::Shell) => {
+                (true, SectionKind::Shell) => {
                     table.put("skin", record.place("mid"), true);
                     self.map(
                         format!("part {id}"),
@@ -139,7 +139,7 @@ impl DeckConverter {
                     self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
                 }
             }
-            if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
+            if let (Some((_, at)), true) = (material.weld, section.kind != SectionKind::Beam) {
                 let message = format!("part {id}: limits of welds are supported for beams only");
                 self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
             }
@@ -158,14 +158,14 @@ impl DeckConverter {
     }
 
     /// Converts the card of `*PART_CONTACT`: individual friction and contact thickness.
-    fn contact_card(&mut self, record: &Record, id: i64, kind: Kind, table: &mut Table) {
+    fn contact_card(&mut self, record: &Record, id: i64, kind: SectionKind, table: &mut Table) {
         if !record.has("CONTACT") {
             return;
         }
         self.part_friction.insert(id, Friction::from_record(record));
         for (field, key) in [("optt", "contact_thickness"), ("sft", "contact_thickness_scale")] {
             let value = record.real(field);
-            if value > 0.0 && kind == Kind::Shell {
+            if value > 0.0 && kind == SectionKind::Shell {
                 table.put(key, record.place(field), value);
             } else if value > 0.0 {
                 self.map(
@@ -181,7 +181,7 @@ impl DeckConverter {
     fn shell(
         &mut self,
         record: &Record,
-        section: &Section,
+        section: &DeckSection,
         sections: &Sections,
         shapes: Shapes,
         own: Option<&Vec<(usize, [f64; 4])>>,
@@ -289,7 +289,7 @@ impl DeckConverter {
     fn solid(
         &mut self,
         record: &Record,
-        section: &Section,
+        section: &DeckSection,
         sections: &Sections,
         shapes: Shapes,
         table: &mut Table,
