@@ -1,5 +1,5 @@
-//! Builder of a job: mesh rows by code, the rest as the text of a job file. SI units, unless a scene
-//! has others.
+//! Builder of a job: mesh rows by code, the rest as the text of a job file. Units are SI, unless a
+//! scene has others.
 
 use std::fmt::Write;
 

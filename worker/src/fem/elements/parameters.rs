@@ -79,7 +79,8 @@ pub(super) const OF_SHELLS: &[ParameterRow] = &[
         form: Form::Flag,
         otherwise: DefaultValue::Flag(false),
         range: None,
-        meaning: "Update the thickness by the strain through it (`cases/studies/README.md`, panel).",
+        meaning: "Update the thickness by the strain through it (`cases/studies/README.md`, \
+                  panel).",
     },
     ParameterRow {
         key: "drilling",
