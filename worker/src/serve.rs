@@ -384,10 +384,10 @@ impl Worker {
         for elem in inverted {
             self.named += 1;
             let end = match self.named {
-                ..NAMED => "the job allows this",
+                ..NAMED => "the job permits this",
                 NAMED => {
-                    "the job allows this; this worker reports no more, the summary has their \
-                     number by part"
+                    "the job permits this. This worker reports no further elements; summary.json \
+                     counts them by part"
                 }
                 _ => return Ok(()),
             };

@@ -77,7 +77,7 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             let mut next = format!("it continues from {cycle}");
             if fewer {
                 (workers, in_vain) = (workers / 2, 0);
-                next += &format!(", with {workers} workers: a host may be gone");
+                next += &format!(", with {workers} workers: a host may have failed");
             }
             eprintln!("warning: the run was lost ({what}); {next}");
         }

@@ -210,7 +210,7 @@ fn check_friction_table(
         }
     }
     if !rows.is_empty() && is_constant_own && contact.friction > 0.0 {
-        let message = "`friction` and `friction_table` are given both".to_string();
+        let message = "`friction` and `friction_table` are both given".to_string();
         report(0, message, "remove one of them: the table replaces the coefficients");
     }
 }

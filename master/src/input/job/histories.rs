@@ -65,7 +65,7 @@ fn group(
     }
     for (k, &id) in asked.ids.iter().enumerate() {
         let Some(node) = sets.labelled(id) else {
-            let message = format!("a history of node {id}, which no element has");
+            let message = format!("a history names node {id}, which no element has");
             let help = "list ids of nodes that elements have, or remove this one";
             findings.add(Problem::error(format!("{path}.ids.{k}"), message, help));
             whole = false;
@@ -120,14 +120,14 @@ fn transducer(
         let help = "give the job a [contact] table, or remove the transducer";
         findings.add(Problem::warning(
             path.clone(),
-            "a force transducer in a job without contact",
+            "a force transducer needs contact, and the job has none",
             help,
         ));
     } else if !asked.parts.is_empty() && !asked.parts.iter().any(|&p| touches(p)) {
         let help = "name parts of `contact.parts`, or remove the transducer";
         findings.add(Problem::warning(
             path.clone(),
-            "a force transducer on parts that are not in contact",
+            "the parts of a force transducer are not in contact",
             help,
         ));
     }

@@ -596,7 +596,7 @@ impl Model {
         let problem = match count {
             0 => Problem::error(
                 path,
-                "0 workers cannot run anything",
+                "0 workers cannot run a job",
                 "give at least 1, or omit the number for one per core",
             ),
             n if n > elements => {

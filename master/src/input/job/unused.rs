@@ -115,6 +115,7 @@ mod tests {
         assert_eq!(warned(&stabilised), ["part.0.hourglass"]);
         let stabilised = ["part.one.element=stabilised_quad", "part.one.warping=true"];
         assert_eq!(warned(&stabilised), ["part.0.warping"]);
+        assert_eq!(warned(&["part.one.bulk_viscosity=[0.1, 1.5]"]), ["part.0.bulk_viscosity"]);
         let full = ["part.one.element=fully_integrated_quad", "part.one.hourglass_coefficient=0.1"];
         assert_eq!(warned(&full), ["part.0.hourglass_coefficient"]);
     }

@@ -65,10 +65,13 @@ fn of_element_key(key: &ElementKey) -> Value {
     if defaults.len() > 1 {
         let each = defaults.iter().map(|(value, users)| format!("{value} ({})", names(users)));
         text.push(format!("Default: {}.", each.collect::<Vec<_>>().join(", ")));
-        entry.as_object_mut().map(|entry| entry.remove("default"));
+        let fields = entry.as_object_mut().expect("a schema is a table");
+        fields.remove("default");
     }
-    if let Form::Word(_) = first.form {
-        entry["enum"] = key.words().into();
+    if let (Form::Word(_), Some(entry)) = (first.form, entry.as_object_mut()) {
+        entry.retain(|field, _| field == "default");
+        let words = key.words().into_iter().map(|word| json!({ "const": word }));
+        entry.insert("oneOf".into(), words.collect());
     }
     entry["description"] = text.join(" ").into();
     entry

@@ -158,7 +158,7 @@ impl Checkpoints {
         self.complained = true;
         Some(format!(
             "the checkpoint of cycle {cycle} is still being written to {}: the file system is slow \
-             or hangs. The run continues; there is no other checkpoint meanwhile",
+             or hangs. The run continues; no other checkpoint is written until then",
             self.dir.display()
         ))
     }

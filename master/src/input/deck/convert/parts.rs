@@ -75,28 +75,7 @@ impl DeckConverter {
                 continue;
             }
             let material = materials.get(&mid);
-            if material.is_none() {
-                let mut known: Vec<i64> = materials.keys().copied().collect();
-                known.sort_unstable();
-                let known: Vec<String> = known.iter().map(i64::to_string).collect();
-                if self.spring_laws.contains_key(&mid) {
-                    let message =
-                        format!("part {id} has no springs, and material {mid} is for springs only");
-                    self.trouble.error(
-                        record.place("mid"),
-                        message,
-                        "give it another *MAT_..., or a *SECTION_DISCRETE",
-                    );
-                } else {
-                    self.missing(record.place("mid"), "*MAT_...", mid, &known);
-                }
-            }
-            if section.is_none() {
-                let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
-                known.sort_unstable();
-                let known: Vec<String> = known.iter().map(i64::to_string).collect();
-                self.missing(record.place("secid"), "*SECTION_...", secid, &known);
-            }
+            self.check_references(&record, (material, materials), (section, sections));
             let (Some(material), Some(section)) = (material, section) else {
                 let part = Part { rigid: None, material: None, place };
                 self.parts.insert(id, part);
@@ -124,25 +103,7 @@ impl DeckConverter {
                 SectionKind::Beam => self.beam_part(&record, section, material, &mut table),
                 SectionKind::Discrete => {}
             }
-            match (material.skin, section.kind) {
-                (false, _) => {}
-                (true, SectionKind::Shell) => {
-                    table.put("skin", record.place("mid"), true);
-                    self.map(
-                        format!("part {id}"),
-                        "*MAT_NULL",
-                        "a skin: it has contact and mass, and carries no load",
-                    );
-                }
-                (true, _) => {
-                    let message = format!("part {id}: *MAT_NULL is supported for shells only");
-                    self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
-                }
-            }
-            if let (Some((_, at)), true) = (material.weld, section.kind != SectionKind::Beam) {
-                let message = format!("part {id}: limits of welds are supported for beams only");
-                self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
-            }
+            self.check_material(&record, material, section.kind, &mut table);
             let part = Part {
                 rigid: material.rigid.clone(),
                 material: Some(material.name.clone()),
@@ -155,6 +116,68 @@ impl DeckConverter {
             self.add("part", table);
         }
         self.used_materials = taken;
+    }
+
+    /// Reports a part without its material or its section.
+    fn check_references(
+        &mut self,
+        record: &Record,
+        (material, materials): (Option<&Material>, &HashMap<i64, Material>),
+        (section, sections): (Option<&DeckSection>, &Sections),
+    ) {
+        let [id, mid, secid] = ["pid", "mid", "secid"].map(|field| record.integer(field));
+        if material.is_none() {
+            let mut known: Vec<i64> = materials.keys().copied().collect();
+            known.sort_unstable();
+            let known: Vec<String> = known.iter().map(i64::to_string).collect();
+            if self.spring_laws.contains_key(&mid) {
+                let message =
+                    format!("part {id} has no springs, and material {mid} is for springs only");
+                self.trouble.error(
+                    record.place("mid"),
+                    message,
+                    "give it another *MAT_..., or a *SECTION_DISCRETE",
+                );
+            } else {
+                self.missing(record.place("mid"), "*MAT_...", mid, &known);
+            }
+        }
+        if section.is_none() {
+            let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
+            known.sort_unstable();
+            let known: Vec<String> = known.iter().map(i64::to_string).collect();
+            self.missing(record.place("secid"), "*SECTION_...", secid, &known);
+        }
+    }
+
+    /// Makes a part of a null material a skin, and reports materials that its elements cannot have.
+    fn check_material(
+        &mut self,
+        record: &Record,
+        material: &Material,
+        kind: SectionKind,
+        table: &mut Table,
+    ) {
+        let id = record.integer("pid");
+        match (material.skin, kind) {
+            (false, _) => {}
+            (true, SectionKind::Shell) => {
+                table.put("skin", record.place("mid"), true);
+                self.map(
+                    format!("part {id}"),
+                    "*MAT_NULL",
+                    "a skin: it has contact and mass, and carries no load",
+                );
+            }
+            (true, _) => {
+                let message = format!("part {id}: *MAT_NULL is supported for shells only");
+                self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
+            }
+        }
+        if let (Some((_, at)), true) = (material.weld, kind != SectionKind::Beam) {
+            let message = format!("part {id}: limits of welds are supported for beams only");
+            self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
+        }
     }
 
     /// Converts the card of `*PART_CONTACT`: individual friction and contact thickness.
