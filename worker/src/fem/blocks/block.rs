@@ -93,8 +93,8 @@ impl Block {
         }
     }
 
-    /// Builds the block of the elements `run`, with their states if they come from elsewhere; `first`
-    /// is the index of the first one, `base` its first slot.
+    /// Builds the block of the elements `run`, with their states from elsewhere, if there are any.
+    /// `first` is the index of the first element, `base` its first slot.
     pub(super) fn new(
         settings: &Settings,
         run: &[LocalElement],

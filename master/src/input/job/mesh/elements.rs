@@ -29,7 +29,7 @@ pub(super) fn check(
         );
     }
     let mut seen = HashSet::with_capacity(mesh.elements.len());
-    // Of each missing part, and of concave quads: index of the first element, and number.
+    // For each missing part, and for concave quads: the first element, and their number.
     let mut orphans: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
     let mut concave: Option<(usize, usize)> = None;
     for (index, element) in mesh.elements.iter().enumerate() {
