@@ -5,9 +5,9 @@ use crumple::input::job;
 use crumple_verification::scene::{Elastic, Scene};
 
 /// Returns the distance of the sheets at the first contact force on the lower one [mm]; afterwards
-/// they bend. The lower sheet is part 1 with the shells 1 to 9 and the set `low`, the upper one part
-/// 2 with the shells 10 to 18 and the set `high`. `contact` are the lines of contact in the job,
-/// `sets` changes of keys.
+/// they bend. The lower sheet is part 1 with the shells 1 to 9 and the set `low`. The upper one is
+/// part 2 with the shells 10 to 18 and the set `high`. `contact` are the lines of contact in the
+/// job, `sets` changes of keys.
 ///
 /// # Panics
 /// If the job is bad or the sheets do not touch.

@@ -79,7 +79,7 @@ fn keys_of_an_added_contact_law_are_checked_from_its_table() {
 fn a_required_key_without_a_value_is_reported() {
     let missing = problems(&["contact.law=strict"]);
     assert!(missing.contains("law \"strict\" has no `strict_scale`"), "{missing}");
-    assert!(missing.contains("contact.law=strict"), "the place: {missing}");
+    assert!(missing.contains("job.toml:") && missing.contains("| [contact]"), "{missing}");
     assert!(missing.contains("Factor on the coefficient"), "the meaning: {missing}");
     assert_eq!(problems(&["contact.law=strict", "contact.strict_scale=0.3"]), "");
     let interface = "contact.interface=[{ law = \"strict\" }]";

@@ -147,9 +147,8 @@ fn a_strip_with_two_offsets_bends_by_each() {
 /// thicknesses of the touching shells apart.
 #[test]
 fn shells_meet_at_their_own_thickness() {
-    let rows = |value: &str| {
-        (10..19).map(|e| format!("[{e}, {value}]")).collect::<Vec<_>>().join(", ")
-    };
+    let rows =
+        |value: &str| (10..19).map(|e| format!("[{e}, {value}]")).collect::<Vec<_>>().join(", ");
     let (thick, down) = (rows("3.0"), rows("-1.0"));
     for (thicknesses, of_part, wanted) in [
         ("", "contact_thickness_scale=1.0", 1.0),
