@@ -7,7 +7,7 @@
 use crate::fem::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::fem::columns::{HistoryColumns, State};
 use crate::fem::elements::{
-    Element, ElementEnergies, ElementNodalForces, ElementPass, PassTotals, build_block,
+    Element, ElementNodalForces, ElementPass, PassTotals, build_block, energy_places,
 };
 use crate::math::row::{Row, xyz};
 use crate::nodes::NodeView;
@@ -68,9 +68,8 @@ pub struct Block {
     groups: Vec<u32>,
     /// History columns.
     history: HistoryColumns,
-    /// Internal energy, and hourglass and drilling energy, of each element so far, with padding
-    /// [energy].
-    energies: [Vec<f64>; 2],
+    /// Energies of each element so far, see [`ElementPass::energies`] [energy].
+    energies: Vec<f64>,
     /// For each group, true if it was never strained: its forces are zero while all its nodes
     /// move alike.
     unstrained: Vec<bool>,
@@ -166,7 +165,7 @@ impl Block {
     /// Returns the internal energy of an element so far, and its hourglass and drilling energy
     /// [energy].
     pub fn energies(&self, index: usize) -> [f64; 2] {
-        self.energies.each_ref().map(|column| column[index])
+        energy_places(index, self.lanes()).map(|place| self.energies[place])
     }
 
     /// Returns the state of an element for its next worker: history columns and energies.
@@ -703,7 +702,7 @@ impl Block {
             slots,
             groups: vec![0; groups * slots * lanes],
             history,
-            energies: [(); 2].map(|()| vec![0.0; groups * lanes]),
+            energies: vec![0.0; 2 * groups * lanes],
             unstrained: vec![false; groups],
             fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
             interface,
@@ -722,7 +721,10 @@ impl Block {
             });
             if let Some((state, energies)) = histories[i].split_last_chunk::<2>() {
                 b.history.set(place, state);
-                b.energies.iter_mut().zip(energies).for_each(|(column, &e)| column[place] = e);
+                energy_places(place, lanes)
+                    .iter()
+                    .zip(energies)
+                    .for_each(|(&i, &e)| b.energies[i] = e);
             } else {
                 fresh.fill(0.0);
                 b.element.start(&mut fresh, run[i].record.own);
@@ -741,7 +743,7 @@ impl Block {
 
     /// Returns the bytes of history columns and energies.
     fn history_bytes(&self) -> usize {
-        self.history.bytes() + self.energies.iter().map(|e| size_of_val(&e[..])).sum::<usize>()
+        self.history.bytes() + size_of_val(&self.energies[..])
     }
 
     /// Returns the number of slots of a group.
@@ -773,7 +775,6 @@ impl Block {
     ) -> PassTotals {
         let (groups, history, unstrained) =
             (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
-        let [internal, hourglass] = &mut self.energies;
         self.element.forces(ElementPass {
             range,
             count: self.count,
@@ -783,7 +784,7 @@ impl Block {
             nodes,
             dt,
             out,
-            energies: ElementEnergies { internal, hourglass },
+            energies: &mut self.energies,
         })
     }
 }

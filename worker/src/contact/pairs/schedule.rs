@@ -177,7 +177,9 @@ impl PairTable {
         Ok(undone)
     }
 
-    /// Sets a new force of a pair and applies it to the nodes of the pair.
+    /// Sets a new force of a pair and applies it to the nodes of the pair. The totals of the nodes
+    /// change by the difference of the forces. All workers that know two pairs with a common node
+    /// update them in the same order, so the round-off is the same.
     fn apply_force<S>(
         &mut self,
         i: u32,
@@ -186,11 +188,19 @@ impl PairTable {
         state: &mut S,
         feel: &impl Fn(&mut S, u32, u32, NodalLoad<'_>),
     ) {
-        self.pairs[i as usize].force = force;
+        let pair = &mut self.pairs[i as usize];
+        let change = force - pair.force;
+        pair.force = force;
+        let twist = if self.couples.is_empty() { V3::zeros() } else { pair.twist(&change) };
         order.turn += 1;
-        for &t in order.slots[i as usize].iter().filter(|&&t| t != NOWHERE) {
+        for (r, &t) in order.slots[i as usize].iter().enumerate().filter(|&(_, &t)| t != NOWHERE) {
             order.felt[t as usize] = order.turn;
-            self.sum_forces_at(t as usize);
+            let share = pair.share(r);
+            self.total[t as usize] +=
+                change * if pair.is_slave_role(r as u8) { share } else { -share };
+            if let Some(couple) = self.couples.get_mut(t as usize) {
+                *couple += twist * (pair.lever_arm_of(r) * share);
+            }
             feel(
                 state,
                 t,

@@ -65,7 +65,8 @@ impl Solids {
     pub fn forces(&mut self, dt: f64) -> Passed {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.v };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut [] };
-        passed((self.cells.len(), self.groups.len() / 8), |energies| {
+        let lanes = self.history.lanes();
+        passed((self.cells.len(), self.groups.len() / 8, lanes), |energies| {
             self.element.forces(ElementPass {
                 range: 0..self.groups.len() / (8 * self.history.lanes()),
                 count: self.cells.len(),
