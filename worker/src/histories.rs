@@ -243,7 +243,8 @@ fn add(sums: &mut [ExactSum; 3], term: V3) {
 }
 
 /// Returns the energies, masses and momenta of own elements by part. Nodal masses are those of
-/// the elements; masses added by `[[mass]]` belong to no part.
+/// the elements; masses added by `[[mass]]` belong to no part. A term of the exact sums is that of
+/// one element, since they take longer than plain sums over its corners.
 fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
     let (nodes, blocks) = (state.nodes, state.blocks);
     let mut parts = vec![PartShare::<ExactSum>::default(); state.settings.parts.len()];
@@ -259,18 +260,22 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
             let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
             let (mass, inertia) = b.element.corner_mass(&x, e.record.own);
             let (mass, inertia) = (mass * e.record.mass_factor, inertia * e.record.mass_factor);
-            for n in e.nodes[..e.record.shape.corners()].iter().map(|&n| n as usize) {
+            let (mut kinetic, mut momentum) = (0.0, [0.0; 3]);
+            let corners = e.record.shape.corners();
+            for n in e.nodes[..corners].iter().map(|&n| n as usize) {
                 let (v, next) = (&nodes.v[n], &nodes.v_next[n]);
                 let turning = if nodes.rotations {
                     inertia * dot(&nodes.w[n], &nodes.w_next[n])
                 } else {
                     0.0
                 };
-                part.mass.add(mass);
-                part.kinetic.add(0.5 * (mass * dot(v, next) + turning));
+                kinetic += 0.5 * (mass * dot(v, next) + turning);
                 let at = |c: usize| if ended { v[c] } else { 0.5 * (v[c] + next[c]) };
-                (0..3).for_each(|c| part.momentum[c].add(mass * at(c)));
+                (0..3).for_each(|c| momentum[c] += mass * at(c));
             }
+            part.mass.add(mass * corners as f64);
+            part.kinetic.add(kinetic);
+            (0..3).for_each(|c| part.momentum[c].add(momentum[c]));
         }
     }
     parts

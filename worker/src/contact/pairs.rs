@@ -218,15 +218,10 @@ impl PairTable {
     /// Sums the contact force and the moment on every touched node.
     pub fn sum_forces(&mut self) {
         for t in 0..self.touched.len() {
-            self.sum_forces_at(t);
-        }
-    }
-
-    /// Sums the force and the moment on the node at index `t` of `touched`.
-    fn sum_forces_at(&mut self, t: usize) {
-        self.total[t] = self.force_at(t);
-        if !self.couples.is_empty() {
-            self.couples[t] = self.couple_at(t);
+            self.total[t] = self.force_at(t);
+            if !self.couples.is_empty() {
+                self.couples[t] = self.couple_at(t);
+            }
         }
     }
 

@@ -27,9 +27,9 @@ pub(super) const LAW: LawRow = LawRow {
             otherwise: DefaultValue::Word(GAUSS_SEIDEL),
             range: None,
             meaning: "Iteration for coupled pairs. `gauss_seidel` (default) updates one pair after \
-                      the other in ascending order of their keys (`cases/studies/README.md`, \
-                      sandwich). `split` updates all pairs from the same state, with nodal masses \
-                      split among their pairs; it needs more sweeps.",
+                      the other, in an order that does not depend on the workers \
+                      (`cases/studies/README.md`, sandwich). `split` updates all pairs from the \
+                      same state, with nodal masses split among their pairs; it needs more sweeps.",
         },
         SWEEPS,
         TOLERANCE,

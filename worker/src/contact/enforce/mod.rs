@@ -36,9 +36,9 @@ pub enum Iteration {
     /// All pairs are updated from the same state. Each nodal mass is split among the pairs that
     /// use it. Converges whatever the masses: an update is damped by no less than the coupling.
     Split,
-    /// One pair after the other in ascending (node, segment), each with full masses and with the
-    /// new forces of the pairs before it. Projected Gauss-Seidel: converges whatever the masses,
-    /// faster than `Split` where nodes have few pairs.
+    /// One pair after the other in the order of `pairs/schedule.rs`, each with full masses and
+    /// with the new forces of the pairs before it. Projected Gauss-Seidel: converges whatever the
+    /// masses, faster than `Split` where nodes have few pairs.
     GaussSeidel,
     /// Predictor forces of all pairs, then corrections by the motion of the segments under all
     /// of them. Where two surfaces are slaves of each other, one of them gets the fraction

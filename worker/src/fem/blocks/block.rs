@@ -3,7 +3,7 @@
 use super::{Class, LocalElement, Portion};
 use crate::fem::columns::{HistoryColumns, State};
 use crate::fem::elements::{
-    Element, ElementEnergies, ElementNodalForces, ElementPass, PassTotals, build_block,
+    Element, ElementNodalForces, ElementPass, PassTotals, build_block, energy_places,
 };
 use crate::nodes::NodeView;
 use crumple_proto::job::Precision;
@@ -37,9 +37,8 @@ pub struct Block {
     pub(super) groups: Vec<u32>,
     /// History columns.
     pub(super) history: HistoryColumns,
-    /// Internal energy, and hourglass and drilling energy, of each element so far, with padding
-    /// [energy].
-    pub(super) energies: [Vec<f64>; 2],
+    /// Energies of each element so far, see [`ElementPass::energies`] [energy].
+    energies: Vec<f64>,
     /// For each group, true if it was never strained: its forces are zero while all its nodes
     /// move alike.
     pub(super) unstrained: Vec<bool>,
@@ -54,7 +53,7 @@ impl Block {
     /// Returns the internal energy of an element so far, and its hourglass and drilling energy
     /// [energy].
     pub fn energies(&self, index: usize) -> [f64; 2] {
-        self.energies.each_ref().map(|column| column[index])
+        energy_places(index, self.lanes()).map(|place| self.energies[place])
     }
 
     /// Returns the state of an element for its next worker: history columns and energies.
@@ -120,7 +119,7 @@ impl Block {
             slots,
             groups: vec![0; groups * slots * lanes],
             history,
-            energies: [(); 2].map(|()| vec![0.0; groups * lanes]),
+            energies: vec![0.0; 2 * groups * lanes],
             unstrained: vec![false; groups],
             fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
             interface,
@@ -139,7 +138,10 @@ impl Block {
             });
             if let Some((state, energies)) = histories[i].split_last_chunk::<2>() {
                 b.history.set(place, state);
-                b.energies.iter_mut().zip(energies).for_each(|(column, &e)| column[place] = e);
+                energy_places(place, lanes)
+                    .iter()
+                    .zip(energies)
+                    .for_each(|(&i, &e)| b.energies[i] = e);
             } else {
                 fresh.fill(0.0);
                 b.element.start(&mut fresh, run[i].record.own);
@@ -158,7 +160,7 @@ impl Block {
 
     /// Returns the bytes of history columns and energies.
     pub(super) fn history_bytes(&self) -> usize {
-        self.history.bytes() + self.energies.iter().map(|e| size_of_val(&e[..])).sum::<usize>()
+        self.history.bytes() + size_of_val(&self.energies[..])
     }
 
     /// Returns the number of slots of a group.
@@ -192,7 +194,6 @@ impl Block {
     ) -> PassTotals {
         let (groups, history, unstrained) =
             (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
-        let [internal, hourglass] = &mut self.energies;
         self.element.forces(ElementPass {
             range,
             count: self.count,
@@ -202,7 +203,7 @@ impl Block {
             nodes,
             dt,
             out,
-            energies: ElementEnergies { internal, hourglass },
+            energies: &mut self.energies,
         })
     }
 }

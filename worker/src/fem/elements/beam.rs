@@ -38,7 +38,7 @@ use self::section::FibreSection;
 use super::section::label;
 use super::{
     BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, PassTotals,
-    failed_column,
+    energy_places, failed_column,
 };
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
@@ -428,6 +428,7 @@ impl Element for Beam {
         let mut state = vec![0.0; columns];
         for i in range.start * LANES..(range.end * LANES).min(count) {
             let (group, lane) = (i / LANES, i % LANES);
+            let [internal, _] = energy_places(i, LANES);
             let of_group = &mut history[group * columns..(group + 1) * columns];
             state
                 .iter_mut()
@@ -451,7 +452,7 @@ impl Element for Beam {
                 [r.force, r.moments[0], r.moments[1]].iter().zip(moves).zip((FORCES..).step_by(3))
             {
                 let before = V3::from_column_slice(&state[column..column + 3]);
-                energies.internal[i] +=
+                energies[internal] +=
                     if gone { 0.0 } else { 0.5 * dt * (before + now).dot(&moved) };
                 state[column..column + 3].copy_from_slice(now.as_slice());
             }

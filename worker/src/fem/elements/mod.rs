@@ -83,13 +83,11 @@ impl PassTotals {
     }
 }
 
-/// Energies of the elements of a block so far, with padding. Each element has its own sum in
-/// ascending time, which does not depend on the other elements of its worker.
-pub struct ElementEnergies<'a> {
-    /// Internal energy [energy].
-    pub internal: &'a mut [f64],
-    /// Hourglass and drilling energy [energy].
-    pub hourglass: &'a mut [f64],
+/// Returns the places of an element's internal energy, and of its hourglass and drilling energy, in
+/// [`ElementPass::energies`] for groups of this number of lanes.
+pub fn energy_places(index: usize, lanes: usize) -> [usize; 2] {
+    let first = index / lanes * 2 * lanes + index % lanes;
+    [first, first + lanes]
 }
 
 /// Local nodes of a group of W elements with C slots, per corner and lane. Padding lanes repeat the
@@ -119,8 +117,10 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     pub dt: f64,
     /// Element nodal forces of the whole block.
     pub out: ElementNodalForces<'a>,
-    /// Energies of the whole block, to which the pass adds.
-    pub energies: ElementEnergies<'a>,
+    /// Energies of the whole block so far, to which the pass adds: for each group W internal
+    /// energies, then W hourglass and drilling energies. Each element has its own sum in ascending
+    /// time, which does not depend on the other elements of its worker [energy].
+    pub energies: &'a mut [f64],
 }
 
 /// Output fields of an element.
@@ -670,14 +670,12 @@ impl<L> ElementPass<'_, &mut [L]> {
 fn total<L: PointLanes<W>, const W: usize>(
     range: Range<usize>,
     count: usize,
-    energies: ElementEnergies<'_>,
+    energies: &mut [f64],
     groups: impl Iterator<Item = Totals<L>>,
 ) -> PassTotals {
     let mut minima = GroupMinima::<L, W>::new();
-    let internal = &mut energies.internal.as_chunks_mut::<W>().0[range.clone()];
-    let hourglass = &mut energies.hourglass.as_chunks_mut::<W>().0[range.clone()];
-    let sums = internal.iter_mut().zip(hourglass);
-    range.zip(groups).zip(sums).for_each(|((index, totals), (internal, hourglass))| {
+    let sums = &mut energies.as_chunks_mut::<W>().0.as_chunks_mut::<2>().0[range.clone()];
+    range.zip(groups).zip(sums).for_each(|((index, totals), [internal, hourglass])| {
         let more = (totals.internal.to_array(), totals.hourglass.to_array());
         for lane in 0..W {
             internal[lane] += more.0[lane];

@@ -398,8 +398,9 @@ fn padding_adds_nothing_and_ranges_add_up() {
         for range in [2..3, 0..2] {
             let nodes = NodeView { x: &patch.x, v: &patch.v, w: &patch.w };
             let out = ElementNodalForces { force: &mut patch.force, moment: &mut patch.moment };
+            let lanes = patch.history.lanes();
             let (groups, history) = (&patch.groups[..], patch.history.as_mut());
-            let done = passed((10, groups.len() / 4), |energies| {
+            let done = passed((10, groups.len() / 4, lanes), |energies| {
                 patch.element.forces(ElementPass {
                     range,
                     count: 10,

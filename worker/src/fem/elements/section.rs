@@ -48,7 +48,7 @@ const INERTIA: usize = 2;
 const SHEAR: usize = 3;
 const POINTS: usize = 5;
 /// Number of columns of a point from which the static yield stress follows, with those of stress.
-const SAVED: usize = 5;
+pub const SAVED: usize = 5;
 
 /// Section of a part: material and points through the thickness.
 pub struct Section {
@@ -523,12 +523,16 @@ impl Section {
         Real::max(mean_square.sqrt(), R::splat(least))
     }
 
-    /// Returns the columns of the points that [`Self::flow`] needs from before a step.
+    /// Saves the columns of the points that [`Self::flow`] needs from before a step. It writes to
+    /// a reference, since a returned array would be copied once more.
     #[inline(always)]
-    pub fn points_before<R: Real, const N: usize>(&self, columns: &[R]) -> PointsBefore<R, N> {
-        let mut before = [[R::zero(); SAVED]; N];
+    pub fn save_points<R: Real, const N: usize>(
+        &self,
+        columns: &[R],
+        before: &mut PointsBefore<R, N>,
+    ) {
         if self.plastic_strain.is_none() {
-            return before;
+            return;
         }
         for (k, point) in before.iter_mut().enumerate() {
             let columns = &columns[POINTS + k * self.stride..];
@@ -538,7 +542,6 @@ impl Section {
                 point[SAVED - 1] = columns[SAVED - 1];
             }
         }
-        before
     }
 
     /// Returns plastic strain and stress of points, for [`Self::flow`]. `column` is that of the

@@ -13,7 +13,7 @@
 
 use super::{
     BuildResult, Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass,
-    PassTotals, section,
+    PassTotals, energy_places, section,
 };
 use crate::fem::columns::State;
 use crate::math::lanes::LANES;
@@ -176,6 +176,7 @@ impl Element for Spring {
         let mut totals = PassTotals::NONE;
         for i in range.start * LANES..(range.end * LANES).min(count) {
             let (group, lane) = (i / LANES, i % LANES);
+            let [internal, _] = energy_places(i, LANES);
             let columns = &mut history[group * COLUMNS..(group + 1) * COLUMNS];
             let mut state: [f64; COLUMNS] = std::array::from_fn(|k| columns[k].as_array()[lane]);
             let ends = [0, 1].map(|c| groups[group * ENDS + c][lane] as usize);
@@ -190,7 +191,7 @@ impl Element for Spring {
             let force = along * force;
             for c in 0..3 {
                 let before = std::mem::replace(&mut state[FORCE + c], force[c]);
-                energies.internal[i] += 0.5 * (before + force[c]) * v[c] * dt;
+                energies[internal] += 0.5 * (before + force[c]) * v[c] * dt;
             }
             columns.iter_mut().zip(state).for_each(|(column, s)| column.as_mut_array()[lane] = s);
             let slot = i * ENDS;

@@ -48,7 +48,7 @@
 
 use super::bounds;
 use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
-use super::section::{Flow, Resultants, SHEAR_CORRECTION, Section};
+use super::section::{Flow, Resultants, SAVED, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
 use super::{BuildResult, Constructor, ElementEntry, parameters, zero_failed};
@@ -133,7 +133,8 @@ impl Kernel for StabilisedQuad {
 
         // 3. Stress.
         let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
-        let before = self.section.points_before::<R, N>(section);
+        let mut before = [[R::zero(); SAVED]; N];
+        self.section.save_points::<R, N>(section, &mut before);
         let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
         let Flow { keep, tangent } = self.section.flow::<R, N>(section, &before);

@@ -2,8 +2,7 @@
 //! explicit solver.
 
 use super::{
-    Element, ElementEnergies, ElementFields, ElementNodalForces, ElementPass, PassTotals,
-    build_block,
+    Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block, energy_places,
 };
 use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
@@ -138,15 +137,19 @@ pub struct Passed {
 }
 
 /// Runs a pass over a block with `count` elements in this number of `places`, which include
-/// padding.
+/// padding, in groups of `lanes`.
 pub fn passed(
-    (count, places): (usize, usize),
-    pass: impl FnOnce(ElementEnergies<'_>) -> PassTotals,
+    (count, places, lanes): (usize, usize, usize),
+    pass: impl FnOnce(&mut [f64]) -> PassTotals,
 ) -> Passed {
-    let [mut internal, mut hourglass] = [(); 2].map(|()| vec![0.0; places]);
-    let PassTotals { stable_dt, trouble } =
-        pass(ElementEnergies { internal: &mut internal, hourglass: &mut hourglass });
-    let [internal, hourglass] = [internal, hourglass].map(|e| e[..count].iter().sum());
+    let mut energies = vec![0.0; 2 * places];
+    let PassTotals { stable_dt, trouble } = pass(&mut energies);
+    let [mut internal, mut hourglass] = [0.0; 2];
+    for i in 0..count {
+        let places = energy_places(i, lanes);
+        internal += energies[places[0]];
+        hourglass += energies[places[1]];
+    }
     Passed { stable_dt, internal, hourglass, trouble }
 }
 
@@ -231,7 +234,8 @@ impl<const C: usize> Patch<C> {
     pub fn forces(&mut self, dt: f64) -> Passed {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut self.moment };
-        passed((self.cells.len(), self.groups.len() / C), |energies| {
+        let lanes = self.history.lanes();
+        passed((self.cells.len(), self.groups.len() / C, lanes), |energies| {
             self.element.forces(ElementPass {
                 range: 0..self.groups.len() / (C * self.history.lanes()),
                 count: self.cells.len(),

@@ -52,7 +52,7 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
             crate::fem::elements::ElementNodalForces { force: &mut force, moment: &mut moment };
         let dt = if k == 0 { 0.0 } else { 1.0 };
         let (groups, history) = (groups.as_flattened(), history.as_mut());
-        let done = passed((1, LANES), |energies| {
+        let done = passed((1, LANES, LANES), |energies| {
             beam.forces(ElementPass {
                 range: 0..1,
                 count: 1,
