@@ -11,6 +11,7 @@ use crate::time::Clock;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::{Captured, FileRecord};
+use crumple_proto::disk;
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
@@ -93,6 +94,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         }
         _ => return Ok(()), // the job is invalid; the master reports why
     };
+    disk::set_patience(Duration::from_secs_f64(worker.engine.settings.checkpoint.patience));
     if trace {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
@@ -348,7 +350,9 @@ impl Worker {
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
         e.halo.refresh_ghosts_for_output(comm, &mut e.nodes)?;
-        match output::write_fields(e, index, comm.size() > 2) {
+        let several = comm.size() > 2;
+        let write = || output::write_fields(e, index, several);
+        match disk::watched(Path::new(&e.settings.field_dir), write) {
             Ok(()) => post(comm, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
                 let warning = format!(

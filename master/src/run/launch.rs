@@ -11,9 +11,13 @@ use crate::run::lock::Lock;
 use crate::run::stop::{Manner, StopFlag};
 use crate::run::supervise;
 use crate::stdout::say;
+use crumple_proto::disk;
 use crumple_proto::job::Restart;
 use crumple_proto::transport::{Transport, threads};
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 /// Exit codes as in README.md.
 const COMPLETED: u8 = 0;
@@ -55,7 +59,7 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
         None
     };
     // The folder is locked first: another run may be changing its checkpoints.
-    let locked = |out: &Path| Lock::acquire(out);
+    let locked = |out: &Path| disk::watched(out, || Lock::acquire(out));
     let (from, lock) = match &args.resume {
         None => (None, None),
         Some(dir) => {
@@ -283,8 +287,24 @@ fn log_to(out: &Path, continues: bool) {
     let file = std::fs::create_dir_all(out).and_then(|()| open());
     if let Ok(file) = file {
         // A second run in the same process continues with the first log.
-        let _ =
-            tracing_subscriber::fmt().json().with_writer(std::sync::Mutex::new(file)).try_init();
+        let log = Mutex::new(Log { path, file });
+        let _ = tracing_subscriber::fmt().json().with_writer(log).try_init();
+    }
+}
+
+/// The file of events.
+struct Log {
+    path: PathBuf,
+    file: File,
+}
+
+impl Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        disk::watched(&self.path, || self.file.write(bytes))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        disk::watched(&self.path, || self.file.flush())
     }
 }
 

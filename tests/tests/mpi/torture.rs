@@ -30,7 +30,7 @@ const SCENES: [(&str, u64); 6] = [
 ];
 /// Most kills in a round.
 const KILLS: u32 = 3;
-/// Longest time before a kill [ms].
+/// Longest time from the first event of a run to its kill [ms].
 const LONGEST: u64 = 1500;
 /// Interval between two checkpoints [s].
 const INTERVAL: f64 = 0.2;
@@ -46,10 +46,10 @@ struct Record {
     while_writing: u64,
     /// Kills of processes that had not written a checkpoint yet.
     before_any: u64,
-    /// Longest time from the first file of the last checkpoint to a kill [s].
-    worst_loss: f64,
+    /// Times from the first file of the last checkpoint to a kill [s].
+    losses: Vec<f64>,
     /// The same, without the time in which the next checkpoint was being written [s].
-    worst_gap: f64,
+    gaps: Vec<f64>,
     orphans: u64,
     temporary: u64,
 }
@@ -62,13 +62,8 @@ impl Record {
         println!("  of the master or of all workers  {of_master}");
         println!("  while a checkpoint was written   {while_writing}");
         println!("  before a first checkpoint        {before_any}");
-        for (what, worst) in [
-            ("worst loss of work             ", self.worst_loss),
-            ("  before the next was written  ", self.worst_gap),
-        ] {
-            let share = worst / INTERVAL;
-            println!("  {what}  {worst:.3} s, {share:.1} of the interval of {INTERVAL} s");
-        }
+        show_times("loss of work", &self.losses);
+        show_times("before the next was written", &self.gaps);
         println!("  orphan processes found           {}", self.orphans);
         println!("  temporary files left             {}", self.temporary);
     }
@@ -89,9 +84,22 @@ impl Record {
         let Some(copied) = began(newest) else { return };
         let next = parts.first().and_then(|folder| began(folder)).unwrap_or(now).min(now);
         let until = |end: SystemTime| end.duration_since(copied).map_or(0.0, |d| d.as_secs_f64());
-        self.worst_loss = self.worst_loss.max(until(now));
-        self.worst_gap = self.worst_gap.max(until(next));
+        self.losses.push(until(now));
+        self.gaps.push(until(next));
     }
+}
+
+/// Prints the median, the 90th percentile and the largest of some times.
+fn show_times(what: &str, times: &[f64]) {
+    let mut sorted = times.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).or(sorted.last());
+    let [middle, most, worst] = [0.5, 0.9, 1.0].map(|share| at(share).copied().unwrap_or(0.0));
+    println!(
+        "  {what:32} median {middle:.2} s, 90 % below {most:.2} s, worst {worst:.2} s, of {} \
+         kills; interval {INTERVAL} s",
+        times.len()
+    );
 }
 
 /// Returns the time at which the first file of a checkpoint was made.
@@ -187,12 +195,19 @@ fn one_round(
             words(scene, cycles, out, &format!("{INTERVAL} s"))
         };
         let (workers, mpi) = (random.usize(1..=4), with_mpi && random.bool());
-        let running = start(command(&words, workers, mpi));
+        let log = || fs::metadata(out.join("log.jsonl")).map_or(0, |m| m.len());
+        let before = log();
+        let mut running = start(command(&words, workers, mpi));
         if attempt == KILLS {
             running.end().with_code(0);
             return;
         }
-        std::thread::sleep(Duration::from_millis(random.u64(100..LONGEST)));
+        // Open MPI 4 hangs if a rank is killed while it connects to `mpirun`.
+        running.wait_for("the run has begun", |_| {
+            let now = log();
+            (now > 0 && now != before).then_some(())
+        });
+        std::thread::sleep(Duration::from_millis(random.u64(0..LONGEST)));
         let ranks = if mpi { running.ranks() } else { Vec::new() };
         let victim = random.usize(..=workers);
         let now = SystemTime::now();
