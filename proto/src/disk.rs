@@ -1,6 +1,6 @@
 //! Watch over operations on files. An operation on a file system that hangs blocks its thread for
-//! ever, and nothing can end it: so a thread of its own reports it, and ends the process if it takes
-//! too long.
+//! ever, and nothing can end it: so another thread reports it, and ends the process if it takes too
+//! long.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -291,8 +291,31 @@ impl Worker {
         let began = Instant::now();
         self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
-        (copied.own.crossed, copied.own.named) = (self.crossed, self.named);
-        (0..2).for_each(|i| copied.own.sent[i] += self.sent_before[i]);
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            crossed,
+            named,
+            sent_before,
+            // Saved by `copy_state`.
+            engine: _,
+            // They belong to the partition and to this process.
+            orders: _,
+            done: _,
+            cpu_before: _,
+            cost: _,
+            samples: _,
+            sent: _,
+            stopped: _,
+            checkpoint_due: _,
+            copy_due: _,
+            kept: _,
+            failed: _,
+            writer: _,
+            // Costs since the last report; they are in no file that has to be the same.
+            report: _,
+        } = self;
+        (copied.own.crossed, copied.own.named) = (*crossed, *named);
+        (0..2).for_each(|i| copied.own.sent[i] += sent_before[i]);
         let Engine { clock, settings, .. } = &self.engine;
         let captured = Captured {
             cycle: clock.cycle,

@@ -5,6 +5,7 @@ use crate::cli::RunArgs;
 use crate::input::job::{self, Model, Report};
 use crate::results::report;
 use crate::results::summary::{Status, Summary};
+use crate::run::checkpoint::manifest::Manifest;
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Origin, Results, RunError};
 use crate::run::lock::Lock;
@@ -260,9 +261,10 @@ fn name_last_state(out: &Path, summary: &Summary) {
         Some((folder, manifest)) => {
             let at = manifest.captured;
             eprintln!(
-                "  the state of cycle {}, time {:.6e}, is kept in {}",
+                "  the state of cycle {}, time {:.6e}, {} cycles before the end, is kept in {}",
                 at.cycle,
                 at.time,
+                summary.cycles.saturating_sub(at.cycle),
                 folder.display()
             );
             eprintln!(
@@ -271,6 +273,10 @@ fn name_last_state(out: &Path, summary: &Summary) {
                 out.display(),
                 0.5 * summary.dt.last
             );
+            let whole = |f: &PathBuf| *f != folder && Manifest::read(f).is_ok();
+            if let Some(older) = find::folders(&out.join(find::DIR)).into_iter().find(whole) {
+                eprintln!("  if this state is already wrong: --resume {}", older.display());
+            }
         }
         None => eprintln!("  there is no checkpoint: the run starts again from time 0"),
     }

@@ -171,6 +171,23 @@ impl Block {
 
     /// Returns the state of an element for its next worker: history columns and energies.
     pub fn columns(&self, index: usize) -> Vec<f64> {
+        // A new field is an error here: state of an element has to be added to its columns.
+        let Self {
+            history: _,
+            energies: _,
+            // From the job, or computed for each partition.
+            element: _,
+            first: _,
+            count: _,
+            fronts: _,
+            interface: _,
+            idle: _,
+            slow: _,
+            base: _,
+            slots: _,
+            groups: _,
+            unstrained: _,
+        } = self;
         let mut columns = self.state(index).to_vec();
         columns.extend(self.energies(index));
         columns
@@ -207,6 +224,31 @@ impl Block {
 }
 
 impl Blocks {
+    /// Returns the state at the start of an outer step that all workers have in common:
+    /// [`Self::slow_dt`].
+    pub fn common_state(&self) -> f64 {
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            slow_dt,
+            // Saved with the elements.
+            elements: _,
+            blocks: _,
+            // Computed for each partition.
+            massless_dt: _,
+            mass_scaled: _,
+            weak: _,
+            subcycles: _,
+            between: _,
+            plans: _,
+            // Computed in each step before they are used.
+            force: _,
+            moment: _,
+            all_computed: _,
+            timed: _,
+        } = self;
+        *slow_dt
+    }
+
     /// Sorts elements into blocks, each with its [`Block::columns`], empty for a new element.
     ///
     /// # Panics
