@@ -13,6 +13,7 @@ use crate::time::Clock;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::{Captured, FileRecord};
+use crumple_proto::disk;
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
@@ -92,6 +93,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         }
         _ => return Ok(()), // the job is invalid; the master reports why
     };
+    disk::set_patience(Duration::from_secs_f64(worker.engine.settings.checkpoint.patience));
     if trace {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
@@ -288,8 +290,31 @@ impl Worker {
         let began = Instant::now();
         self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
-        (copied.own.crossed, copied.own.named) = (self.crossed, self.named);
-        (0..2).for_each(|i| copied.own.sent[i] += self.sent_before[i]);
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            crossed,
+            named,
+            sent_before,
+            // Saved by `copy_state`.
+            engine: _,
+            // They belong to the partition and to this process.
+            orders: _,
+            done: _,
+            cpu_before: _,
+            cost: _,
+            samples: _,
+            sent: _,
+            stopped: _,
+            checkpoint_due: _,
+            copy_due: _,
+            kept: _,
+            failed: _,
+            writer: _,
+            // Costs since the last report; they are in no file that has to be the same.
+            report: _,
+        } = self;
+        (copied.own.crossed, copied.own.named) = (*crossed, *named);
+        (0..2).for_each(|i| copied.own.sent[i] += sent_before[i]);
         let Engine { clock, settings, .. } = &self.engine;
         let captured = Captured {
             cycle: clock.cycle,
@@ -347,7 +372,9 @@ impl Worker {
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
         e.halo.refresh_ghosts_for_output(comm, &mut e.nodes)?;
-        match output::write_fields(e, index, comm.size() > 2) {
+        let several = comm.size() > 2;
+        let write = || output::write_fields(e, index, several);
+        match disk::watched(Path::new(&e.settings.field_dir), write) {
             Ok(()) => post(comm, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
                 let warning = format!(

@@ -108,13 +108,31 @@ impl Walls {
 
     /// Returns the states of all walls.
     pub fn state(&self) -> Vec<WallState> {
+        // A new field is an error here: state has to be added, all else to the last list.
+        let Self {
+            walls,
+            // See `sums`.
+            impulses: _,
+            // From the job.
+            order: _,
+            pushed: _,
+            known: _,
+            // For one step only.
+            near: _,
+            mail: _,
+        } = self;
         let of = |wall: &Wall| {
             // Friction and mass are those of the job; `meets` is by local node.
             let Wall { job: _, surface, friction: _, drive, last, next, meets: _ } = wall;
             let to = if let Drive::Led(_, to) = drive { Some(*to) } else { None };
             WallState { surface: surface.clone(), last: *last, next: *next, to }
         };
-        self.walls.iter().map(of).collect()
+        walls.iter().map(of).collect()
+    }
+
+    /// Returns the impulses, which are sums of this worker.
+    pub fn sums(&self) -> Vec<[ExactSum; 3]> {
+        self.impulses.clone()
     }
 
     /// Sets the states of all walls.

@@ -120,6 +120,31 @@ pub struct RemoteCorner {
 }
 
 impl Blocks {
+    /// Returns the state at the start of an outer step that all workers have in common:
+    /// [`Self::slow_dt`].
+    pub fn common_state(&self) -> f64 {
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            slow_dt,
+            // Saved with the elements.
+            elements: _,
+            blocks: _,
+            // Computed for each partition.
+            massless_dt: _,
+            mass_scaled: _,
+            weak: _,
+            subcycles: _,
+            between: _,
+            plans: _,
+            // Computed in each step before they are used.
+            force: _,
+            moment: _,
+            all_computed: _,
+            timed: _,
+        } = self;
+        *slow_dt
+    }
+
     /// Sorts elements into blocks, each with its [`Block::columns`], empty for a new element.
     ///
     /// # Panics

@@ -58,6 +58,23 @@ impl Block {
 
     /// Returns the state of an element for its next worker: history columns and energies.
     pub fn columns(&self, index: usize) -> Vec<f64> {
+        // A new field is an error here: state of an element has to be added to its columns.
+        let Self {
+            history: _,
+            energies: _,
+            // From the job, or computed for each partition.
+            element: _,
+            first: _,
+            count: _,
+            fronts: _,
+            interface: _,
+            idle: _,
+            slow: _,
+            base: _,
+            slots: _,
+            groups: _,
+            unstrained: _,
+        } = self;
         let mut columns = self.state(index).to_vec();
         columns.extend(self.energies(index));
         columns
