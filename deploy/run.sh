@@ -60,16 +60,24 @@ fi
 echo "run: a master and $workers workers on $job"
 # A supervisor starts the ranks. It lets them stop in order when this script is interrupted, and
 # starts them again from the newest checkpoint when one is lost, as often as RETRIES allows.
-run=
-pass_on() { [[ -z $run ]] || kill "-$1" "$run" 2>/dev/null || true; }
+run= early=
+pass_on() {
+    if [[ -z $run ]]; then
+        early=$1
+    else
+        kill "-$1" "$run" 2>/dev/null || true
+    fi
+}
 trap 'pass_on TERM' INT TERM HUP
 trap 'pass_on USR1' USR1
 "$program" run "$job" "${arguments[@]}" --retries "${RETRIES:-0}" --workers "$workers" \
     --launcher "mpirun -n {ranks}" &
 run=$!
+[[ -z $early ]] || pass_on "$early"
 # A signal ends `wait` early, with a code above 128.
 code=0
 while wait "$run" && code=0 || code=$?; kill -0 "$run" 2>/dev/null; do :; done
+wait "$run" && code=0 || code=$? # the loop may have left the code of a signal
 
 if [[ -f $out/summary.json ]]; then
     cat <<END
@@ -80,7 +88,7 @@ Results in $(cd "$out" && pwd):
   fields/fields.pvd open it in ParaView; or: python3 deploy/read_fields.py $out
 END
 fi
-[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input, 3 numerical failure," \
+[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input or unwritten files, 3 numerical failure," \
     "4 a worker lost, 130 stopped)" >&2
 if [[ -f $out/report.html ]]; then
     echo "Animation, plots and tables on one page: $(cd "$out" && pwd)/report.html"

@@ -1,10 +1,13 @@
 //! Watch over operations on files. An operation on a file system that hangs blocks its thread for
 //! ever, and nothing can end it: so another thread reports it, and ends the process if it takes too
-//! long.
+//! long. That is also the end of a program that embeds the engine and uses this watch.
 
+use crate::exit_code;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
+use std::thread::{Builder, sleep};
 use std::time::{Duration, Instant};
 
 /// Time after which there is a warning [ms].
@@ -13,18 +16,18 @@ static PATIENCE_MS: AtomicU64 = AtomicU64::new(60_000);
 const LIMIT: u32 = 10;
 /// Longest interval between two looks.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
-/// Exit code for results that cannot be written.
-const UNWRITTEN: i32 = 2;
+/// Time for the last message before the process ends.
+const LAST_WORDS: Duration = Duration::from_secs(1);
 
 /// An operation that has not ended.
-struct Open {
+struct Operation {
     number: u64,
     path: PathBuf,
     began: Instant,
     warned: bool,
 }
 
-static OPEN: Mutex<Vec<Open>> = Mutex::new(Vec::new());
+static RUNNING: Mutex<Vec<Operation>> = Mutex::new(Vec::new());
 static NUMBER: AtomicU64 = AtomicU64::new(0);
 static WATCH: Once = Once::new();
 
@@ -40,9 +43,9 @@ pub fn set_patience(patience: Duration) {
 pub fn watched<T>(path: &Path, operation: impl FnOnce() -> T) -> T {
     WATCH.call_once(|| {
         // Without the thread, the operation has no limit.
-        let _ = std::thread::Builder::new().name("disk watch".into()).spawn(watch);
+        let _ = Builder::new().name("disk watch".into()).spawn(watch);
     });
-    let _open = Ticket::new(path);
+    let _ticket = Ticket::new(path);
     operation()
 }
 
@@ -52,38 +55,48 @@ struct Ticket(u64);
 impl Ticket {
     fn new(path: &Path) -> Self {
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let open = Open { number, path: path.to_owned(), began: Instant::now(), warned: false };
-        OPEN.lock().unwrap_or_else(PoisonError::into_inner).push(open);
+        let (path, began) = (path.to_owned(), Instant::now());
+        let operation = Operation { number, path, began, warned: false };
+        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).push(operation);
         Self(number)
     }
 }
 
 impl Drop for Ticket {
     fn drop(&mut self) {
-        OPEN.lock().unwrap_or_else(PoisonError::into_inner).retain(|open| open.number != self.0);
+        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).retain(|o| o.number != self.0);
     }
 }
 
 fn watch() {
     loop {
         let patience = Duration::from_millis(PATIENCE_MS.load(Ordering::Relaxed));
-        std::thread::sleep((patience / 4).min(LOOK_EVERY));
-        // Nothing is printed under the lock: standard error may be on the same file system.
+        sleep((patience / 4).min(LOOK_EVERY));
         if let Some((what, ends)) = next_message(patience) {
-            eprintln!("{what}");
+            print(what);
             if ends {
-                std::process::exit(UNWRITTEN);
+                sleep(LAST_WORDS);
+                std::process::exit(i32::from(exit_code::BAD_INPUT));
             }
         }
     }
 }
 
+/// Prints on a thread of its own: standard error may be on the same file system, and hang or fail.
+fn print(what: String) {
+    let body = move || {
+        let _ = writeln!(std::io::stderr(), "{what}");
+    };
+    // Without the thread there is no message; the watch goes on.
+    let _ = Builder::new().name("disk message".into()).spawn(body);
+}
+
 /// Returns a warning about an operation, once for each, or an error and true.
 fn next_message(patience: Duration) -> Option<(String, bool)> {
-    let mut all = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut all = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     let limit = patience.saturating_mul(LIMIT);
-    all.iter_mut().find_map(|open| {
-        let (path, waited) = (open.path.display(), open.began.elapsed());
+    all.iter_mut().find_map(|operation| {
+        let (path, waited) = (operation.path.display(), operation.began.elapsed());
         let what =
             format!("{path}: no answer of the file system for {:.0} s", waited.as_secs_f64());
         if waited > limit {
@@ -93,7 +106,7 @@ fn next_message(patience: Duration) -> Option<(String, bool)> {
             );
             return Some((error, true));
         }
-        let warns = waited > patience && !std::mem::replace(&mut open.warned, true);
+        let warns = waited > patience && !std::mem::replace(&mut operation.warned, true);
         let limit = limit.as_secs_f64();
         let warning = || format!("warning: {what}; the run waits for it, at most {limit:.0} s");
         warns.then(|| (warning(), false))

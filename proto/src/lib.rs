@@ -10,12 +10,14 @@
 //! - [`histories`]: requested histories, and the contributions of workers
 //! - [`message`], [`report`], [`trace`], [`wire`]: messages between master and workers
 //! - [`disk`]: watch over operations on files
+//! - [`exit_code`]: exit codes of the program
 //! - [`transport`]: transport of messages, by threads or MPI
 
 pub mod boxes;
 pub mod checkpoint;
 pub mod disk;
 pub mod exact_sum;
+pub mod exit_code;
 pub mod histories;
 pub mod ids;
 pub mod job;

@@ -134,10 +134,15 @@ pub fn run(
     origin: Origin,
     (quiet, stop): (bool, &StopFlag),
 ) -> Result<Summary, RunError> {
-    disk::set_patience(model.job.checkpoint.patience().unwrap_or_default());
+    let patience = model.job.checkpoint.patience().expect("the job is checked when it is read");
+    disk::set_patience(patience);
     let new = || Control::new(model, comm, results, origin, quiet);
     let mut control = disk::watched(results.out, new)?;
     let ended = control.supervise(stop);
+    // Also after a loss: a checkpoint may lack its manifest only.
+    for finished in control.checkpoints.wait() {
+        control.show_checkpoint(finished);
+    }
     let traced = control.write_trace();
     ended?;
     control.progress.finish();
@@ -268,8 +273,9 @@ impl<'a> Control<'a> {
             if self.ready.len() == self.workers {
                 self.recut()?;
             }
-            let ended = self.checkpoints.poll();
-            self.show_checkpoint(ended);
+            if let Some(ended) = self.checkpoints.poll() {
+                self.show_checkpoint(ended);
+            }
             if let Some(warning) = self.checkpoints.complain() {
                 self.warn(&warning);
             }
@@ -278,8 +284,6 @@ impl<'a> Control<'a> {
                 std::thread::sleep(NAP);
             }
         }
-        let ended = self.checkpoints.wait();
-        self.show_checkpoint(ended);
         Ok(())
     }
 
@@ -480,8 +484,7 @@ impl<'a> Control<'a> {
                 }
             }
             ToMaster::Saved(saved) => {
-                let before = self.checkpoints.add_saved(saved);
-                self.show_checkpoint(before);
+                self.checkpoints.add_saved(saved);
             }
             ToMaster::Ready => {
                 self.ready.push(worker);
@@ -508,14 +511,13 @@ impl<'a> Control<'a> {
     }
 
     /// Reports the end of a checkpoint.
-    fn show_checkpoint(&mut self, ended: Option<Result<String, String>>) {
+    fn show_checkpoint(&mut self, ended: Result<String, String>) {
         match ended {
-            None => {}
-            Some(Ok(message)) => {
+            Ok(message) => {
                 tracing::info!(message);
                 self.progress.println(&message);
             }
-            Some(Err(warning)) => self.warn(&warning),
+            Err(warning) => self.warn(&warning),
         }
     }
 

@@ -13,18 +13,13 @@ use crate::run::stop::{Manner, StopFlag};
 use crate::run::supervise;
 use crate::stdout::say;
 use crumple_proto::disk;
+use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED, WORKER_LOST};
 use crumple_proto::job::Restart;
 use crumple_proto::transport::{Transport, threads};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-
-/// Exit codes as in README.md.
-const COMPLETED: u8 = 0;
-const FAILED: u8 = 3;
-const WORKER_LOST: u8 = 4;
-const STOPPED: u8 = 130;
 
 /// Returns true if an MPI launcher has started this process. Launchers set these
 /// environment variables.

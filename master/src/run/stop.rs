@@ -1,9 +1,9 @@
 //! Signals. Ctrl-C, TERM and USR2: the first one asks all workers to stop and to keep their state,
-//! the second ends the process at once. USR1 requests a checkpoint. Launchers of MPI end the ranks
+//! the second ends the process at once; a supervisor passes them on (`supervise.rs`). USR1 requests a checkpoint. Launchers of MPI end the ranks
 //! at Ctrl-C and TERM, but pass on USR1 and USR2.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use tokio::signal::unix::{SignalKind, signal};
 
 /// The effect of a request to stop.
@@ -22,7 +22,7 @@ pub enum Manner {
 /// Flags that are raised by a request to stop and by a request for a checkpoint.
 #[derive(Clone, Debug, Default)]
 pub struct StopFlag {
-    stop: Arc<AtomicBool>,
+    stops: Arc<AtomicU32>,
     checkpoint: Arc<AtomicBool>,
     manner: Arc<AtomicU8>,
 }
@@ -55,7 +55,7 @@ impl StopFlag {
                             continue;
                         }
                     }
-                    let again = raised.stop.swap(true, Ordering::Relaxed);
+                    let again = raised.stops.fetch_add(1, Ordering::Relaxed) > 0;
                     let manner = raised.manner.load(Ordering::Relaxed);
                     if manner == Manner::AtOnce as u8 || (again && manner == Manner::Orderly as u8)
                     {
@@ -76,7 +76,12 @@ impl StopFlag {
 
     /// Returns true if the flag is raised.
     pub fn is_raised(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.stops() > 0
+    }
+
+    /// Returns the number of requests to stop.
+    pub fn stops(&self) -> u32 {
+        self.stops.load(Ordering::Relaxed)
     }
 
     /// Returns true if a checkpoint was requested since the last call.

@@ -5,20 +5,20 @@ use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::checkpoint::find::{newest_cycle, run_folder};
 use crate::run::stop::{Manner, StopFlag};
-use rustix::process::{Pid, Signal, kill_process};
+use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, WORKER_LOST};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 /// Interval between two looks at the process.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
-/// Exit code of a run that has lost a worker.
-const WORKER_LOST: u8 = 4;
-/// Exit code of a run that was stopped.
-const STOPPED: u8 = 130;
+/// Requests to stop within this time count as one: Ctrl-C reaches `deploy/run.sh`, which passes it
+/// on, and also the supervisor itself.
+const ONE_REQUEST: Duration = Duration::from_secs(1);
 /// Exit codes that a run chooses itself: it ended as it should. All others are losses.
-const ENDED: [i32; 4] = [0, 2, 3, STOPPED as i32];
+const ENDED: [u8; 4] = [COMPLETED, BAD_INPUT, FAILED, STOPPED];
 
 /// Word of a launcher that stands for the number of ranks.
 const RANKS: &str = "{ranks}";
@@ -47,6 +47,7 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         let from = args.resume.as_ref().filter(|_| lost == 0).unwrap_or(&out);
         let folder = if continues { from } else { &out };
         let before = summary_of(&out).map(|(written, _)| written);
+        let began = SystemTime::now();
         let child = start(args, folder, continues, workers);
         // Launchers of MPI end their ranks at TERM, but pass on USR2.
         let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
@@ -59,20 +60,32 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             }
         };
         let code = status.code();
-        if let Some(code) = code.filter(|code| ENDED.contains(code)) {
-            return code as u8;
+        let code_of_run = code.and_then(|code| u8::try_from(code).ok());
+        if let Some(code) = code_of_run.filter(|code| ENDED.contains(code)) {
+            return code;
         }
         // A launcher that was interrupted has its own code. The summary has the end of the run.
         let stopped = |(written, text): (SystemTime, String)| {
             Some(written) != before && text.contains("\"status\": \"stopped\"")
         };
-        if stop.is_raised() || summary_of(&out).is_some_and(stopped) {
+        if summary_of(&out).is_some_and(stopped) {
             return STOPPED;
         }
         let what = match (code, status.signal()) {
             (Some(code), _) => format!("exit code {code}"),
             (None, signal) => format!("signal {}", signal.unwrap_or_default()),
         };
+        if stop.is_raised() {
+            if modified(&out.join("log.jsonl")).is_none_or(|written| written < began) {
+                return STOPPED; // before its first cycle it has nothing to keep
+            }
+            eprintln!(
+                "error: the run was lost ({what}) while it stopped; the newest checkpoint is kept\n  \
+                 continue with: crumple run --resume {}",
+                out.display()
+            );
+            return WORKER_LOST;
+        }
         let newest = newest_cycle(&out);
         in_vain = if newest > reached { 0 } else { in_vain + 1 };
         let cycle = newest.map_or("the start".to_string(), |cycle| format!("cycle {cycle}"));
@@ -104,7 +117,12 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
 /// Returns the time and the text of the summary in a folder.
 fn summary_of(out: &Path) -> Option<(SystemTime, String)> {
     let path = out.join("summary.json");
-    Some((path.metadata().and_then(|m| m.modified()).ok()?, std::fs::read_to_string(path).ok()?))
+    Some((modified(&path)?, std::fs::read_to_string(path).ok()?))
+}
+
+/// Returns the time at which a file was last written.
+fn modified(path: &Path) -> Option<SystemTime> {
+    path.metadata().and_then(|m| m.modified()).ok()
 }
 
 /// Returns true if the launcher takes any number of ranks.
@@ -142,9 +160,11 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
     command.stdin(Stdio::null()).process_group(0).spawn()
 }
 
-/// Waits for the end of the run. Passes on a request to stop, as the signal `to_stop`.
+/// Waits for the end of the run. Passes on requests to stop: the first as the signal `to_stop`, the
+/// second as TERM, at which launchers of MPI end their ranks, all others as KILL to the group of the
+/// process.
 fn wait(mut child: Child, stop: &StopFlag, to_stop: Signal) -> std::io::Result<ExitStatus> {
-    let mut asked = false;
+    let (mut seen, mut passed_on, mut last) = (0, 0, None::<Instant>);
     let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
     let send = |signal| {
         if let Some(pid) = pid {
@@ -156,9 +176,18 @@ fn wait(mut child: Child, stop: &StopFlag, to_stop: Signal) -> std::io::Result<E
         if let Some(status) = child.try_wait()? {
             return Ok(status);
         }
-        if stop.is_raised() && !asked {
-            asked = true;
-            send(to_stop);
+        let stops = stop.stops();
+        if stops > std::mem::replace(&mut seen, stops)
+            && last.is_none_or(|last| last.elapsed() > ONE_REQUEST)
+        {
+            last = Some(Instant::now());
+            passed_on += 1;
+            match (passed_on, pid) {
+                (1, _) => send(to_stop),
+                (2, _) => send(Signal::TERM),
+                (_, Some(pid)) => drop(kill_process_group(pid, Signal::KILL)),
+                _ => {}
+            }
         }
         if stop.take_request() {
             send(Signal::USR1);

@@ -7,7 +7,7 @@ use crumple_proto::job::Compression;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread::JoinHandle;
+use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// The files of one checkpoint.
@@ -80,7 +80,10 @@ impl Writer {
             return Some(failed(task.cycle, why));
         }
         (self.cycle, self.progress) = (task.cycle, task.progress.clone());
-        self.thread = Some(std::thread::spawn(|| task.run()));
+        match Builder::new().name("checkpoint".into()).spawn(|| task.run()) {
+            Ok(thread) => self.thread = Some(thread),
+            Err(error) => return Some(failed(self.cycle, format!("no thread starts: {error}"))),
+        }
         None
     }
 

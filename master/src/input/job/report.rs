@@ -107,7 +107,7 @@ pub struct Report {
 
 impl Report {
     /// Exit code of the process: invalid input.
-    pub const EXIT_CODE: u8 = 2;
+    pub const EXIT_CODE: u8 = crumple_proto::exit_code::BAD_INPUT;
 
     /// Creates a report of one problem without a place in a file.
     pub fn from_problem(problem: Problem) -> Self {

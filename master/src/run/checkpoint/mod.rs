@@ -21,10 +21,12 @@ use crumple_proto::job::Checkpoint;
 use crumple_proto::wire;
 use manifest::{Manifest, Stamp, sync};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::thread::JoinHandle;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Name of the file with the state of the master.
@@ -71,6 +73,9 @@ struct Finishing {
     captured: Captured,
     copy_s: f64,
     write_s: f64,
+    /// Counts the parts written, and the last count with its time.
+    progress: Arc<AtomicU64>,
+    last: (u64, Instant),
     /// Returns the bytes of all files.
     thread: JoinHandle<Result<u64, String>>,
 }
@@ -90,10 +95,15 @@ pub struct Checkpoints {
     /// Time of the last order, or of the start.
     last: Instant,
     ordered: bool,
-    /// Time without an end of the writing after which there is a warning.
+    /// True from a request until it is served.
+    requested: bool,
+    /// Wall time since the order after which there is a warning; at the end of the run, time
+    /// without progress of a file after which a checkpoint is given up.
     patience: Duration,
     complained: bool,
     pending: BTreeMap<u64, Pending>,
+    /// Checkpoints with the files of all workers, until the thread is free.
+    queue: VecDeque<Pending>,
     finishing: Option<Finishing>,
     /// Copies in memory.
     pub copies: Copies,
@@ -116,9 +126,11 @@ impl Checkpoints {
             stamp: Stamp::default(),
             last: Instant::now(),
             ordered: false,
-            patience: asked.patience().unwrap_or_default(),
+            requested: false,
+            patience: asked.patience().expect("the job is checked when it is read"),
             complained: false,
             pending: BTreeMap::new(),
+            queue: VecDeque::new(),
             finishing: None,
             copies: Copies::new(asked.copy_interval().unwrap_or_default(), workers),
             summary: CheckpointSummary::default(),
@@ -137,13 +149,15 @@ impl Checkpoints {
     }
 
     /// Returns true if a checkpoint should be ordered now: the interval is over, or one is
-    /// `asked` for. It is then counted as ordered.
+    /// `asked` for. It is then counted as ordered. While another is being written, the request
+    /// waits.
     pub fn take_due(&mut self, asked: bool) -> bool {
         let over = self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
-        let idle = self.pending.is_empty() && self.finishing.is_none();
-        let due = (asked || over) && !self.ordered && idle;
+        let idle = self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none();
+        self.requested |= asked;
+        let due = (self.requested || over) && !self.ordered && idle;
         if due {
-            self.ordered = true;
+            (self.ordered, self.requested) = (true, false);
             self.last = Instant::now();
         }
         due
@@ -168,37 +182,42 @@ impl Checkpoints {
     /// Returns a warning if the files of the last checkpoint take long, once for each.
     pub fn complain(&mut self) -> Option<String> {
         let finishing = self.finishing.iter().map(|f| f.captured.cycle);
-        let cycle = finishing.chain(self.pending.keys().copied()).next()?;
+        let queued = self.queue.iter().map(|p| p.captured.cycle);
+        let cycle = finishing.chain(queued).chain(self.pending.keys().copied()).next()?;
         if self.complained || self.last.elapsed() < self.patience {
             return None;
         }
         self.complained = true;
         Some(format!(
             "the checkpoint of cycle {cycle} is still being written to {}: the file system is slow \
-             or hangs. The run continues; no other checkpoint is written until then",
+             or hangs. The run continues; no other checkpoint is written until this one is complete",
             self.dir.display()
         ))
     }
 
-    /// Adds the files of a worker. After the last worker, a thread makes the checkpoint complete.
-    /// Returns the end of the one before, as [`Self::poll`], if it is waited for here.
-    pub fn add_saved(&mut self, saved: Saved) -> Option<Result<String, String>> {
+    /// Adds the files of a worker. After the last worker, [`Self::poll`] makes the checkpoint
+    /// complete.
+    pub fn add_saved(&mut self, saved: Saved) {
         if let Some((captured, state)) = self.copies.take(saved.cycle) {
             let copied = Pending { captured, copies: self.workers, ..Pending::default() };
             self.pending.insert(saved.cycle, Pending { master: Some(state), ..copied });
         }
-        let pending = self.pending.get_mut(&saved.cycle)?;
+        let Some(pending) = self.pending.get_mut(&saved.cycle) else { return };
         pending.saved.push(saved.files);
         pending.copy_s = pending.copy_s.max(saved.copy_s);
         pending.write_s = pending.write_s.max(saved.write_s);
-        if pending.saved.len() < self.workers {
-            return None;
+        if pending.saved.len() == self.workers {
+            self.queue.extend(self.pending.remove(&saved.cycle));
         }
-        let mut pending = self.pending.remove(&saved.cycle)?;
-        let before = self.wait();
-        let Pending { captured, copy_s, write_s, .. } = pending;
-        let saved = std::mem::take(&mut pending.saved);
-        let master = pending.master;
+    }
+
+    /// Starts a thread that makes a checkpoint complete.
+    ///
+    /// # Errors
+    /// No thread can be started; the warning says so.
+    fn start(&mut self, pending: Pending) -> Result<(), String> {
+        let Pending { captured, copies: _, master, saved, copy_s, write_s } = pending;
+        let progress = Arc::new(AtomicU64::new(0));
         let task = Completion {
             run: self.run.clone(),
             dir: self.dir.clone(),
@@ -206,15 +225,32 @@ impl Checkpoints {
             captured,
             stamp: self.stamp.clone(),
             elements: self.elements,
+            progress: progress.clone(),
         };
-        let thread = std::thread::spawn(move || task.complete(saved, master));
-        self.finishing = Some(Finishing { captured, copy_s, write_s, thread });
-        before
+        let thread = Builder::new().name("checkpoint".into());
+        match thread.spawn(move || task.complete(saved, master)) {
+            Ok(thread) => {
+                let last = (0, Instant::now());
+                self.finishing =
+                    Some(Finishing { captured, copy_s, write_s, progress, last, thread });
+                Ok(())
+            }
+            Err(error) => {
+                (self.ordered, self.complained) = (false, false);
+                Err(self.unwritten(captured.cycle, &format!("no thread starts: {error}")))
+            }
+        }
     }
 
-    /// Returns a message for the user, or a warning, when the thread has ended.
+    /// Returns a message for the user, or a warning, when a checkpoint is complete or could not be
+    /// written. Starts the thread for the next one.
     pub fn poll(&mut self) -> Option<Result<String, String>> {
-        let Finishing { captured, copy_s, write_s, thread } =
+        if self.finishing.is_none()
+            && let Some(next) = self.queue.pop_front()
+        {
+            return self.start(next).err().map(Err);
+        }
+        let Finishing { captured, copy_s, write_s, thread, .. } =
             self.finishing.take_if(|f| f.thread.is_finished())?;
         let ended = thread.join();
         (self.ordered, self.complained) = (false, false);
@@ -237,24 +273,37 @@ impl Checkpoints {
         })
     }
 
-    /// Waits for the thread, if there is one, as [`Self::poll`]. Gives it up after the time for
+    /// Waits until all checkpoints with the files of all workers are complete, and returns what
+    /// [`Self::poll`] returns. Gives them up when no part of a file is written for the time for
     /// which a run waits for a file system.
-    pub fn wait(&mut self) -> Option<Result<String, String>> {
-        let began = Instant::now();
-        loop {
-            let cycle = self.finishing.as_ref()?.captured.cycle;
-            if let Some(ended) = self.poll() {
-                return Some(ended);
-            }
-            if began.elapsed() > self.patience {
+    pub fn wait(&mut self) -> Vec<Result<String, String>> {
+        let mut all = Vec::new();
+        while self.finishing.is_some() || !self.queue.is_empty() {
+            all.extend(self.poll());
+            if let Some(cycle) = self.hanging() {
                 self.finishing = None; // the thread ends with the process
+                let queued = std::mem::take(&mut self.queue);
                 let seconds = self.patience.as_secs_f64();
-                let why =
-                    format!("it was not complete after {seconds:.0} s: the file system hangs");
-                return Some(Err(self.unwritten(cycle, &why)));
+                let why = format!(
+                    "no part of a file was written for {seconds:.0} s: the file system hangs"
+                );
+                for cycle in std::iter::once(cycle).chain(queued.iter().map(|p| p.captured.cycle)) {
+                    all.push(Err(self.unwritten(cycle, &why)));
+                }
             }
             std::thread::sleep(LOOK_EVERY);
         }
+        all
+    }
+
+    /// Returns the cycle of the checkpoint of the thread, if it makes no progress.
+    fn hanging(&mut self) -> Option<u64> {
+        let Finishing { captured, progress, last, .. } = self.finishing.as_mut()?;
+        let now = progress.load(Ordering::Relaxed);
+        if now != last.0 {
+            *last = (now, Instant::now());
+        }
+        (last.1.elapsed() > self.patience).then_some(captured.cycle)
     }
 
     /// Returns the warning about a checkpoint that could not be written.
@@ -277,6 +326,8 @@ struct Completion {
     captured: Captured,
     stamp: Stamp,
     elements: usize,
+    /// Counts the parts written.
+    progress: Arc<AtomicU64>,
 }
 
 impl Completion {
@@ -312,11 +363,15 @@ impl Completion {
         let common = files.iter().position(|f| f.name == COMMON).ok_or("a file is missing")?;
         let common = files.swap_remove(common);
         files.sort_by(|a, b| a.name.cmp(&b.name));
+        let count = || {
+            self.progress.fetch_add(1, Ordering::Relaxed);
+        };
         for name in state.lengths.keys() {
             let path = self.run.join(name);
             sync(&path).map_err(|error| named(&path, error))?;
+            count();
         }
-        let master = write(folder, MASTER, &wire::encode(&state), Default::default(), &|| ())
+        let master = write(folder, MASTER, &wire::encode(&state), Default::default(), &count)
             .map_err(|error| named(folder, error))?;
         let manifest = Manifest {
             program: env!("CARGO_PKG_VERSION").into(),
@@ -340,5 +395,58 @@ impl Completion {
             let _ = std::fs::remove_file(folder.join(manifest::MANIFEST));
             let _ = std::fs::remove_dir_all(folder);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the checkpoints of a run with one worker that waits briefly for its disk.
+    fn checkpoints(run: &Path) -> Checkpoints {
+        let asked = Checkpoint { patience: "0.5 s".into(), ..Checkpoint::default() };
+        Checkpoints::new(run, &asked, 1, 1)
+    }
+
+    fn save(all: &mut Checkpoints, cycle: u64, files: Result<Vec<FileRecord>, String>) {
+        all.add_captured(Captured { cycle, ..Captured::default() });
+        all.add_master(cycle, MasterState::default());
+        all.add_saved(Saved { cycle, files, copy_s: 0.0, write_s: 0.0 });
+    }
+
+    #[test]
+    fn a_request_during_a_checkpoint_is_served_after_it() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        assert!(all.take_due(true));
+        assert!(!all.take_due(true), "another is ordered");
+        save(&mut all, 7, Err("no space".into()));
+        assert!(!all.take_due(false), "another is being written");
+        let ended = all.wait();
+        assert!(matches!(&ended[..], [Err(why)] if why.contains("no space")), "{ended:?}");
+        assert!(all.take_due(false), "the request has waited");
+        assert!(!all.take_due(false), "it is served");
+    }
+
+    /// A pipe without a reader in place of a file blocks the thread, as a disk that hangs.
+    #[test]
+    fn a_disk_that_hangs_does_not_block_the_master() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        let folder = all.dir().join(folder_name(1));
+        std::fs::create_dir_all(&folder).unwrap();
+        let pipe = std::process::Command::new("mkfifo").arg(folder.join(MASTER)).status();
+        assert!(pipe.unwrap().success());
+        let common = FileRecord { name: COMMON.into(), bytes: 0, blake3: String::new() };
+        let began = Instant::now();
+        save(&mut all, 1, Ok(vec![common]));
+        assert!(all.poll().is_none());
+        save(&mut all, 2, Err("no space".into()));
+        assert!(all.poll().is_none(), "the second waits for the first");
+        assert!(began.elapsed() < Duration::from_millis(400), "{:?}", began.elapsed());
+        let ended = all.wait();
+        assert_eq!(ended.len(), 2, "{ended:?}");
+        let hangs = |e: &Result<String, String>| e.as_ref().is_err_and(|w| w.contains("hangs"));
+        assert!(ended.iter().all(hangs), "{ended:?}");
     }
 }
