@@ -7,9 +7,6 @@
 #   RETRIES=3 deploy/run.sh                           starts again when a worker is lost
 #   CRUMPLE=target/debug/crumple deploy/run.sh        a binary with MPI that is there already
 set -euo pipefail
-# Ctrl-C reaches the run; this script waits for its end and reports its code.
-trap : INT
-
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
     sed -n '2,8s/^# \{0,1\}//p' "$0"
     exit 0
@@ -61,20 +58,18 @@ if [[ -z $program ]]; then
 fi
 
 echo "run: a master and $workers workers on $job"
-# With RETRIES, a supervisor starts the run again from its newest checkpoint when it is lost.
+# A supervisor starts the ranks. It lets them stop in order when this script is interrupted, and
+# starts them again from the newest checkpoint when one is lost, as often as RETRIES allows.
+run=
+pass_on() { [[ -z $run ]] || kill "-$1" "$run" 2>/dev/null || true; }
+trap 'pass_on TERM' INT TERM HUP
+trap 'pass_on USR1' USR1
+"$program" run "$job" "${arguments[@]}" --retries "${RETRIES:-0}" --workers "$workers" \
+    --launcher "mpirun -n {ranks}" &
+run=$!
+# A signal ends `wait` early, with a code above 128.
 code=0
-started=$(date +%s)
-if [[ -n ${RETRIES:-} ]]; then
-    "$program" run "$job" "${arguments[@]}" --retries "$RETRIES" --workers "$workers" \
-        --launcher "mpirun -n {ranks}" || code=$?
-else
-    mpirun -n $((workers + 1)) "$program" run "$job" "${arguments[@]}" || code=$?
-fi
-# An interrupted mpirun has its own code. The summary has the end of the run.
-if [[ $code -ne 0 && -f $out/summary.json && $(stat -c %Y "$out/summary.json") -ge $started ]] &&
-    grep -q '"status": "stopped"' "$out/summary.json"; then
-    code=130
-fi
+while wait "$run" && code=0 || code=$?; kill -0 "$run" 2>/dev/null; do :; done
 
 if [[ -f $out/summary.json ]]; then
     cat <<END

@@ -68,6 +68,9 @@ crumple_mpi_environment() {
     export PRTE_MCA_rmaps_default_mapping_policy="$mapping"
     # Ranks are not bound to cores: jobs that run at the same time would be bound to the same ones.
     export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
+    # When mpirun itself is interrupted, ranks have so many seconds after TERM to write their state.
+    # It waits for the same time before TERM.
+    export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-5}"
     # Most containers forbid copies between processes through the kernel; messages here are small.
     local copies="${OMPI_MCA_btl_vader_single_copy_mechanism:-none}"
     export OMPI_MCA_btl_vader_single_copy_mechanism="$copies"

@@ -332,7 +332,7 @@ fn name_of(job: &Path) -> PathBuf {
 
 fn workers(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(0) => Err("0 workers cannot run anything; omit --workers for one per core".into()),
+        Ok(0) => Err("0 workers cannot run a job; omit --workers for one per core".into()),
         Ok(n) => Ok(n),
         Err(_) => Err("give a whole number from 1".into()),
     }

@@ -106,7 +106,7 @@ fn what_the_command_line_sets_is_checked_and_blamed() {
             &["contact.law=penalti", "time.safety=0"],
             &["did you mean `penalty`", "`safety` is 0.0", "2 errors"],
         ),
-        (&["parallel.workers=0"], &["0 workers cannot run anything", "--set parallel.workers=0"]),
+        (&["parallel.workers=0"], &["0 workers cannot run a job", "--set parallel.workers=0"]),
         (&["end_time=inf"], &["`end_time` has to be a finite number, not inf"]),
         (&["mesh.generator=tumble"], &["more than one mesh"]),
     ] {

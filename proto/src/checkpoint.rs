@@ -101,7 +101,7 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<u64>, String> {
     let (header, body) = bytes.split_at_checked(HEADER).ok_or_else(short)?;
     let number = |at: usize| u64::from_le_bytes(header[at..at + 8].try_into().expect("8 bytes"));
     if header[..4] != MAGIC {
-        return Err("the file is no file of a checkpoint".into());
+        return Err("the file is not one of a checkpoint".into());
     }
     let format = u32::from_le_bytes(header[4..8].try_into().expect("4 bytes"));
     if format != FORMAT {

@@ -15,7 +15,7 @@ pub struct HistoryRequests {
     /// Groups of nodes.
     pub nodes: Vec<NodeGroup>,
     /// Sections.
-    pub sections: Vec<Section>,
+    pub sections: Vec<SectionCut>,
     /// Force transducers.
     pub transducers: Vec<Transducer>,
 }
@@ -31,7 +31,7 @@ pub struct NodeGroup {
 
 /// Section through the model: nodes, and the elements on one side that end at them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Section {
+pub struct SectionCut {
     /// Name for output.
     pub name: String,
     /// The nodes, ascending.
@@ -46,22 +46,22 @@ pub struct Transducer {
     /// Name for output.
     pub name: String,
     /// Surface whose force is recorded.
-    pub on: Surface,
+    pub on: TransducerSurface,
     /// Surface that exerts the force.
-    pub from: Surface,
+    pub from: TransducerSurface,
 }
 
 /// Subset of the contact surface: by parts, by nodes, or by both. Without either it is the
 /// whole surface.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Surface {
+pub struct TransducerSurface {
     /// Indices of the parts, ascending; all parts if empty.
     pub parts: Vec<u32>,
     /// The nodes, ascending; all nodes if `None`.
     pub nodes: Option<Vec<NodeId>>,
 }
 
-impl Surface {
+impl TransducerSurface {
     /// Returns true if an entity of this part with these nodes belongs to the surface.
     pub fn has(&self, part: u32, nodes: &[NodeId]) -> bool {
         let own = |set: &Vec<NodeId>| nodes.iter().all(|n| set.binary_search(n).is_ok());
@@ -261,10 +261,10 @@ mod tests {
     #[test]
     fn a_surface_is_what_parts_and_nodes_have_in_common() {
         let ids = |ids: &[u64]| ids.iter().map(|&n| NodeId(n)).collect::<Vec<_>>();
-        let surface = Surface { parts: vec![2, 5], nodes: Some(ids(&[1, 3, 4])) };
+        let surface = TransducerSurface { parts: vec![2, 5], nodes: Some(ids(&[1, 3, 4])) };
         assert!(surface.has(5, &ids(&[4, 1])));
         assert!(!surface.has(3, &ids(&[1])) && !surface.has(2, &ids(&[1, 2])));
-        assert!(Surface::default().has(9, &ids(&[7])));
+        assert!(TransducerSurface::default().has(9, &ids(&[7])));
     }
 
     /// Two forces of 5 along z at y = 1 and y = 3 give 10 at the centre, and no moment about

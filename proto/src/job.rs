@@ -7,17 +7,19 @@ mod loads;
 mod output;
 mod restart;
 mod rigid;
+mod setting;
 mod spring;
 mod tie;
 mod wall;
 
 pub use beam::{Beam, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
-pub use contact::{Contact, Interface, Setting};
+pub use contact::{Contact, Interface};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
+pub use setting::Setting;
 pub use spring::Spring;
 pub use tie::Tie;
 pub use wall::Wall;
@@ -302,7 +304,7 @@ fn any_parameters(_: &mut SchemaGenerator) -> Schema {
 
 /// Part: elements of one formulation, material and section.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Part {
     /// Id that elements refer to.
     pub id: u32,
@@ -346,85 +348,27 @@ pub struct Part {
     /// at about two and a half times the cost.
     #[serde(default)]
     pub element: Option<String>,
-    /// Number of integration points through the thickness, 1 to 10; see `cases/studies/README.md`,
-    /// plate-points, beam-shells and panel.
-    #[serde(default = "five")]
-    pub points: usize,
-    /// Hourglass control of `belytschko_tsay` and of solids: `stiffness`, `viscous`, or for solids
-    /// `assumed_strain`. Default `stiffness` for shells and `assumed_strain` for solids.
-    /// `assumed_strain` gives correct bending without a coefficient and does not lock as nu
-    /// approaches 1/2 (`cases/studies/README.md`, hourglass, hourglass-solids, incompressible).
-    #[serde(default)]
-    pub hourglass: Option<HourglassForm>,
-    /// Hourglass coefficient: fraction of the stiffness of the element, or of critical damping.
-    /// Default 0.03 for shells and 0.05 for solids. For `stabilised_quad` it is the smallest
-    /// fraction of its elastic stabilisation that remains in plastic flow. `assumed_strain` and
-    /// `fully_integrated_quad` have none. Hourglass forces of shells with a plastic law are bounded
-    /// with every form of control. See `cases/studies/README.md`, hourglass and hourglass-solids.
-    #[serde(default)]
-    pub hourglass_coefficient: Option<f64>,
-    /// Bulk viscosity of solids in compression: linear coefficient, as a fraction of critical
-    /// damping, and quadratic coefficient. Default `[0.06, 1.5]` (`cases/studies/README.md`,
-    /// viscosity). Shells have none.
-    #[serde(default)]
-    pub bulk_viscosity: Option<[f64; 2]>,
-    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`. Their
-    /// effect is small (`cases/studies/README.md`, twist, twist-thin and panel).
-    #[serde(default)]
-    pub warping: bool,
     /// Make this part a skin. It has mass and takes part in contact. Its elements have no forces
     /// and do not limit the time step.
     #[serde(default)]
     pub skin: bool,
-    /// Treatment of an inverted shell, which has no area or is strained by more than a half in one
-    /// step. `stop` ends the run and names the shell. `delete` lets it fail as at a failure strain:
-    /// its forces are zero from then on, and it leaves the contact surface. The work done on it
-    /// stays in the internal energy, and a warning names it. In both cases, coordinates or forces
-    /// that are not finite end the run. So does a step below `time.dt_min_ratio` times the first.
-    #[serde(default)]
-    pub inverted: Inverted,
-    /// Update the thickness by the strain through it (`cases/studies/README.md`, panel).
-    #[serde(default)]
-    pub thinning: bool,
-    /// Drilling stiffness as a fraction of the shear stiffness G h A / 4
-    /// (`cases/studies/README.md`, twist and twist-thin). In quads with a plastic law, its moments
-    /// of a node are bounded by 1/400 of the plastic moment of a side.
-    #[serde(default = "drilling")]
-    pub drilling: f64,
+    /// Settings of its elements, by key. Each formulation publishes the keys that it uses.
+    #[serde(flatten)]
+    #[schemars(skip)]
+    pub parameters: BTreeMap<String, Setting>,
 }
 
 fn one() -> f64 {
     1.0
 }
-fn five() -> usize {
-    5
-}
-fn drilling() -> f64 {
-    0.01
-}
 
-/// Treatment of an inverted shell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Inverted {
-    /// The run ends and names the shell.
-    #[default]
-    Stop,
-    /// The shell fails and leaves the contact surface.
-    Delete,
-}
-
-/// Hourglass control of one-point elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum HourglassForm {
-    /// Elastic resistance against the accumulated deformation of the mode.
-    Stiffness,
-    /// Resistance against the rate of the mode.
-    Viscous,
-    /// Solids only: strains assumed for the modes, so that bending is correct without a
-    /// coefficient.
-    AssumedStrain,
+impl Part {
+    /// Returns the same part with a key of its elements set to `value`.
+    #[must_use]
+    pub fn with(mut self, key: &str, value: impl Into<Setting>) -> Self {
+        self.parameters.insert(key.into(), value.into());
+        self
+    }
 }
 
 /// Mass added to the nodes of a set, in equal shares.

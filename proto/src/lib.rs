@@ -9,10 +9,12 @@
 //! - [`exact_sum`]: sums that do not depend on the order of their terms
 //! - [`histories`]: requested histories, and the contributions of workers
 //! - [`message`], [`report`], [`trace`], [`wire`]: messages between master and workers
+//! - [`disk`]: watch over operations on files
 //! - [`transport`]: transport of messages, by threads or MPI
 
 pub mod boxes;
 pub mod checkpoint;
+pub mod disk;
 pub mod exact_sum;
 pub mod histories;
 pub mod ids;

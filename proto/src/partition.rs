@@ -38,6 +38,7 @@ pub struct Settings {
     /// Materials, in the job's order.
     pub materials: Vec<Material>,
     /// Parts in ascending id; the `part` of a record is an index into this list.
+    #[serde(with = "parts_text")]
     pub parts: Vec<Part>,
     /// Indices of the parts with shells that have an offset of their own, ascending.
     pub with_own_offsets: Vec<u32>,
@@ -102,6 +103,28 @@ mod contact_text {
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Contact>, D::Error> {
         let text = Option::<String>::deserialize(from)?;
         text.map(|text| toml::from_str(&text)).transpose().map_err(D::Error::custom)
+    }
+}
+
+/// Parts in messages are text, one for each part, for the reason given for contact.
+mod parts_text {
+    use super::Part;
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(parts: &[Part], to: S) -> Result<S::Ok, S::Error> {
+        let texts: Result<Vec<String>, _> = parts.iter().map(toml::to_string).collect();
+        texts.map_err(S::Error::custom)?.serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Part>, D::Error> {
+        let texts = Vec::<String>::deserialize(from)?;
+        texts
+            .iter()
+            .map(|text| toml::from_str(text))
+            .collect::<Result<_, _>>()
+            .map_err(D::Error::custom)
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Span {
 
 /// Kind of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kind {
+pub enum OrderKind {
     /// Membership update (*high* redecomposition).
     High,
     /// Repartition (*low* redecomposition).
@@ -37,9 +37,9 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Event {
     /// The order with this number has arrived from the master.
-    Arrived(u64, Kind),
+    Arrived(u64, OrderKind),
     /// All workers begin to execute the order with this number.
-    Begun(u64, Kind),
+    Begun(u64, OrderKind),
     /// Failed elements leave the contact surface, with a membership update.
     Erosion,
     /// Numbers of interior, interface and exterior elements of this worker from now on.

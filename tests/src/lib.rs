@@ -5,6 +5,7 @@ pub mod imports;
 pub mod manual;
 pub mod program;
 pub mod restart;
+pub mod sheets;
 pub mod tools;
 
 pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side, watch_side_by_side};

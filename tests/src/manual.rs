@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// A code block of a page.
 #[derive(Debug)]
-pub struct Block {
+pub struct Snippet {
     /// Line of the page where the block starts, from 1.
     pub line: usize,
     /// Language of the block; empty for output.
@@ -47,9 +47,9 @@ pub fn pages(folder: &str) -> Vec<String> {
 ///
 /// # Panics
 /// When the page cannot be read.
-pub fn blocks(page: &str) -> Vec<Block> {
+pub fn blocks(page: &str) -> Vec<Snippet> {
     let text = fs::read_to_string(root().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"));
-    let mut found: Vec<Block> = Vec::new();
+    let mut found: Vec<Snippet> = Vec::new();
     let (mut inside, mut file, mut sentence) = (false, None, String::new());
     for (event, range) in Parser::new(&text).into_offset_iter() {
         match event {
@@ -60,7 +60,7 @@ pub fn blocks(page: &str) -> Vec<Block> {
                 };
                 let named = sentence.trim_end().ends_with(':').then(|| file.take()).flatten();
                 let line = text[..range.start].lines().count() + 1;
-                found.push(Block { line, language, text: String::new(), file: named });
+                found.push(Snippet { line, language, text: String::new(), file: named });
                 inside = true;
             }
             Event::End(TagEnd::CodeBlock) => inside = false,

@@ -10,7 +10,7 @@ use crate::nodes::Nodes;
 use crate::time::Clock;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::{
-    ContactShare, HistoryRequests, HistoryShares, NodeState, PartShare, Section, SectionShare,
+    ContactShare, HistoryRequests, HistoryShares, NodeState, PartShare, SectionCut, SectionShare,
     merge_each,
 };
 use crumple_proto::ids::NodeId;
@@ -139,7 +139,7 @@ impl Histories {
         let slots = blocks.first_slots();
         let place: HashMap<_, usize> =
             blocks.elements.iter().enumerate().map(|(i, e)| (e.record.id, i)).collect();
-        let local = |section: &Section| {
+        let local = |section: &SectionCut| {
             let mut corners = Vec::new();
             for &i in section.elements.iter().filter_map(|id| place.get(id)) {
                 let e = &blocks.elements[i];

@@ -127,16 +127,43 @@ impl Nodes {
 
     /// Returns the state of node `i`; zero for properties that it does not have.
     pub fn record(&self, i: usize) -> NodeRecord {
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            id,
+            fixed,
+            x0,
+            x,
+            seen,
+            v,
+            w,
+            mass,
+            inertia,
+            // See `mean`.
+            mean_v: _,
+            mean_w: _,
+            // Computed for each partition.
+            me: _,
+            local_count: _,
+            rotations: _,
+            owner: _,
+            inv_mass: _,
+            inv_inertia: _,
+            // Computed in each step before they are used.
+            v_next: _,
+            w_next: _,
+            force: _,
+            moment: _,
+        } = self;
         NodeRecord {
-            id: self.id[i],
-            fixed: self.fixed[i].into(),
-            x0: xyz(&self.x0[i]),
-            x: xyz(&self.x[i]),
-            seen: xyz(&self.seen[i]),
-            v: xyz(&self.v[i]),
-            w: self.w.get(i).map_or([0.0; 3], xyz),
-            mass: self.mass[i],
-            inertia: self.inertia.get(i).copied().unwrap_or(0.0),
+            id: id[i],
+            fixed: fixed[i].into(),
+            x0: xyz(&x0[i]),
+            x: xyz(&x[i]),
+            seen: xyz(&seen[i]),
+            v: xyz(&v[i]),
+            w: w.get(i).map_or([0.0; 3], xyz),
+            mass: mass[i],
+            inertia: inertia.get(i).copied().unwrap_or(0.0),
         }
     }
 

@@ -1,5 +1,7 @@
 //! One worker: takes orders, runs the engine, sends reports.
 
+mod warnings;
+
 use crate::checkpoint::{
     self,
     writer::{Task, Writer},
@@ -11,12 +13,13 @@ use crate::time::Clock;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::{Captured, FileRecord};
+use crumple_proto::disk;
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
 use crumple_proto::report::{Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepReport};
-use crumple_proto::trace::{Event, Kind};
+use crumple_proto::trace::{Event, OrderKind};
 use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
@@ -62,9 +65,6 @@ pub struct Worker {
     sent_before: [u64; 2],
 }
 
-/// Largest number of inverted shells that a worker names.
-const NAMED: u64 = 20;
-
 /// Smallest weight of the latest report in the smoothed cost. The first reports after new boxes
 /// have equal weights.
 const NEWEST: f64 = 0.05;
@@ -93,6 +93,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         }
         _ => return Ok(()), // the job is invalid; the master reports why
     };
+    disk::set_patience(Duration::from_secs_f64(worker.engine.settings.checkpoint.patience));
     if trace {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
@@ -289,8 +290,31 @@ impl Worker {
         let began = Instant::now();
         self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
-        (copied.own.crossed, copied.own.named) = (self.crossed, self.named);
-        (0..2).for_each(|i| copied.own.sent[i] += self.sent_before[i]);
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            crossed,
+            named,
+            sent_before,
+            // Saved by `copy_state`.
+            engine: _,
+            // They belong to the partition and to this process.
+            orders: _,
+            done: _,
+            cpu_before: _,
+            cost: _,
+            samples: _,
+            sent: _,
+            stopped: _,
+            checkpoint_due: _,
+            copy_due: _,
+            kept: _,
+            failed: _,
+            writer: _,
+            // Costs since the last report; they are in no file that has to be the same.
+            report: _,
+        } = self;
+        (copied.own.crossed, copied.own.named) = (*crossed, *named);
+        (0..2).for_each(|i| copied.own.sent[i] += sent_before[i]);
         let Engine { clock, settings, .. } = &self.engine;
         let captured = Captured {
             cycle: clock.cycle,
@@ -348,7 +372,9 @@ impl Worker {
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
         e.halo.refresh_ghosts_for_output(comm, &mut e.nodes)?;
-        match output::write_fields(e, index, comm.size() > 2) {
+        let several = comm.size() > 2;
+        let write = || output::write_fields(e, index, several);
+        match disk::watched(Path::new(&e.settings.field_dir), write) {
             Ok(()) => post(comm, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
                 let warning = format!(
@@ -371,71 +397,6 @@ impl Worker {
         };
         let trouble = Failure { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
         post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))
-    }
-
-    fn capped(&self) -> u64 {
-        self.engine.contact.as_ref().map_or(0, |c| c.capped_pairs)
-    }
-
-    /// Warns of own shells that were inverted and deleted.
-    fn warn_of_inverted(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let inverted = std::mem::take(&mut self.engine.inverted);
-        let clock = &self.engine.clock;
-        for elem in inverted {
-            self.named += 1;
-            let end = match self.named {
-                ..NAMED => "the job allows this",
-                NAMED => {
-                    "the job allows this; this worker reports no more, the summary has their \
-                     number by part"
-                }
-                _ => return Ok(()),
-            };
-            let (cycle, time) = (clock.cycle, clock.time);
-            let warning = format!(
-                "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: \
-                 {end} (part.inverted)"
-            );
-            post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
-        }
-        Ok(())
-    }
-
-    /// Warns once that penalty stiffness was lowered. The summary has the final number of pairs.
-    fn warn_of_caps(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let (pairs, clock) = (self.capped(), &self.engine.clock);
-        let warning = format!(
-            "contact: in cycle {}, time {:.6e}, the penalty stiffness of {pairs} pairs was \
-             reduced to keep the step stable, as it will be in later cycles; penetrations become \
-             larger than the job requests: reduce time.safety to allow a higher stiffness, or \
-             contact.penalty_scale to request a lower one",
-            clock.cycle, clock.time
-        );
-        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
-    }
-
-    /// Warns once of edges that have crossed surfaces where this contact cannot detect it.
-    fn warn_of_crossings(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let e = &self.engine;
-        let found = e
-            .contact
-            .as_ref()
-            .filter(|_| !self.crossed)
-            .map_or(Vec::new(), |c| c.crossings(&e.nodes, e.clock.time));
-        let Some(first) = found.first() else { return Ok(()) };
-        self.crossed = true;
-        let warning = format!(
-            "contact: by cycle {}, time {:.6e}, an edge of element {} has passed through element \
-             {} between their nodes ({} such crossings on this worker); contact detects nodes \
-             against surfaces, and free edges, folds and sharp edges against each other: refine \
-             the mesh where an edge cuts into a face, and set contact.edges = true if it is off",
-            e.clock.cycle,
-            e.clock.time,
-            first.edge,
-            first.surface,
-            found.len()
-        );
-        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
     /// Returns the CPU time of the cycle so far, without waiting.
@@ -622,11 +583,11 @@ impl Worker {
 }
 
 /// Returns the kind of an order, for the recording.
-fn kind(action: &Action) -> Kind {
+fn kind(action: &Action) -> OrderKind {
     match action {
-        Action::Renew(_) => Kind::High,
-        Action::Recut => Kind::Low,
-        Action::Checkpoint | Action::Copy => Kind::Checkpoint,
-        Action::Stop | Action::Fail => Kind::Stop,
+        Action::Renew(_) => OrderKind::High,
+        Action::Recut => OrderKind::Low,
+        Action::Checkpoint | Action::Copy => OrderKind::Checkpoint,
+        Action::Stop | Action::Fail => OrderKind::Stop,
     }
 }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Number type of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum NumberType {
     /// 32-bit float.
     F32,
     /// 32-bit unsigned integer.
@@ -24,14 +24,14 @@ pub enum Kind {
     U8,
 }
 
-impl Kind {
+impl NumberType {
     /// Returns the name of the type in VTK.
     pub fn vtk_name(self) -> &'static str {
         match self {
-            Kind::F32 => "Float32",
-            Kind::U32 => "UInt32",
-            Kind::I64 => "Int64",
-            Kind::U8 => "UInt8",
+            NumberType::F32 => "Float32",
+            NumberType::U32 => "UInt32",
+            NumberType::I64 => "Int64",
+            NumberType::U8 => "UInt8",
         }
     }
 }
@@ -44,49 +44,49 @@ pub struct Array {
     /// Numbers per point or cell.
     pub components: usize,
     /// Number type.
-    pub kind: Kind,
+    pub kind: NumberType,
 }
 
 impl Array {
     /// Returns this array with its values, point by point or cell by cell, with the components of
     /// one point adjacent.
-    pub fn with<'a>(&self, values: impl Into<Values<'a>>) -> Column<'a> {
+    pub fn with<'a>(&self, values: impl Into<ArrayValues<'a>>) -> Column<'a> {
         Column { array: *self, values: values.into() }
     }
 }
 
-const fn array(name: &'static str, components: usize, kind: Kind) -> Array {
+const fn array(name: &'static str, components: usize, kind: NumberType) -> Array {
     Array { name, components, kind }
 }
 
 /// Current coordinates [length].
-pub const POINTS: Array = array("Points", 3, Kind::F32);
+pub const POINTS: Array = array("Points", 3, NumberType::F32);
 
 /// Displacement since the start [length].
-pub const DISPLACEMENT: Array = array("displacement", 3, Kind::F32);
+pub const DISPLACEMENT: Array = array("displacement", 3, NumberType::F32);
 /// Velocity at mid-step [length/time].
-pub const VELOCITY: Array = array("velocity", 3, Kind::F32);
+pub const VELOCITY: Array = array("velocity", 3, NumberType::F32);
 /// Rotational velocity at mid-step [1/time].
-pub const ROTATIONAL_VELOCITY: Array = array("rotational_velocity", 3, Kind::F32);
+pub const ROTATIONAL_VELOCITY: Array = array("rotational_velocity", 3, NumberType::F32);
 /// Global node id.
-pub const NODE_ID: Array = array("node_id", 1, Kind::I64);
+pub const NODE_ID: Array = array("node_id", 1, NumberType::I64);
 
 /// Largest effective plastic strain over the thickness.
-pub const PLASTIC_STRAIN: Array = array("plastic_strain", 1, Kind::F32);
+pub const PLASTIC_STRAIN: Array = array("plastic_strain", 1, NumberType::F32);
 /// Largest von Mises stress over the thickness [force/length^2].
-pub const VON_MISES: Array = array("von_mises", 1, Kind::F32);
+pub const VON_MISES: Array = array("von_mises", 1, NumberType::F32);
 /// Global stress at mid-surface: xx, yy, zz, xy, yz, zx, which is VTK's own order [force/length^2].
-pub const STRESS: Array = array("stress", 6, Kind::F32);
+pub const STRESS: Array = array("stress", 6, NumberType::F32);
 /// Current thickness [length].
-pub const THICKNESS: Array = array("thickness", 1, Kind::F32);
+pub const THICKNESS: Array = array("thickness", 1, NumberType::F32);
 /// Id of the part.
-pub const PART: Array = array("part", 1, Kind::U32);
+pub const PART: Array = array("part", 1, NumberType::U32);
 /// Number of the worker that wrote the piece, counted from 0.
-pub const WORKER: Array = array("worker", 1, Kind::U32);
+pub const WORKER: Array = array("worker", 1, NumberType::U32);
 /// Class of the element on that worker: [`INTERIOR`], [`INTERFACE`] or [`EXTERIOR`].
-pub const CLASS: Array = array("class", 1, Kind::U8);
+pub const CLASS: Array = array("class", 1, NumberType::U8);
 /// Global element id.
-pub const ELEMENT_ID: Array = array("element_id", 1, Kind::I64);
+pub const ELEMENT_ID: Array = array("element_id", 1, NumberType::I64);
 
 /// [`CLASS`] of an own element that is wholly in the internal box.
 pub const INTERIOR: u8 = 0;
@@ -122,7 +122,7 @@ pub const BYTE_ORDER: &str =
 
 /// Values of one column.
 #[derive(Clone, Copy, Debug)]
-pub enum Values<'a> {
+pub enum ArrayValues<'a> {
     /// 32-bit floats.
     F32(&'a [f32]),
     /// 32-bit unsigned integers.
@@ -133,59 +133,59 @@ pub enum Values<'a> {
     U8(&'a [u8]),
 }
 
-impl<'a> Values<'a> {
-    fn kind(&self) -> Kind {
+impl<'a> ArrayValues<'a> {
+    fn kind(&self) -> NumberType {
         match self {
-            Values::F32(_) => Kind::F32,
-            Values::U32(_) => Kind::U32,
-            Values::I64(_) => Kind::I64,
-            Values::U8(_) => Kind::U8,
+            ArrayValues::F32(_) => NumberType::F32,
+            ArrayValues::U32(_) => NumberType::U32,
+            ArrayValues::I64(_) => NumberType::I64,
+            ArrayValues::U8(_) => NumberType::U8,
         }
     }
 
     fn len(&self) -> usize {
         match self {
-            Values::F32(v) => v.len(),
-            Values::U32(v) => v.len(),
-            Values::I64(v) => v.len(),
-            Values::U8(v) => v.len(),
+            ArrayValues::F32(v) => v.len(),
+            ArrayValues::U32(v) => v.len(),
+            ArrayValues::I64(v) => v.len(),
+            ArrayValues::U8(v) => v.len(),
         }
     }
 
     fn bytes(&self) -> &'a [u8] {
         match self {
-            Values::F32(v) => bytemuck::cast_slice(v),
-            Values::U32(v) => bytemuck::cast_slice(v),
-            Values::I64(v) => bytemuck::cast_slice(v),
-            Values::U8(v) => v,
+            ArrayValues::F32(v) => bytemuck::cast_slice(v),
+            ArrayValues::U32(v) => bytemuck::cast_slice(v),
+            ArrayValues::I64(v) => bytemuck::cast_slice(v),
+            ArrayValues::U8(v) => v,
         }
     }
 }
 
 macro_rules! values_from {
     ($($number:ty => $variant:ident),*) => {$(
-        impl<'a> From<&'a [$number]> for Values<'a> {
+        impl<'a> From<&'a [$number]> for ArrayValues<'a> {
             fn from(values: &'a [$number]) -> Self {
-                Values::$variant(values)
+                ArrayValues::$variant(values)
             }
         }
-        impl<'a> From<&'a Vec<$number>> for Values<'a> {
+        impl<'a> From<&'a Vec<$number>> for ArrayValues<'a> {
             fn from(values: &'a Vec<$number>) -> Self {
-                Values::$variant(values)
+                ArrayValues::$variant(values)
             }
         }
     )*};
 }
 values_from!(f32 => F32, u32 => U32, i64 => I64, u8 => U8);
 
-impl<'a, const N: usize> From<&'a [[f32; N]]> for Values<'a> {
+impl<'a, const N: usize> From<&'a [[f32; N]]> for ArrayValues<'a> {
     fn from(values: &'a [[f32; N]]) -> Self {
-        Values::F32(values.as_flattened())
+        ArrayValues::F32(values.as_flattened())
     }
 }
-impl<'a, const N: usize> From<&'a Vec<[f32; N]>> for Values<'a> {
+impl<'a, const N: usize> From<&'a Vec<[f32; N]>> for ArrayValues<'a> {
     fn from(values: &'a Vec<[f32; N]>) -> Self {
-        Values::F32(values.as_flattened())
+        ArrayValues::F32(values.as_flattened())
     }
 }
 
@@ -193,7 +193,7 @@ impl<'a, const N: usize> From<&'a Vec<[f32; N]>> for Values<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Column<'a> {
     array: Array,
-    values: Values<'a>,
+    values: ArrayValues<'a>,
 }
 
 /// Cells in VTK's layout: corners are indices into the points of the piece.
@@ -293,10 +293,12 @@ impl Piece<'_> {
         writeln!(out, "<Points>")?;
         appended.declare(out, &POINTS.with(self.points))?;
         writeln!(out, "</Points>\n<Cells>")?;
-        appended
-            .declare(out, &array("connectivity", 1, Kind::I64).with(&self.cells.connectivity))?;
-        appended.declare(out, &array("offsets", 1, Kind::I64).with(&self.cells.offsets))?;
-        appended.declare(out, &array("types", 1, Kind::U8).with(&self.cells.types))?;
+        appended.declare(
+            out,
+            &array("connectivity", 1, NumberType::I64).with(&self.cells.connectivity),
+        )?;
+        appended.declare(out, &array("offsets", 1, NumberType::I64).with(&self.cells.offsets))?;
+        appended.declare(out, &array("types", 1, NumberType::U8).with(&self.cells.types))?;
         writeln!(out, "</Cells>\n<PointData>")?;
         for column in self.point_arrays {
             appended.declare(out, column)?;

@@ -70,7 +70,9 @@ fn read(dir: &Path) -> Result<Summary, String> {
     let text = std::fs::read_to_string(&path)
         .map_err(|e| format!("{shown}: {e}; name the folder of a run"))?;
     let read: Result<Summary, _> = serde_json::from_str(&text);
-    let summary = read.map_err(|e| format!("{shown}: {e}; repeat runs of older versions"))?;
+    let summary = read.map_err(|e| {
+        format!("{shown}: {e}; if an older version of Crumple made the run, repeat it")
+    })?;
     match summary.status.as_str() {
         "completed" => Ok(summary),
         other => Err(format!("{shown}: the run has {other}; advice needs a completed run")),

@@ -126,23 +126,13 @@ fn write(
     )?;
     bytes += (columns[0] + columns[1]) * all;
     let mut cycle_s = element_s + node_s * all;
-    match &model.settings.contact {
-        None => writeln!(out, "  contact: none, 0 bytes, 0 ns")?,
-        Some(c) => {
-            let s = try_out(&quiet(model, true), &parted, &record)?;
-            let each = s.contact as f64 / s.elements as f64;
-            let friction =
-                if c.each().any(|c| c.friction > 0.0) { "with friction" } else { "no friction" };
-            writeln!(
-                out,
-                "  contact: {each:.0} bytes and {:.1} ns/cycle per element for the initial mesh, \
-                 {friction}; a global search, not in every cycle, {:.0} ns per element",
-                1e9 * s.contact_s / s.elements as f64,
-                1e9 * s.search_s / s.elements as f64
-            )?;
-            bytes += each * elements.len() as f64;
-            cycle_s += s.contact_s / s.elements as f64 * elements.len() as f64;
-        }
+    if model.settings.contact.is_some() {
+        let sample = try_out(&quiet(model, true), &parted, &record)?;
+        let each = write_contact(model, &sample, out)?;
+        bytes += each.bytes * elements.len() as f64;
+        cycle_s += each.cycle_s * elements.len() as f64;
+    } else {
+        writeln!(out, "  contact: none, 0 bytes, 0 ns")?;
     }
     let ([_, of_node, of_pair], count) = (saved_items, elements.len().max(1));
     saved += of_node * nodes.len();
@@ -158,17 +148,7 @@ fn write(
         writeln!(out, "  copy in memory (checkpoint.in_memory): as many bytes as a checkpoint")?;
         bytes += saved as f64;
     }
-    let rated =
-        |m: &&crumple_proto::partition::Material| m.parameters.contains_key("cowper_symonds");
-    let rates: Vec<&str> =
-        model.settings.materials.iter().filter(rated).map(|m| m.name.as_str()).collect();
-    if !rates.is_empty() {
-        writeln!(
-            out,
-            "  strain rates of {}: they cost time at points that yield, which is not included",
-            rates.join(", ")
-        )?;
-    }
+    write_rates(model, out)?;
     let master = (size_of::<ElementRecord>() * elements.len()
         + size_of::<NodeRecord>() * nodes.len()) as f64;
     writeln!(
@@ -186,6 +166,50 @@ fn write(
         1e3 * cycle_s,
         cycle_s * cycles
     )?;
+    Ok(())
+}
+
+/// Cost of contact for one element.
+struct ContactCost {
+    bytes: f64,
+    /// Time of a cycle [s].
+    cycle_s: f64,
+}
+
+/// Writes the line of contact, and returns its cost for one element.
+fn write_contact(
+    model: &Model,
+    sample: &Sample,
+    out: &mut String,
+) -> Result<ContactCost, std::fmt::Error> {
+    let each = |number: f64| number / sample.elements as f64;
+    let (bytes, cycle_s) = (each(sample.contact as f64), each(sample.contact_s));
+    let has_friction =
+        model.settings.contact.iter().flat_map(|c| c.each()).any(|c| c.friction > 0.0);
+    let friction = if has_friction { "with friction" } else { "no friction" };
+    writeln!(
+        out,
+        "  contact: {bytes:.0} bytes and {:.1} ns/cycle per element for the initial mesh, \
+         {friction}; a global search, not in every cycle, {:.0} ns per element",
+        1e9 * cycle_s,
+        1e9 * each(sample.search_s)
+    )?;
+    Ok(ContactCost { bytes, cycle_s })
+}
+
+/// Names the materials whose strain rates are not part of the times.
+fn write_rates(model: &Model, out: &mut String) -> std::fmt::Result {
+    let rated =
+        |m: &&crumple_proto::partition::Material| m.parameters.contains_key("cowper_symonds");
+    let rates: Vec<&str> =
+        model.settings.materials.iter().filter(rated).map(|m| m.name.as_str()).collect();
+    if !rates.is_empty() {
+        writeln!(
+            out,
+            "  strain rates of {}: they cost time at points that yield, which is not included",
+            rates.join(", ")
+        )?;
+    }
     Ok(())
 }
 

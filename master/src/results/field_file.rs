@@ -3,7 +3,7 @@
 //! An error message names the file and the problem.
 
 use bytemuck::Pod;
-use crumple_worker::vtu::{self, Array, BYTE_ORDER, CELL_ARRAYS, Kind, POINT_ARRAYS};
+use crumple_worker::vtu::{self, Array, BYTE_ORDER, CELL_ARRAYS, NumberType, POINT_ARRAYS};
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -38,7 +38,7 @@ pub struct Piece {
 
 /// Type and position of an array in the file.
 struct Stored {
-    kind: Kind,
+    kind: NumberType,
     bytes: Range<usize>,
 }
 
@@ -122,8 +122,10 @@ impl Piece {
 
     /// Checks that corners are points of the piece, and that each cell has corners.
     fn check_cells(&self) -> Result<(), String> {
-        let (corners, ends) =
-            (self.raw::<i64>("connectivity", Kind::I64)?, self.raw::<i64>("offsets", Kind::I64)?);
+        let (corners, ends) = (
+            self.raw::<i64>("connectivity", NumberType::I64)?,
+            self.raw::<i64>("offsets", NumberType::I64)?,
+        );
         let in_order = ends.first().is_none_or(|&end| end > 0) && ends.is_sorted();
         if !in_order || ends.last().map_or(0, |&end| end) != corners.len() as i64 {
             return Err("has wrong offsets to the corners of cells".into());
@@ -141,7 +143,7 @@ impl Piece {
     /// # Errors
     /// The piece has no such array of this type.
     pub fn f32(&self, name: &str) -> Result<Vec<f32>, String> {
-        self.typed(name, Kind::F32)
+        self.typed(name, NumberType::F32)
     }
 
     /// Returns an array of 32-bit unsigned integers.
@@ -149,7 +151,7 @@ impl Piece {
     /// # Errors
     /// See [`Self::f32`].
     pub fn u32(&self, name: &str) -> Result<Vec<u32>, String> {
-        self.typed(name, Kind::U32)
+        self.typed(name, NumberType::U32)
     }
 
     /// Returns an array of 64-bit integers.
@@ -157,7 +159,7 @@ impl Piece {
     /// # Errors
     /// See [`Self::f32`].
     pub fn i64(&self, name: &str) -> Result<Vec<i64>, String> {
-        self.typed(name, Kind::I64)
+        self.typed(name, NumberType::I64)
     }
 
     /// Returns an array of bytes.
@@ -165,7 +167,7 @@ impl Piece {
     /// # Errors
     /// See [`Self::f32`].
     pub fn u8(&self, name: &str) -> Result<Vec<u8>, String> {
-        self.typed(name, Kind::U8)
+        self.typed(name, NumberType::U8)
     }
 
     /// Returns an array of any type as f64.
@@ -174,18 +176,20 @@ impl Piece {
     /// The piece has no such array.
     pub fn array(&self, name: &str) -> Result<Vec<f64>, String> {
         match self.arrays.get(name).map(|stored| stored.kind) {
-            Some(Kind::U32) => Ok(self.u32(name)?.into_iter().map(f64::from).collect()),
-            Some(Kind::I64) => Ok(self.i64(name)?.into_iter().map(|i| i as f64).collect()),
-            Some(Kind::U8) => Ok(self.u8(name)?.into_iter().map(f64::from).collect()),
-            Some(Kind::F32) | None => Ok(self.f32(name)?.into_iter().map(f64::from).collect()),
+            Some(NumberType::U32) => Ok(self.u32(name)?.into_iter().map(f64::from).collect()),
+            Some(NumberType::I64) => Ok(self.i64(name)?.into_iter().map(|i| i as f64).collect()),
+            Some(NumberType::U8) => Ok(self.u8(name)?.into_iter().map(f64::from).collect()),
+            Some(NumberType::F32) | None => {
+                Ok(self.f32(name)?.into_iter().map(f64::from).collect())
+            }
         }
     }
 
-    fn typed<T: Pod>(&self, name: &str, kind: Kind) -> Result<Vec<T>, String> {
+    fn typed<T: Pod>(&self, name: &str, kind: NumberType) -> Result<Vec<T>, String> {
         self.raw(name, kind).map_err(|why| format!("{}: {why}", self.path.display()))
     }
 
-    fn raw<T: Pod>(&self, name: &str, kind: Kind) -> Result<Vec<T>, String> {
+    fn raw<T: Pod>(&self, name: &str, kind: NumberType) -> Result<Vec<T>, String> {
         let there = self.arrays.get(name).filter(|stored| stored.kind == kind);
         let stored =
             there.ok_or_else(|| format!("has no array `{name}` of {}", kind.vtk_name()))?;
@@ -204,11 +208,11 @@ fn numbers_due(name: &str, points: usize, cells: usize) -> Option<Option<usize>>
     of(&[vtu::POINTS], points).or(of(POINT_ARRAYS, points)).or(of(CELL_ARRAYS, cells)).or(of_cells)
 }
 
-fn size_of_kind(kind: Kind) -> usize {
+fn size_of_kind(kind: NumberType) -> usize {
     match kind {
-        Kind::F32 | Kind::U32 => 4,
-        Kind::I64 => 8,
-        Kind::U8 => 1,
+        NumberType::F32 | NumberType::U32 => 4,
+        NumberType::I64 => 8,
+        NumberType::U8 => 1,
     }
 }
 
@@ -217,7 +221,7 @@ fn size_of_kind(kind: Kind) -> usize {
 fn stored(head: &str, array: &Node, bytes: &[u8]) -> Result<(String, Stored), String> {
     let unread = || format!("has an array that is damaged: {}", unread(head, array));
     let name = array.attribute("Name").ok_or_else(unread)?;
-    let kinds = [Kind::F32, Kind::U32, Kind::I64, Kind::U8];
+    let kinds = [NumberType::F32, NumberType::U32, NumberType::I64, NumberType::U8];
     let kind = kinds
         .into_iter()
         .find(|k| Some(k.vtk_name()) == array.attribute("type"))

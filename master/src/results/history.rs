@@ -17,7 +17,7 @@ const FILE: &str = "history.csv";
 
 /// A complete row, summed over workers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Row {
+pub struct HistoryRow {
     /// The sums; penetration is the maximum.
     pub sum: HistoryPart,
     /// Energy error as a fraction of the energy supplied.
@@ -58,9 +58,9 @@ pub struct Extras {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Course {
     /// First complete row.
-    pub first: Option<Row>,
+    pub first: Option<HistoryRow>,
     /// Last complete row.
-    pub last: Option<Row>,
+    pub last: Option<HistoryRow>,
     /// Largest |error| so far.
     pub worst_error: f64,
     /// Largest penetration so far as a fraction of the contact thickness.
@@ -328,7 +328,7 @@ impl History {
         self.course.most = self.course.most.max(e.kinetic.max(0.0) + e.internal + e.hourglass);
         let created = created(e.contact, self.course.most, self.round_off);
         self.course.worst_created = self.course.worst_created.max(created);
-        let row = Row { sum, error, swing, created };
+        let row = HistoryRow { sum, error, swing, created };
         let swings_from = self.course.swings_from.unwrap_or(row.sum.cycle);
         self.course.swings_from = (swing > MUCH_SWING).then_some(swings_from);
         self.write(&row, extras)?;
@@ -338,7 +338,7 @@ impl History {
         Ok(())
     }
 
-    fn write(&mut self, row: &Row, extras: Extras) -> csv::Result<()> {
+    fn write(&mut self, row: &HistoryRow, extras: Extras) -> csv::Result<()> {
         let s = &row.sum;
         let e = &s.energies;
         let number = |a: f64| format!("{a:.9e}");

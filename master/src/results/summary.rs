@@ -5,6 +5,7 @@ use crumple_proto::job::{Job, Part, Wall};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{FinalReport, PHASES, PartRecord};
+use crumple_worker::fem::elements::points_of;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -254,7 +255,7 @@ pub fn parts(
             name: part.name.clone(),
             law,
             material: part.material.clone(),
-            points: if part.thickness > 0.0 { part.points } else { 1 }, // only shells have more
+            points: points_of(part),
             elements: all.elements,
             failed: all.failed,
             inverted: all.inverted,

@@ -6,7 +6,7 @@
 //! Times are in microseconds since a common start.
 
 use crumple_proto::report::PHASES;
-use crumple_proto::trace::{Event, Kind, MAX_EVENTS, Recording};
+use crumple_proto::trace::{Event, MAX_EVENTS, OrderKind, Recording};
 use std::fs::File;
 use std::io::{BufWriter, Result, Write};
 use std::path::{Path, PathBuf};
@@ -149,11 +149,11 @@ fn write_track(
 }
 
 fn words(event: &Event) -> String {
-    let of = |kind: &Kind| match kind {
-        Kind::High => "high redecomposition",
-        Kind::Low => "low redecomposition",
-        Kind::Checkpoint => "checkpoint",
-        Kind::Stop => "stop",
+    let of = |kind: &OrderKind| match kind {
+        OrderKind::High => "high redecomposition",
+        OrderKind::Low => "low redecomposition",
+        OrderKind::Checkpoint => "checkpoint",
+        OrderKind::Stop => "stop",
     };
     match event {
         Event::Arrived(number, kind) => format!("order {number} received: {}", of(kind)),
@@ -178,7 +178,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut trace = Trace::new(&folder.path().join("deep/trace.json"), 3).unwrap();
         let span = Span { phase: Phase::Halo as u8, cycle: 7, start: 1500, duration: 20 };
-        let moment = Moment { event: Event::Begun(3, Kind::Low), cycle: 8, at: 2000 };
+        let moment = Moment { event: Event::Begun(3, OrderKind::Low), cycle: 8, at: 2000 };
         let recording =
             |origin| Recording { origin, doubt: 900, spans: vec![span], ..Recording::default() };
         trace.add_recording(

@@ -13,16 +13,18 @@ use crate::run::checkpoint::find::{Resumption, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
 use crate::run::decompose::{Loads, Workers, bisect, drifted};
-use crate::run::progress::{Progress, State};
+use crate::run::progress::{Progress, RunState};
 use crate::run::stop::StopFlag;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::Captured;
+use crumple_proto::disk;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
 use crumple_proto::report::{Failure, FinalReport};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, poll_message, post};
+use crumple_worker::vtu;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -132,7 +134,9 @@ pub fn run(
     origin: Origin,
     (quiet, stop): (bool, &StopFlag),
 ) -> Result<Summary, RunError> {
-    let mut control = Control::new(model, comm, results, origin, quiet)?;
+    disk::set_patience(model.job.checkpoint.patience().unwrap_or_default());
+    let new = || Control::new(model, comm, results, origin, quiet);
+    let mut control = disk::watched(results.out, new)?;
     let ended = control.supervise(stop);
     let traced = control.write_trace();
     ended?;
@@ -264,6 +268,8 @@ impl<'a> Control<'a> {
             if self.ready.len() == self.workers {
                 self.recut()?;
             }
+            let ended = self.checkpoints.poll();
+            self.show_checkpoint(ended);
             if let Some(warning) = self.checkpoints.complain() {
                 self.warn(&warning);
             }
@@ -272,6 +278,8 @@ impl<'a> Control<'a> {
                 std::thread::sleep(NAP);
             }
         }
+        let ended = self.checkpoints.wait();
+        self.show_checkpoint(ended);
         Ok(())
     }
 
@@ -418,7 +426,9 @@ impl<'a> Control<'a> {
         match message {
             ToMaster::Report(report) => {
                 let imbalance = self.balance.imbalance();
-                self.of_workers.add(worker, &report, imbalance).map_err(|e| self.unwritten(e))?;
+                let path = self.out.join(workers::FILE);
+                disk::watched(&path, || self.of_workers.add(worker, &report, imbalance))
+                    .map_err(|e| self.unwritten(e))?;
                 self.balance.add_report(worker, *report);
             }
             ToMaster::History(part) => {
@@ -434,10 +444,9 @@ impl<'a> Control<'a> {
                     erosions: b.erosions(),
                     classes: b.classes(),
                 };
-                let path = || self.out.join("history.csv");
-                self.history
-                    .add_part(*part, extras)
-                    .map_err(|e| RunError::Output { path: path(), error: e.into() })?;
+                let path = self.out.join("history.csv");
+                disk::watched(&path, || self.history.add_part(*part, extras))
+                    .map_err(|e| RunError::Output { path, error: e.into() })?;
                 self.watch_energy();
                 self.watch_contact();
                 self.watch_work();
@@ -447,8 +456,7 @@ impl<'a> Control<'a> {
                 *pieces += 1;
                 if *pieces == self.workers {
                     let path = self.series.dir().to_owned();
-                    self.series
-                        .add(index, time, self.workers)
+                    disk::watched(&path, || self.series.add(index, time, self.workers))
                         .map_err(|error| RunError::Output { path, error })?;
                     tracing::info!(index, time, "fields written");
                 }
@@ -459,28 +467,22 @@ impl<'a> Control<'a> {
             }
             ToMaster::Captured(captured) => {
                 if self.checkpoints.add_captured(captured) {
-                    let imbalance = self.balance.imbalance();
-                    self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
+                    self.finish_reports()?;
                     let state = self.state();
                     self.checkpoints.add_master(captured.cycle, state);
                 }
             }
             ToMaster::Copied(captured, seconds) => {
                 if self.checkpoints.copies.add(seconds) {
-                    let imbalance = self.balance.imbalance();
-                    self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
+                    self.finish_reports()?;
                     let state = self.state();
                     self.checkpoints.copies.set(captured, state);
                 }
             }
-            ToMaster::Saved(saved) => match self.checkpoints.add_saved(saved) {
-                None => {}
-                Some(Ok(message)) => {
-                    tracing::info!(message);
-                    self.progress.println(&message);
-                }
-                Some(Err(warning)) => self.warn(&warning),
-            },
+            ToMaster::Saved(saved) => {
+                let before = self.checkpoints.add_saved(saved);
+                self.show_checkpoint(before);
+            }
             ToMaster::Ready => {
                 self.ready.push(worker);
                 self.ready_since.get_or_insert_with(Instant::now);
@@ -505,10 +507,28 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
+    /// Reports the end of a checkpoint.
+    fn show_checkpoint(&mut self, ended: Option<Result<String, String>>) {
+        match ended {
+            None => {}
+            Some(Ok(message)) => {
+                tracing::info!(message);
+                self.progress.println(&message);
+            }
+            Some(Err(warning)) => self.warn(&warning),
+        }
+    }
+
     /// Reports a warning.
     fn warn(&mut self, warning: &str) {
         tracing::warn!(warning);
         self.progress.println(&format!("warning: {warning}"));
+    }
+
+    /// Writes the rows of `workers.csv` that wait.
+    fn finish_reports(&mut self) -> Result<(), RunError> {
+        let (imbalance, path) = (self.balance.imbalance(), self.out.join(workers::FILE));
+        disk::watched(&path, || self.of_workers.finish(imbalance)).map_err(|e| self.unwritten(e))
     }
 
     /// Returns the error for a failure to write `workers.csv`.
@@ -576,7 +596,7 @@ impl<'a> Control<'a> {
         let last = &self.balance.last[0];
         let error = self.history.course.last.as_ref().map_or(0.0, |r| r.error);
         let (pairs, imbalance) = (self.balance.pairs(), self.balance.mean_imbalance());
-        self.progress.show(&State {
+        self.progress.show(&RunState {
             cycle: last.cycle,
             time: last.time,
             dt: last.dt,
@@ -588,8 +608,7 @@ impl<'a> Control<'a> {
 
     /// Writes the summary after all final reports have arrived.
     fn finish(mut self) -> Result<Summary, RunError> {
-        let imbalance = self.balance.imbalance();
-        self.of_workers.finish(imbalance).map_err(|e| self.unwritten(e))?;
+        self.finish_reports()?;
         let wall_s = self.wall();
         let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
         let end = closings[0].clone();
@@ -692,8 +711,9 @@ impl<'a> Control<'a> {
             state_digest: summary::state_digest(&mut self.states),
         };
         let path = self.out.join("summary.json");
-        let text = serde_json::to_string_pretty(&summary).unwrap_or_default();
-        std::fs::write(&path, text + "\n").map_err(|error| RunError::Output { path, error })?;
+        let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
+        let write = || vtu::write_whole(&path, |out| out.write_all(text.as_bytes()));
+        disk::watched(&path, write).map_err(|error| RunError::Output { path, error })?;
         Ok(summary)
     }
 }

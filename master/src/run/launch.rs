@@ -5,15 +5,20 @@ use crate::cli::RunArgs;
 use crate::input::job::{self, Model, Report};
 use crate::results::report;
 use crate::results::summary::{Status, Summary};
+use crate::run::checkpoint::manifest::Manifest;
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Origin, Results, RunError};
 use crate::run::lock::Lock;
-use crate::run::stop::StopFlag;
+use crate::run::stop::{Manner, StopFlag};
 use crate::run::supervise;
 use crate::stdout::say;
+use crumple_proto::disk;
 use crumple_proto::job::Restart;
 use crumple_proto::transport::{Transport, threads};
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 /// Exit codes as in README.md.
 const COMPLETED: u8 = 0;
@@ -34,7 +39,8 @@ pub fn run(args: &RunArgs) -> u8 {
     if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
         return supervise::run(args, retries);
     }
-    if launched_by_mpi() { run_under_mpi(args) } else { run_threads(args) }
+    let stop = StopFlag::listen(Manner::AtOnce);
+    if launched_by_mpi() { run_under_mpi(args, &stop) } else { run_threads(args, &stop) }
 }
 
 /// A job that is ready to run.
@@ -54,7 +60,7 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
         None
     };
     // The folder is locked first: another run may be changing its checkpoints.
-    let locked = |out: &Path| Lock::acquire(out);
+    let locked = |out: &Path| disk::watched(out, || Lock::acquire(out));
     let (from, lock) = match &args.resume {
         None => (None, None),
         Some(dir) => {
@@ -102,7 +108,7 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
     Some(Ready { model, workers, origin: Origin { stamp, from }, out, _lock: lock })
 }
 
-fn run_threads(args: &RunArgs) -> u8 {
+fn run_threads(args: &RunArgs, stop: &StopFlag) -> u8 {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let ready = prepare(args, |m| m.workers(args.options.workers, cores));
     let Some(ready) = ready else { return Report::EXIT_CODE };
@@ -122,7 +128,7 @@ fn run_threads(args: &RunArgs) -> u8 {
             std::thread::Builder::new().name(name).spawn(body)
         })
         .collect();
-    let code = as_master(args, ready, &mut master);
+    let code = as_master(args, ready, &mut master, stop);
     drop(master);
     for worker in workers.into_iter().flatten() {
         // The worker has printed its panic, and the master reports it as a lost worker.
@@ -132,7 +138,7 @@ fn run_threads(args: &RunArgs) -> u8 {
 }
 
 #[cfg(not(feature = "mpi"))]
-fn run_under_mpi(_: &RunArgs) -> u8 {
+fn run_under_mpi(_: &RunArgs, _: &StopFlag) -> u8 {
     eprintln!(
         "error: this crumple was built without MPI; build it with \
          `cargo build --release --features mpi`,"
@@ -142,7 +148,7 @@ fn run_under_mpi(_: &RunArgs) -> u8 {
 }
 
 #[cfg(feature = "mpi")]
-fn run_under_mpi(args: &RunArgs) -> u8 {
+fn run_under_mpi(args: &RunArgs, stop: &StopFlag) -> u8 {
     use crumple_proto::{message::ToWorker, transport::Tag, transport::mpi::Mpi, wire::post};
     let Some(mut comm) = Mpi::start() else {
         eprintln!("error: MPI could not be started");
@@ -150,12 +156,12 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
     };
     if comm.size() == 1 {
         drop(comm);
-        return run_threads(args);
+        return run_threads(args, stop);
     }
     if comm.rank() > 0 {
         // The master decides when to stop. A signal that the launcher sends to all ranks must not
         // end this one early.
-        let _patient = StopFlag::listen(true);
+        stop.set_manner(Manner::Patient);
         // The panic of a worker is printed by then; the run ends as if the worker were lost.
         let served = std::panic::AssertUnwindSafe(|| crumple_worker::serve::serve(&mut comm));
         let served = std::panic::catch_unwind(served);
@@ -175,7 +181,7 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
     });
     match ready {
         Some(ready) => {
-            let code = as_master(args, ready, &mut comm);
+            let code = as_master(args, ready, &mut comm, stop);
             if code == WORKER_LOST { comm.abort(i32::from(code)) } else { code }
         }
         None => {
@@ -188,7 +194,7 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
     }
 }
 
-fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
+fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, stop: &StopFlag) -> u8 {
     let Ready { mut model, origin, out, _lock, .. } = ready;
     let model = &mut model;
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
@@ -200,9 +206,9 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport) -> u8 {
     log_to(&out, origin.from.is_some());
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
     report::forget(&out); // from an earlier run
-    let stop = StopFlag::listen(false);
+    stop.set_manner(Manner::Orderly);
     let results = Results { out: &out, trace: args.trace.as_deref() };
-    let ended = control::run(model, comm, results, origin, (args.quiet, &stop));
+    let ended = control::run(model, comm, results, origin, (args.quiet, stop));
     let writable = !matches!(ended, Err(RunError::Output { .. }));
     let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
     let code = match ended {
@@ -255,9 +261,10 @@ fn name_last_state(out: &Path, summary: &Summary) {
         Some((folder, manifest)) => {
             let at = manifest.captured;
             eprintln!(
-                "  the state of cycle {}, time {:.6e}, is kept in {}",
+                "  the state of cycle {}, time {:.6e}, {} cycles before the end, is kept in {}",
                 at.cycle,
                 at.time,
+                summary.cycles.saturating_sub(at.cycle),
                 folder.display()
             );
             eprintln!(
@@ -266,6 +273,10 @@ fn name_last_state(out: &Path, summary: &Summary) {
                 out.display(),
                 0.5 * summary.dt.last
             );
+            let whole = |f: &PathBuf| *f != folder && Manifest::read(f).is_ok();
+            if let Some(older) = find::folders(&out.join(find::DIR)).into_iter().find(whole) {
+                eprintln!("  if this state is already wrong: --resume {}", older.display());
+            }
         }
         None => eprintln!("  there is no checkpoint: the run starts again from time 0"),
     }
@@ -282,8 +293,24 @@ fn log_to(out: &Path, continues: bool) {
     let file = std::fs::create_dir_all(out).and_then(|()| open());
     if let Ok(file) = file {
         // A second run in the same process continues with the first log.
-        let _ =
-            tracing_subscriber::fmt().json().with_writer(std::sync::Mutex::new(file)).try_init();
+        let log = Mutex::new(Log { path, file });
+        let _ = tracing_subscriber::fmt().json().with_writer(log).try_init();
+    }
+}
+
+/// The file of events.
+struct Log {
+    path: PathBuf,
+    file: File,
+}
+
+impl Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        disk::watched(&self.path, || self.file.write(bytes))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        disk::watched(&self.path, || self.file.flush())
     }
 }
 

@@ -12,7 +12,7 @@ const TICKS: u64 = 10_000;
 
 /// State of a run as it is displayed.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct State {
+pub struct RunState {
     /// Number of cycles done.
     pub cycle: u64,
     /// Simulated time [time].
@@ -49,7 +49,7 @@ impl Progress {
     }
 
     /// Shows the state, if the interval has passed.
-    pub fn show(&mut self, s: &State) {
+    pub fn show(&mut self, s: &RunState) {
         let every = if self.bar.is_some() { DRAW_EVERY } else { LINE_EVERY };
         if self.quiet || self.last.elapsed() < every {
             return;

@@ -1,25 +1,38 @@
-//! Signals. Ctrl-C: the first one asks all workers to stop and to keep their state, the second ends
-//! the process at once. USR1 requests a checkpoint.
+//! Signals. Ctrl-C, TERM and USR2: the first one asks all workers to stop and to keep their state,
+//! the second ends the process at once. USR1 requests a checkpoint. Launchers of MPI end the ranks
+//! at Ctrl-C and TERM, but pass on USR1 and USR2.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use tokio::signal::unix::{SignalKind, signal};
 
-/// Flags that are raised by an interrupt or a request to terminate, and by a request for a
-/// checkpoint.
+/// The effect of a request to stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Manner {
+    /// It ends the process: there is no state yet.
+    AtOnce,
+    /// It raises the flag; the next one ends the process.
+    Orderly,
+    /// It raises the flag. Ranks that wait for the master's order receive signals of the launcher
+    /// together with it.
+    Patient,
+}
+
+/// Flags that are raised by a request to stop and by a request for a checkpoint.
 #[derive(Clone, Debug, Default)]
 pub struct StopFlag {
     stop: Arc<AtomicBool>,
     checkpoint: Arc<AtomicBool>,
+    manner: Arc<AtomicU8>,
 }
 
 impl StopFlag {
-    /// Listens for signals on its own thread. With `stubborn`, further signals do not end the
-    /// process: ranks that wait for the master's order receive signals of the launcher together
-    /// with it.
-    pub fn listen(stubborn: bool) -> Self {
+    /// Listens for signals on its own thread.
+    pub fn listen(manner: Manner) -> Self {
         let flag = Self::default();
-        let raised = flag.clone();
+        flag.set_manner(manner);
+        let (raised, (ready, is_ready)) = (flag.clone(), std::sync::mpsc::channel());
         std::thread::spawn(move || {
             let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_io().build()
             else {
@@ -28,23 +41,37 @@ impl StopFlag {
             runtime.block_on(async {
                 let signals = (signal(SignalKind::interrupt()), signal(SignalKind::terminate()));
                 let (Ok(mut interrupt), Ok(mut terminate)) = signals else { return };
-                let Ok(mut request) = signal(SignalKind::user_defined1()) else { return };
+                let signals =
+                    (signal(SignalKind::user_defined1()), signal(SignalKind::user_defined2()));
+                let (Ok(mut request), Ok(mut passed_on)) = signals else { return };
+                let _ = ready.send(());
                 loop {
                     tokio::select! {
                         _ = interrupt.recv() => {}
                         _ = terminate.recv() => {}
+                        _ = passed_on.recv() => {}
                         _ = request.recv() => {
                             raised.checkpoint.store(true, Ordering::Relaxed);
                             continue;
                         }
                     }
-                    if raised.stop.swap(true, Ordering::Relaxed) && !stubborn {
+                    let again = raised.stop.swap(true, Ordering::Relaxed);
+                    let manner = raised.manner.load(Ordering::Relaxed);
+                    if manner == Manner::AtOnce as u8 || (again && manner == Manner::Orderly as u8)
+                    {
                         std::process::exit(130);
                     }
                 }
             });
         });
+        // An error means that the thread has ended: signals keep their usual effect.
+        let _ = is_ready.recv();
         flag
+    }
+
+    /// Changes what a request to stop does.
+    pub fn set_manner(&self, manner: Manner) {
+        self.manner.store(manner as u8, Ordering::Relaxed);
     }
 
     /// Returns true if the flag is raised.

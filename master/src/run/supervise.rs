@@ -4,18 +4,21 @@
 use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::checkpoint::find::{newest_cycle, run_folder};
-use crate::run::stop::StopFlag;
+use crate::run::stop::{Manner, StopFlag};
+use rustix::process::{Pid, Signal, kill_process};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// Interval between two looks at the process.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// Exit code of a run that has lost a worker.
 const WORKER_LOST: u8 = 4;
+/// Exit code of a run that was stopped.
+const STOPPED: u8 = 130;
 /// Exit codes that a run chooses itself: it ended as it should. All others are losses.
-const ENDED: [i32; 4] = [0, 2, 3, 130];
+const ENDED: [i32; 4] = [0, 2, 3, STOPPED as i32];
 
 /// Word of a launcher that stands for the number of ranks.
 const RANKS: &str = "{ranks}";
@@ -33,7 +36,7 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             }
         },
     };
-    let stop = StopFlag::listen(true);
+    let stop = StopFlag::listen(Manner::Patient);
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut workers = args.options.workers.unwrap_or_else(cores);
     let mut reached = if args.resume.is_some() { newest_cycle(&out) } else { None };
@@ -43,7 +46,11 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
     for lost in 0..=retries {
         let from = args.resume.as_ref().filter(|_| lost == 0).unwrap_or(&out);
         let folder = if continues { from } else { &out };
-        let ended = start(args, folder, continues, workers).and_then(|child| wait(child, &stop));
+        let before = summary_of(&out).map(|(written, _)| written);
+        let child = start(args, folder, continues, workers);
+        // Launchers of MPI end their ranks at TERM, but pass on USR2.
+        let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
+        let ended = child.and_then(|child| wait(child, &stop, to_stop));
         let status = match ended {
             Ok(status) => status,
             Err(error) => {
@@ -55,8 +62,12 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         if let Some(code) = code.filter(|code| ENDED.contains(code)) {
             return code as u8;
         }
-        if stop.is_raised() {
-            return 130;
+        // A launcher that was interrupted has its own code. The summary has the end of the run.
+        let stopped = |(written, text): (SystemTime, String)| {
+            Some(written) != before && text.contains("\"status\": \"stopped\"")
+        };
+        if stop.is_raised() || summary_of(&out).is_some_and(stopped) {
+            return STOPPED;
         }
         let what = match (code, status.signal()) {
             (Some(code), _) => format!("exit code {code}"),
@@ -67,7 +78,11 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         let cycle = newest.map_or("the start".to_string(), |cycle| format!("cycle {cycle}"));
         let fewer = in_vain > 1 && workers > 1 && has_ranks(args);
         if lost == retries {
-            eprintln!("error: the run was lost ({what}) {} times; no retry is left", lost + 1);
+            let times = if lost == 0 { "once".to_string() } else { format!("{} times", lost + 1) };
+            eprintln!("error: the run was lost ({what}) {times}; no retry is left");
+            if newest.is_some() {
+                eprintln!("  continue with: crumple run --resume {}", out.display());
+            }
         } else if in_vain > 1 && !fewer {
             eprintln!(
                 "error: the run was lost again ({what}) without a new checkpoint after {cycle}"
@@ -77,13 +92,19 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             let mut next = format!("it continues from {cycle}");
             if fewer {
                 (workers, in_vain) = (workers / 2, 0);
-                next += &format!(", with {workers} workers: a host may be gone");
+                next += &format!(", with {workers} workers: a host may have failed");
             }
             eprintln!("warning: the run was lost ({what}); {next}");
         }
         (reached, continues) = (newest, newest.is_some());
     }
     WORKER_LOST
+}
+
+/// Returns the time and the text of the summary in a folder.
+fn summary_of(out: &Path) -> Option<(SystemTime, String)> {
+    let path = out.join("summary.json");
+    Some((path.metadata().and_then(|m| m.modified()).ok()?, std::fs::read_to_string(path).ok()?))
 }
 
 /// Returns true if the launcher takes any number of ranks.
@@ -121,14 +142,14 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
     command.stdin(Stdio::null()).process_group(0).spawn()
 }
 
-/// Waits for the end of the run. Passes on a request to stop.
-fn wait(mut child: Child, stop: &StopFlag) -> std::io::Result<ExitStatus> {
+/// Waits for the end of the run. Passes on a request to stop, as the signal `to_stop`.
+fn wait(mut child: Child, stop: &StopFlag, to_stop: Signal) -> std::io::Result<ExitStatus> {
     let mut asked = false;
-    let pid = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw);
+    let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
     let send = |signal| {
         if let Some(pid) = pid {
             // It may have ended meanwhile.
-            let _ = rustix::process::kill_process(pid, signal);
+            let _ = kill_process(pid, signal);
         }
     };
     loop {
@@ -137,10 +158,10 @@ fn wait(mut child: Child, stop: &StopFlag) -> std::io::Result<ExitStatus> {
         }
         if stop.is_raised() && !asked {
             asked = true;
-            send(rustix::process::Signal::TERM);
+            send(to_stop);
         }
         if stop.take_request() {
-            send(rustix::process::Signal::USR1);
+            send(Signal::USR1);
         }
         std::thread::sleep(LOOK_EVERY);
     }

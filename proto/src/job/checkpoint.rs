@@ -19,7 +19,7 @@ pub struct Checkpoint {
     /// none. The last copy is written if the run fails. Copies take at most a 200th of the time.
     pub in_memory: String,
     /// Wall time without progress of a file, as in `every`, after which a run that ends gives up
-    /// its checkpoint.
+    /// its checkpoint. A run that waits for another of its files ends after ten times as long.
     pub patience: String,
     /// Compression of the files: `none` or `zstd`.
     pub compression: Compression,

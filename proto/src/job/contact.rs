@@ -1,5 +1,6 @@
 //! Contact and its interfaces, as they are written.
 
+use super::Setting;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -152,7 +153,7 @@ impl Contact {
     }
 
     /// Returns the settings of one of its interfaces.
-    pub fn of(&self, interface: &Interface) -> Self {
+    pub fn with_interface(&self, interface: &Interface) -> Self {
         let Interface {
             name,
             parts,
@@ -213,7 +214,7 @@ impl Contact {
     /// Returns its own settings and those of its interfaces, in their order.
     pub fn each(&self) -> impl Iterator<Item = Self> + '_ {
         let own = Self { interface: Vec::new(), ..self.clone() };
-        std::iter::once(own).chain(self.interface.iter().map(|i| self.of(i)))
+        std::iter::once(own).chain(self.interface.iter().map(|i| self.with_interface(i)))
     }
 
     /// Returns the parts on both sides, as indices into `ids`, by its own settings without its
@@ -268,54 +269,5 @@ impl Default for Contact {
             parameters: BTreeMap::new(),
             interface: Vec::new(),
         }
-    }
-}
-
-/// Value of a key that a law publishes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Setting {
-    /// True or false.
-    Flag(bool),
-    /// A number written without a point.
-    Whole(i64),
-    /// A number written with a point.
-    Number(f64),
-    /// A word.
-    Word(String),
-}
-
-impl Setting {
-    /// Returns the value of a number; `None` for a flag or a word.
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Self::Number(value) => Some(*value),
-            Self::Whole(value) => Some(*value as f64),
-            Self::Flag(_) | Self::Word(_) => None,
-        }
-    }
-}
-
-impl From<bool> for Setting {
-    fn from(value: bool) -> Self {
-        Self::Flag(value)
-    }
-}
-
-impl From<i64> for Setting {
-    fn from(value: i64) -> Self {
-        Self::Whole(value)
-    }
-}
-
-impl From<f64> for Setting {
-    fn from(value: f64) -> Self {
-        Self::Number(value)
-    }
-}
-
-impl From<&str> for Setting {
-    fn from(value: &str) -> Self {
-        Self::Word(value.into())
     }
 }

@@ -4,7 +4,8 @@
 use mdbook_driver::MDBook;
 use mdbook_driver::errors::Error;
 use mdbook_katex::preprocess::KatexProcessor;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 fn main() -> Result<(), Error> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -20,14 +21,56 @@ fn build(docs: &Path, out: &Path) -> Result<MDBook, Error> {
     // Replaces the program `mdbook-katex`, which the configuration of the book names.
     book.with_preprocessor(KatexProcessor);
     book.build()?;
+    for page in pages(out)? {
+        let html = fs::read_to_string(&page)?;
+        let mended = lead_out(&html, &page);
+        if mended != html {
+            fs::write(&page, mended)?;
+        }
+    }
     Ok(book)
+}
+
+/// Returns the HTML files in a folder and the folders in it.
+fn pages(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            found.extend(pages(&path)?);
+        } else if path.extension().is_some_and(|extension| extension == "html") {
+            found.push(path);
+        }
+    }
+    Ok(found)
+}
+
+/// Returns a page whose links out of the book lead to Markdown files: mdBook makes `.html` of
+/// every `.md`, but only pages of the book are HTML files.
+fn lead_out(html: &str, page: &Path) -> String {
+    let folder = page.parent().unwrap_or(Path::new(""));
+    let mut pieces = html.split("href=\"");
+    let mut text = pieces.next().unwrap_or_default().to_string();
+    for piece in pieces {
+        text.push_str("href=\"");
+        let (link, rest) = piece.split_at(piece.find('"').unwrap_or(piece.len()));
+        let (file, place) = link.split_at(link.find('#').unwrap_or(link.len()));
+        match file.strip_suffix(".html").map(|file| format!("{file}.md")) {
+            Some(source) if !folder.join(file).exists() && folder.join(&source).exists() => {
+                text.push_str(&source);
+                text.push_str(place);
+            }
+            _ => text.push_str(link),
+        }
+        text.push_str(rest);
+    }
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use mdbook_driver::book::BookItem;
-    use std::fs;
 
     /// Returns the text of a page between its tags, without code, scripts and MathML.
     fn words(html: &str) -> String {
@@ -68,6 +111,54 @@ mod tests {
             formulas += html.matches("<math").count();
         }
         assert!(pages > 20 && formulas > 100, "{pages} pages, {formulas} formulas");
+    }
+
+    /// Returns the links and pictures of a page that lead to no file.
+    fn dead_links(page: &Path) -> Vec<String> {
+        let html = fs::read_to_string(page).unwrap();
+        let folder = page.parent().expect("a page is in a folder");
+        let mut dead = Vec::new();
+        for piece in html.split("href=\"").skip(1).chain(html.split("src=\"").skip(1)) {
+            let link = piece.split('"').next().unwrap_or_default();
+            let file = link.split('#').next().unwrap_or_default();
+            let is_local = !file.is_empty() && !file.contains(':') && !file.starts_with('/');
+            if is_local && !folder.join(file).exists() {
+                dead.push(format!("{}: {link}", page.display()));
+            }
+        }
+        dead
+    }
+
+    /// The book lies next to `docs/`, so that its pages reach the files of the repository.
+    #[test]
+    fn links_and_pictures_lead_to_files() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let out = tempfile::tempdir_in(&root).unwrap();
+        build(&root.join("docs"), out.path()).unwrap_or_else(|e| panic!("{e:#}"));
+        // These two gather the text of pages in other folders.
+        let is_gathered =
+            |page: &PathBuf| page.ends_with("print.html") || page.ends_with("404.html");
+        let pages = pages(out.path()).unwrap();
+        let dead: Vec<String> = pages
+            .iter()
+            .filter(|page| !is_gathered(page))
+            .flat_map(|page| dead_links(page))
+            .collect();
+        assert!(dead.is_empty(), "{}", dead.join("\n"));
+    }
+
+    #[test]
+    fn a_link_to_markdown_outside_the_book_stays_one() {
+        let there = tempfile::tempdir().unwrap();
+        fs::write(there.path().join("keys.md"), "").unwrap();
+        fs::write(there.path().join("page.html"), "").unwrap();
+        let page = there.path().join("other.html");
+        let html =
+            "<a href=\"keys.html#part\">a</a> <a href=\"page.html\">b</a> <a href=\"x.html\">";
+        let mended = lead_out(html, &page);
+        assert_eq!(mended, html.replace("keys.html", "keys.md"));
+        fs::write(&page, mended).unwrap();
+        assert_eq!(dead_links(&page), [format!("{}: x.html", page.display())]);
     }
 
     #[test]

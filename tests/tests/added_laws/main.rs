@@ -23,6 +23,7 @@ fn add() {
     ONCE.call_once(|| {
         CONTACT_LAWS.add(&laws::sticky::LAW);
         CONTACT_LAWS.add(&laws::damper::LAW);
+        CONTACT_LAWS.add(&laws::strict::LAW);
         LAWS.add(&laws::maxwell::LAW);
         LAWS.add(&laws::breaking::LAW);
         LAWS.add(&laws::ludwik::LAW);
@@ -71,6 +72,34 @@ fn keys_of_an_added_contact_law_are_checked_from_its_table() {
     assert!(of_other.contains("does not use `penalty_scale`"), "{of_other}");
     let used = problems(&[STICKY, "contact.stickiness=0.5", "contact.weighting=\"mass\""]);
     assert!(!used.contains("does not use"), "every law uses `weighting`: {used}");
+}
+
+/// A missing key is an error of the job, for the first table and for an interface with the law.
+#[test]
+fn a_required_key_without_a_value_is_reported() {
+    let missing = problems(&["contact.law=strict"]);
+    assert!(missing.contains("law \"strict\" has no `strict_scale`"), "{missing}");
+    assert!(missing.contains("job.toml:") && missing.contains("| [contact]"), "{missing}");
+    assert!(missing.contains("Factor on the coefficient"), "the meaning: {missing}");
+    assert_eq!(problems(&["contact.law=strict", "contact.strict_scale=0.3"]), "");
+    let interface = "contact.interface=[{ law = \"strict\" }]";
+    let missing = problems(&[interface]);
+    assert!(missing.contains("law \"strict\" has no `strict_scale`"), "{missing}");
+    assert_eq!(problems(&[interface, "contact.strict_scale=0.3"]), "");
+}
+
+/// A second law of the same name would never be found.
+#[test]
+fn a_name_that_is_taken_is_refused() {
+    add();
+    let result = std::panic::catch_unwind(|| CONTACT_LAWS.add(&laws::sticky::LAW));
+    let message = *result.expect_err("it is taken").downcast::<String>().expect("a message");
+    assert!(message.contains("there is a row `sticky` already"), "{message}");
+    assert_eq!(CONTACT_LAWS.iter().filter(|law| law.name == "sticky").count(), 1);
+    let mut names: Vec<&str> = CONTACT_LAWS.iter().map(|law| law.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), CONTACT_LAWS.iter().count());
 }
 
 #[test]

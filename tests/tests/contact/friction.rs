@@ -291,7 +291,7 @@ fn mistakes_in_a_table_of_friction_are_reported_all_at_once() {
     for words in [
         "the row [0.0, 1.0, 0.2] follows [0.0, 1.0, 0.3]",
         "has the row [0.1, 0.0, -0.1]",
-        "`friction` and `friction_table` are given both",
+        "`friction` and `friction_table` are both given",
     ] {
         assert!(report.contains(words), "{words} in\n{report}");
     }

@@ -2,6 +2,7 @@
 //! kg.
 
 use crumple::input::job;
+use crumple_tests::sheets::distance_at_contact;
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 
@@ -152,57 +153,6 @@ fn contact_is_there_from_birth_to_death() {
 /// that the interface sets.
 #[test]
 fn sheets_meet_at_the_thickness_of_their_interface() {
-    let sheet = |first: usize, shell: usize, part: usize, z: f64, shift: f64| {
-        let node = |k: usize| {
-            format!(
-                "[{}, {:?}, {:?}, {z:?}],",
-                first + k,
-                5.0 * (k % 4) as f64 + shift,
-                5.0 * (k / 4) as f64 + shift
-            )
-        };
-        let nodes: String = (0..16).map(node).collect();
-        let corners = |e: usize| {
-            let k = first + e % 3 + 4 * (e / 3);
-            format!("[{}, {part}, {}, {}, {}, {}],", shell + e, k, k + 1, k + 5, k + 4)
-        };
-        (nodes, (0..9).map(corners).collect::<String>())
-    };
-    let gap = |contact: &str| {
-        let ((n1, s1), (n2, s2)) = (sheet(1, 1, 1, 0.0, 0.0), sheet(21, 21, 2, 6.0, 1.3));
-        let set = |first: usize| {
-            (first..first + 16).map(|n| n.to_string()).collect::<Vec<_>>().join(", ")
-        };
-        let text = format!(
-            "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n[mesh.node_sets]\n\
-             low = [{}]\nhigh = [{}]\n\
-             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
-             density = 7.85e-6\n\
-             youngs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\n\
-             thickness = 1.0\n[[part]]\nid = 2\n\
-             material = \"steel\"\nthickness = 1.0\n[[initial_velocity]]\nnodes = \"high\"\n\
-             velocity = [0.0, 0.0, -1.0]\n{contact}",
-            set(1),
-            set(21),
-        );
-        let there = tempfile::tempdir().unwrap();
-        let path = there.path().join("sheets.toml");
-        std::fs::write(&path, text).unwrap();
-        let model = job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
-        // Distance at the first contact force on the lower sheet; afterwards the sheets bend.
-        let mut apart = None;
-        run_alone(&model, |e| {
-            let of = |range: std::ops::Range<usize>| range.map(|n| e.nodes.x[n][2]);
-            let felt = (0..16).any(|n| e.nodes.v[n][2] != 0.0);
-            if felt && apart.is_none() {
-                apart = Some(
-                    of(16..32).fold(f64::INFINITY, f64::min)
-                        - of(0..16).fold(f64::NEG_INFINITY, f64::max),
-                );
-            }
-        });
-        apart.expect("there is contact")
-    };
     let pair = "[contact]\n[[contact.interface]]\nparts = [1]\nagainst = [2]\n";
     let expected = [
         ("[contact]\n".to_string(), 1.0),
@@ -212,7 +162,7 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
         ("[[contact]]\nthickness = 2.0\n[[contact]]\nthickness_scale = 0.5\n".to_string(), 0.5),
     ];
     for (contact, thickness) in expected {
-        let apart = gap(&contact);
+        let apart = distance_at_contact(&contact, &[]);
         assert!((apart - thickness).abs() < 0.01, "{contact}: distance {apart}");
     }
 }

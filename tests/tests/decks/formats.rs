@@ -40,10 +40,9 @@ fn all_formats_give_the_same_model() {
     assert_eq!((model.mesh.nodes.len(), model.mesh.elements.len()), (9, 5));
     assert_eq!(model.job.part[0].element.as_deref(), Some("stabilised_quad"));
     assert_eq!(
-        (model.job.part[0].thickness, model.job.part[0].points),
-        (1.5, 3),
-        "values from \
-        parameters"
+        (model.job.part[0].thickness, &model.job.part[0].parameters["points"]),
+        (1.5, &3.into()),
+        "values from parameters"
     );
     assert_eq!(model.job.title, "A small plate");
     assert_eq!(model.job.load[0].force, [0.0, 0.0, 0.75], "0.25 on each of three nodes");

@@ -1,7 +1,7 @@
 //! The commands of the tutorials run in an empty folder, in their order, with the files that the
 //! pages show. Runs stop after a few cycles: results are not compared, output of `check` is.
 
-use crumple_tests::manual::{Block, blocks, pages};
+use crumple_tests::manual::{Snippet, blocks, pages};
 use crumple_tests::program::{crumple, root};
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
@@ -41,7 +41,7 @@ fn script(path: &Path, text: &str) {
 }
 
 /// Makes the folder in which the commands of a page run.
-fn folder(blocks: &[Block]) -> tempfile::TempDir {
+fn folder(blocks: &[Snippet]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     for name in ["cases", "tests"] {
@@ -53,7 +53,7 @@ fn folder(blocks: &[Block]) -> tempfile::TempDir {
         let path = if name.contains('/') { at.join(name) } else { at.join("bin").join(name) };
         script(&path, "#!/usr/bin/env bash\n");
     }
-    for Block { file, text, language, .. } in blocks {
+    for Snippet { file, text, language, .. } in blocks {
         if let Some(file) = file.as_ref().filter(|_| ["toml", "python"].contains(&&language[..])) {
             if root().join(file).exists() {
                 continue; // an excerpt of a file of the repository
@@ -68,7 +68,7 @@ fn folder(blocks: &[Block]) -> tempfile::TempDir {
 }
 
 /// Runs the shell blocks of a page as one script. Returns the output of each.
-fn run(page: &str, blocks: &[Block]) -> Vec<String> {
+fn run(page: &str, blocks: &[Snippet]) -> Vec<String> {
     let folder = folder(blocks);
     let shell = blocks.iter().filter(|block| block.language == "sh");
     let text: String = shell.map(|block| format!("echo '@@ block'\n{}\n", block.text)).collect();

@@ -1,9 +1,11 @@
 //! `crumple run --retries`: lost ranks, hosts that are gone, and runs that are given up.
 
 use crumple::run::checkpoint::find::newest_cycle;
-use crumple_tests::program::{Running, crumple_with, mpi_or_skip, mpirun, run, send, start};
+use crumple_tests::program::{
+    Running, crumple, crumple_with, mpi_or_skip, mpirun, run, send, start,
+};
 use crumple_tests::restart::{assert_same_files, checkpoints};
-use rustix::process::Signal;
+use rustix::process::{Pid, Signal, kill_process_group};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -42,11 +44,16 @@ fn wait_for_checkpoint(running: &mut Running) {
     running.wait_for("there is a checkpoint", |_| newest_cycle(&out));
 }
 
-/// Returns the ranks of all processes below this one.
-fn ranks_below(pid: u32) -> Vec<u32> {
+/// Returns the children of a process.
+fn children_of(pid: u32) -> Vec<u32> {
     let children = format!("/proc/{pid}/task/{pid}/children");
     let children = fs::read_to_string(children).unwrap_or_default();
-    let children: Vec<u32> = children.split_whitespace().filter_map(|p| p.parse().ok()).collect();
+    children.split_whitespace().filter_map(|p| p.parse().ok()).collect()
+}
+
+/// Returns the ranks of all processes below this one.
+fn ranks_below(pid: u32) -> Vec<u32> {
+    let children = children_of(pid);
     let is_rank = |pid: &u32| {
         let environment = fs::read_to_string(format!("/proc/{pid}/environ")).unwrap_or_default();
         let name = fs::read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
@@ -122,4 +129,63 @@ fn a_supervised_run_from_one_checkpoint_continues_from_newer_ones() {
     assert!(continued[0].contains(first.to_str().unwrap()), "{said}");
     assert!(!continued[1].contains(first.to_str().unwrap()), "{said}");
     assert_eq!(whole.digest(), digest);
+}
+
+/// Returns `deploy/run.sh` on a job that takes long, with the binary of the tests.
+fn run_script(out: &Path) -> Command {
+    let mut command = Command::new("deploy/run.sh");
+    command.args(["cases/jeep-frame", "--quiet", "--no-report", "--out"]).arg(out);
+    command.env("CRUMPLE", crumple()).env("WORKERS", "3");
+    command
+}
+
+/// Interrupts `deploy/run.sh` and checks that it ends in order, and that the run continues.
+fn assert_stops(interrupt: impl Fn(&Running)) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut running = start(run_script(&out));
+    running.wait_for("the history has rows", |_| {
+        let text = fs::read_to_string(out.join("history.csv")).ok()?;
+        (text.lines().count() > 3).then_some(())
+    });
+    interrupt(&running);
+    let ended = running.end().with_code(130);
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["status"], "stopped", "{}", ended.said());
+    let cycle = summary["cycles"].as_u64();
+    assert_eq!(newest_cycle(&out), cycle, "{}", ended.said());
+    assert!(!out.join("run.lock").exists());
+    let end = format!("time.max_cycles={}", cycle.unwrap() + 50);
+    let words = ["run", "--resume", out.to_str().unwrap(), "--no-report", "--workers=2", "--set"];
+    let again = run(crumple_with(&[&words[..], &[&end]].concat())).with_code(0);
+    assert!(again.said().contains("continues from"), "{}", again.said());
+}
+
+/// A signal to the script alone, as from `kill`.
+#[test]
+fn an_interrupted_script_stops_the_run_with_code_130() {
+    let Some(()) = mpi_or_skip() else { return };
+    assert_stops(|script| script.signal(Signal::INT));
+    assert_stops(|script| script.signal(Signal::TERM));
+}
+
+/// Ctrl-C in a terminal: the script and the supervisor get the signal together.
+#[test]
+fn ctrl_c_in_a_terminal_stops_the_run_with_code_130() {
+    let Some(()) = mpi_or_skip() else { return };
+    assert_stops(|script| {
+        let group = Pid::from_raw(script.id() as i32).unwrap();
+        kill_process_group(group, Signal::INT).unwrap();
+    });
+}
+
+/// A signal to `mpirun` alone: it ends its ranks, after the time that they have to write.
+#[test]
+fn an_interrupted_mpirun_below_the_script_stops_the_run_with_code_130() {
+    let Some(()) = mpi_or_skip() else { return };
+    assert_stops(|script| {
+        let supervisor = script.children()[0];
+        send(children_of(supervisor)[0], Signal::INT);
+    });
 }

@@ -30,10 +30,10 @@ const SCENES: [(&str, u64); 6] = [
 ];
 /// Most kills in a round.
 const KILLS: u32 = 3;
-/// Longest time before a kill [ms].
+/// Longest time from the first event of a run to its kill [ms].
 const LONGEST: u64 = 1500;
 /// Interval between two checkpoints [s].
-const INTERVAL: f64 = 0.03;
+const INTERVAL: f64 = 0.2;
 
 /// Counts of all rounds.
 #[derive(Default)]
@@ -46,8 +46,10 @@ struct Record {
     while_writing: u64,
     /// Kills of processes that had not written a checkpoint yet.
     before_any: u64,
-    /// Longest time from the first file of the last checkpoint to a kill [s].
-    worst_loss: f64,
+    /// Times from the first file of the last checkpoint to a kill [s].
+    losses: Vec<f64>,
+    /// The same, without the time in which the next checkpoint was being written [s].
+    gaps: Vec<f64>,
     orphans: u64,
     temporary: u64,
 }
@@ -60,11 +62,8 @@ impl Record {
         println!("  of the master or of all workers  {of_master}");
         println!("  while a checkpoint was written   {while_writing}");
         println!("  before a first checkpoint        {before_any}");
-        println!(
-            "  worst loss of work               {:.3} s, {:.1} of the interval of {INTERVAL} s",
-            self.worst_loss,
-            self.worst_loss / INTERVAL
-        );
+        show_times("loss of work", &self.losses);
+        show_times("before the next was written", &self.gaps);
         println!("  orphan processes found           {}", self.orphans);
         println!("  temporary files left             {}", self.temporary);
     }
@@ -82,11 +81,31 @@ impl Record {
             self.before_any += 1;
             return;
         };
-        let written = |e: fs::DirEntry| e.metadata().ok()?.modified().ok();
-        let files = fs::read_dir(newest).unwrap().filter_map(|e| written(e.unwrap()));
-        let lost = files.min().and_then(|first| now.duration_since(first).ok());
-        self.worst_loss = self.worst_loss.max(lost.map_or(0.0, |lost| lost.as_secs_f64()));
+        let Some(copied) = began(newest) else { return };
+        let next = parts.first().and_then(|folder| began(folder)).unwrap_or(now).min(now);
+        let until = |end: SystemTime| end.duration_since(copied).map_or(0.0, |d| d.as_secs_f64());
+        self.losses.push(until(now));
+        self.gaps.push(until(next));
     }
+}
+
+/// Prints the median, the 90th percentile and the largest of some times.
+fn show_times(what: &str, times: &[f64]) {
+    let mut sorted = times.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).or(sorted.last());
+    let [middle, most, worst] = [0.5, 0.9, 1.0].map(|share| at(share).copied().unwrap_or(0.0));
+    println!(
+        "  {what:32} median {middle:.2} s, 90 % below {most:.2} s, worst {worst:.2} s, of {} \
+         kills; interval {INTERVAL} s",
+        times.len()
+    );
+}
+
+/// Returns the time at which the first file of a checkpoint was made.
+fn began(folder: &Path) -> Option<SystemTime> {
+    let made = |e: fs::DirEntry| e.metadata().ok()?.created().ok();
+    fs::read_dir(folder).ok()?.filter_map(|e| made(e.ok()?)).min()
 }
 
 fn number(name: &str, default: u64) -> u64 {
@@ -176,12 +195,19 @@ fn one_round(
             words(scene, cycles, out, &format!("{INTERVAL} s"))
         };
         let (workers, mpi) = (random.usize(1..=4), with_mpi && random.bool());
-        let running = start(command(&words, workers, mpi));
+        let log = || fs::metadata(out.join("log.jsonl")).map_or(0, |m| m.len());
+        let before = log();
+        let mut running = start(command(&words, workers, mpi));
         if attempt == KILLS {
             running.end().with_code(0);
             return;
         }
-        std::thread::sleep(Duration::from_millis(random.u64(100..LONGEST)));
+        // Open MPI 4 hangs if a rank is killed while it connects to `mpirun`.
+        running.wait_for("the run has begun", |_| {
+            let now = log();
+            (now > 0 && now != before).then_some(())
+        });
+        std::thread::sleep(Duration::from_millis(random.u64(0..LONGEST)));
         let ranks = if mpi { running.ranks() } else { Vec::new() };
         let victim = random.usize(..=workers);
         let now = SystemTime::now();
@@ -226,7 +252,8 @@ fn assert_clean(folder: &Path, record: &mut Record) {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let incomplete = name.starts_with("cycle_") && !path.join("MANIFEST").exists();
-        if name.ends_with(".tmp") || name == "run.lock" || incomplete {
+        let temporary = [".tmp", ".partial"].iter().any(|end| name.ends_with(end));
+        if temporary || name == "run.lock" || incomplete {
             record.temporary += 1;
             panic!("{} is left", path.display());
         }

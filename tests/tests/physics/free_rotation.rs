@@ -5,6 +5,7 @@
 
 use crumple::input::job::read_text;
 use crumple_tests::run_alone;
+use crumple_verification::scene::{Elastic, Scene};
 use crumple_worker::energy::momentum;
 
 const SIDE: f64 = 10.0;
@@ -13,34 +14,20 @@ const SPIN: [f64; 3] = [1.0, 0.6, 0.3];
 /// Returns the job; the corners start with the velocity of the spin and alternately plus and
 /// minus `swing` [mm/ms].
 fn job(element: &str, swing: [f64; 3]) -> String {
+    let mut scene = Scene::new(60.0).in_units("mm, ms, kg");
+    scene.time("safety = 0.8\nmax_cycles = 45000");
+    scene.elastic("steel", Elastic { e: 210.0, nu: 0.3, rho: 7.85e-6 });
+    scene.part(1, "steel", 1.0, &format!("points = 2\nelement = \"{element}\""));
     let corners = [[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]];
-    let mut text = format!(
-        "title = \"spin\"\nunits = \"mm, ms, kg\"\nend_time = 60.0\n\
-         [time]\nsafety = 0.8\nmax_cycles = 45000\n[output]\nfield_interval = -1.0\n\
-         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
-         youngs_modulus = 210.0\npoisson = 0.3\n\
-         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\npoints = 2\n\
-         element = \"{element}\"\n\
-         [mesh]\nshells = [[1, 1, 1, 2, 3, 4]]\n"
-    );
-    text += "nodes = [";
-    corners
-        .iter()
-        .enumerate()
-        .for_each(|(i, [x, y])| text += &format!("[{}, {x:?}, {y:?}, 0.0], ", i + 1));
-    text += "]\n[mesh.node_sets]\n";
-    (1..=4).for_each(|i| text += &format!("corner{i} = [{i}]\n"));
+    let nodes = corners.map(|[x, y]| scene.node([x, y, 0.0]));
+    scene.shell(1, &nodes);
     for (i, [x, y]) in corners.into_iter().enumerate() {
         let (rx, ry) = (x - 0.5 * SIDE, y - 0.5 * SIDE);
         let [sx, sy, sz] = swing.map(|s| if i % 2 == 0 { s } else { -s });
         let v = [sx - SPIN[2] * ry, sy + SPIN[2] * rx, sz + SPIN[0] * ry - SPIN[1] * rx];
-        text += &format!(
-            "[[initial_velocity]]\nnodes = \"corner{}\"\nvelocity = {v:?}\nspin = {SPIN:?}\n\
-             centre = [{x:?}, {y:?}, 0.0]\n",
-            i + 1
-        );
+        scene.start(&nodes[i..=i], v, SPIN);
     }
-    text
+    scene.text("spin")
 }
 
 /// Returns the largest changes of energy and of angular momentum, as fractions of their values

@@ -2,6 +2,7 @@
 //! Units mm, ms, kg.
 
 use crumple::input::job::{self, Model};
+use crumple_tests::sheets::distance_at_contact;
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 use std::fmt::Write;
@@ -146,78 +147,34 @@ fn a_strip_with_two_offsets_bends_by_each() {
 /// thicknesses of the touching shells apart.
 #[test]
 fn shells_meet_at_their_own_thickness() {
-    let sheet = |first: usize, shell: usize, part: usize, z: f64, shift: f64| {
-        let node = |k: usize| {
-            format!(
-                "[{}, {:?}, {:?}, {z:?}],",
-                first + k,
-                5.0 * (k % 4) as f64 + shift,
-                5.0 * (k / 4) as f64 + shift
-            )
-        };
-        let nodes: String = (0..16).map(node).collect();
-        let corners = |e: usize| {
-            let k = first + e % 3 + 4 * (e / 3);
-            format!("[{}, {part}, {}, {}, {}, {}],", shell + e, k, k + 1, k + 5, k + 4)
-        };
-        (nodes, (0..9).map(corners).collect::<String>())
-    };
-    let gap = |thicknesses: &str, of_part: &str, offsets: &str| {
-        let ((n1, s1), (n2, s2)) = (sheet(1, 1, 1, 0.0, 0.0), sheet(21, 21, 2, 6.0, 1.3));
-        let high = (21..37).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
-        let text = format!(
-            "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n\
-             thicknesses = [{thicknesses}]\noffsets = [{offsets}]\n[mesh.node_sets]\n\
-             high = [{high}]\n[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
-             law = \"elastic\"\n\
-             density = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 1\n\
-             material = \"steel\"\nthickness = 1.0\n\
-             [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n{of_part}\n\
-             [[initial_velocity]]\nnodes = \"high\"\n\
-             velocity = [0.0, 0.0, -1.0]\n[contact]\nshell_offset = {}\n",
-            !offsets.is_empty()
-        );
-        let model = model_of(&text, &[]);
-        let mut apart = None;
-        run_alone(&model, |e| {
-            let of = |range: std::ops::Range<usize>| range.map(|n| e.nodes.x[n][2]);
-            let felt = (0..16).any(|n| e.nodes.v[n][2] != 0.0);
-            if felt && apart.is_none() {
-                apart = Some(
-                    of(16..32).fold(f64::INFINITY, f64::min)
-                        - of(0..16).fold(f64::NEG_INFINITY, f64::max),
-                );
-            }
-        });
-        apart.expect("there is contact")
-    };
-    let all: String = (21..30).map(|e| format!("[{e}, 3.0],")).collect();
+    let rows =
+        |value: &str| (10..19).map(|e| format!("[{e}, {value}]")).collect::<Vec<_>>().join(", ");
+    let (thick, down) = (rows("3.0"), rows("-1.0"));
     for (thicknesses, of_part, wanted) in [
-        ("", "", 1.0),
-        (all.as_str(), "", 2.0),
-        ("[5, 4.0]", "", 2.5),
-        ("[5, 0.5]", "", 1.0),
-        ("", "contact_thickness = 4.0", 2.5),
-        (all.as_str(), "contact_thickness_scale = 0.5", 1.25),
-        (all.as_str(), "contact_thickness = 0.4", 0.7),
+        ("", "contact_thickness_scale=1.0", 1.0),
+        (thick.as_str(), "contact_thickness_scale=1.0", 2.0),
+        ("[5, 4.0]", "contact_thickness_scale=1.0", 2.5),
+        ("[5, 0.5]", "contact_thickness_scale=1.0", 1.0),
+        ("", "contact_thickness=4.0", 2.5),
+        (thick.as_str(), "contact_thickness_scale=0.5", 1.25),
+        (thick.as_str(), "contact_thickness=0.4", 0.7),
     ] {
-        let apart = gap(thicknesses, of_part, "");
-        assert!(
-            (apart - wanted).abs() < 0.01,
-            "{thicknesses} {of_part}: distance {apart}, expected {wanted}"
-        );
+        let sets = [format!("mesh.thicknesses=[{thicknesses}]"), format!("part.2.{of_part}")];
+        let apart = distance_at_contact("[contact]", &[&sets[0], &sets[1]]);
+        assert!((apart - wanted).abs() < 0.01, "{sets:?}: distance {apart}, expected {wanted}");
     }
     // The sheets touch at the middle surface of each shell.
-    let down: String = (21..30).map(|e| format!("[{e}, -1.0],")).collect();
     for (offsets, of_part, wanted) in [
-        (down.as_str(), "", 1.5),
-        (down.as_str(), "offset = 2.0", 1.5),
-        ("[25, -1.0]", "", 1.5),
-        ("[25, 1.0]", "", 1.0),
-        ("[25, -0.5]", "offset = 0.2", 1.25),
+        (down.as_str(), 0.0, 1.5),
+        (down.as_str(), 2.0, 1.5),
+        ("[14, -1.0]", 0.0, 1.5),
+        ("[14, 1.0]", 0.0, 1.0),
+        ("[14, -0.5]", 0.2, 1.25),
     ] {
-        let apart = gap("", of_part, offsets);
-        assert!((apart - wanted).abs() < 0.01, "{offsets} {of_part}: {apart}, expected {wanted}");
+        let sets = [format!("mesh.offsets=[{offsets}]"), format!("part.2.offset={of_part:?}")];
+        let contact = "[contact]\nshell_offset = true";
+        let apart = distance_at_contact(contact, &[&sets[0], &sets[1]]);
+        assert!((apart - wanted).abs() < 0.01, "{sets:?}: distance {apart}, expected {wanted}");
     }
 }
 

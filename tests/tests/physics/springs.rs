@@ -1,34 +1,38 @@
 //! Springs and dampers compared with closed forms, and the same bits on any number of workers.
 //! Units of the closed forms.
 
-use crumple::input::job::Model;
-use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple::input::job::{Model, read_text};
+use crumple_tests::{run_alone, run_side_by_side};
+use crumple_verification::scene::{Elastic, Scene};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
 /// Returns a job of `springs`, each in its own part: ends as numbers of `nodes` from 1, and the
-/// contents of `[part.spring]`. The set `n1` holds the first node, and so on. `rest` is the rest
-/// of the job.
-fn scene(nodes: &[[f64; 3]], springs: &[([usize; 2], &str)], end_time: f64, rest: &str) -> Model {
-    let (mut points, mut sets, mut rows, mut parts) =
-        (String::new(), String::new(), String::new(), String::new());
-    for (id, [x, y, z]) in (1..).zip(nodes) {
-        points += &format!("[{id}, {x:?}, {y:?}, {z:?}],\n");
-        sets += &format!("n{id} = [{id}], ");
+/// contents of `[part.spring]`. The set `n1` holds the first node, and so on. `time` are the lines
+/// of `[time]`, `rest` is the rest of the job.
+fn job(
+    nodes: &[[f64; 3]],
+    springs: &[([u32; 2], &str)],
+    end_time: f64,
+    [time, rest]: [&str; 2],
+) -> Model {
+    let mut scene = Scene::new(end_time);
+    for x in nodes {
+        let node = scene.node(*x);
+        scene.set_named(&format!("n{node}"), &[node]);
     }
-    for (id, ([a, b], numbers)) in (1..).zip(springs) {
-        rows += &format!("[{id}, {id}, {a}, {b}],\n");
-        parts += &format!("[[part]]\nid = {id}\n[part.spring]\n{numbers}\n");
+    for (part, (ends, numbers)) in (1..).zip(springs) {
+        scene.spring(part, *ends);
+        scene.add(&format!("[[part]]\nid = {part}\n[part.spring]\n{numbers}"));
     }
-    let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{points}]\nsprings = [{rows}]\n\
-         node_sets = {{ {sets} }}\n\
-         [output]\nfield_interval = -1.0\n{parts}{rest}"
-    );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("springs.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, &[])
+    scene.time(time);
+    scene.add(rest);
+    model(&scene)
+}
+
+fn model(scene: &Scene) -> Model {
+    let model = read_text("springs.toml".into(), scene.text("Springs"), &[]);
+    model.unwrap_or_else(|report| panic!("{report}"))
 }
 
 const HELD: &str = "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\"]\n";
@@ -67,11 +71,11 @@ fn a_mass_on_a_spring_swings_with_its_frequency() {
         ("force_elongation = [[-0.01, -0.03], [0.0, 0.0], [0.02, 0.06]]", [2.0, 0.0, 0.0]),
     ] {
         let rest = format!(
-            "{HELD}[[mass]]\nnodes = \"n2\"\nmass = {m:?}\n[time]\ndt_max = {:?}\n\
-             [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [{v:?}, 0.0, 0.0]\n",
-            step / w
+            "{HELD}[[mass]]\nnodes = \"n2\"\nmass = {m:?}\n\
+             [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [{v:?}, 0.0, 0.0]\n"
         );
-        let model = scene(&[[0.0; 3], at], &[([1, 2], numbers)], 20.0 / w, &rest);
+        let time = format!("dt_max = {:?}", step / w);
+        let model = job(&[[0.0; 3], at], &[([1, 2], numbers)], 20.0 / w, [&time, &rest]);
         let (mut worst, mut balance) = (0.0f64, Balance::default());
         run_alone(&model, |e| {
             let exact = v / w * (w * e.clock.time).sin();
@@ -89,11 +93,13 @@ fn a_mass_on_a_spring_swings_with_its_frequency() {
 fn a_damper_slows_exponentially() {
     let (c, m, v, dt) = (0.8, 2.0, 3.0, 1e-3);
     let rest = format!(
-        "{HELD}[[mass]]\nnodes = \"n2\"\nmass = {m:?}\n[time]\ndt_max = {dt:?}\n\
+        "{HELD}[[mass]]\nnodes = \"n2\"\nmass = {m:?}\n\
          [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [{v:?}, 0.0, 0.0]\n"
     );
+    let time = format!("dt_max = {dt:?}");
     for numbers in ["damping = 0.8", "force_rate = [[-1.0, -0.8], [1.0, 0.8]]"] {
-        let model = scene(&[[0.0; 3], [20.0, 0.0, 0.0]], &[([1, 2], numbers)], 2.0, &rest);
+        let nodes = [[0.0; 3], [20.0, 0.0, 0.0]];
+        let model = job(&nodes, &[([1, 2], numbers)], 2.0, [&time, &rest]);
         let mut balance = Balance::default();
         let end = run_alone(&model, |e| balance.look(e));
         let t = end.clock.time - 0.5 * end.clock.last_dt;
@@ -115,7 +121,6 @@ fn a_damper_slows_exponentially() {
 #[test]
 fn free_masses_keep_momentum() {
     let rest = "[[mass]]\nnodes = \"n1\"\nmass = 2.0\n[[mass]]\nnodes = \"n2\"\nmass = 5.0\n\
-                [time]\nsafety = 0.1\n\
                 [[initial_velocity]]\nnodes = \"n1\"\nvelocity = [1.0, 2.0, -0.5]\n\
                 [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.3, -0.2, 0.6]\n";
     let springs = [
@@ -124,7 +129,8 @@ fn free_masses_keep_momentum() {
     ];
     let mut first = None;
     let (mut worst, mut balance) = ([0.0f64; 2], Balance::default());
-    run_alone(&scene(&[[0.0; 3], [1.0, 0.5, 0.0]], &springs, 30.0, rest), |e| {
+    let model = job(&[[0.0; 3], [1.0, 0.5, 0.0]], &springs, 30.0, ["safety = 0.1", rest]);
+    run_alone(&model, |e| {
         let (p, l) = momentum(&e.nodes);
         let now = [p, l];
         let first = *first.get_or_insert(now);
@@ -147,19 +153,18 @@ fn the_step_is_stable_and_not_much_too_short() {
     };
     let nodes: Vec<[f64; 3]> = (0..8).map(ring).collect();
     let pairs = (1..=8).flat_map(|i| [[i, i % 8 + 1], [i, (i + 2) % 8 + 1]]);
-    let springs: Vec<([usize; 2], &str)> = pairs.map(|p| (p, "stiffness = 4.0")).collect();
+    let springs: Vec<([u32; 2], &str)> = pairs.map(|p| (p, "stiffness = 4.0")).collect();
     let masses: String =
         (1..=8).map(|i| format!("[[mass]]\nnodes = \"n{i}\"\nmass = 1.0\n")).collect();
-    let job = |safety: f64| {
-        let rest = format!(
-            "{masses}[time]\nsafety = {safety:?}\ndt_min_ratio = 0.0\n\
-             [[initial_velocity]]\nnodes = \"n3\"\nvelocity = [1e-6, 2e-6, 0.0]\n"
-        );
-        scene(&nodes, &springs, 150.0, &rest)
+    let ring = |safety: f64| {
+        let time = format!("safety = {safety:?}\ndt_min_ratio = 0.0");
+        let rest =
+            format!("{masses}[[initial_velocity]]\nnodes = \"n3\"\nvelocity = [1e-6, 2e-6, 0.0]\n");
+        job(&nodes, &springs, 150.0, [&time, &rest])
     };
     let mut most = 0.0f64;
-    run_alone(&job(1.0), |e| most = most.max(e.nodes.v[4][0].abs()));
-    let wild = run_side_by_side(&job(1.8), 1, 400, 0);
+    run_alone(&ring(1.0), |e| most = most.max(e.nodes.v[4][0].abs()));
+    let wild = run_side_by_side(&ring(1.8), 1, 400, 0);
     assert!(
         most < 1e-5 && (wild.trouble.is_some() || wild.nodes[4].v[0].abs() > 1e-2),
         "{most} {:?}",
@@ -171,45 +176,23 @@ fn the_step_is_stable_and_not_much_too_short() {
 /// same bits on 1, 2 and 4 workers, with forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
-    let (mut nodes, mut shells, mut springs) = (String::new(), String::new(), String::new());
-    let (mut ground, mut upper, mut spring) = (Vec::new(), Vec::new(), 1000);
-    for i in 0..5 {
-        for j in 0..5 {
-            let n = 5 * i + j + 1;
-            let (x, y) = (10.0 * i as f64, 10.0 * j as f64);
-            nodes += &format!(
-                "[{n}, {x:?}, {y:?}, 0.0], [{}, {x:?}, {y:?}, -8.0], [{}, {x:?}, {y:?}, 9.0],\n",
-                n + 100,
-                n + 200
-            );
-            ground.push(n + 100);
-            upper.push(n + 200);
-            for (part, ends) in [(3 + (i + j) % 2, [n, n + 100]), (5, [n, n + 200])] {
-                springs += &format!("[{spring}, {part}, {}, {}],\n", ends[0], ends[1]);
-                spring += 1;
-            }
-            if i < 4 && j < 4 {
-                shells += &format!("[{n}, 1, {n}, {}, {}, {}],\n", n + 5, n + 6, n + 1);
-                shells += &format!(
-                    "[{}, 2, {}, {}, {}, {}],\n",
-                    n + 50,
-                    n + 200,
-                    n + 205,
-                    n + 206,
-                    n + 201
-                );
-            }
-        }
+    let mut scene = Scene::new(5.0).in_units("mm, ms, kg");
+    scene.elastic("steel", Elastic { e: 207.0, nu: 0.3, rho: 7.85e-6 });
+    scene.part(1, "steel", 1.0, "");
+    scene.part(2, "steel", 2.0, "");
+    let sheet = scene.grid(1, [4, 4], |u, v| [40.0 * u, 40.0 * v, 0.0]);
+    let upper = scene.grid(2, [4, 4], |u, v| [40.0 * u, 40.0 * v, 9.0]);
+    let ground: Vec<u32> = (0..25)
+        .map(|n| scene.node([10.0 * f64::from(n / 5), 10.0 * f64::from(n % 5), -8.0]))
+        .collect();
+    for (n, (&node, &above)) in sheet.all().iter().zip(upper.all()).enumerate() {
+        scene.spring(3 + (n / 5 + n % 5) as u32 % 2, [node, ground[n]]);
+        scene.spring(5, [node, above]);
     }
-    let text = format!(
-        "end_time = 5.0\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nsprings = [{springs}]\n\
-         node_sets = {{ ground = {ground:?}, upper = {upper:?} }}\n[output]\n\
-         field_interval = -1.0\n\
-         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
-         youngs_modulus = 207.0\npoisson = 0.3\n\
-         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n[[part]]\nid = 2\n\
-         material = \"steel\"\nthickness = 2.0\n\
-         [[part]]\nid = 3\n[part.spring]\nstiffness = 0.02\ndamping = 1e-4\n\
+    scene.set_named("ground", &ground);
+    scene.set_named("upper", upper.all());
+    scene.add(
+        "[[part]]\nid = 3\n[part.spring]\nstiffness = 0.02\ndamping = 1e-4\n\
          [[part]]\nid = 4\n[part.spring]\nforce_elongation = [[-1.0, -0.03], [0.0, 0.0], [1.0, \
          0.01]]\ndirection = [0.1, 0.0, 1.0]\n\
          [[part]]\nid = 5\n[part.spring]\nforce_rate = [[-1.0, -2e-5], [0.0, 0.0], [1.0, 1e-5]]\n\
@@ -217,12 +200,9 @@ fn bits_do_not_depend_on_workers() {
          [[rigid]]\nname = \"upper\"\nparts = [2]\n[contact]\n\
          [[fix]]\nnodes = \"ground\"\ndofs = [\"x\", \"y\", \"z\"]\n\
          [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [1.0, 0.5, -8.0]\n\
-         spin = [0.02, 0.0, 0.05]\n"
+         spin = [0.02, 0.0, 0.05]",
     );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("sheet.toml");
-    std::fs::write(&path, text).unwrap();
-    let model = read(&path, &[]);
+    let model = model(&scene);
     let serial = run_side_by_side(&model, 1, 900, 0);
     let met = serial.pairs.iter().any(|p| !p.is_empty());
     assert!(

@@ -169,12 +169,7 @@ fn bad_input_is_refused_with_code_2_and_says_what_to_do() {
         ("[5, 18.0, 0.0, 0.0]", "[5, 9.0, 0.0, 0.0]", &[], &["element 2"]),
         ("end_time = 0.1", "end_time = 0.1", &["--set", "end_time=nan"], &["end_time", "nan"]),
         ("end_time = 0.1", "end_time = -0.1", &[], &["end_time", "plate.toml:"]),
-        (
-            "end_time = 0.1",
-            "end_time = 0.1",
-            &["--workers", "0"],
-            &["0 workers cannot run anything"],
-        ),
+        ("end_time = 0.1", "end_time = 0.1", &["--workers", "0"], &["0 workers cannot run a job"]),
         ("end_time = 0.1", "end_time = 0.1", &["--workers", "3"], &["workers", "2"]),
     ];
     for (from, to, more, said) in cases {

@@ -4,11 +4,12 @@
 use crumple::run::checkpoint::manifest::Manifest;
 use crumple_proto::checkpoint::{decode, encode, piece_name};
 use crumple_proto::job::Compression;
-use crumple_tests::program::{Ended, crumple_with, run, start};
+use crumple_tests::program::{Ended, Running, crumple_with, run, start};
 use crumple_tests::restart::{checkpoints, copy_folder};
 use crumple_tests::tools::{fifo, tmpfs};
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 /// A run with checkpoints at two times.
 const TWICE: [&str; 7] = [
@@ -116,6 +117,97 @@ fn a_file_system_that_hangs_does_not_stop_the_run() {
     let Some(()) = fifo(&out.join("checkpoints").join(&second).join(piece_name(1))) else { return };
     let ended = running.end().with_code(0);
     assert_first_is_kept(&out, &ended, "the file system hangs", &digest);
+}
+
+/// A pipe in place of the master's own file of a checkpoint: the run goes on without it.
+#[test]
+fn a_file_of_the_master_that_hangs_costs_the_checkpoint_only() {
+    let (known, digest) = whole();
+    let second = checkpoints(&known.out()).pop().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut running = start(with(&out, &[]));
+    running.wait_for("the first checkpoint is there", |_| {
+        (checkpoints(&out).len() == 1).then_some(())
+    });
+    fs::create_dir_all(out.join("checkpoints").join(&second)).unwrap();
+    let Some(()) = fifo(&out.join("checkpoints").join(&second).join("master.bin")) else { return };
+    let ended = running.end().with_code(0);
+    assert_first_is_kept(&out, &ended, "the file system hangs", &digest);
+}
+
+/// Runs a job on a folder in which `prepare` puts a pipe, so that a file of the results blocks: it
+/// ends with a warning, an error that names the file, and code 2.
+fn assert_ends(file: &str, more: &[&str], prepare: impl FnOnce(&Path, &mut Running)) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    fs::create_dir_all(&out).unwrap();
+    let short = "--set=checkpoint.patience=0.3 s";
+    let long = "--set=time.max_cycles=3000";
+    let mut running = start(with(&out, &[&[short, long][..], more].concat()));
+    prepare(&out, &mut running);
+    let ended = running.end().with_code(2);
+    let said = ended.said();
+    for text in [file, "warning", "the run waits for it", "it hangs, and the run ends"] {
+        assert!(said.contains(text), "{file}: {text}: {said}");
+    }
+    assert!(ended.took < Duration::from_secs(120), "{:?}", ended.took);
+}
+
+/// Waits for the first checkpoint, after which the run has several seconds to go.
+fn wait_for_first(out: &Path, running: &mut Running) {
+    running.wait_for("the first checkpoint is there", |_| {
+        (!checkpoints(out).is_empty()).then_some(())
+    });
+}
+
+#[test]
+fn a_summary_on_a_disk_that_hangs_ends_the_run_with_a_message() {
+    assert_ends("summary.json", &["--set=time.max_cycles=800"], |out, running| {
+        wait_for_first(out, running);
+        fifo(&out.join("summary.json.partial"));
+    });
+}
+
+#[test]
+fn fields_on_a_disk_that_hangs_end_the_run_with_a_message() {
+    assert_ends("fields", &[], |out, running| {
+        wait_for_first(out, running);
+        fifo(&out.join("fields/fields.pvd.partial"));
+    });
+    // A piece of a worker, in the last step.
+    assert_ends("fields", &[], |out, running| {
+        wait_for_first(out, running);
+        for step in 1..200 {
+            let folder = out.join("fields").join(format!("step_{step:06}"));
+            if !folder.exists() {
+                fs::create_dir_all(&folder).unwrap();
+                fifo(&folder.join("piece_001.vtu.partial"));
+            }
+        }
+    });
+}
+
+/// A pipe that is never emptied takes 64 kB and blocks then.
+#[test]
+fn a_history_on_a_disk_that_hangs_ends_the_run_with_a_message() {
+    let pipe = tempfile::tempdir().unwrap();
+    let path = pipe.path().join("full");
+    let Some(()) = fifo(&path) else { return };
+    let _reader = fs::File::options().read(true).write(true).open(&path).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    fs::create_dir_all(&out).unwrap();
+    std::os::unix::fs::symlink(&path, out.join("history.csv")).unwrap();
+    let more = [
+        "--set=checkpoint.patience=0.3 s",
+        "--set=output.history_interval=0.001",
+        "--set=time.max_cycles=3000",
+    ];
+    let ended = run(with(&out, &more)).with_code(2);
+    let said = ended.said();
+    assert!(said.contains("history.csv: no answer"), "{said}");
+    assert!(said.contains("it hangs, and the run ends"), "{said}");
 }
 
 /// Files with right sums and wrong contents: an error with the file, or the checkpoint before; no

@@ -13,7 +13,7 @@ const SIDE: f64 = 5.0;
 const FORCE: f64 = 0.1;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum Bodies {
     Shells,
     Solids,
     Beams,
@@ -21,20 +21,20 @@ enum Kind {
 
 /// Returns a bar along x of square elements, a quarter as long in its middle: 19 long and 4
 /// short ones. Its root at x = 0 is held along it, its tip is pulled.
-fn bar(kind: Kind, end_time: f64, sets: &[&str]) -> Model {
+fn bar(kind: Bodies, end_time: f64, sets: &[&str]) -> Model {
     written(&bar_text(kind, end_time), sets)
 }
 
-fn bar_text(kind: Kind, end_time: f64) -> String {
+fn bar_text(kind: Bodies, end_time: f64) -> String {
     let mut x = vec![0.0];
     for i in 0..23 {
         x.push(x[i] + if (10..14).contains(&i) { 0.25 * SIDE } else { SIDE });
     }
     assert_eq!(x[23], LENGTH);
     let section: &[[f64; 2]] = match kind {
-        Kind::Shells => &[[0.0, 0.0], [SIDE, 0.0]],
-        Kind::Solids => &[[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]],
-        Kind::Beams => &[[0.0, 0.0]],
+        Bodies::Shells => &[[0.0, 0.0], [SIDE, 0.0]],
+        Bodies::Solids => &[[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]],
+        Bodies::Beams => &[[0.0, 0.0]],
     };
     let n = section.len();
     let node = |i: usize, k: usize| n * i + k + 1;
@@ -45,27 +45,27 @@ fn bar_text(kind: Kind, end_time: f64) -> String {
         }
     }
     let row = |i: usize| match kind {
-        Kind::Shells => [node(i, 0), node(i + 1, 0), node(i + 1, 1), node(i, 1)].to_vec(),
-        Kind::Solids => [0, 1, 2, 3]
+        Bodies::Shells => [node(i, 0), node(i + 1, 0), node(i + 1, 1), node(i, 1)].to_vec(),
+        Bodies::Solids => [0, 1, 2, 3]
             .map(|k| node(i, k))
             .into_iter()
             .chain([0, 1, 2, 3].map(|k| node(i + 1, k)))
             .collect(),
-        Kind::Beams => vec![node(i, 0), node(i + 1, 0), 99],
+        Bodies::Beams => vec![node(i, 0), node(i + 1, 0), 99],
     };
     let elements: String =
         (0..23).map(|i| format!("{:?},", [vec![i + 1, 1], row(i)].concat())).collect();
     let (name, part) = match kind {
-        Kind::Shells => ("shells", format!("thickness = {SIDE:?}\npoints = 2")),
-        Kind::Solids => ("solids", "bulk_viscosity = [0.0, 0.0]".to_string()),
-        Kind::Beams => {
+        Bodies::Shells => ("shells", format!("thickness = {SIDE:?}\npoints = 2")),
+        Bodies::Solids => ("solids", "bulk_viscosity = [0.0, 0.0]".to_string()),
+        Bodies::Beams => {
             nodes += "[99, 50.0, 50.0, 0.0],";
             ("beams", "[part.beam]\nsection = \"rectangle\"\nheight = 5.0\nwidth = 5.0".to_string())
         }
     };
     let set = |i: usize| (0..n).map(|k| node(i, k)).collect::<Vec<_>>();
     let across =
-        if kind == Kind::Beams { "\"y\", \"z\", \"rx\", \"ry\", \"rz\"" } else { "\"y\", \"z\"" };
+        if kind == Bodies::Beams { "\"y\", \"z\", \"rx\", \"ry\", \"rz\"" } else { "\"y\", \"z\"" };
     format!(
         "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\n{name} = [{elements}]\n\
          node_sets = {{ root = {:?}, tip = {:?}, all = {:?} }}\n[output]\nfield_interval = -1.0\n\
@@ -106,7 +106,7 @@ fn tip(e: &Engine) -> f64 {
 fn a_pulled_bar_goes_as_the_wave_says() {
     let exact = 1.5 * FORCE * LENGTH / (E * SIDE * SIDE);
     let end = 1.5 * LENGTH / (E / RHO).sqrt();
-    for kind in [Kind::Shells, Kind::Solids, Kind::Beams] {
+    for kind in [Bodies::Shells, Bodies::Solids, Bodies::Beams] {
         let model = bar(kind, end, &["time.subcycles=4"]);
         assert_eq!(
             (slow(&model), model.settings.subcycles),
@@ -134,7 +134,7 @@ fn a_pulled_bar_goes_as_the_wave_says() {
 /// A rigid body transmits fast motion without delay: the layer lies behind it.
 #[test]
 fn layers_lie_behind_rigid_bodies() {
-    let free = bar_text(Kind::Shells, 0.1).replace("nodes = \"all\"", "nodes = \"root\"");
+    let free = bar_text(Bodies::Shells, 0.1).replace("nodes = \"all\"", "nodes = \"root\"");
     let text = free.replace("[10, 1,", "[10, 2,").replace("[15, 1,", "[15, 2,");
     let rigid = "[[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 5.0\n[[rigid]]\n\
                  name = \"both\"\nparts = [2]\n";
@@ -166,10 +166,10 @@ fn imbalance(model: &Model) -> f64 {
 fn energy_stays_with_a_layer_and_resonates_without() {
     let end = 20_000.0 * 0.78 * 0.25 * SIDE / (E / RHO).sqrt();
     let sets = ["time.subcycles=4", "time.safety=0.78"];
-    let with = imbalance(&bar(Kind::Shells, end, &sets));
-    let early = imbalance(&bar(Kind::Shells, 0.1 * end, &sets));
+    let with = imbalance(&bar(Bodies::Shells, end, &sets));
+    let early = imbalance(&bar(Bodies::Shells, 0.1 * end, &sets));
     let without = imbalance(&bar(
-        Kind::Shells,
+        Bodies::Shells,
         0.1 * end,
         &[&sets[..], &["time.subcycle_layers=0"]].concat(),
     ));

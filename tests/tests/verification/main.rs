@@ -3,7 +3,7 @@
 //! results, examine the table that `crumple verify` writes, and commit it.
 
 use crumple_verification::row::Tolerance;
-use crumple_verification::{Bench, CATALOGUE, Check, Row};
+use crumple_verification::{Bench, CATALOGUE, Check, CheckRow};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,7 +45,7 @@ fn committed(table: &Value, id: &str, check: &str) -> Committed {
 
 /// Returns the distance by which a value may differ from the committed one; none for rows without a
 /// bound.
-fn band(row: &Row) -> Option<f64> {
+fn band(row: &CheckRow) -> Option<f64> {
     let tolerance = match row.tolerance {
         Tolerance::Relative(fraction) => fraction * row.reference.abs(),
         Tolerance::Absolute(distance) => distance,
@@ -56,7 +56,7 @@ fn band(row: &Row) -> Option<f64> {
 }
 
 /// Returns why a row does not agree with the committed one, or `None` if it does.
-fn difference(row: &Row, then: Option<&(f64, bool)>) -> Option<String> {
+fn difference(row: &CheckRow, then: Option<&(f64, bool)>) -> Option<String> {
     let name = format!("{} ({})", row.quantity, row.variant);
     let Some(&(value, passed)) = then else {
         return Some(format!("{name}: not in the table"));
@@ -81,7 +81,7 @@ fn differences(table: &Value, id: &str, check: &Check, bench: &Bench) -> Vec<Str
         Err(why) => return vec![format!("{id} {}: {why}", check.name)],
     };
     let then = committed(table, id, check.name);
-    let key = |r: &Row| (r.quantity.clone(), r.variant.clone());
+    let key = |r: &CheckRow| (r.quantity.clone(), r.variant.clone());
     let mut found: Vec<String> =
         rows.iter().filter_map(|r| difference(r, then.get(&key(r)))).collect();
     if rows.len() != then.len() {
@@ -164,7 +164,7 @@ fn every_failure_of_the_table_has_a_reason_and_a_source() {
 
 #[test]
 fn a_value_outside_its_band_is_a_difference() {
-    let row = |ours| Row::new("x", "", "", ours).near(100.0, 0.1, "");
+    let row = |ours| CheckRow::new("x", "", "", ours).near(100.0, 0.1, "");
     let differs = |ours, then| difference(&row(ours), Some(&then)).is_some();
     assert!(!differs(102.0, (101.1, true)) && differs(102.0, (100.9, true)));
     assert!(differs(120.0, (101.0, true)) && differs(102.0, (120.0, false)));

@@ -4,7 +4,7 @@
 use super::bench::Finished;
 use super::laws::{UNDAMPED, is_spring};
 use super::measure::{Push, mass, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 
@@ -25,7 +25,7 @@ pub const SOFT: &str = "at its default scale of 0.35 the penalty law is a soft s
 const STOPPED: [f64; 2] = [1.0, 1.405];
 
 /// Compares the energy lost where end nodes with this share of the energy are stopped.
-pub fn stopped(row: Row, share: f64) -> Row {
+pub fn stopped(row: CheckRow, share: f64) -> CheckRow {
     let [least, most] = STOPPED;
     row.near(
         0.5 * (least + most) * share,
@@ -93,34 +93,39 @@ fn collide(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Re
 }
 
 /// Returns the rows that are compared for every law and mesh.
-fn rows(m: &Met, variant: &str, v: [f64; 2]) -> Vec<Row> {
+fn rows(m: &Met, variant: &str, v: [f64; 2]) -> Vec<CheckRow> {
     const D: &str = "[D] one-dimensional wave theory";
     let us = 1e6;
     m.run.with_energy(
         variant,
         1e-3,
         vec![
-            Row::new("contact duration 2L/c", variant, "us", us * (m.span.1 - m.span.0))
+            CheckRow::new("contact duration 2L/c", variant, "us", us * (m.span.1 - m.span.0))
                 .near(386.68, 0.01, D),
-            Row::new("mean interface stress rho c v/2", variant, "MPa", 1e-6 * m.stress)
+            CheckRow::new("mean interface stress rho c v/2", variant, "MPa", 1e-6 * m.stress)
                 .near(203.0, 0.01, D),
-            Row::new("velocity of bar 1 after", variant, "m/s", m.after[0]).within(
+            CheckRow::new("velocity of bar 1 after", variant, "m/s", m.after[0]).within(
                 v[1],
                 0.01 * V,
                 D,
             ),
-            Row::new("velocity of bar 2 after", variant, "m/s", m.after[1]).within(
+            CheckRow::new("velocity of bar 2 after", variant, "m/s", m.after[1]).within(
                 v[0],
                 0.01 * V,
                 D,
             ),
-            Row::new("change of momentum / m v", variant, "", m.run.momentum_drift(0, m.scale))
-                .at_most(1e-10, "exact"),
+            CheckRow::new(
+                "change of momentum / m v",
+                variant,
+                "",
+                m.run.momentum_drift(0, m.scale),
+            )
+            .at_most(1e-10, "exact"),
         ],
     )
 }
 
-fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
+fn pair(bench: &Bench, across: usize) -> Result<Vec<CheckRow>, String> {
     const N: usize = 100;
     let mut all = Vec::new();
     for law in bench.laws() {
@@ -139,7 +144,7 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             // The end nodes, 1/(2 N) of a bar each, take a common velocity: the loss is 1/2
             // m_red v^2.
             let share = if v[1] == 0.0 { 0.25 } else { 0.5 } / N as f64;
-            let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
+            let lost = CheckRow::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match is_spring(law) {
                 true => lost
                     .within(
@@ -157,7 +162,7 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn order(bench: &Bench) -> Result<Vec<Row>, String> {
+fn order(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const SIZES: [usize; 3] = [20, 40, 80];
     let mut all = Vec::new();
     for law in bench.laws() {
@@ -166,20 +171,20 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
         let met = [a?, b?, c?];
         let restitution = met.each_ref().map(|m| (m.after[1] - m.after[0]) / V);
         for (n, e) in SIZES.iter().zip(restitution) {
-            let row = Row::new("restitution", format!("{law}, {n} shells"), "", e);
+            let row = CheckRow::new("restitution", format!("{law}, {n} shells"), "", e);
             all.push(row.reference(1.0, "[D] 1 as the mesh is refined"));
         }
         let halving = |q: [f64; 3]| (q[0] / q[2]).log2() / 2.0;
         let to_one = halving(restitution.map(|e| (1.0 - e).abs()));
         let variant = || format!("{law}, {SIZES:?} shells");
         all.push(
-            Row::new("order of 1 - restitution", variant(), "", to_one)
+            CheckRow::new("order of 1 - restitution", variant(), "", to_one)
                 .reference(1.0, "[D] first order, plus dispersion of the front"),
         );
         if !is_spring(law) {
             let order = halving(met.each_ref().map(|m| -m.work));
             all.push(
-                Row::new("order of the energy lost", variant(), "", order)
+                CheckRow::new("order of the energy lost", variant(), "", order)
                     .near(1.0, 0.05, "[D] 1/2N"),
             );
         }

@@ -5,7 +5,7 @@ use super::bench::Finished;
 use super::edges::{Hold, swapped};
 use super::laws::Law;
 use super::measure::{mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 use crumple_worker::energy::momentum;
@@ -70,28 +70,29 @@ const TURNED: &str = "exact; nodes of rigid bodies move along chords, an error o
 
 /// Returns the changes of momentum and angular momentum, as fractions of `had` [kg m/s] and of
 /// `had` times the length; `angular` bounds the second one.
-fn momentum_rows(variant: &str, run: &Finished, angular: (f64, &'static str)) -> [Row; 2] {
+fn momentum_rows(variant: &str, run: &Finished, angular: (f64, &'static str)) -> [CheckRow; 2] {
     let now: [[f64; 3]; 2] = momentum(&run.engine.nodes).into();
     let change =
         |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
     let had = run.momentum[0][2].abs();
     let turning = change(1) / (had * LENGTH);
     [
-        Row::new("change of momentum / m v", variant, "", change(0) / had).at_most(1e-12, EXACT),
-        Row::new("change of angular momentum / m v L", variant, "", turning)
+        CheckRow::new("change of momentum / m v", variant, "", change(0) / had)
+            .at_most(1e-12, EXACT),
+        CheckRow::new("change of angular momentum / m v L", variant, "", turning)
             .at_most(angular.0, angular.1),
     ]
 }
 
-fn crossings(variant: &str, run: &Finished) -> Row {
+fn crossings(variant: &str, run: &Finished) -> CheckRow {
     let e = &run.engine;
     let seen = e.contact.as_ref().map_or(0, |c| c.crossings(&e.nodes, e.clock.time).len());
-    Row::new("lines seen in surfaces", variant, "", seen as f64).at_most(0.0, "exact")
+    CheckRow::new("lines seen in surfaces", variant, "", seen as f64).at_most(0.0, "exact")
 }
 
 /// Collides two equal rigid bars at right angles: the impulse is `m v (1 + e)/2` times the
 /// fraction that is given off, with the restitution e.
-fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
+fn rigid(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         for off in [0.0, OFF] {
@@ -120,7 +121,7 @@ fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
             let expected = 0.5 * (1.0 + rebound) * given_off(off);
             let struck = -middle_velocity(&run, &below) / FAST;
             all.push(
-                Row::new("velocity of the struck bar / v", &variant, "", struck)
+                CheckRow::new("velocity of the struck bar / v", &variant, "", struck)
                     .near(expected, 0.01, CLOSED),
             );
             all.extend(momentum_rows(&variant, &run, (1e-7, TURNED)));
@@ -137,7 +138,7 @@ fn middle_velocity(run: &Finished, nodes: &[u32]) -> f64 {
 }
 
 /// Collides the strips of C04, modelled as beams; the reference is Timoshenko's theory.
-fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
+fn elastic(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 41;
     const DEEP: f64 = 0.01;
     let air = 2e-4;
@@ -182,7 +183,7 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
             const BEAM: &str =
                 "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for C04";
             all.push(
-                Row::new("velocity of the struck beam / v", &variant, "", struck)
+                CheckRow::new("velocity of the struck beam / v", &variant, "", struck)
                     .within(reference, 0.05, BEAM),
             );
             all.extend(momentum_rows(&variant, &run, (1e-12, EXACT)));
@@ -195,7 +196,7 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Drops a rigid bar on the free edge of an upright sheet that is held. The bar touches the edge
 /// off its middle and turns about it.
-fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
+fn edge(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(2e-4);
@@ -224,11 +225,11 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         let goes_on = -middle_velocity(&run, &bar) / FAST;
         let variant = format!("{}, over a free edge", law.name);
         all.push(
-            Row::new("velocity of the middle / v", &variant, "", goes_on)
+            CheckRow::new("velocity of the middle / v", &variant, "", goes_on)
                 .within(kept, 0.01, CLOSED),
         );
         all.push(
-            Row::new("least distance / (r + t/2)", &variant, "", nearest / apart)
+            CheckRow::new("least distance / (r + t/2)", &variant, "", nearest / apart)
                 .at_least(0.95, "limit of the catalogue for C04: contact at (t1 + t2)/2"),
         );
         all.push(run.given_row(&variant));
@@ -241,7 +242,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
 /// cube stands on its corner between three beams that touch its edges: the corner is `(r - rho
 /// cos a)/sin a` from the plane of the beams, with the distance `rho` from the axis to a beam
 /// and `cos a = 1/sqrt(3)`.
-fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
+fn rest(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const GRAVITY: &str = "[[gravity]]\nacceleration = [0.0, 0.0, -200.0]";
     let mut all = Vec::new();
     for law in bench.laws() {
@@ -264,9 +265,11 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{law}, a beam on a sheet");
         const PLACE: &str =
             "[D] sum of radius and half thickness; the weight compresses a spring by 1e-4 of it";
-        all.push(Row::new("least height / (r + t/2)", &variant, "", low).near(1.0, 0.005, PLACE));
         all.push(
-            Row::new("largest height / (r + t/2)", &variant, "", high).near(1.0, 0.005, PLACE),
+            CheckRow::new("least height / (r + t/2)", &variant, "", low).near(1.0, 0.005, PLACE),
+        );
+        all.push(
+            CheckRow::new("largest height / (r + t/2)", &variant, "", high).near(1.0, 0.005, PLACE),
         );
 
         let (rho, side) = (0.015, 0.04);
@@ -306,7 +309,7 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{law}, a cube on three beams");
         const HELD: &str = "[D] closed form of the position; a fiftieth of the radius for the \
                             elasticity of the cube and of springs";
-        all.push(Row::new("corner below the beams / r", &variant, "", -low / RADIUS).within(
+        all.push(CheckRow::new("corner below the beams / r", &variant, "", -low / RADIUS).within(
             -depth / RADIUS,
             0.02,
             HELD,

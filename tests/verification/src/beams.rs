@@ -6,7 +6,7 @@
 
 use super::bars::BAR;
 use super::measure::{Crossings, amplitude, fields, mass, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Grid, STEEL, Scene};
 use super::{Bench, Check};
 use std::f64::consts::{PI, TAU};
@@ -98,7 +98,7 @@ fn strip(scene: &mut Scene, elements: usize) -> Grid {
     grid
 }
 
-fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
+fn beams(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 20;
     // Wave numbers k L of Euler-Bernoulli beams; `s` fulfils the conditions at the far end.
     let cantilever = |k: f64| clamped(k, (k.cosh() + k.cos()) / (k.sinh() + k.sin()), 1.0);
@@ -155,7 +155,8 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
             } else {
                 "[D] Euler-Bernoulli"
             };
-            let row = Row::new(quantity, "20 by 2 shells", "Hz", ours).near(f, tolerance, source);
+            let row =
+                CheckRow::new(quantity, "20 by 2 shells", "Hz", ours).near(f, tolerance, source);
             all.push(row.known(INERTIA));
         }
     }
@@ -164,7 +165,7 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Compares the first frequencies of a free beam on meshes of 20, 40 and 80 shells along it, and
 /// the order of their error.
-fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
+fn free_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for (k, f, number) in [(4.73004074, 531.7, 1), (7.85320462, 1465.5, 2)] {
         let mut errors = Vec::new();
@@ -181,7 +182,7 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
             let ours = frequency(bench, &format!("A15 free {number} by {n}"), &scene, &shape, 2)?;
             let variant = format!("{n} by {} shells, series of meshes", n / 10);
             all.push(
-                Row::new(format!("free-free, frequency {number}"), variant, "Hz", ours)
+                CheckRow::new(format!("free-free, frequency {number}"), variant, "Hz", ours)
                     .reference(f, "[D] Euler-Bernoulli"),
             );
             errors.push(ours - f);
@@ -189,7 +190,7 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
         // The differences between meshes remove shear and rotary inertia of the beam itself.
         let order = ((errors[1] - errors[0]) / (errors[2] - errors[1])).log2();
         let quantity = format!("free-free, frequency {number}, order");
-        all.push(Row::new(quantity, "20, 40, 80 shells", "", order).near(
+        all.push(CheckRow::new(quantity, "20, 40, 80 shells", "", order).near(
             2.0,
             0.15,
             "[D] second order",
@@ -198,7 +199,7 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
+fn supported(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 16;
     let side = 0.2;
     let mut all = Vec::new();
@@ -222,7 +223,7 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
         let mode = format!("({:.0},{:.0})", p * side / PI, q * side / PI);
         let ours = frequency(bench, &format!("A16 supported {mode}"), &scene, &shape, 2)?;
         all.push(
-            Row::new(format!("frequency {mode}"), "16 by 16 shells", "Hz", ours)
+            CheckRow::new(format!("frequency {mode}"), "16 by 16 shells", "Hz", ours)
                 .near(f, 0.01, "[D] Mindlin")
                 .known(INERTIA),
         );
@@ -230,7 +231,7 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn clamped_plate(bench: &Bench) -> Result<Vec<Row>, String> {
+fn clamped_plate(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 16;
     let (side, first) = (0.2, 4.73004074f64);
     let s = (first.cosh() - first.cos()) / (first.sinh() - first.sin());
@@ -255,14 +256,14 @@ fn clamped_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         });
         let ours = frequency(bench, &format!("A16 {what} plate"), &scene, &shape, 2)?;
         all.push(
-            Row::new(format!("{what} plate, frequency 1"), "16 by 16 shells", "Hz", ours)
+            CheckRow::new(format!("{what} plate, frequency 1"), "16 by 16 shells", "Hz", ours)
                 .reference(f, "[U] coefficients 35.985 and 3.471"),
         );
     }
     Ok(all)
 }
 
-fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
+fn free_plate(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 16;
     let material = Elastic { e: 200e9, nu: 0.3, rho: 8000.0 };
     type Shape = fn(f64, f64) -> (f64, [f64; 2]);
@@ -285,7 +286,7 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         });
         let ours = frequency(bench, &format!("A16 free plate {f}"), &scene, &shape, 2)?;
         all.push(
-            Row::new(format!("free plate, frequency {number}"), "16 by 16 shells", "Hz", ours)
+            CheckRow::new(format!("free plate, frequency {number}"), "16 by 16 shells", "Hz", ours)
                 .near(f, 0.01, "[V:S10] NAFEMS FV12")
                 .known(INERTIA),
         );
@@ -293,7 +294,7 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn masses(bench: &Bench) -> Result<Vec<Row>, String> {
+fn masses(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     // Bar of 1 m, fixed at one end: x tan x = m/M.
     const N: usize = 50;
@@ -315,7 +316,11 @@ fn masses(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let ours = frequency(bench, &format!("A17 bar {times}"), &scene, &shape, 0)?;
         let quantity = format!("bar with {times} times its mass at the end, frequency");
-        all.push(Row::new(quantity, "50 shells", "Hz", ours).near(f, 0.005, "[D] x tan x = m/M"));
+        all.push(CheckRow::new(quantity, "50 shells", "Hz", ours).near(
+            f,
+            0.005,
+            "[D] x tan x = m/M",
+        ));
     }
     for (times, f) in [(1.0, 37.006), (5.0, 17.987)] {
         let mut scene = Scene::new(2.2 / f);
@@ -329,12 +334,12 @@ fn masses(bench: &Bench) -> Result<Vec<Row>, String> {
         });
         let ours = frequency(bench, &format!("A17 cantilever {times}"), &scene, &shape, 2)?;
         let quantity = format!("cantilever with {times} times its mass at the tip, frequency");
-        all.push(Row::new(quantity, "20 by 2 shells", "Hz", ours).near(f, 0.005, "[D]"));
+        all.push(CheckRow::new(quantity, "20 by 2 shells", "Hz", ours).near(f, 0.005, "[D]"));
     }
     Ok(all)
 }
 
-fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
+fn spinning_bar(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 40;
     let spin = 1000.0;
     let period = 2.0 * LENGTH / BAR.c();
@@ -372,19 +377,21 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
         variant,
         1e-3,
         vec![
-            Row::new("mean stress at the middle", variant, "MPa", 1e-6 * stress / samples).near(
-                39.25,
-                0.01,
-                "[D] rho w^2 L^2/8",
-            ),
-            Row::new("mean stretch of an end", variant, "um", 1e6 * stretch / samples).near(
+            CheckRow::new("mean stress at the middle", variant, "MPa", 1e-6 * stress / samples)
+                .near(39.25, 0.01, "[D] rho w^2 L^2/8"),
+            CheckRow::new("mean stretch of an end", variant, "um", 1e6 * stretch / samples).near(
                 12.46,
                 0.01,
                 "[D] rho w^2 (L/2)^3/3E",
             ),
-            Row::new("change of angular momentum", variant, "", (end[2] / start[2] - 1.0).abs())
-                .at_most(1e-10, "exact"),
-            Row::new("mass", variant, "kg", mass(&run.engine, bar.all())).near(
+            CheckRow::new(
+                "change of angular momentum",
+                variant,
+                "",
+                (end[2] / start[2] - 1.0).abs(),
+            )
+            .at_most(1e-10, "exact"),
+            CheckRow::new("mass", variant, "kg", mass(&run.engine, bar.all())).near(
                 BAR.rho * LENGTH * WIDTH * DEPTH,
                 1e-12,
                 "exact",
@@ -393,7 +400,7 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
     ))
 }
 
-fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
+fn spinning_shell(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, spin) = (0.01, 100.0);
     let mut all = Vec::new();
     for (how, axis) in [("in its plane", [0.0, 0.0, spin]), ("out of its plane", [spin, 0.0, 0.0])]
@@ -421,7 +428,7 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
         let drift = (late[0] / late[1] - early[0] / early[1]).abs();
         let variant = format!("one shell, {how}, ten turns");
         all.push(
-            Row::new("drift of the size", &variant, "", drift)
+            CheckRow::new("drift of the size", &variant, "", drift)
                 .at_most(1e-6, "limit of the catalogue"),
         );
         all.extend(run.energy_rows(&variant, 1e-3));

@@ -2,7 +2,7 @@
 //! during the run.
 
 use super::laws::Law;
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::Scene;
 use crumple::input::job::{self, Model};
 use crumple::run::embedded::{Ended, run_alone};
@@ -187,7 +187,7 @@ impl Finished {
     }
 
     /// Returns `rows`, followed by those on energy.
-    pub fn with_energy(&self, variant: &str, limit: f64, mut rows: Vec<Row>) -> Vec<Row> {
+    pub fn with_energy(&self, variant: &str, limit: f64, mut rows: Vec<CheckRow>) -> Vec<CheckRow> {
         rows.extend(self.energy_rows(variant, limit));
         rows
     }
@@ -200,14 +200,14 @@ impl Finished {
     /// Returns the energy criterion of the catalogue: the energy that contact, friction and
     /// walls give, or without them the error of the balance. `limit` is 0.1 % for part A, 1 %
     /// for others.
-    pub fn energy_rows(&self, variant: &str, limit: f64) -> [Row; 1] {
+    pub fn energy_rows(&self, variant: &str, limit: f64) -> [CheckRow; 1] {
         [if self.touches { self.given_row(variant) } else { self.closing_row(variant, limit) }]
     }
 
     /// Returns the energy that contact, friction and walls give. They may only take energy. The
     /// balance of the ledger does not show this, because it closes in both cases.
-    pub fn given_row(&self, variant: &str) -> Row {
-        let row = Row::new(
+    pub fn given_row(&self, variant: &str) -> CheckRow {
+        let row = CheckRow::new(
             "work given by contact, friction and walls, largest / energy",
             variant,
             "",
@@ -227,17 +227,22 @@ impl Finished {
 
     /// Compares the hourglass energy with the internal energy, or with a hundredth of all energy
     /// if bodies hardly deform.
-    pub fn hourglass_row(&self, variant: &str) -> Row {
+    pub fn hourglass_row(&self, variant: &str) -> CheckRow {
         let [hourglass, internal] = self.stored;
         let share = hourglass / internal.max(0.01 * self.measure());
-        Row::new("hourglass energy / internal energy, largest of each", variant, "", share)
+        CheckRow::new("hourglass energy / internal energy, largest of each", variant, "", share)
             .at_most(0.1, "limit of the catalogue, 5 to 10 %")
     }
 
     /// Returns the error of the energy balance. With a constant step it is zero by construction;
     /// it is not if elements book other work than they do, or if the step is unstable.
-    pub fn closing_row(&self, variant: &str, limit: f64) -> Row {
-        Row::new("energy not accounted for, largest on the way", variant, "", self.energy_error)
-            .at_most(limit, "limit of the catalogue")
+    pub fn closing_row(&self, variant: &str, limit: f64) -> CheckRow {
+        CheckRow::new(
+            "energy not accounted for, largest on the way",
+            variant,
+            "",
+            self.energy_error,
+        )
+        .at_most(limit, "limit of the catalogue")
     }
 }

@@ -6,7 +6,7 @@
 use super::bars::{BAR, SOFT};
 use super::laws::{UNDAMPED, is_spring};
 use super::measure::{mass, mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use std::ops::ControlFlow;
@@ -47,7 +47,7 @@ pub fn carrier(side: f64, dt: f64) -> Elastic {
     Elastic { e: NEXT_TO_NOTHING * (side / dt).powi(2), nu: 0.0, rho: NEXT_TO_NOTHING }
 }
 
-fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
+fn stiff_penalty(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 20;
     let (length, thickness, v) = (1.0, 1e-3, 10.0);
     let width = length / N as f64;
@@ -76,7 +76,7 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let error = if run.trouble { f64::INFINITY } else { run.energy_error };
         all.push(
-            Row::new("energy not accounted for, largest", &variant, "", error)
+            CheckRow::new("energy not accounted for, largest", &variant, "", error)
                 .at_most(0.01, "limit of the catalogue"),
         );
         all.push(run.given_row(&variant));
@@ -85,7 +85,7 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         // is 2 (1 - safety^2) in terms of the scale; the front overshoots.
         let capped = beta.min(beta / scale * 2.0 * (1.0 - 0.9f64.powi(2)));
         let rest = 0.5 * v / BAR.c() * width / capped;
-        all.push(Row::new("penetration", &variant, "um", -1e6 * deepest).at_most(
+        all.push(CheckRow::new("penetration", &variant, "um", -1e6 * deepest).at_most(
             1e6 * 1.3 * rest,
             "[D] 1.3 (v/2c) L_e/beta: compression at the plateau, and overshoot of the front",
         ));
@@ -104,7 +104,7 @@ pub fn tip(scene: &mut Scene, part: u32, x: [f64; 3], mass: f64) -> u32 {
     tip
 }
 
-fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
+fn light_on_heavy(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     let v = 10.0;
     for law in bench.laws() {
@@ -135,24 +135,29 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             // gains in whole steps.
             const D: &str = "[D] plastic impact, or elastic for penalty";
             all.push(
-                Row::new("velocity of the node after", &variant, "m/s", down(&[n]))
+                CheckRow::new("velocity of the node after", &variant, "m/s", down(&[n]))
                     .within(of_node, 0.02 * v, D)
                     .known(INSIDE_A_STEP),
             );
-            let row =
-                Row::new("velocity of the segment after", &variant, "m/s", down(segment.all()));
+            let row = CheckRow::new(
+                "velocity of the segment after",
+                &variant,
+                "m/s",
+                down(segment.all()),
+            );
             all.push(row.within(of_segment, 0.02 * v, D).known(INSIDE_A_STEP));
             all.push(run.given_row(&variant).known(INSIDE_A_STEP));
             let drift = run.momentum_drift(2, run.momentum[0][2].abs());
             all.push(
-                Row::new("change of momentum / m v", &variant, "", drift).at_most(1e-12, "exact"),
+                CheckRow::new("change of momentum / m v", &variant, "", drift)
+                    .at_most(1e-12, "exact"),
             );
         }
     }
     Ok(all)
 }
 
-fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
+fn sunk(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     let (side, thickness, depth) = (0.01, 2e-3, 1e-4);
     for law in bench.laws() {
@@ -175,7 +180,7 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{law}, plate 0.1 mm inside a fixed one");
         all.push(
-            Row::new("largest velocity of a node", &variant, "m/s", fastest)
+            CheckRow::new("largest velocity of a node", &variant, "m/s", fastest)
                 .at_most(0.1, "limit of the catalogue")
                 .known(
                     "an initial penetration is released over some hundred steps: faster than the \
@@ -183,14 +188,14 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
                 ),
         );
         all.push(
-            Row::new("largest energy given", &variant, "J", energy)
+            CheckRow::new("largest energy given", &variant, "J", energy)
                 .at_most(1e-3, "limit of the catalogue"),
         );
     }
     Ok(all)
 }
 
-fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
+fn fast_node(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     let (v, dt, thickness) = (2000.0, 1e-6, 1e-3);
     for law in bench.laws() {
@@ -225,17 +230,17 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 made = made.max((now.kinetic + now.internal + now.hourglass) / run.initial - 1.0);
             }
             let variant = format!("{law}, {how}, 11 offsets");
-            all.push(Row::new("passed through", &variant, "", f64::from(passed)).within(
+            all.push(CheckRow::new("passed through", &variant, "", f64::from(passed)).within(
                 0.0,
                 0.0,
                 "limit of the catalogue",
             ));
             all.push(
-                Row::new("largest velocity inwards / v at the end", &variant, "", inward)
+                CheckRow::new("largest velocity inwards / v at the end", &variant, "", inward)
                     .at_most(LEFT_OPEN * thickness / (dt * v), AT_REST),
             );
             all.push(
-                Row::new("energy made / energy at the start", &variant, "", made)
+                CheckRow::new("energy made / energy at the start", &variant, "", made)
                     .at_most(1e-2, "limit of the catalogue"),
             );
         }
@@ -243,7 +248,7 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
+fn sandwich(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     let thickness = 1e-3;
     for law in bench.laws() {
@@ -265,13 +270,13 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
         let [b, m, a] = [&below, &middle, &above].map(|g| mean_velocity(&run.engine, g.all(), 2));
         let variant = format!("{law}, 1 g between plates of 1 kg");
         let at = position(&run.engine, middle.at(0, 0))[2];
-        all.push(Row::new("height of the light plate", &variant, "mm", 1e3 * at).within(
+        all.push(CheckRow::new("height of the light plate", &variant, "mm", 1e3 * at).within(
             0.0,
             1e3 * 0.05 * thickness,
             "[D] by symmetry, not expelled",
         ));
         let fastest = b.abs().max(m.abs()).max(a.abs());
-        let row = Row::new("largest velocity after", &variant, "m/s", fastest);
+        let row = CheckRow::new("largest velocity after", &variant, "m/s", fastest);
         all.push(match is_spring(law) {
             true => row.reference(1.0, "[D] the plates rebound from springs"),
             false => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
@@ -280,7 +285,7 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
         let share =
             (run.energies.kinetic + run.energies.internal + run.energies.hourglass) / run.initial;
         all.push(
-            Row::new("energy at the end / at the start", &variant, "", share)
+            CheckRow::new("energy at the end / at the start", &variant, "", share)
                 .at_most(1.0 + 1e-3, "[D] contact creates no energy")
                 .known(SWEEPS),
         );
@@ -288,7 +293,7 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
+fn cradle(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 50;
     let (length, thickness) = (0.1, 1e-3);
     let width = length / N as f64;
@@ -311,20 +316,20 @@ fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
         let run = bench.watch(&format!("C15e {law}"), &scene, |_| {})?;
         let after: Vec<f64> = bars.iter().map(|b| mean_velocity(&run.engine, b.all(), 0)).collect();
         let variant = format!("{law}, five bars of {N} shells");
-        all.push(Row::new("velocity of the last bar", &variant, "m/s", after[4]).within(
+        all.push(CheckRow::new("velocity of the last bar", &variant, "m/s", after[4]).within(
             1.0,
             0.05,
             "limit of the catalogue",
         ));
         let others = after[..4].iter().fold(0.0f64, |m, v| m.max(v.abs()));
         all.push(
-            Row::new("largest velocity of the others", &variant, "m/s", others)
+            CheckRow::new("largest velocity of the others", &variant, "m/s", others)
                 .at_most(0.05, "limit of the catalogue")
                 .known(if is_spring(law) { SOFT } else { "" }),
         );
         let scale = mass(&run.engine, bars[0].all());
         all.push(
-            Row::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale))
+            CheckRow::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale))
                 .at_most(1e-10, "exact"),
         );
         all.extend(run.energy_rows(&variant, 1e-2));

@@ -11,7 +11,7 @@
 
 use super::crush::shells;
 use super::measure::Push;
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::Scene;
 use super::{Bench, Check, bench};
 use crumple::input::job::Model;
@@ -76,7 +76,7 @@ struct Mesh {
 
 impl Crash {
     /// Runs the crash; returns its results and the rows that need no reference.
-    fn run(&self, variant: &str, model: &Model) -> Result<(Shown, Vec<Row>), String> {
+    fn run(&self, variant: &str, model: &Model) -> Result<(Shown, Vec<CheckRow>), String> {
         let (mut push, mut absorbed, mut penetration) = (Push::default(), Vec::new(), 0.0f64);
         let mut start = None;
         let last = self.stations.last().copied().unwrap_or(0.0);
@@ -113,9 +113,9 @@ impl Crash {
         let over = |k: usize| push.mean_force(k as f64 * self.window, (k + 1) as f64 * self.window);
         let peak = (0..windows).map(over).fold(0.0, f64::max);
         let mut rows = vec![
-            Row::new("hourglass energy / internal energy, worst part", variant, "", hourglass)
+            CheckRow::new("hourglass energy / internal energy, worst part", variant, "", hourglass)
                 .at_most(HOURGLASS_OF_A_PART, "limit of the catalogue, 5 to 10 %"),
-            Row::new("largest penetration", variant, "of the contact thickness", penetration)
+            CheckRow::new("largest penetration", variant, "of the contact thickness", penetration)
                 .at_most(0.5, "limit of the catalogue"),
         ];
         rows.extend(run.energy_rows(variant, 1e-2));
@@ -131,7 +131,7 @@ impl Crash {
         wanted: &Shown,
         source: &'static str,
         build: impl Fn(&str, &Mesh) -> Result<Model, String>,
-    ) -> Result<Vec<Row>, String> {
+    ) -> Result<Vec<CheckRow>, String> {
         let mut all = Vec::new();
         for (mesh, shell) in meshes
             .iter()
@@ -154,18 +154,18 @@ impl Crash {
         shown: &Shown,
         wanted: &Shown,
         source: &'static str,
-    ) -> Vec<Row> {
+    ) -> Vec<CheckRow> {
         let last = self.stations.last().copied().unwrap_or(0.0);
         let (force, ms) = (self.to_kn, self.to_ms);
         let mean = format!("mean force up to {} ms", ms * last);
         let peak = format!("largest force, mean over {} ms", ms * self.window);
         let mut rows = vec![
-            Row::new(mean, variant, "kN", force * shown.mean).near(
+            CheckRow::new(mean, variant, "kN", force * shown.mean).near(
                 force * wanted.mean,
                 0.05,
                 source,
             ),
-            Row::new(peak, variant, "kN", force * shown.peak).near(
+            CheckRow::new(peak, variant, "kN", force * shown.peak).near(
                 force * wanted.peak,
                 0.1,
                 source,
@@ -174,7 +174,7 @@ impl Crash {
         for ((t, ours), expected) in self.stations.iter().zip(&shown.absorbed).zip(&wanted.absorbed)
         {
             let quantity = format!("energy absorbed at {} ms", ms * t);
-            rows.push(Row::new(quantity, variant, "J", *ours).near(*expected, 0.1, source));
+            rows.push(CheckRow::new(quantity, variant, "J", *ours).near(*expected, 0.1, source));
         }
         rows
     }
@@ -243,7 +243,7 @@ fn s_beam_scene(shell: &str, quads: usize) -> Scene {
     scene
 }
 
-fn s_beam(bench: &Bench) -> Result<Vec<Row>, String> {
+fn s_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let crash =
         Crash { axis: 0, window: 2e-4, stations: &[2e-3, 4e-3, 6e-3], to_kn: 1e-3, to_ms: 1e3 };
     let meshes = [
@@ -265,7 +265,7 @@ fn s_beam(bench: &Bench) -> Result<Vec<Row>, String> {
     )
 }
 
-fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
+fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const JOB: &str = include_str!("../../../cases/tube/job.toml");
     let crash =
         Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
@@ -291,7 +291,7 @@ fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
     )
 }
 
-fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<Row>, String> {
+fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<CheckRow>, String> {
     const JOB: &str = include_str!("../../../cases/jeep-frame/job.toml");
     const PARTS: u32 = 8;
     let crash =

@@ -6,7 +6,7 @@
 //! recorded in addition to what the catalogue asks for.
 
 use super::measure::{displacement, mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use crumple_proto::mesh::Shape;
@@ -25,7 +25,7 @@ pub const MEAN_FORCE: Check =
 /// Check of B13.
 pub const ROUND: Check = Check { name: "circular tube", quick: false, run: round };
 
-fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
+fn beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 50;
     let (half, width, depth, loaded) = (0.127, 0.01524, 3.175e-3, 0.0254);
     let mut scene = Scene::new(2e-3);
@@ -63,17 +63,17 @@ fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
     let variant = "belytschko_tsay, quarter of 50 by 6, 5 points";
     const C: &str = "[C] layered fibre beam code";
     let mut all = vec![
-        Row::new("peak deflection", variant, "mm", 1e3 * peak).near(18.69, 0.04, C),
-        Row::new("time of the peak", variant, "us", 1e6 * when)
+        CheckRow::new("peak deflection", variant, "mm", 1e3 * peak).near(18.69, 0.04, C),
+        CheckRow::new("time of the peak", variant, "us", 1e6 * when)
             .reference(475.0, "[C] flat maximum from 480 to 620 us with BT shells"),
-        Row::new("mean deflection from 1.2 to 2 ms", variant, "mm", 1e3 * residual / time)
+        CheckRow::new("mean deflection from 1.2 to 2 ms", variant, "mm", 1e3 * residual / time)
             .near(17.6, 0.04, C),
     ];
     for ((w, expected), t) in
         early.iter().zip([10.98, 13.11, 15.68, 18.21]).zip([100, 200, 300, 400])
     {
         all.push(
-            Row::new(format!("deflection at {t} us"), variant, "mm", 1e3 * w)
+            CheckRow::new(format!("deflection at {t} us"), variant, "mm", 1e3 * w)
                 .near(expected, 0.04, C),
         );
     }
@@ -263,21 +263,26 @@ impl Crushed {
         variant: &str,
         depth: f64,
         (mean, tolerance, source): (f64, f64, &'static str),
-    ) -> Vec<Row> {
+    ) -> Vec<CheckRow> {
         let absorbed = self.absorbed.last().copied().unwrap_or(f64::NAN);
         let quantity = format!("mean force from 0 to {:.0} mm", 1e3 * depth);
         vec![
-            Row::new(quantity, variant, "kN", 1e-3 * absorbed / depth).near(
+            CheckRow::new(quantity, variant, "kN", 1e-3 * absorbed / depth).near(
                 1e-3 * mean,
                 tolerance,
                 source,
             ),
-            Row::new("largest force, mean over 0.1 ms", variant, "kN", 1e-3 * self.peak),
-            Row::new("hourglass energy over internal energy", variant, "", self.hourglass)
+            CheckRow::new("largest force, mean over 0.1 ms", variant, "kN", 1e-3 * self.peak),
+            CheckRow::new("hourglass energy over internal energy", variant, "", self.hourglass)
                 .at_most(HOURGLASS_LIMIT, "limit of the catalogue: 5 %"),
-            Row::new("largest penetration", variant, "of the contact thickness", self.penetration)
-                .at_most(0.5, "limit of the catalogue"),
-            Row::new("energy not accounted for, largest", variant, "", self.error)
+            CheckRow::new(
+                "largest penetration",
+                variant,
+                "of the contact thickness",
+                self.penetration,
+            )
+            .at_most(0.5, "limit of the catalogue"),
+            CheckRow::new("energy not accounted for, largest", variant, "", self.error)
                 .at_most(0.01, "limit of the catalogue"),
         ]
     }
@@ -299,7 +304,7 @@ fn square_section(side: f64, depth: f64) -> impl Fn(f64) -> ([f64; 2], [f64; 2])
     }
 }
 
-fn square(bench: &Bench) -> Result<Vec<Row>, String> {
+fn square(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const AT: [f64; 6] = [0.025, 0.05, 0.075, 0.1, 0.125, 0.15];
     /// OpenRadioss: BT with 5 mm, QEPH with 3.33 mm [kJ].
     const ABSORBED: [[f64; 6]; 2] =
@@ -334,7 +339,9 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         let (absorbed, source) = (&ABSORBED[usize::from(is_fine)], SOURCES[usize::from(is_fine)]);
         for ((a, ours), expected) in AT.iter().zip(&crushed.absorbed).zip(absorbed) {
             let quantity = format!("energy absorbed at {:.0} mm", 1e3 * a);
-            all.push(Row::new(quantity, &variant, "kJ", 1e-3 * ours).reference(*expected, source));
+            all.push(
+                CheckRow::new(quantity, &variant, "kJ", 1e-3 * ours).reference(*expected, source),
+            );
         }
         all.extend(crushed.rows(
             &variant,
@@ -343,14 +350,14 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         ));
         // A crush of 150 mm consumes 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
         all.push(
-            Row::new("folds along a face", &variant, "", crushed.folds as f64)
+            CheckRow::new("folds along a face", &variant, "", crushed.folds as f64)
                 .reference(6.0, "[D] 150 mm/0.73 over 2 H, H = 0.983 (C^2 t)^(1/3), an estimate"),
         );
     }
     Ok(all)
 }
 
-fn mean_force(bench: &Bench) -> Result<Vec<Row>, String> {
+fn mean_force(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     // 52.22 M0 (C/t)^(1/3) with M0 = 300 MPa t^2/4. The trigger is two fold lengths of the
     // formula.
@@ -387,7 +394,7 @@ fn mean_force(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn round(bench: &Bench) -> Result<Vec<Row>, String> {
+fn round(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let radius = 0.025;
     let section = |s: f64| {
         let (y, x) = (TAU * s).sin_cos();
@@ -414,7 +421,7 @@ fn round(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("lagrange, {shell}, 2.5 mm");
         all.extend(crushed.rows(&variant, 0.05, (12.64e3, 0.2, "[V:S23] 72.3 (D/t)^0.32 M_p")));
         all.push(
-            Row::new(
+            CheckRow::new(
                 "range of the radial displacement in a ring over its largest mean",
                 &variant,
                 "",

@@ -7,7 +7,7 @@
 use super::bars::BAR;
 use super::bench::Finished;
 use super::measure::{displacement, fields};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Grid, STEEL, Scene};
 use super::solids::Weld;
 use super::{Bench, Check};
@@ -89,7 +89,7 @@ fn load(scene: &mut Scene, nodes: &[u32], force: [f64; 3]) {
     scene.add(&format!("[[load]]\nnodes = \"{set}\"\nforce = {force:?}"));
 }
 
-fn hanging(bench: &Bench) -> Result<Vec<Row>, String> {
+fn hanging(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 50;
     let (length, thickness, g) = (1.0, 0.01, 9.81);
     let width = length / N as f64;
@@ -107,7 +107,7 @@ fn hanging(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let expected = (times + 0.5) * BAR.rho * g * length * length / BAR.e;
         let quantity = format!("elongation in gravity with {times} times its mass at the end");
-        all.push(Row::new(quantity, "50 shells", "um", 1e6 * ours).near(
+        all.push(CheckRow::new(quantity, "50 shells", "um", 1e6 * ours).near(
             1e6 * expected,
             0.005,
             "[D] (M + m/2) g L/EA",
@@ -116,7 +116,7 @@ fn hanging(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
+fn sagged(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 16;
     let (side, thickness, pressure) = (0.2, 0.004, 100.0);
     let bending =
@@ -137,7 +137,7 @@ fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
         let middle = |e: &Engine| -displacement(e, grid.at(N / 2, N / 2))[2];
         let (ours, _) = rest(bench, &format!("A16 static {element}"), &scene, middle)?;
         let variant = format!("{element}, {N} by {N}");
-        let row = Row::new(
+        let row = CheckRow::new(
             "static deflection D w/(q a^4)",
             variant,
             "",
@@ -159,7 +159,7 @@ fn cantilever(keys: &str) -> (Scene, Grid) {
     (scene, grid)
 }
 
-fn strip(bench: &Bench) -> Result<Vec<Row>, String> {
+fn strip(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const SZE: &str = "[V:S18] Sze et al. 2004";
     let mut all = Vec::new();
     for element in FORMULATIONS {
@@ -170,15 +170,15 @@ fn strip(bench: &Bench) -> Result<Vec<Row>, String> {
                 displacement(e, grid.at(16, 0))[2]
             })?;
             let variant = format!("{element}, 16 by 1, P = {force}");
-            all.push(Row::new("deflection of the tip", &variant, "", ours).near(w, 0.02, SZE));
+            all.push(CheckRow::new("deflection of the tip", &variant, "", ours).near(w, 0.02, SZE));
             let back = -displacement(&run.engine, grid.at(16, 0))[0];
-            all.push(Row::new("shortening at the tip", &variant, "", back).near(u, 0.02, SZE));
+            all.push(CheckRow::new("shortening at the tip", &variant, "", back).near(u, 0.02, SZE));
         }
     }
     Ok(all)
 }
 
-fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
+fn roll(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] the strip is an arc of angle M L/EI; full circle [V:S11]";
     // Lowest frequency of the cantilever: 3.516 sqrt(EI/(m L^4)) = 1.11.
     let (length, stiffness, omega, end) = (10.0, 100.0, 1.11, 40.0);
@@ -215,9 +215,9 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
         let far = |u: [f64; 3], x: f64, z: f64| (u[0] + length - x).hypot(u[2] - z) / length;
         let quantity = "tip from the end of the half circle / L, M = pi EI/L";
         let ours = far(half, 0.0, 2.0 * length / PI);
-        all.push(Row::new(quantity, &variant, "", ours).within(0.0, 0.02, D));
+        all.push(CheckRow::new(quantity, &variant, "", ours).within(0.0, 0.02, D));
         let quantity = "tip from the root / L, M = 2 pi EI/L";
-        let row = Row::new(quantity, &variant, "", far(whole, 0.0, 0.0)).within(0.0, 0.02, D);
+        let row = CheckRow::new(quantity, &variant, "", far(whole, 0.0, 0.0)).within(0.0, 0.02, D);
         all.push(row.known(SIDEWAYS));
     }
     Ok(all)
@@ -239,7 +239,7 @@ fn hemisphere(scene: &mut Scene, n: usize, section: &str) -> [u32; 2] {
     [grid.at(0, 0), grid.at(n, 0)]
 }
 
-fn large_hemisphere(bench: &Bench) -> Result<Vec<Row>, String> {
+fn large_hemisphere(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 16;
     const U: &str = "[U] Sze et al. 2004";
     let mut all = Vec::new();
@@ -253,13 +253,13 @@ fn large_hemisphere(bench: &Bench) -> Result<Vec<Row>, String> {
             rest(bench, &format!("A30c {element}"), &scene, |e| -displacement(e, b)[1])?;
         let variant = format!("{element}, {N} by {N} on a quarter, P = 400");
         let outward = displacement(&run.engine, a)[0];
-        all.push(Row::new("outward displacement", &variant, "", outward).reference(4.067, U));
-        all.push(Row::new("inward displacement", &variant, "", inward).reference(8.178, U));
+        all.push(CheckRow::new("outward displacement", &variant, "", outward).reference(4.067, U));
+        all.push(CheckRow::new("inward displacement", &variant, "", inward).reference(8.178, U));
     }
     Ok(all)
 }
 
-fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
+fn pulled(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const SZE: &str = "[V:S18] Sze et al. 2004, geometry [U]";
     const MESH: [usize; 2] = [16, 24];
     let (radius, length) = (4.953, 10.35);
@@ -282,7 +282,7 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
             let (ours, _) = rest(bench, &format!("A30d {element} {share}"), &scene, top)?;
             let variant = format!("{element}, {} by {} on an eighth, {share} P", MESH[0], MESH[1]);
             all.push(
-                Row::new("displacement under the load", &variant, "", ours).near(w, 0.05, SZE),
+                CheckRow::new("displacement under the load", &variant, "", ours).near(w, 0.05, SZE),
             );
         }
     }
@@ -343,7 +343,7 @@ fn small_hemisphere(bench: &Bench, name: &str, n: usize, section: &str) -> Resul
     Ok(rest(bench, name, &scene, |e| displacement(e, a)[0])?.0 / (SMALL * 0.093))
 }
 
-fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
+fn curved(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     /// Function that builds and runs a scene and divides the result by the target.
     type Scenes = fn(&Bench, &str, usize, &str) -> Result<f64, String>;
     let scenes: [(&str, Scenes); 3] = [
@@ -364,9 +364,9 @@ fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
                     scene(bench, &format!("B09 {what} {variant}"), n, &section(element, drilling))?;
                 let quantity = format!("{what}, deflection / target");
                 if known.is_finite() {
-                    all.push(Row::new(&quantity, &variant, "", ours).near(known, 0.01, TABLE));
+                    all.push(CheckRow::new(&quantity, &variant, "", ours).near(known, 0.01, TABLE));
                 }
-                let row = Row::new(
+                let row = CheckRow::new(
                     format!("{what}, deflection"),
                     format!("{variant}, against the target"),
                     "",
@@ -414,7 +414,7 @@ fn twist(
     Ok(rest(bench, &name, &scene, |e| displacement(e, tip)[c])?.0 / (small * targets[c - 1]))
 }
 
-fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
+fn twisted(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for (element, drilling, table) in [
         // Values of the table on the same mesh and on the finest one.
@@ -430,7 +430,7 @@ fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
                 // rates, here it does not. Results on coarse meshes therefore agree with its
                 // finest mesh and with a direct solution with our kernels.
                 let row = |of: &str| {
-                    Row::new(
+                    CheckRow::new(
                         format!("thick, load along z, deflection / target{of}"),
                         &variant,
                         "",
@@ -442,13 +442,13 @@ fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
             }
             let against = format!("{variant}, against the target");
             all.push(
-                Row::new("thick, load along z, deflection", &against, "", z)
+                CheckRow::new("thick, load along z, deflection", &against, "", z)
                     .reference(1.0, "target"),
             );
             if n == 24 {
                 let y = twist(bench, element, 0.32, n, drilling, false)?;
                 all.push(
-                    Row::new("thick, load along y, deflection", &against, "", y)
+                    CheckRow::new("thick, load along y, deflection", &against, "", y)
                         .reference(1.0, "target"),
                 );
             }
@@ -457,7 +457,7 @@ fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn thin(bench: &Bench) -> Result<Vec<Row>, String> {
+fn thin(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 12;
     let mut all = Vec::new();
     for element in FORMULATIONS {
@@ -465,7 +465,7 @@ fn thin(bench: &Bench) -> Result<Vec<Row>, String> {
         for (along, axis) in [(true, "z"), (false, "y")] {
             let ours = twist(bench, element, 0.0032, N, 0.01, along)?;
             let quantity = format!("thin, load along {axis}, deflection");
-            all.push(Row::new(quantity, &variant, "", ours).reference(
+            all.push(CheckRow::new(quantity, &variant, "", ours).reference(
                 1.0,
                 "target; [C] .003 at 24 by 4 if rigid rotation excites hourglass rates",
             ));
@@ -474,7 +474,7 @@ fn thin(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
+fn folded(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (length, force) = (10.0, 0.6e6);
     let mut all = Vec::new();
     for element in FORMULATIONS {
@@ -511,7 +511,7 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
             let pair = |j: usize| 0.5 * (at(along / 4 - 1, j) + at(along / 4, j));
             let edge = pair(n - 1) + 0.5 * (pair(n - 1) - pair(n - 2));
             let variant = format!("{element}, sides of {} m", 1.0 / n as f64);
-            let row = Row::new(
+            let row = CheckRow::new(
                 "|axial stress| at the edge of a flange",
                 &variant,
                 "MPa",

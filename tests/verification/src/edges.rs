@@ -2,7 +2,7 @@
 
 use super::laws::is_spring;
 use super::measure::{mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Grid, STEEL, Scene};
 use super::{Bench, Check};
 use crumple_worker::energy::momentum;
@@ -101,20 +101,26 @@ pub fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
 
 /// Returns the changes of linear and angular momentum in a run, as fractions of those of one
 /// strip.
-fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [Row; 2] {
+fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [CheckRow; 2] {
     const EXACT: &str = "exact; round-off of some thousand steps";
     let now: [[f64; 3]; 2] = momentum(&e.nodes).into();
     let change = |k: usize| (0..3).map(|c| (now[k][c] - start[k][c]).powi(2)).sum::<f64>().sqrt();
     let had = start[0][2].abs();
     [
-        Row::new("change of momentum / m v", variant, "", change(0) / had).at_most(1e-12, EXACT),
-        Row::new("change of angular momentum / m v L", variant, "", change(1) / (had * LENGTH))
+        CheckRow::new("change of momentum / m v", variant, "", change(0) / had)
             .at_most(1e-12, EXACT),
+        CheckRow::new(
+            "change of angular momentum / m v L",
+            variant,
+            "",
+            change(1) / (had * LENGTH),
+        )
+        .at_most(1e-12, EXACT),
     ]
 }
 
 /// Collides two upright strips, one above the other, edge against edge.
-fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
+fn upright(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let cells = [41, 4]; // no node at the crossing
     let mut all = Vec::new();
     for law in bench.laws() {
@@ -147,7 +153,7 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             let struck = -mean_velocity(&run.engine, below.all(), 2) / V;
             let reference = swapped(crossing.off, hold, (way - AIR) / V);
             all.push(
-                Row::new("velocity of the struck strip / v", &variant, "", struck)
+                CheckRow::new("velocity of the struck strip / v", &variant, "", struck)
                     .within(reference, 0.05, BEAM),
             );
             all.extend(momentum_rows(&variant, &run.momentum, &run.engine));
@@ -158,7 +164,7 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
                 .as_ref()
                 .map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
             all.push(
-                Row::new("edges seen in surfaces", &variant, "", crossed as f64)
+                CheckRow::new("edges seen in surfaces", &variant, "", crossed as f64)
                     .at_most(0.0, "exact"),
             );
         }
@@ -178,7 +184,7 @@ fn middle(e: &Engine, grid: &Grid) -> f64 {
 
 /// Collides two flat strips, one above the other, each one element wide: at the crossing no node
 /// is on the other strip.
-fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
+fn flat(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let cells = [5, 1];
     let mut all = Vec::new();
     for law in bench.laws() {
@@ -196,7 +202,7 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{law}, strips flat");
         all.push(
-            Row::new(
+            CheckRow::new(
                 "least distance of the middles / thickness",
                 &variant,
                 "",

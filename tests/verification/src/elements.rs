@@ -3,7 +3,7 @@
 
 use super::bench::Finished;
 use super::measure::{Crossings, Pose, displacement, drive, fields, fields_before, lead};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use crumple_worker::engine::Engine;
@@ -90,7 +90,7 @@ fn led(
     })
 }
 
-fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
+fn membrane(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     // So small that the change of shape is below the tolerance.
     let scale = 1e-6;
     let mut all = Vec::new();
@@ -128,7 +128,7 @@ fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
         {
             let ours = worst(c, expected).unwrap_or(f64::NAN);
             let quantity = format!("membrane patch, {what} of the worst element");
-            all.push(Row::new(quantity, shape, "Pa", ours).near(
+            all.push(CheckRow::new(quantity, shape, "Pa", ours).near(
                 expected,
                 1e-8,
                 "[D] MacNeal & Harder",
@@ -138,7 +138,7 @@ fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn bending(bench: &Bench) -> Result<Vec<Row>, String> {
+fn bending(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let trapezoids = {
         let mut places = PATCH;
         for (p, x) in
@@ -183,7 +183,7 @@ fn bent(
     bench: &Bench,
     variant: &str,
     build: impl Fn(&mut Scene) -> Vec<u32>,
-) -> Result<Row, String> {
+) -> Result<CheckRow, String> {
     // The membrane strain due to slopes grows with the square of the scale, bending with the
     // scale: at 1e-4 the former is 1e-5 of the latter.
     let scale = 1e-9;
@@ -229,10 +229,10 @@ fn bent(
         all.iter().map(of).max_by(|a, b| (a - surface).abs().total_cmp(&(b - surface).abs()));
     let ours = if run.trouble { f64::NAN } else { ours.unwrap_or(f64::NAN) };
     let quantity = "bending patch, von Mises stress at the surface of the worst element";
-    Ok(Row::new(quantity, variant, "Pa", ours).near(surface, 1e-8, "[D] MacNeal & Harder"))
+    Ok(CheckRow::new(quantity, variant, "Pa", ours).near(surface, 1e-8, "[D] MacNeal & Harder"))
 }
 
-fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
+fn stable_step(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let side = 0.1;
     let expected = 1.0 / 1.3f64.sqrt();
     let mut all = Vec::new();
@@ -279,12 +279,13 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let variant = format!("{element}, h/L = {ratio}");
         let limit = 0.5 * (low + high);
-        all.push(Row::new("largest stable dt c_p/L", &variant, "", limit).near(
+        all.push(CheckRow::new("largest stable dt c_p/L", &variant, "", limit).near(
             0.877,
             0.02,
             "[D] 1/sqrt(1+nu), with scaled rotary inertia",
         ));
-        let taken = Row::new("our dt c_p/L with the usual safety of 0.9", &variant, "", 0.9 * unit);
+        let taken =
+            CheckRow::new("our dt c_p/L with the usual safety of 0.9", &variant, "", 0.9 * unit);
         all.push(taken.at_most(limit, "the measured limit"));
     }
     Ok(all)
@@ -324,7 +325,7 @@ fn largest(f: &ElementFields) -> f64 {
     f.stress.iter().fold(f.von_mises, |m, s| m.max(s.abs()))
 }
 
-fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
+fn turned(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let side = 0.1;
     let dt = bench.model("A19a square", &square(side, 0.01, 0.0, 0, 1.0))?.first_dt().0;
     let mut all = Vec::new();
@@ -351,7 +352,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
             for (w, degrees) in worst.iter().zip([90, 180, 360]) {
                 let variant = format!("one shell {how}, {steps} steps a turn");
                 let quantity = format!("largest stress / E up to {degrees} degrees");
-                all.push(Row::new(quantity, variant, "", *w).at_most(1e-10, "exact"));
+                all.push(CheckRow::new(quantity, variant, "", *w).at_most(1e-10, "exact"));
             }
         }
     }
@@ -374,7 +375,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
         }
     })?;
     all.push(
-        Row::new(
+        CheckRow::new(
             "change of the von Mises stress of a stretched shell that turns",
             "one shell in its plane",
             "",
@@ -410,7 +411,7 @@ fn led_square(
     Ok(())
 }
 
-fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
+fn large_strain(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     // (a) for a shell, whose normal stress is zero.
     let plane = STEEL.e / (1.0 - STEEL.nu * STEEL.nu);
@@ -429,7 +430,7 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
         let ((a, p), (b, q)) = (seen[i - 1], seen[i]);
         let ours = p + (q - p) * (stretch - a) / (b - a);
         let quantity = format!("uniaxial strain to a stretch of {stretch}, stress");
-        all.push(Row::new(quantity, "belytschko_tsay", "GPa", 1e-9 * ours).near(
+        all.push(CheckRow::new(quantity, "belytschko_tsay", "GPa", 1e-9 * ours).near(
             1e-9 * plane * stretch.ln(),
             1e-3,
             "[D] E/(1-nu^2) ln of the stretch",
@@ -449,7 +450,7 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     for gamma in [1.0, 2.0, 4.0f64] {
         let [ours, expected] = sheared(gamma, 1000.0)?;
         for (c, name) in [(0, "sigma12/G"), (1, "sigma11/G")] {
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("simple shear {gamma}, {name}"),
                 "belytschko_tsay, 1000 steps",
                 "",
@@ -462,7 +463,7 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     let order = (off(sheared(4.0, 1000.0)?) / off(sheared(4.0, 4000.0)?)).log2() / 2.0;
     let quantity = "simple shear 4, sigma11/G, order in the step";
     all.push(
-        Row::new(quantity, "belytschko_tsay, 1000 and 4000 steps", "", order)
+        CheckRow::new(quantity, "belytschko_tsay, 1000 and 4000 steps", "", order)
             .reference(2.0, "catalogue: second order"),
     );
     Ok(all)
@@ -476,7 +477,7 @@ fn bisector_shear(gamma: f64) -> [f64; 2] {
     [t * c - n * s, n * c + t * s]
 }
 
-fn numbering(bench: &Bench) -> Result<Vec<Row>, String> {
+fn numbering(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for gamma in [0.1, 2.0] {
         let mut ends = Vec::new();
@@ -499,14 +500,14 @@ fn numbering(bench: &Bench) -> Result<Vec<Row>, String> {
         let quantity =
             format!("largest difference of the four numberings in shear {gamma}, of the stress");
         all.push(
-            Row::new(quantity, "belytschko_tsay", "", spread / size)
+            CheckRow::new(quantity, "belytschko_tsay", "", spread / size)
                 .at_most(0.01, "limit of the catalogue"),
         );
     }
     Ok(all)
 }
 
-fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
+fn hourglass(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, r) = (0.01, 0.03);
     let frequency = 2.0 * f64::sqrt(r) * STEEL.c() / side / TAU;
     let mut scene = Scene::new(5.2 / frequency);
@@ -534,14 +535,14 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         variant,
         1e-3,
         vec![
-            Row::new(
+            CheckRow::new(
                 "frequency of the in-plane hourglass mode",
                 variant,
                 "kHz",
                 1e-3 * crossings.frequency(),
             )
             .near(1e-3 * frequency, 0.01, "[D] omega = 2 sqrt(r) c/L"),
-            Row::new(
+            CheckRow::new(
                 "largest hourglass energy / kinetic energy at the start",
                 variant,
                 "",
@@ -552,7 +553,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     ))
 }
 
-fn warped(bench: &Bench) -> Result<Vec<Row>, String> {
+fn warped(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for lift in [0.05, 0.1, 0.2] {
         for (axis, name) in [(0, "x"), (1, "y"), (2, "z")] {
@@ -579,7 +580,7 @@ fn warped(bench: &Bench) -> Result<Vec<Row>, String> {
             })?;
             let variant = format!("belytschko_tsay, corner lifted by {lift}, about {name}");
             all.push(
-                Row::new("largest corner force in a rigid turn / E t L", variant, "", worst)
+                CheckRow::new("largest corner force in a rigid turn / E t L", variant, "", worst)
                     .at_most(1e-8, "limit of the catalogue"),
             );
         }

@@ -2,7 +2,7 @@
 //! measurements. Each law names the source of its constants; none was fitted to these tests.
 
 use super::measure::{displacement, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Scene};
 use super::{Bench, Check};
 
@@ -56,7 +56,7 @@ const RC30: &str = "density = 7830.0\nyoungs_modulus = 200e9\npoisson = 0.29\n\
                     reference_temperature = 25.0\nmelting_temperature = 1520.0\n\
                     specific_heat = 477.0\ntaylor_quinney = 0.9";
 
-fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
+fn copper(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const WILKINS: &str = "experiment: Wilkins & Guinan 1973, as drawn in Zelepugin et al. 2023 \
                            [V:S4]; law of Johnson & Cook 1983";
     const M1: &str = "experiment: Zelepugin et al. 2022, copper M1, as drawn in Zelepugin et al. \
@@ -75,8 +75,8 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
         let [l, r] = fired(bench, &format!("B03 {what} {velocity}"), &shot)?;
         let variant = format!("{what} copper, {velocity} m/s, 6 cells on the radius, no friction");
         let (length, radius) = (
-            Row::new("length / that at the start", &variant, "", l),
-            Row::new("largest radius / that at the start", &variant, "", r),
+            CheckRow::new("length / that at the start", &variant, "", l),
+            CheckRow::new("largest radius / that at the start", &variant, "", r),
         );
         // The catalogue has 3 to 5 % and 8 % for a law of the tested copper.
         all.extend(match gated {
@@ -87,7 +87,7 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
+fn steel(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const TEST: &str =
         "experiment: catalogue B03, 37.97 by 7.595 mm [V:S14]; law of Johnson & Cook 1983";
     const CODE: &str = "[V:S14] converged, without friction";
@@ -97,8 +97,10 @@ fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
         let shot = Shot { length, radius, velocity, friction, until: 80e-6, material: RC30 };
         let [l, r] = fired(bench, &format!("B03 4340 {friction}"), &shot)?;
         let variant = format!("4340 steel, 181 m/s, 6 cells on the radius, friction {friction}");
-        all.push(Row::new("length / that at the start", &variant, "", l).near(0.908, 0.03, TEST));
-        let foot = Row::new("largest diameter", &variant, "mm", 2e3 * r * radius);
+        all.push(
+            CheckRow::new("length / that at the start", &variant, "", l).near(0.908, 0.03, TEST),
+        );
+        let foot = CheckRow::new("largest diameter", &variant, "mm", 2e3 * r * radius);
         // The radius depends on friction, the length on strength.
         all.push(if friction > 0.0 {
             foot.near(9.5, 0.08, TEST)
@@ -111,7 +113,7 @@ fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Compares the mean deflection of the centre of a clamped square plate after the first peak,
 /// over its thickness. A quarter of the plate starts with a uniform velocity.
-fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
+fn plates(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const LINE: &str = "experiment: Nurick & Martin 1989, Int. J. Impact Engng 8, 171-186, line \
                         through tests of quadrangular plates as cited by others, 0.471 phi + \
                         0.001; most tests are within one thickness of the line";
@@ -148,7 +150,7 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             let ours = sum / samples / thickness;
             let variant =
                 format!("89 by 1.6 mm, {} by {} shells, impulse {phi}, {how}", 2 * N, 2 * N);
-            let row = Row::new("deflection after the peak / thickness", &variant, "", ours);
+            let row = CheckRow::new("deflection after the peak / thickness", &variant, "", ours);
             // The line is for the static yield stress, but the steel of the tests hardens with
             // the rate.
             all.push(if rate.is_empty() {

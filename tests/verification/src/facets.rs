@@ -4,7 +4,7 @@
 use super::contact::{carrier, tip};
 use super::laws::Law;
 use super::measure::{Push, contact_force, mass, mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::sliding::FLUTTER;
 use super::solid_bars::INVISCID;
@@ -25,7 +25,7 @@ const FIXED: &str = "x y z rx ry rz";
 const THICKNESS: f64 = 2e-3;
 const CATALOGUE: &str = "limit of the catalogue";
 
-fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
+fn dropped(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 4;
     let (side, facet, v, air) = (0.02, 0.02, 5.0, 1e-5);
     // Columns of a rotation that takes the diagonal (1, 1, 1) upwards.
@@ -66,20 +66,20 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             if where_to.ends_with("facet") {
                 // Between zero and a full reversal; the energy that remains in vibrations of an
                 // elastic cube is unknown.
-                all.push(Row::new("impulse / m v", &variant, "", impulse / (whole * v)).near(
+                all.push(CheckRow::new("impulse / m v", &variant, "", impulse / (whole * v)).near(
                     1.5,
                     1.0 / 3.0,
                     "[D] 1 to 2: contact is neither missed nor doubled",
                 ));
             } else {
-                let row = Row::new(
+                let row = CheckRow::new(
                     "impulse / that in the middle of a facet",
                     &variant,
                     "",
                     impulse / of_first,
                 );
                 all.push(row.near(1.0, 0.01, CATALOGUE));
-                let row = Row::new(
+                let row = CheckRow::new(
                     "rebound less that in the middle of a facet / v",
                     &variant,
                     "",
@@ -94,14 +94,15 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             let aside = after[0].hypot(after[1]) * whole / impulse;
             all.push(
-                Row::new("impulse aside / impulse", &variant, "", aside).at_most(1e-3, CATALOGUE),
+                CheckRow::new("impulse aside / impulse", &variant, "", aside)
+                    .at_most(1e-3, CATALOGUE),
             );
         }
     }
     Ok(all)
 }
 
-fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
+fn flat(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const FACETS: usize = 50;
     let (size, facet, way, v, ramped) = ([0.02, 0.02, 0.01], 4e-3, 0.2, 10.0, 0.2e-3);
     let whole = STEEL.rho * size.iter().product::<f64>();
@@ -153,7 +154,7 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
                 (push.mean_force(t, t + window) / force - 1.0).powi(2)
             });
             let rms = (off.sum::<f64>() / count as f64).sqrt();
-            let row = Row::new(
+            let row = CheckRow::new(
                 "swing of the normal force, rms over an eighth of a facet",
                 &variant,
                 "",
@@ -164,17 +165,17 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
             } else {
                 ""
             }));
-            let row = Row::new("largest velocity aside / v", &variant, "", aside / v);
+            let row = CheckRow::new("largest velocity aside / v", &variant, "", aside / v);
             all.push(row.at_most(1e-3, "[D] by symmetry"));
             all.push(run.given_row(&variant));
             let last = speed[speed.len() - 1].1;
             if friction > 0.0 {
                 let slow = friction * force / whole;
                 let expected = v - slow * (end - 0.5 * ramped);
-                let row = Row::new("speed at the end", &variant, "m/s", last);
+                let row = CheckRow::new("speed at the end", &variant, "m/s", last);
                 all.push(row.near(expected, 0.005, "[D] v - mu N t/m; tolerance of A07"));
             } else {
-                let row = Row::new(
+                let row = CheckRow::new(
                     "loss of speed over 50 facets / v",
                     &variant,
                     "",
@@ -187,7 +188,7 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
+fn edge(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (v, g, reach, dt) = (10.0, 1e4, 0.02, 1e-6);
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -220,7 +221,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{}, 1 g at 10 m/s", law.name);
         let beyond = (last - reach) / (v * step);
-        let row = Row::new(
+        let row = CheckRow::new(
             "where contact is last felt beyond the edge / way of a step",
             &variant,
             "",
@@ -228,7 +229,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.push(row.at_most(1.0, CATALOGUE));
         all.push(run.given_row(&variant));
-        let row = Row::new(
+        let row = CheckRow::new(
             "the same / half the contact thickness",
             &variant,
             "",
@@ -236,24 +237,24 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.push(row.reference(1.0, "1 for a round edge, 0 for a square one"));
         all.push(
-            Row::new("largest velocity aside / v", &variant, "", aside / v)
+            CheckRow::new("largest velocity aside / v", &variant, "", aside / v)
                 .at_most(1e-3, "[D] no sideways force; bound of C03"),
         );
         all.push(
-            Row::new("largest change of velocity along / v", &variant, "", along / v)
+            CheckRow::new("largest change of velocity along / v", &variant, "", along / v)
                 .at_most(1e-3, "[D] no force along the plate; bound of C03"),
         );
         let free = (g * run.engine.clock.time).max(1.0);
         let fell = -mean_velocity(&run.engine, &[node], 2);
         all.push(
-            Row::new("falls at the end / g t", &variant, "", fell / free)
+            CheckRow::new("falls at the end / g t", &variant, "", fell / free)
                 .reference(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2 ms"),
         );
     }
     Ok(all)
 }
 
-fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
+fn drum(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const FACETS: usize = 72;
     const POLYGON: &str =
         "[C] rigid block in this polygon, plastic impacts, tests/references/drum.py";
@@ -320,17 +321,19 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                 // as flat can keep all of the energy.
                 let change = (kept - 1.0) / crossed;
                 all.push(
-                    Row::new("energy lost per facet", &variant, "", -change)
+                    CheckRow::new("energy lost per facet", &variant, "", -change)
                         .at_most(0.00661, POLYGON),
                 );
                 all.push(
-                    Row::new("energy won per facet", &variant, "", change).at_most(5e-4, CATALOGUE),
+                    CheckRow::new("energy won per facet", &variant, "", change)
+                        .at_most(5e-4, CATALOGUE),
                 );
-                let row = Row::new("change of energy per facet", &variant, "", change);
+                let row = CheckRow::new("change of energy per facet", &variant, "", change);
                 all.push(row.reference(5e-4, "limit of the catalogue, for a smooth surface"));
             } else {
                 let expected = (-2.0 * friction * angle.abs()).exp();
-                let row = Row::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
+                let row =
+                    CheckRow::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
                 all.push(match law.is_spring() {
                     // The block is thrown off at corners, turns over and flies.
                     true => row.reference(
@@ -345,12 +348,12 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                     ),
                 });
             }
-            let row = Row::new("facets crossed", &variant, "", crossed);
+            let row = CheckRow::new("facets crossed", &variant, "", crossed);
             all.push(row.reference(0.5 * FACETS as f64, "[D] half a turn"));
             all.push(run.given_row(&variant));
             let aside =
                 momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
-            let row = Row::new("momentum along the axis / m v", &variant, "", aside);
+            let row = CheckRow::new("momentum along the axis / m v", &variant, "", aside);
             all.push(if friction > 0.0 {
                 row.reference(0.0, "[D] zero except for the 7 degrees")
             } else {

@@ -2,7 +2,7 @@
 
 use super::laws::Law;
 use super::measure::{contact_force, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
@@ -19,7 +19,7 @@ const RADIUS: f64 = 0.01;
 /// Line load [N/m].
 const LOAD: f64 = 1e6;
 
-fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
+fn cylinder(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] Hertz, plane strain, at the applied load";
     let stiff = STEEL.e / (1.0 - STEEL.nu * STEEL.nu);
     let width = (4.0 * LOAD * RADIUS / (PI * stiff)).sqrt();
@@ -101,18 +101,19 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             let square = y - slope * x;
             let variant = format!("{}, {cells} cells on the half width", law.name);
             all.push(run.given_row(&variant));
-            all.push(Row::new("force", &variant, "kN/m", 1e-3 * felt).near(
+            all.push(CheckRow::new("force", &variant, "kN/m", 1e-3 * felt).near(
                 1e-3 * LOAD,
                 0.01,
                 "[D] the load",
             ));
-            let half = Row::new(
+            let half = CheckRow::new(
                 "half width of the contact",
                 &variant,
                 "mm",
                 1e3 * (square / -slope).sqrt(),
             );
-            let top = Row::new("largest pressure, fitted", &variant, "GPa", 1e-9 * square.sqrt());
+            let top =
+                CheckRow::new("largest pressure, fitted", &variant, "GPa", 1e-9 * square.sqrt());
             if cells < 8 {
                 all.push(half.reference(1e3 * width, D));
                 all.push(top.reference(1e-9 * peak, D));

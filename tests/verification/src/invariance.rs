@@ -3,7 +3,7 @@
 
 use super::bench::{Finished, run_watched};
 use super::laws::{Law, is_spring};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
@@ -39,7 +39,7 @@ const TUMBLE: &str = include_str!("../../../cases/tumble/job.toml");
 const SLIDE: &str = include_str!("../../../cases/slide/job.toml");
 const BARS: &str = include_str!("../../../cases/bars/job.toml");
 
-fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
+fn conservation(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for law in bench.laws() {
         for friction in [0.0, 0.2] {
@@ -61,14 +61,14 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{law}, friction {friction}, 7 bodies of shells");
             let [p, l] = drifts(&run);
             all.push(
-                Row::new("change of linear momentum / sum of sizes", &variant, "", p)
+                CheckRow::new("change of linear momentum / sum of sizes", &variant, "", p)
                     .at_most(1e-10, "limit of the catalogue"),
             );
             all.push(
-                Row::new("change of angular momentum / its size", &variant, "", l)
+                CheckRow::new("change of angular momentum / its size", &variant, "", l)
                     .at_most(1e-10, "limit of the catalogue"),
             );
-            let work = Row::new(
+            let work = CheckRow::new(
                 "contact work / energy at the start",
                 &variant,
                 "",
@@ -81,7 +81,7 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
                 false => work.at_most(0.0, "[D] contact gives no energy"),
             });
             all.push(
-                Row::new(
+                CheckRow::new(
                     "friction work given back / energy at the start",
                     &variant,
                     "",
@@ -114,7 +114,7 @@ fn drifts(run: &Finished) -> [f64; 2] {
     [far(0) / total, far(1) / size(&run.momentum[1])]
 }
 
-fn workers(bench: &Bench) -> Result<Vec<Row>, String> {
+fn workers(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for law in bench.laws() {
         let sets = [format!("contact.law={law}"), "contact.friction=0.2".into()];
@@ -123,27 +123,29 @@ fn workers(bench: &Bench) -> Result<Vec<Row>, String> {
             .map(|(workers, every)| run_side_by_side(&model, workers, 1500, every));
         let digests: BTreeSet<String> = runs.iter().map(|r| r.digest()).collect();
         let variant = format!("{law}, 1, 2, 4 workers, and 3 with boxes cut anew every 50 cycles"); // words: allow
-        all.push(Row::new("different end states", &variant, "", digests.len() as f64).within(
+        all.push(CheckRow::new("different end states", &variant, "", digests.len() as f64).within(
             1.0,
             0.0,
             "[D] the same bits",
         ));
         let unlike = runs.iter().filter(|r| r.pairs != runs[0].pairs).count();
-        all.push(Row::new("runs with other contact pairs", &variant, "", unlike as f64).within(
-            0.0,
-            0.0,
-            "[D] the same pairs",
-        ));
+        all.push(
+            CheckRow::new("runs with other contact pairs", &variant, "", unlike as f64).within(
+                0.0,
+                0.0,
+                "[D] the same pairs",
+            ),
+        );
         let most = runs[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
         all.push(
-            Row::new("most contact pairs of a cycle", &variant, "", most as f64)
+            CheckRow::new("most contact pairs of a cycle", &variant, "", most as f64)
                 .at_least(5.0, "bodies are in contact"),
         );
     }
     Ok(all)
 }
 
-fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
+fn scenes(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for law in bench.laws() {
         for (what, job, sets, cycles) in [
@@ -163,14 +165,14 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
                 runs.map(|(workers, every)| run_side_by_side(&model, workers, cycles, every));
             let digests: BTreeSet<String> = runs.iter().map(|r| r.digest()).collect();
             let variant = format!("{what}, {law}, 1, 2, 4, 8 workers, and 3 with boxes cut anew"); // words: allow
-            let row = Row::new("different end states", &variant, "", digests.len() as f64);
+            let row = CheckRow::new("different end states", &variant, "", digests.len() as f64);
             all.push(row.within(1.0, 0.0, "[D] the same bits"));
             let unlike = runs.iter().filter(|r| r.pairs != runs[0].pairs).count();
-            let row = Row::new("runs with other contact pairs", &variant, "", unlike as f64);
+            let row = CheckRow::new("runs with other contact pairs", &variant, "", unlike as f64);
             all.push(row.within(0.0, 0.0, "[D] the same pairs"));
             let most = runs[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
             all.push(
-                Row::new("most contact pairs of a cycle", &variant, "", most as f64)
+                CheckRow::new("most contact pairs of a cycle", &variant, "", most as f64)
                     .at_least(1.0, "they are in contact"),
             );
         }
@@ -180,7 +182,7 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Moves ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction,
 /// for 1e5 steps.
-fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
+fn closed_box(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const EACH: usize = 10;
     let (room, side, thickness) = (0.07, 0.01, 1e-3);
     let mut all = Vec::new();
@@ -242,12 +244,16 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         let off =
             (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
         let off = if run.trouble { f64::INFINITY } else { off / sizes };
-        let row =
-            Row::new("change of momentum less the impulse of the box / m v", &variant, "", off);
+        let row = CheckRow::new(
+            "change of momentum less the impulse of the box / m v",
+            &variant,
+            "",
+            off,
+        );
         all.push(row.at_most(1e-10, "limit of the catalogue"));
         let energies = &run.energies;
         let kept = (energies.kinetic + energies.internal + energies.hourglass) / run.initial;
-        let row = Row::new("energy at the end / at the start", &variant, "", kept);
+        let row = CheckRow::new("energy at the end / at the start", &variant, "", kept);
         let keeps = law.is_spring() && how.is_empty();
         all.push(match keeps {
             // The walls take their share of the energy of nodes that hit them; the ledger books
@@ -256,18 +262,18 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
             false => row.at_most(1.0, "limit of the catalogue: never grows"),
         });
         let gained = energies.contact / run.initial;
-        let row = Row::new("work of contact / energy at the start", &variant, "", gained);
+        let row = CheckRow::new("work of contact / energy at the start", &variant, "", gained);
         all.push(match keeps {
             true => row.within(0.0, 5e-3, "limit of the catalogue").known(GAINS),
             false => row.at_most(0.0, "limit of the catalogue: never grows"),
         });
         let drift = energies.balance(run.initial).abs() / run.initial;
         all.push(
-            Row::new("energy not accounted for at the end", &variant, "", drift)
+            CheckRow::new("energy not accounted for at the end", &variant, "", drift)
                 .at_most(5e-3, "limit of the catalogue"),
         );
         all.push(
-            Row::new("cycles in contact", &variant, "", hit as f64)
+            CheckRow::new("cycles in contact", &variant, "", hit as f64)
                 .at_least(100.0, "bodies are in contact"),
         );
     }

@@ -3,7 +3,7 @@
 
 use super::bars::BAR;
 use super::measure::{mass, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
@@ -20,7 +20,7 @@ pub const WELD: Check =
 /// Sends a pulse of half a sine, a fifth of a bar long, through the joint of two bars. The bars
 /// are of cubes, end to end, 2 N cells along; the second bar has `across` cells each way, and
 /// its end is tied to the first one.
-fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
+fn wave(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 50;
     const D: &str = "[D] the bar continues unchanged behind the joint: no reflection";
     let (length, stress) = (1.0, 1e6);
@@ -57,14 +57,14 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
             |nodes: &[u32]| mass(&run.engine, nodes) * mean_velocity(&run.engine, nodes, 0);
         let variant = format!("tied bars, {mesh}");
         // The masters carry the mass of the nodes tied to them; the pulse is far from there.
-        let back = Row::new(
+        let back = CheckRow::new(
             "momentum that came back / impulse",
             &variant,
             "",
             momentum_of(one.all()) / given,
         );
         all.push(back.within(0.0, 0.01, D));
-        let through = Row::new(
+        let through = CheckRow::new(
             "momentum that went through / impulse",
             &variant,
             "",
@@ -77,7 +77,7 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 /// Throws and turns a small plate that is tied at a distance to a larger one.
-fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
+fn flight(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const EXACT: &str = "exact; round-off of some thousand steps";
     let mut all = Vec::new();
     for (offset, keys) in [
@@ -103,11 +103,11 @@ fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
             |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
         let size = |k: usize| run.momentum[k].iter().map(|c| c * c).sum::<f64>().sqrt();
         all.push(
-            Row::new("change of momentum / its size", &variant, "", far(0) / size(0))
+            CheckRow::new("change of momentum / its size", &variant, "", far(0) / size(0))
                 .at_most(1e-10, EXACT),
         );
         all.push(
-            Row::new("change of angular momentum / its size", &variant, "", far(1) / size(1))
+            CheckRow::new("change of angular momentum / its size", &variant, "", far(1) / size(1))
                 .at_most(1e-10, EXACT),
         );
         all.push(run.closing_row(&variant, 1e-3));
@@ -116,7 +116,7 @@ fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 /// Pulls a weld between a held node and one with a constant prescribed velocity.
-fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
+fn weld(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] elastic energy at the force that breaks the weld";
     // A stud of 10 mm; it is slow compared with its waves, so that the force is uniform.
     let (length, side, speed) = (0.01f64, 5e-3f64, 0.05);
@@ -160,17 +160,17 @@ fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("weld 5 by 5 by 10 mm, {how}");
         let stored = 0.5 * breaks * breaks * (along * c * c + across * s * s);
-        all.push(Row::new("way at which it breaks", &variant, "um", 1e6 * broke).near(
+        all.push(CheckRow::new("way at which it breaks", &variant, "um", 1e6 * broke).near(
             1e6 * breaks,
             0.01,
             "[D] (N/N0)^2 + (V/V0)^2 = 1",
         ));
         all.push(
-            Row::new("energy taken by it", &variant, "J", run.energies.internal)
+            CheckRow::new("energy taken by it", &variant, "J", run.energies.internal)
                 .near(stored, 0.02, D),
         );
         let led = run.energies.external / stored;
-        all.push(Row::new("work of the motion / the same", &variant, "", led).near(
+        all.push(CheckRow::new("work of the motion / the same", &variant, "", led).near(
             1.0,
             0.02,
             "[D] a broken weld carries no force",

@@ -38,14 +38,14 @@ mod report;
 mod ridges;
 mod rigid;
 pub mod row;
-mod scene;
+pub mod scene;
 mod sections;
 mod sheets;
 mod sliding;
 mod solid_bars;
 mod solid_cells;
 mod solid_patches;
-mod solids;
+pub mod solids;
 mod stability;
 mod stacks;
 mod steps;
@@ -54,7 +54,7 @@ mod walls;
 
 pub use bench::Bench;
 pub use catalogue::CATALOGUE;
-pub use row::Row;
+pub use row::CheckRow;
 
 use crumple::cli::VerifyArgs;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -89,7 +89,7 @@ pub struct Check {
     /// True if it takes at most a second or two: a test then runs it too.
     pub quick: bool,
     /// Function that runs the check; an error gives the reason why there is nothing to compare.
-    pub run: fn(&Bench) -> Result<Vec<Row>, String>,
+    pub run: fn(&Bench) -> Result<Vec<CheckRow>, String>,
 }
 
 /// Result of a check.
@@ -99,13 +99,13 @@ pub struct Outcome {
     /// Name of the check.
     pub name: &'static str,
     /// Rows, or the reason why there are none.
-    pub rows: Result<Vec<Row>, String>,
+    pub rows: Result<Vec<CheckRow>, String>,
 }
 
 impl Outcome {
     /// Returns true if all rows are within their tolerances.
     pub fn passes(&self) -> bool {
-        self.rows.as_ref().is_ok_and(|rows| rows.iter().all(Row::passes))
+        self.rows.as_ref().is_ok_and(|rows| rows.iter().all(CheckRow::passes))
     }
 }
 
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn rows_with_equal_keys_are_refused() {
-        let row = |quantity: &str| Row::new(quantity, "lagrange", "", 1.0);
+        let row = |quantity: &str| CheckRow::new(quantity, "lagrange", "", 1.0);
         let outcome = |id, quantities: &[&str]| Outcome {
             id,
             name: "x",

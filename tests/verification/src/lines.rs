@@ -2,7 +2,7 @@
 
 use super::bars::BAR;
 use super::measure::{Crossings, displacement};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::Scene;
 use super::{Bench, Check};
 use std::f64::consts::TAU;
@@ -34,7 +34,7 @@ fn cantilever(scene: &mut Scene, n: usize, keys: &str) -> Vec<u32> {
     nodes
 }
 
-fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
+fn swing(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     // The static shape under a force at the tip is close to the first mode but not orthogonal to
     // any other: means over four periods.
@@ -57,7 +57,7 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
             crossings.add_sample(e.clock.time, displacement(e, nodes[n])[2]);
         })?;
         let variant = format!("{n} beams");
-        let row = Row::new("cantilever, frequency 1", &variant, "Hz", crossings.frequency());
+        let row = CheckRow::new("cantilever, frequency 1", &variant, "Hz", crossings.frequency());
         // Lumped masses: second order in the mesh.
         const D: &str = "[D] Euler-Bernoulli, catalogue A15";
         all.push(if n == 20 { row.near(f, 0.01, D) } else { row.reference(f, D) });
@@ -68,7 +68,7 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Prescribes a slow downward motion of the tip: beyond the elastic limit the moment at the root
 /// is that of a plastic hinge.
-fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
+fn hinge(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 20;
     let [length, width, depth] = SIZE;
     let yield_stress = 250e6;
@@ -112,19 +112,24 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
     let middle = 0.5 * (from.0 + until.0);
     let arm = length - 0.6 * middle * middle / length;
     let mut rows = vec![
-        Row::new("force at the tip / (plastic moment / arm)", &variant, "", force * arm / moment)
-            .near(
-                1.0,
-                0.05,
-                "[D] sigma_y b h^2/4; the one point of an element yields half an element from the \
+        CheckRow::new(
+            "force at the tip / (plastic moment / arm)",
+            &variant,
+            "",
+            force * arm / moment,
+        )
+        .near(
+            1.0,
+            0.05,
+            "[D] sigma_y b h^2/4; the one point of an element yields half an element from the \
                  root",
-            ),
+        ),
     ];
     rows.push(run.closing_row(&variant, 1e-3));
     Ok(rows)
 }
 
-fn oscillator(bench: &Bench) -> Result<Vec<Row>, String> {
+fn oscillator(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] damped oscillator";
     let (k, m, v) = (1e6f64, 1.0f64, 1.0f64);
     let w = (k / m).sqrt();
@@ -156,15 +161,19 @@ fn oscillator(bench: &Bench) -> Result<Vec<Row>, String> {
             }
         })?;
         let variant = format!("{share} of critical damping");
-        let row = Row::new("frequency", &variant, "Hz", crossings.frequency());
+        let row = CheckRow::new("frequency", &variant, "Hz", crossings.frequency());
         all.push(row.near(free / TAU, 1e-3, D));
         let decrement = TAU * share / (1.0 - share * share).sqrt();
-        let row = Row::new("peak / the one before", &variant, "", largest.1 / largest.0);
+        let row = CheckRow::new("peak / the one before", &variant, "", largest.1 / largest.0);
         all.push(row.near((-decrement).exp(), 0.01, D));
         let peak = v / w
             * (-share / (1.0 - share * share).sqrt() * (1.0 - share * share).sqrt().atan2(share))
                 .exp();
-        all.push(Row::new("first peak", &variant, "mm", 1e3 * largest.0).near(1e3 * peak, 2e-3, D));
+        all.push(CheckRow::new("first peak", &variant, "mm", 1e3 * largest.0).near(
+            1e3 * peak,
+            2e-3,
+            D,
+        ));
         all.push(run.closing_row(&variant, 1e-2));
     }
     Ok(all)

@@ -1,7 +1,7 @@
 //! A27, A26 (c): plasticity of a single shell or cube along strain paths with a known result.
 
 use super::measure::{fields, lead};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
@@ -138,7 +138,7 @@ impl Uniaxial {
     }
 }
 
-fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
+fn uniaxial(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for body in Body::ALL {
         let mut path = Uniaxial::new();
@@ -162,27 +162,32 @@ fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
         let plastic = (STEEL.e * strain[0] - YIELD) / (STEEL.e + MODULUS);
         let variant = format!("j2, {}, 20000 steps", body.name());
         all.push(
-            Row::new("uniaxial stress at a strain of 5 %", &variant, "MPa", 1e-6 * f.stress[0])
-                .near(1e-6 * (YIELD + MODULUS * plastic), 1e-6, "[D] 298.58 MPa at 0.05"),
+            CheckRow::new(
+                "uniaxial stress at a strain of 5 %",
+                &variant,
+                "MPa",
+                1e-6 * f.stress[0],
+            )
+            .near(1e-6 * (YIELD + MODULUS * plastic), 1e-6, "[D] 298.58 MPa at 0.05"),
         );
-        all.push(Row::new("plastic strain there", &variant, "", f.plastic_strain).near(
+        all.push(CheckRow::new("plastic strain there", &variant, "", f.plastic_strain).near(
             plastic,
             1e-6,
             "[D] 0.04858 at 0.05",
         ));
         all.push(
-            Row::new("largest distance from the yield surface / sigma_y", &variant, "", worst)
+            CheckRow::new("largest distance from the yield surface / sigma_y", &variant, "", worst)
                 .at_most(1e-8, "limit of the catalogue"),
         );
         if body == Body::Shell {
-            let row = Row::new("largest normal stress / sigma_y", &variant, "", normal);
+            let row = CheckRow::new("largest normal stress / sigma_y", &variant, "", normal);
             all.push(row.at_most(1e-8, "limit of the catalogue"));
         }
     }
     Ok(all)
 }
 
-fn paths(bench: &Bench) -> Result<Vec<Row>, String> {
+fn paths(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for body in Body::ALL {
         let variant = format!("perfect j2, {}, 2000 steps", body.name());
@@ -195,7 +200,7 @@ fn paths(bench: &Bench) -> Result<Vec<Row>, String> {
         };
         let shear = end("pure shear", [0.02, -0.02, 0.0])?;
         let sheared = 0.5 * (shear.stress[0] - shear.stress[1]);
-        all.push(Row::new("yield in pure shear", &variant, "MPa", mpa * sheared).near(
+        all.push(CheckRow::new("yield in pure shear", &variant, "MPa", mpa * sheared).near(
             mpa * YIELD / 3f64.sqrt(),
             1e-6,
             "[D] sigma_y / sqrt 3",
@@ -215,26 +220,30 @@ fn paths(bench: &Bench) -> Result<Vec<Row>, String> {
         let (from, to) = (seen[seen.len() * 6 / 10], seen[seen.len() - 1]);
         let slope = (to.1 - from.1) / (to.0 - from.0);
         all.push(
-            Row::new("yield in equibiaxial tension", &variant, "MPa", mpa * both.stress[0]).near(
-                mpa * YIELD,
-                1e-6,
-                "[D] sigma_y",
-            ),
+            CheckRow::new("yield in equibiaxial tension", &variant, "MPa", mpa * both.stress[0])
+                .near(mpa * YIELD, 1e-6, "[D] sigma_y"),
         );
         all.push(
-            Row::new("tension with the width held, at 5 %", &variant, "MPa", mpa * held.stress[0])
-                .near(mpa * 2.0 * YIELD / 3f64.sqrt(), 1e-6, "[D] 2 sigma_y / sqrt 3"),
+            CheckRow::new(
+                "tension with the width held, at 5 %",
+                &variant,
+                "MPa",
+                mpa * held.stress[0],
+            )
+            .near(mpa * 2.0 * YIELD / 3f64.sqrt(), 1e-6, "[D] 2 sigma_y / sqrt 3"),
         );
-        all.push(Row::new("slope of equibiaxial unloading", &variant, "GPa", 1e-9 * slope).near(
-            1e-9 * STEEL.e / (1.0 - STEEL.nu),
-            1e-6,
-            "[D] E/(1-nu)",
-        ));
+        all.push(
+            CheckRow::new("slope of equibiaxial unloading", &variant, "GPa", 1e-9 * slope).near(
+                1e-9 * STEEL.e / (1.0 - STEEL.nu),
+                1e-6,
+                "[D] E/(1-nu)",
+            ),
+        );
     }
     Ok(all)
 }
 
-fn cyclic(bench: &Bench) -> Result<Vec<Row>, String> {
+fn cyclic(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const SWING: f64 = 0.02;
     let mut all = Vec::new();
     for body in Body::ALL {
@@ -269,14 +278,18 @@ fn cyclic(bench: &Bench) -> Result<Vec<Row>, String> {
                 (STEEL.e * way.abs() - stress - (YIELD + MODULUS * plastic)) / (STEEL.e + MODULUS);
             (plastic, from) = (plastic + flow, *strain);
             stress = YIELD + MODULUS * plastic;
-            let row =
-                Row::new(format!("stress at turn {number}"), &variant, "MPa", 1e-6 * f.stress[0]);
+            let row = CheckRow::new(
+                format!("stress at turn {number}"),
+                &variant,
+                "MPa",
+                1e-6 * f.stress[0],
+            );
             all.push(row.near(
                 1e-6 * way.signum() * stress,
                 1e-6,
                 "[D] sigma_y + E_p times the plastic strain so far",
             ));
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("plastic strain at turn {number}"),
                 &variant,
                 "",
@@ -295,7 +308,7 @@ const N: f64 = 0.168;
 const C: f64 = 0.0089;
 const M: f64 = 1.1;
 
-fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
+fn johnson_cook(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (cold, melting, heat, share) = (20.0, 1540.0, 460.0, 0.9);
     let mut all = Vec::new();
     for (hot, body) in
@@ -344,7 +357,7 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
             t += step * warms(p + 0.5 * step, half);
         }
         let variant = format!("{}, {how}, 20000 steps", body.name());
-        let row = Row::new(
+        let row = CheckRow::new(
             "flow stress at a shear strain of 0.4",
             &variant,
             "MPa",
@@ -359,7 +372,7 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         ));
         let elastic =
             2.0 / 3f64.sqrt() * along - expected / (3.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)));
-        let row = Row::new("plastic strain there", &variant, "", last.plastic_strain);
+        let row = CheckRow::new("plastic strain there", &variant, "", last.plastic_strain);
         all.push(row.near(elastic, 1e-4, "[D] strain less sigma/3G, one step before the end"));
     }
     Ok(all)
@@ -367,7 +380,7 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Compares the yield stress over the static one at two rates, a decade apart, in plane stress
 /// and in three dimensions.
-fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
+fn rates(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const SYMONDS: [f64; 2] = [40.0, 5.0];
     const ALONG: f64 = 0.1;
     let j2 = |scene: &mut Scene| {
@@ -408,7 +421,8 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
             )?;
             let rate = 2.0 / 3f64.sqrt() * ALONG / end;
             let variant = format!("{law}, {}, {rate:.0}/s", body.name());
-            let row = Row::new("flow stress in pure shear", &variant, "MPa", 1e-6 * last.von_mises);
+            let row =
+                CheckRow::new("flow stress in pure shear", &variant, "MPa", 1e-6 * last.von_mises);
             all.push(row.near(1e-6 * stress(last.plastic_strain, rate), 1e-6, source));
             if body == Body::Cube {
                 continue;
@@ -422,14 +436,14 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
             // Flow without change of volume has the rate of the axial strain; the elastic part
             // of the rate decreases with E_p/E.
             let variant = format!("{law}, {}, {:.0}/s", body.name(), ALONG / end);
-            let row = Row::new("uniaxial stress", &variant, "MPa", 1e-6 * last.stress[0]);
+            let row = CheckRow::new("uniaxial stress", &variant, "MPa", 1e-6 * last.stress[0]);
             all.push(row.near(1e-6 * stress(last.plastic_strain, ALONG / end), 1e-4, source));
         }
     }
     Ok(all)
 }
 
-fn squashed(bench: &Bench) -> Result<Vec<Row>, String> {
+fn squashed(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let yield_stress = 800e6;
     let law = |scene: &mut Scene| scene.plastic("metal", STEEL, yield_stress, 0.0);
     let half = 2f64.ln();
@@ -447,9 +461,9 @@ fn squashed(bench: &Bench) -> Result<Vec<Row>, String> {
     )?;
     let variant = "perfect j2, hexahedron, to half the height in 20000 steps";
     Ok(vec![
-        Row::new("largest pressure / sigma_y", variant, "", pressure)
+        CheckRow::new("largest pressure / sigma_y", variant, "", pressure)
             .at_most(1e-9, "limit of the catalogue [V:S14]"),
-        Row::new("sigma_zz", variant, "MPa", 1e-6 * last.stress[2]).near(
+        CheckRow::new("sigma_zz", variant, "MPa", 1e-6 * last.stress[2]).near(
             -1e-6 * yield_stress / 3f64.sqrt(),
             1e-6,
             "[V:S14] -461.88 MPa; tolerance of A27",

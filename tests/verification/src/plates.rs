@@ -2,7 +2,7 @@
 
 use super::bench::Finished;
 use super::measure::{displacement, fields};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Scene};
 use super::solids::Weld;
 use super::{Bench, Check};
@@ -60,13 +60,13 @@ fn loaded(bench: &Bench, element: &str, n: usize, plastic: bool) -> Result<Swing
     Ok(Swing { seen, run })
 }
 
-fn plate(bench: &Bench) -> Result<Vec<Row>, String> {
+fn plate(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = of_mesh(bench, 4, [5.64, f64::NAN, f64::NAN], [7.55, 0.770, 5.02])?;
     all.extend(of_mesh(bench, 8, [5.59, f64::NAN, f64::NAN], [7.64, 0.746, 5.17])?);
     Ok(all)
 }
 
-fn fine_plate(bench: &Bench) -> Result<Vec<Row>, String> {
+fn fine_plate(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     of_mesh(bench, 16, [5.58, 0.515, -0.05], [7.58, 0.745, 5.13])
 }
 
@@ -84,7 +84,7 @@ fn of_mesh(
     n: usize,
     elastic: [f64; 3],
     plastic: [f64; 3],
-) -> Result<Vec<Row>, String> {
+) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for element in FORMULATIONS {
         // The numbers are those of Belytschko-Tsay on the same mesh. Another element is compared
@@ -99,7 +99,7 @@ fn of_mesh(
         };
         for (known, yields) in [(elastic, false), (plastic, true)] {
             let source = sources[usize::from(yields)];
-            let close = |row: Row, known: f64| match own || n == 16 {
+            let close = |row: CheckRow, known: f64| match own || n == 16 {
                 true => row.near(known, 0.02, source).known(if own { "" } else { MESH }),
                 false => row.reference(known, source),
             };
@@ -110,27 +110,34 @@ fn of_mesh(
                 "{element}, {n} by {n} on a quarter, {}",
                 if yields { "plastic" } else { "elastic" }
             );
-            all.push(close(Row::new("largest deflection", &variant, "mm", 1e3 * most), known[0]));
+            all.push(close(
+                CheckRow::new("largest deflection", &variant, "mm", 1e3 * most),
+                known[0],
+            ));
             if known[1].is_finite() {
-                all.push(close(Row::new("time of it", &variant, "ms", 1e3 * when), known[1]));
+                all.push(close(CheckRow::new("time of it", &variant, "ms", 1e3 * when), known[1]));
             }
             if yields {
                 all.push(close(
-                    Row::new("least deflection after it", &variant, "mm", 1e3 * least),
+                    CheckRow::new("least deflection after it", &variant, "mm", 1e3 * least),
                     known[2],
                 ));
                 let strain =
                     fields(&swing.run.engine).iter().map(|f| f.plastic_strain).fold(0.0, f64::max);
                 all.push(
-                    Row::new("largest plastic strain", &variant, "", strain)
+                    CheckRow::new("largest plastic strain", &variant, "", strain)
                         .reference(0.015, sources[0]),
                 );
             } else if known[2].is_finite() {
-                let row =
-                    Row::new("least deflection after it / largest", &variant, "", least / most);
+                let row = CheckRow::new(
+                    "least deflection after it / largest",
+                    &variant,
+                    "",
+                    least / most,
+                );
                 all.push(row.within(known[2] / known[0], 0.02, source));
                 all.push(
-                    Row::new(
+                    CheckRow::new(
                         "largest deflection",
                         format!("{variant}, linear theory"),
                         "mm",
@@ -142,7 +149,7 @@ fn of_mesh(
             let energies = &swing.run.energies;
             let share = energies.hourglass / energies.internal;
             all.push(
-                Row::new("hourglass energy / internal energy at the end", &variant, "", share)
+                CheckRow::new("hourglass energy / internal energy at the end", &variant, "", share)
                     .at_most(0.02, "limit of the catalogue"),
             );
             all.extend(swing.run.energy_rows(&variant, 1e-2));
@@ -151,7 +158,7 @@ fn of_mesh(
     Ok(all)
 }
 
-fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
+fn modes(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 8;
     let (half, depth, pressure) = (0.127, 0.0127, 2.0684e6);
     let mut all = Vec::new();
@@ -194,7 +201,7 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
             zigzag = zigzag.max(sum.abs() / ((N + 1) * (N + 1)) as f64);
         })?;
         let variant = format!("belytschko_tsay, {N} by {N}, {support}, coefficient {coefficient}");
-        let row = Row::new(
+        let row = CheckRow::new(
             "largest alternating part of the deflection / deflection",
             &variant,
             "",
@@ -205,7 +212,7 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
             let energies = &run.energies;
             let share = energies.hourglass / energies.internal;
             let row =
-                Row::new("hourglass energy / internal energy at the end", &variant, "", share);
+                CheckRow::new("hourglass energy / internal energy at the end", &variant, "", share);
             all.push(match support {
                 "simply supported" => row.at_most(0.02, "limit of the catalogue"),
                 _ => row.reference(0.02, "limit of the catalogue for edges that are held"),
@@ -215,7 +222,7 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn cap(bench: &Bench) -> Result<Vec<Row>, String> {
+fn cap(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (radius, angle, depth, pressure) = (0.56566, 26.67f64.to_radians(), 0.010414, 4.1369e6);
     let mut all = Vec::new();
     for element in FORMULATIONS {
@@ -267,11 +274,11 @@ fn cap(bench: &Bench) -> Result<Vec<Row>, String> {
         ]) {
             let (when, ours) = swing.extremum(window.map(|t| 1e-3 * t), largest);
             all.push(
-                Row::new(format!("extremum {number} of the apex"), &variant, "mm", 1e3 * ours)
+                CheckRow::new(format!("extremum {number} of the apex"), &variant, "mm", 1e3 * ours)
                     .near(value, 0.02, C),
             );
             all.push(
-                Row::new(format!("time of extremum {number}"), &variant, "ms", 1e3 * when)
+                CheckRow::new(format!("time of extremum {number}"), &variant, "ms", 1e3 * when)
                     .near(time, 0.03, C),
             );
         }

@@ -3,7 +3,7 @@
 
 use super::laws::Law;
 use super::measure::fields;
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
@@ -21,7 +21,7 @@ const LOCAL: &str = "nodes press on segments at their own positions: on non-matc
                      pressure is not uniform, as the catalogue expects of node-to-segment contact \
                      (5-30 %)";
 
-fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
+fn patch(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const LAYERS: usize = 2;
     let mut all = Vec::new();
     for law in Law::all() {
@@ -68,14 +68,15 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
             let worst = near.iter().flatten().fold(0.0f64, |m, &s| m.max(off(s)));
             let mean = off(near[0].iter().sum::<f64>() / near[0].len() as f64);
             let variant = format!("{}, {below} by {below} under {above} by {above}", law.name);
-            let row = Row::new("largest |sigma_z/p + 1| at the interface", &variant, "", worst);
+            let row =
+                CheckRow::new("largest |sigma_z/p + 1| at the interface", &variant, "", worst);
             all.push(if below == above || law.by_segments() {
                 row.at_most(1e-6, "exact; 1e-6 for the remaining vibration").known(SWINGS)
             } else {
                 row.at_most(0.05, "catalogue: 1-5 % for weights that share").known(LOCAL)
             });
             all.push(run.given_row(&variant).known(FEW));
-            let resultant = Row::new("error of the resultant / (p A)", &variant, "", mean);
+            let resultant = CheckRow::new("error of the resultant / (p A)", &variant, "", mean);
             all.push(resultant.at_most(1e-6, "limit of the catalogue").known(SWINGS));
         }
     }

@@ -1,6 +1,6 @@
 //! The table of all rows, as Markdown and as JSON.
 
-use super::row::{Row, short};
+use super::row::{CheckRow, short};
 use super::{Entry, Outcome};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -108,7 +108,7 @@ impl Report<'_> {
     }
 }
 
-fn line(id: &str, r: &Row) -> String {
+fn line(id: &str, r: &CheckRow) -> String {
     let with_unit = |x: f64| match (x.is_nan(), r.unit) {
         (true, _) => "-".into(),
         (false, "") => short(x),
@@ -128,7 +128,7 @@ fn line(id: &str, r: &Row) -> String {
 }
 
 fn check(o: &Outcome) -> Value {
-    let row = |r: &Row| {
+    let row = |r: &CheckRow| {
         let mut value = json!(r);
         value["passes"] = json!(r.passes());
         value

@@ -1,7 +1,7 @@
 //! Folds whose ridges collide between nodes (C04).
 
 use super::measure::position;
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 use crumple_worker::contact::geometry::nearest;
@@ -193,7 +193,7 @@ fn compare(
     last: u32,
     touch: f64,
     build: impl Fn(&mut Scene),
-) -> Result<Vec<Row>, String> {
+) -> Result<Vec<CheckRow>, String> {
     const EVERY: u64 = 5;
     const TOUCH: &str = "sum of the half thicknesses; penalty laws penetrate";
     let mut all = Vec::new();
@@ -220,17 +220,18 @@ fn compare(
             .map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
         let created = run.energies.contact / run.initial;
         all.push(
-            Row::new("edges through surfaces, most on the way", &variant, "", through as f64)
+            CheckRow::new("edges through surfaces, most on the way", &variant, "", through as f64)
                 .at_most(0.0, "exact"),
         );
         all.push(
-            Row::new("edges seen in surfaces", &variant, "", crossed as f64).at_most(0.0, "exact"),
+            CheckRow::new("edges seen in surfaces", &variant, "", crossed as f64)
+                .at_most(0.0, "exact"),
         );
-        let row = Row::new("least distance / touching distance", &variant, "", least / touch)
+        let row = CheckRow::new("least distance / touching distance", &variant, "", least / touch)
             .at_least(0.8, TOUCH);
         all.push(row);
         all.push(
-            Row::new("work of contact / energy at the start", &variant, "", created)
+            CheckRow::new("work of contact / energy at the start", &variant, "", created)
                 .at_most(1e-3, "contact gives no energy; limit of the catalogue for part A"),
         );
         all.extend(run.energy_rows(&variant, 0.01));
@@ -240,7 +241,7 @@ fn compare(
 
 /// Collides two roofs, the upper one upside down and free, the lower one on its feet. The ridges
 /// cross between nodes.
-fn roofs(bench: &Bench) -> Result<Vec<Row>, String> {
+fn roofs(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     // Heavy loads flatten the ridges.
     for (angle, slope, load) in
@@ -273,7 +274,7 @@ fn roofs(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Collides joints of shells and solids: a narrow plate on the rims of a T, a ridge on a ridge
 /// with a post, a cage of angles, a ridge on the edge of a solid.
-fn joints(bench: &Bench) -> Result<Vec<Row>, String> {
+fn joints(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let z = 0.5 * (THICKNESS + AIR);
     let roof = |part, at, angle, ridge_up| Roof {
         part,

@@ -3,7 +3,7 @@
 use super::bench::Finished;
 use super::laws::Law;
 use super::measure::{mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 
@@ -22,7 +22,7 @@ fn plate(scene: &mut Scene, reach: f64) {
     scene.fix(plate.all(), "x y z");
 }
 
-fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
+fn fall(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (g, height, m) = (9.81f64, 0.1f64, 1.0f64);
     let side = (m / STEEL.rho).cbrt();
     let (time, speed) = ((2.0 * height / g).sqrt(), (2.0 * g * height).sqrt());
@@ -64,13 +64,13 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{name}, 1 kg");
         let e = after / speed;
-        let rebound = Row::new("restitution", &variant, "", e);
-        all.push(Row::new("time of impact", &variant, "s", touch).near(
+        let rebound = CheckRow::new("restitution", &variant, "", e);
+        all.push(CheckRow::new("time of impact", &variant, "s", touch).near(
             time,
             1e-3,
             "[D] sqrt(2h/g)",
         ));
-        all.push(Row::new("velocity of impact", &variant, "m/s", -fastest).near(
+        all.push(CheckRow::new("velocity of impact", &variant, "m/s", -fastest).near(
             speed,
             1e-3,
             "[D] sqrt(2gh)",
@@ -83,7 +83,7 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(run.given_row(&variant));
         let low = position(&run.engine, cube.at([0; 3]))[2];
         all.push(
-            Row::new("sunk in at the end / side", &variant, "", -low / side)
+            CheckRow::new("sunk in at the end / side", &variant, "", -low / side)
                 .at_most(1e-3, "[D] no penetration"),
         );
     }
@@ -142,7 +142,7 @@ fn thrown(bench: &Bench, name: &str, law: &Law, vt: f64, air: f64) -> Result<Thr
     Ok(Thrown { along, turning, up, run })
 }
 
-fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
+fn oblique(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const RIGID: &str = "[D] rigid Coulomb theory, catalogue A14";
     const SPRINGS: &str =
         "[D] a ball on springs k_t = k_n, tests/references/balls.py; Maw, Barber & Fawcett 1976";
@@ -162,13 +162,14 @@ fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
             };
             let variant = format!("{}, v_t = {vt:.2} v_n, e = {bounce}", law.name);
             all.push(
-                Row::new("tangential velocity after", &variant, "m/s", ball.along)
+                CheckRow::new("tangential velocity after", &variant, "m/s", ball.along)
                     .near(after, 0.02, source),
             );
             all.push(
-                Row::new("spin R after", &variant, "m/s", ball.turning).near(turning, 0.02, source),
+                CheckRow::new("spin R after", &variant, "m/s", ball.turning)
+                    .near(turning, 0.02, source),
             );
-            all.push(Row::new("normal velocity after", &variant, "m/s", ball.up).within(
+            all.push(CheckRow::new("normal velocity after", &variant, "m/s", ball.up).within(
                 bounce * NORMAL,
                 0.02,
                 RIGID,
@@ -190,7 +191,7 @@ fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let variant = format!("{}, v_t = 3 v_n, ten places in a step", law.name);
         for (what, ratio) in [("least", least), ("largest", largest)] {
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("{what} friction impulse / (mu normal impulse)"),
                 &variant,
                 "",

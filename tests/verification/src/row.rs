@@ -20,7 +20,7 @@ pub enum Tolerance {
 
 /// One quantity of a case.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct CheckRow {
     /// Name of the quantity.
     pub quantity: String,
     /// Contact law, element, mesh.
@@ -39,7 +39,7 @@ pub struct Row {
     pub known: &'static str,
 }
 
-impl Row {
+impl CheckRow {
     /// Creates a row without a bound.
     pub fn new(
         quantity: impl Into<String>,
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_row_passes_only_within_its_tolerance() {
-        let row = |ours: f64| Row::new("x", "", "", ours);
+        let row = |ours: f64| CheckRow::new("x", "", "", ours);
         assert!(
             row(101.0).near(100.0, 0.0101, "").passes()
                 && !row(102.0).near(100.0, 0.0101, "").passes()

@@ -1,4 +1,5 @@
-//! Builder of a job: mesh rows by code, the rest as the text of a job file. SI units.
+//! Builder of a job: mesh rows by code, the rest as the text of a job file. Units are SI, unless a
+//! scene has others.
 
 use std::fmt::Write;
 
@@ -37,6 +38,7 @@ impl Elastic {
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     end_time: f64,
+    units: &'static str,
     nodes: Vec<[f64; 3]>,
     shells: Vec<Vec<u32>>,
     solids: Vec<Vec<u32>>,
@@ -93,7 +95,13 @@ impl Grid {
 impl Scene {
     /// Creates an empty scene that runs to `end_time` [s].
     pub fn new(end_time: f64) -> Self {
-        Self { end_time, ..Self::default() }
+        Self { end_time, units: "m, s, kg", ..Self::default() }
+    }
+
+    /// Returns the scene with other units, such as `"mm, ms, kg"`.
+    pub fn in_units(mut self, units: &'static str) -> Self {
+        self.units = units;
+        self
     }
 
     /// Returns the end time [s].
@@ -188,6 +196,11 @@ impl Scene {
         name
     }
 
+    /// Adds a set of nodes with a name.
+    pub fn set_named(&mut self, name: &str, nodes: &[u32]) {
+        self.sets.push((name.to_string(), nodes.to_vec()));
+    }
+
     /// Adds lines of a job file.
     pub fn add(&mut self, keys: &str) {
         self.keys.push_str(keys);
@@ -275,8 +288,8 @@ impl Scene {
     /// Returns the text of the job file.
     pub fn text(&self, title: &str) -> String {
         let mut text = format!(
-            "title = \"{title}\"\nunits = \"m, s, kg\"\nend_time = {:?}\n[mesh]\nnodes = [\n",
-            self.end_time
+            "title = \"{title}\"\nunits = \"{}\"\nend_time = {:?}\n[mesh]\nnodes = [\n",
+            self.units, self.end_time
         );
         // Writing into a string cannot fail.
         for (i, [x, y, z]) in self.nodes.iter().enumerate() {

@@ -2,7 +2,7 @@
 //! (A42).
 
 use super::measure::{Crossings, displacement};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use std::f64::consts::TAU;
@@ -24,7 +24,7 @@ fn plain() -> Elastic {
 /// is twice as thick as the half at the root. With areas A1 at the root and A2, halves of length
 /// a and b = w/c: `tan^2(b a) = A1/A2` (Graff 1975, ch. 2, by continuity of displacement and
 /// force).
-fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
+fn stepped(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 40;
     let (half, thin) = (0.1, 1e-3);
     let angle = 0.5f64.sqrt().atan();
@@ -52,7 +52,7 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
             crossings.add_sample(e.clock.time, displacement(e, grid.at(N, 0))[0]);
         })?;
         let variant = format!("{element}, {N} shells");
-        all.push(Row::new("frequency 1", &variant, "kHz", 1e-3 * crossings.frequency()).near(
+        all.push(CheckRow::new("frequency 1", &variant, "kHz", 1e-3 * crossings.frequency()).near(
             1e-3 * wanted,
             1e-3,
             "[D] tan^2(w a/c) = A1/A2; lumped masses on 20 shells per half",
@@ -65,7 +65,7 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
 /// Pulls a strip along its nodes, at the offset e from its middle, until it is at rest. Its tip
 /// rises by `e (1 - 1/cosh k L)`, `k^2 = F/EI`, and turns by `e k tanh k L`, as a beam under
 /// bending and tension (Timoshenko & Gere 1961, ch. 1).
-fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
+fn pulled(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 10;
     let (length, width, thickness, force) = (0.1, 0.01, 2e-3, 400.0);
     let stiffness = plain().e * width * thickness * thickness * thickness / 12.0;
@@ -92,7 +92,7 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
         let found = displacement(&run.engine, grid.at(N, 0))[2];
         const D: &str = "[D] beam under an eccentric tensile force; one point per element has the \
                          mean curvature";
-        all.push(Row::new("rise of the tip", &variant, "mm", 1e3 * found).near(
+        all.push(CheckRow::new("rise of the tip", &variant, "mm", 1e3 * found).near(
             1e3 * rise,
             0.005,
             D,

@@ -2,7 +2,7 @@
 
 use super::beams::{frequency, pluck};
 use super::measure::fields;
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 use std::f64::consts::PI;
@@ -55,7 +55,7 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
     scene
 }
 
-fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
+fn thinning(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str =
         "[D] plastic flow keeps the volume; the elastic part (1 - 2 nu) p/E is a thousandth";
     let mut all = Vec::new();
@@ -71,7 +71,7 @@ fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
             let now = fields(&run.engine)[0].thickness;
             let variant = format!("{element}, {how}");
             all.push(
-                Row::new("thickness / that at the start", &variant, "", now / THICKNESS).near(
+                CheckRow::new("thickness / that at the start", &variant, "", now / THICKNESS).near(
                     1.0 / thinner,
                     3e-3,
                     D,
@@ -83,7 +83,7 @@ fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
+fn erosion(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] work of a perfectly plastic sheet until it fails, in logarithmic strain; \
                      it stays in the ledger after failure";
     let fails = 0.1;
@@ -103,24 +103,24 @@ fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
         let volume = THICKNESS * SIDE * SIDE;
         let taken = (YIELD * fails + 0.5 * YIELD * YIELD / STEEL.e) * volume;
         let failed = fields(&run.engine).iter().filter(|f| f.failed).count();
-        all.push(Row::new("elements that failed", &variant, "", failed as f64).within(
+        all.push(CheckRow::new("elements that failed", &variant, "", failed as f64).within(
             1.0,
             0.0,
             "[D] all elements",
         ));
         all.push(
-            Row::new("internal energy at the end", &variant, "J", run.energies.internal)
+            CheckRow::new("internal energy at the end", &variant, "J", run.energies.internal)
                 .near(taken, 0.02, D),
         );
         all.push(
-            Row::new("work of the motion, largest", &variant, "J", whole).near(taken, 0.03, D),
+            CheckRow::new("work of the motion, largest", &variant, "J", whole).near(taken, 0.03, D),
         );
         all.push(run.closing_row(&variant, 1e-2));
     }
     Ok(all)
 }
 
-fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
+fn triangles(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let side = 0.2;
     let mut all = Vec::new();
     for (p, q, f) in [(1.0, 1.0, 491.0), (1.0, 2.0, 1224.8)] {
@@ -163,7 +163,7 @@ fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
                 (a.sin() * b.sin(), [p * a.cos() * b.sin(), q * a.sin() * b.cos()])
             });
             let ours = frequency(bench, &format!("A38 {f} {n}"), &scene, &shape, 2)?;
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("frequency ({p:.0},{q:.0})", p = p * side / PI, q = q * side / PI),
                 format!("c0_triangle, {n} by {n} by 2"),
                 "Hz",

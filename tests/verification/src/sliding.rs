@@ -4,7 +4,7 @@
 use super::bench::Finished;
 use super::laws::Law;
 use super::measure::{contact_force, displacement, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::solids::Block;
@@ -104,7 +104,7 @@ fn mass() -> f64 {
     STEEL.rho * SIZE.iter().product::<f64>()
 }
 
-fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
+fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] t = v/a, s = v^2/2a, a = mu N/m; half a ramp of 0.1 ms later";
     let (force, v, ramped) = (400.0, 10.0, 1e-4);
     let a = MU * force / mass();
@@ -150,28 +150,28 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
             if kind == Base::Cubes { "cubes" } else { "shells" }
         );
         all.push(
-            Row::new("time to stop", &variant, "ms", 1e3 * stopped)
+            CheckRow::new("time to stop", &variant, "ms", 1e3 * stopped)
                 .near(1e3 * time, 0.005, D)
                 .known(if control == STIFF { "" } else { FLUTTER }),
         );
-        all.push(Row::new("way to stop", &variant, "mm", 1e3 * way_of(&run)).near(
+        all.push(CheckRow::new("way to stop", &variant, "mm", 1e3 * way_of(&run)).near(
             1e3 * way,
             0.005,
             D,
         ));
         let heat = -run.energies.friction / run.initial;
         all.push(
-            Row::new("friction work / energy at the start", &variant, "", heat)
+            CheckRow::new("friction work / energy at the start", &variant, "", heat)
                 .near(1.0, 0.005, "[D]"),
         );
-        let slow = Row::new("largest velocity after / v", &variant, "", drift / v);
+        let slow = CheckRow::new("largest velocity after / v", &variant, "", drift / v);
         all.push(slow.at_most(1e-3, "limit of the catalogue").known(if law.is_spring() {
             CREEP
         } else {
             ""
         }));
         all.push(
-            Row::new("largest velocity aside / v", &variant, "", aside / v)
+            CheckRow::new("largest velocity aside / v", &variant, "", aside / v)
                 .at_most(1e-3, "[D] by symmetry"),
         );
         all.extend(run.energy_rows(&variant, 1e-3));
@@ -179,7 +179,7 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
+fn heavy(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str =
         "[D] v/(mu g), v^2/(2 mu g), scaled from 9.81 m/s2 and 1 m/s: 0.33979 s, 0.16989 m";
     // Gravity is a thousandfold and the speed five times as high; gravity acts from the start.
@@ -204,8 +204,12 @@ fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             / block.all().len() as f64;
         let variant = format!("{}, gravity, on shells", law.name);
         let (to, on) = (v * 9.81 / g, v * v * 9.81 / g);
-        all.push(Row::new("time to stop", &variant, "s", stopped / to).near(time / to, 0.005, D));
-        all.push(Row::new("way to stop", &variant, "m", slid / on).near(way / on, 0.005, D));
+        all.push(CheckRow::new("time to stop", &variant, "s", stopped / to).near(
+            time / to,
+            0.005,
+            D,
+        ));
+        all.push(CheckRow::new("way to stop", &variant, "m", slid / on).near(way / on, 0.005, D));
         all.extend(run.energy_rows(&variant, 1e-3));
         all.push(run.closing_row(&variant, 1e-3));
     }
@@ -233,7 +237,7 @@ const CYCLES: [Cycle; 5] = [
     Cycle { r: 3.0, slips: 0.9971, fastest: 0.25 * TAU, slid: 10.2233 },
 ];
 
-fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
+fn shaken(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured in the same way in \
                      tests/references/slip.py";
     // Fewer points would make the steps in the base's acceleration noticeable.
@@ -293,13 +297,13 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
             })?;
             let variant = format!("{}, r = {r}", law.name);
             all.push(
-                Row::new("largest velocity / (mu g/w)", &variant, "", most / unit)
+                CheckRow::new("largest velocity / (mu g/w)", &variant, "", most / unit)
                     .near(fastest, 0.02, D),
             );
             all.push(run.given_row(&variant));
             if r < 1.0 {
                 // Stick springs are elastic, so their vibration does not count as slip.
-                let row = Row::new(
+                let row = CheckRow::new(
                     "left behind after a cycle / amplitude",
                     &variant,
                     "",
@@ -312,7 +316,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                     )
                     .known(creep(law)),
                 );
-                let row = Row::new(
+                let row = CheckRow::new(
                     "farthest from its place in a cycle / amplitude",
                     &variant,
                     "",
@@ -322,18 +326,18 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 continue;
             }
             all.push(
-                Row::new("fraction of time in slip", &variant, "", slipping / whole)
+                CheckRow::new("fraction of time in slip", &variant, "", slipping / whole)
                     .within(slips, 0.02, D),
             );
             let slides =
-                Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit);
+                CheckRow::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit);
             all.push(slides.near(slid, 0.02, D));
         }
     }
     Ok(all)
 }
 
-fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
+fn incline(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     // A thousandfold gravity turns seconds into milliseconds.
     let g = 9810.0;
     let (ramped, time) = (0.5e-3, 4e-3);
@@ -361,7 +365,8 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
             if a < 0.0 {
                 let way = displacement(&run.engine, block.at([0, 0, 0]))[0];
                 let free = 0.5 * g * s * time * time;
-                let row = Row::new("creep / way without friction", &variant, "", way.abs() / free);
+                let row =
+                    CheckRow::new("creep / way without friction", &variant, "", way.abs() / free);
                 all.push(
                     row.at_most(1e-4, "[D] must not creep: far below the effect of 1 % of a")
                         .known(creep(law)),
@@ -371,7 +376,7 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
                 let (first, last) = (seen[from], seen[seen.len() - 1]);
                 let ours = (last.1 - first.1) / (last.0 - first.0);
                 let row =
-                    Row::new("acceleration, gravity 9.81 m/s2", &variant, "m/s2", 1e-3 * ours);
+                    CheckRow::new("acceleration, gravity 9.81 m/s2", &variant, "m/s2", 1e-3 * ours);
                 all.push(row.near(1e-3 * a, 0.01, "[D] g (sin - mu cos)"));
             }
         }
@@ -384,7 +389,7 @@ fn creep(law: &Law) -> &'static str {
     if law.is_spring() { CREEP } else { PASSES }
 }
 
-fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
+fn reversal(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const POINTS: usize = 50;
     const CYCLES: usize = 20;
     let (force, period, ramped) = (400.0, 1e-3, 0.2e-3);
@@ -441,7 +446,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{}, 1.5 mu N at 1 kHz", law.name);
         let known = creep(law);
         all.push(
-            Row::new(
+            CheckRow::new(
                 "largest displacement while it should stick / amplitude",
                 &variant,
                 "",
@@ -450,7 +455,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
             .at_most(1e-3, "[D] zero for a stiff block; 1e-3 for its own elasticity")
             .known(known),
         );
-        let row = Row::new(
+        let row = CheckRow::new(
             "turns of the friction force while it should stick",
             &variant,
             "",
@@ -458,7 +463,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.push(row.at_most(1.0, "limit of the catalogue"));
         all.push(
-            Row::new(
+            CheckRow::new(
                 "friction work / mu N way",
                 &variant,
                 "",
@@ -466,7 +471,8 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
             )
             .near(1.0, 0.005, "limit of the catalogue"),
         );
-        let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
+        let given =
+            CheckRow::new("friction work given back / all of it", &variant, "", back / heat);
         // A stick spring returns (mu N)^2/2k at a reversal. With F/k a thousandth of the
         // amplitude, as above, that is a 160th of a thousandth of the work of 20 cycles.
         all.push(match law.is_spring() {
@@ -479,7 +485,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(run.given_row(&variant));
         let drift = (mean(CYCLES - 1) - mean(4)).abs() / amplitude;
         all.push(
-            Row::new("drift from cycle 5 to 20 / amplitude", &variant, "", drift)
+            CheckRow::new("drift from cycle 5 to 20 / amplitude", &variant, "", drift)
                 .at_most(0.01, "limit of the catalogue"),
         );
     }

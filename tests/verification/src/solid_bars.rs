@@ -5,7 +5,7 @@ use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
 use super::laws::Law;
 use super::measure::{Push, displacement, fields, mass, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Scene};
 use super::solids::Block;
 use super::{Bench, Check};
@@ -102,7 +102,7 @@ fn collide(
     })
 }
 
-fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> {
+fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] one-dimensional wave theory; limits of the issue and the catalogue";
     let mut all = Vec::new();
     for law in laws {
@@ -112,11 +112,21 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
             let mesh = if across == 1 { "matching" } else { "non-matching" };
             let variant = format!("{}, {mesh}, {n} cubes", law.name);
             let rows = vec![
-                Row::new("contact duration 2L/c", &variant, "us", 1e6 * (met.span.1 - met.span.0))
-                    .near(386.68, 0.02, D),
-                Row::new("mean interface stress rho c v/2", &variant, "MPa", 1e-6 * met.stress)
-                    .near(203.0, 0.01, D),
-                Row::new(
+                CheckRow::new(
+                    "contact duration 2L/c",
+                    &variant,
+                    "us",
+                    1e6 * (met.span.1 - met.span.0),
+                )
+                .near(386.68, 0.02, D),
+                CheckRow::new(
+                    "mean interface stress rho c v/2",
+                    &variant,
+                    "MPa",
+                    1e-6 * met.stress,
+                )
+                .near(203.0, 0.01, D),
+                CheckRow::new(
                     "change of momentum / m v",
                     &variant,
                     "",
@@ -131,10 +141,15 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
             };
             all.extend(rows.into_iter().map(|r| r.known(known)));
             let after = |b: usize| {
-                Row::new(format!("velocity of bar {} after", b + 1), &variant, "m/s", met.after[b])
+                CheckRow::new(
+                    format!("velocity of bar {} after", b + 1),
+                    &variant,
+                    "m/s",
+                    met.after[b],
+                )
             };
             all.extend((0..2).map(|b| after(b).reference(v[1 - b], "[D] as the mesh is refined")));
-            let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
+            let lost = CheckRow::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match (law.is_spring(), across) {
                 (true, _) => lost.reference(0.0, "[D] a spring returns the energy that it stores"),
                 (false, 1) => stopped(lost, 0.25 / n as f64),
@@ -163,7 +178,7 @@ const CHAINS: [[[[f64; 2]; 3]; 2]; 2] = [
 ];
 const SIZES: [usize; 3] = [20, 50, 100];
 
-fn order(bench: &Bench) -> Result<Vec<Row>, String> {
+fn order(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         for (across, chains) in [1, 3].into_iter().zip(CHAINS) {
@@ -180,13 +195,13 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                     let e = (met.after[1] - met.after[0]) / V;
                     let variant = format!("{}, {mesh}, {n} cubes, safety {safety}", law.name);
                     all.push(
-                        Row::new("restitution", &variant, "", e)
+                        CheckRow::new("restitution", &variant, "", e)
                             .reference(1.0, "[D] 1 as the mesh is refined"),
                     );
                     if !law.is_spring() {
                         let [most, least] = chain.map(|e| 1.0 - e);
                         let (mid, spread) = (0.5 * (most + least), (most - least) / (most + least));
-                        all.push(Row::new("1 - restitution", variant, "", 1.0 - e).near(
+                        all.push(CheckRow::new("1 - restitution", variant, "", 1.0 - e).near(
                             mid,
                             spread + 0.05,
                             CHAIN,
@@ -196,7 +211,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                 }
                 let order = (off[0] / off[2]).ln() / 5f64.ln();
                 let variant = format!("{}, {mesh}, {SIZES:?} cubes, safety {safety}", law.name);
-                let row = Row::new("order of 1 - restitution", variant, "", order);
+                let row = CheckRow::new("order of 1 - restitution", variant, "", order);
                 // The front disperses below the limit, and the remaining oscillation decreases
                 // with N^(-2/3): two chains give the amount.
                 let between = |a: f64, b: f64| ((1.0 - a) / (1.0 - b)).ln() / 5f64.ln();
@@ -220,7 +235,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
+fn uniaxial_strain(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 100;
     const D: &str =
         "[V:S6] set-up, [D] shock and fan in logarithmic strain, tests/references/strain.py";
@@ -248,21 +263,21 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     let variant = "wall, 100 by 10 by 10 cubes";
     let touch = gap / v;
     let span = push.span(0.5 * force, 0.05 * time);
-    let duration = |what: &str| Row::new(what, variant, "us", 1e6 * (span.1 - span.0));
+    let duration = |what: &str| CheckRow::new(what, variant, "us", 1e6 * (span.1 - span.0));
     let mean = push.mean_force(touch + 0.1 * time, touch + 0.9 * time);
-    let force_row = |what: &str| Row::new(what, variant, "MN", 1e-6 * mean);
+    let force_row = |what: &str| CheckRow::new(what, variant, "MN", 1e-6 * mean);
     Ok(run.with_energy(
         variant,
         1e-3,
         vec![
-            Row::new("time of impact", variant, "us", 1e6 * span.0).near(20.0, 0.01, D),
+            CheckRow::new("time of impact", variant, "us", 1e6 * span.0).near(20.0, 0.01, D),
             duration("contact duration").near(68.654, 0.01, D),
             duration("contact duration, 2L/c_d").reference(68.95, LINEAR),
             force_row("mean force").near(1.8644, 0.01, D),
             force_row("mean force, rho c_d v a^2").reference(1.856, LINEAR),
             // The value tends to 1 as the mesh is refined; on a hundred cells the front of the
             // wave keeps some energy as oscillation.
-            Row::new(
+            CheckRow::new(
                 "rebound velocity / v",
                 variant,
                 "",
@@ -283,7 +298,7 @@ fn end_stress(e: &crumple_worker::engine::Engine) -> f64 {
     fields(e).last().map_or(f64::NAN, |f| f.stress[0])
 }
 
-fn step_wave(bench: &Bench) -> Result<Vec<Row>, String> {
+fn step_wave(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 100;
     const D: &str = "[D] one-dimensional wave theory";
     const STRESS: f64 = 100e6;
@@ -319,26 +334,26 @@ fn step_wave(bench: &Bench) -> Result<Vec<Row>, String> {
         let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
         let variant = format!("{N} cubes, safety {safety}");
         let rows = vec![
-            Row::new(
+            CheckRow::new(
                 "mean stress at the fixed end, L/c to 3L/c",
                 &variant,
                 "MPa",
                 1e-6 * mean(&on),
             )
             .near(200.0, 0.005, D),
-            Row::new(
+            CheckRow::new(
                 "mean stress at the fixed end, 3L/c to 5L/c",
                 &variant,
                 "MPa",
                 1e-6 * mean(&off),
             )
             .within(0.0, 1.0, "[D] 0.5 % of 200 MPa"),
-            Row::new("largest displacement of the loaded end", &variant, "mm", 1e3 * deepest)
+            CheckRow::new("largest displacement of the loaded end", &variant, "mm", 1e3 * deepest)
                 .near(0.9524, 0.005, D),
-            Row::new("time of it, 2L/c", &variant, "us", 1e6 * at).near(386.7, 0.01, D),
+            CheckRow::new("time of it, 2L/c", &variant, "us", 1e6 * at).near(386.7, 0.01, D),
         ];
         all.extend(run.with_energy(&variant, 1e-3, rows));
-        let row = Row::new(
+        let row = CheckRow::new(
             "largest ripple at the fixed end / stress of the plateau",
             &variant,
             "",

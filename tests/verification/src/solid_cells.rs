@@ -4,7 +4,7 @@
 use super::bars::BAR;
 use super::beams::{clamped, frequency};
 use super::measure::{Crossings, displacement, fields, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::solids::Block;
@@ -29,7 +29,7 @@ pub const FRONT: Check =
 /// Check of A26 (a), C13, C14.
 pub const CRUSHED: Check = Check { name: "cube pushed through itself", quick: true, run: crushed };
 
-fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
+fn cantilevers(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const C: &str = "[C] eigenvalues of the one-point cube, catalogue A15";
     const TABLE: [(f64, [f64; 3]); 3] = [
         (0.05, [0.470, 0.892, 0.969]),
@@ -62,7 +62,7 @@ fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
             let f = frequency(bench, &format!("A15 cubes {n} kappa {kappa}"), &scene, &shape, 2)?;
             let variant = format!("{n} cubes through the depth, kappa = {kappa}");
             all.push(
-                Row::new("frequency / Euler-Bernoulli", variant, "", f / euler)
+                CheckRow::new("frequency / Euler-Bernoulli", variant, "", f / euler)
                     .near(ratio, 0.005, C),
             );
         }
@@ -70,7 +70,7 @@ fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
+fn stable_step(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let side = 0.01;
     let mut all = Vec::new();
     for (nu, limit) in [(0.0f64, 1.0), (0.3, 0.734), (0.45, 0.616), (0.49, 0.585)] {
@@ -95,7 +95,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
         };
         let unit = bench.model("A23b cube", &scene(1.0))?.first_dt().0 * fast / side;
         let variant = format!("hexahedron, nu = {nu}");
-        all.push(Row::new("our bound on dt c_d/L", &variant, "", unit).near(
+        all.push(CheckRow::new("our bound on dt c_d/L", &variant, "", unit).near(
             limit,
             0.02,
             "[D] sqrt(4 rho L^2/(12 K)) c_d/L",
@@ -115,7 +115,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
                 },
             )?;
             let grows = f64::from(u8::from(grown || run.trouble));
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("grows at {share} of the limit in 1000 steps"),
                 &variant,
                 "",
@@ -127,7 +127,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
+fn pinned(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] modal sum, catalogue A25; amplitude and period of solids scaled by the \
                      table of A15 [C]";
     let (length, depth, load) = (0.2, 0.004, 1e3);
@@ -156,12 +156,12 @@ fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
             }
         })?;
         let variant = format!("hexahedron {form}, {n} through the depth");
-        all.push(Row::new("largest deflection", &variant, "um", 1e6 * w).near(
+        all.push(CheckRow::new("largest deflection", &variant, "um", 1e6 * w).near(
             1e6 * deepest / (ratio * ratio),
             0.02,
             D,
         ));
-        all.push(Row::new("time of it", &variant, "ms", 1e3 * at).near(
+        all.push(CheckRow::new("time of it", &variant, "ms", 1e3 * at).near(
             1e3 * time / ratio,
             0.02,
             D,
@@ -185,17 +185,17 @@ fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
             }
         })?;
         let variant = format!("{element}, {N} along");
-        all.push(Row::new("largest deflection", &variant, "um", 1e6 * w).near(
+        all.push(CheckRow::new("largest deflection", &variant, "um", 1e6 * w).near(
             1e6 * deepest,
             0.02,
             D,
         ));
-        all.push(Row::new("time of it", &variant, "ms", 1e3 * at).near(1e3 * time, 0.02, D));
+        all.push(CheckRow::new("time of it", &variant, "ms", 1e3 * at).near(1e3 * time, 0.02, D));
     }
     Ok(all)
 }
 
-fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
+fn hourglass(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, kappa, v) = (0.01, 0.05f64, 1.0);
     let fast = ((1.0 - 0.3) / (1.3 * 0.4f64)).sqrt() * STEEL.c();
     let omega = (6.0 * kappa).sqrt() * fast / side;
@@ -230,17 +230,17 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("hexahedron {form}, kappa = {kappa}");
         if form == "stiffness" {
             const D: &str = "[D] omega = sqrt(6 kappa) c_d/L";
-            all.push(Row::new("period", &variant, "us", 1e6 / crossings.frequency()).near(
+            all.push(CheckRow::new("period", &variant, "us", 1e6 / crossings.frequency()).near(
                 1e6 * TAU / omega,
                 0.01,
                 D,
             ));
-            all.push(Row::new("amplitude", &variant, "um", 1e6 * most).near(
+            all.push(CheckRow::new("amplitude", &variant, "um", 1e6 * most).near(
                 1e6 * v / omega,
                 0.01,
                 D,
             ));
-            let share = Row::new(
+            let share = CheckRow::new(
                 "largest hourglass energy / kinetic energy at the start",
                 &variant,
                 "",
@@ -248,7 +248,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             all.push(share.near(1.0, 0.01, "[D]"));
         } else {
-            let row = Row::new(
+            let row = CheckRow::new(
                 "largest growth of kinetic energy in a step / at the start",
                 &variant,
                 "",
@@ -279,7 +279,7 @@ fn ring(scene: &mut Scene, [a, b]: [f64; 2], n: usize, pressure: f64, ramp: f64)
     ring
 }
 
-fn plastic_front(bench: &Bench) -> Result<Vec<Row>, String> {
+fn plastic_front(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const EXACT: &str = "[V:S14]; [D] p = (sigma_y/sqrt 3) (1 - c^2/b^2 + 2 ln(c/a))";
     const N: usize = 12;
     let (a, b, yields) = (0.025, 0.05, 800e6);
@@ -311,13 +311,13 @@ fn plastic_front(bench: &Bench) -> Result<Vec<Row>, String> {
             count += 1.0;
         }
         let variant = format!("hexahedron, {N} over the wall, p = {share} p_e");
-        let row = Row::new("radius of the plastic front", &variant, "mm", 1e3 * sum / count);
+        let row = CheckRow::new("radius of the plastic front", &variant, "mm", 1e3 * sum / count);
         all.push(row.near(expected, 0.02, EXACT));
     }
     Ok(all)
 }
 
-fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
+fn cylinder(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const BENDING: &str = "a cell resists a hoop strain that varies over it as in bending, by \
                            E/(1-nu^2). Cells that are exact in bending have this error: a row of \
                            them gives -1.40, -2.10 and -2.14 % with three and -0.21, -0.31 and \
@@ -338,7 +338,7 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
                 let run = bench.watch(&format!("C12 {form} nu {nu} {n}"), &scene, |_| {})?;
                 let u = displacement(&run.engine, ring.at([0, 0, 0]))[0];
                 let variant = format!("hexahedron {form}, nu = {nu}, {n} over the wall");
-                let row = Row::new("u_r(a)", &variant, "um", 1e6 * u);
+                let row = CheckRow::new("u_r(a)", &variant, "um", 1e6 * u);
                 all.push(
                     row.near(expected, 0.01, "[D] Lame; one-point cells below 1 %").known(why),
                 );
@@ -348,7 +348,7 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn crushed(bench: &Bench) -> Result<Vec<Row>, String> {
+fn crushed(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, v) = (0.01, 100.0);
     let mut scene = Scene::new(0.012 / v);
     let cube: Block = scene.block(1, [1; 3], |p| p.map(|x| side * x));
@@ -380,22 +380,23 @@ fn crushed(bench: &Bench) -> Result<Vec<Row>, String> {
         ControlFlow::Continue(())
     })?;
     let variant = "hexahedron, 100 m/s, 10 mm";
-    let mut all: Vec<Row> = marks
+    let mut all: Vec<CheckRow> = marks
         .iter()
         .map(|(at, seen)| {
             let name = format!("stress at height {at} / (lambda + 2 mu) ln J");
-            Row::new(name, variant, "", *seen).near(1.0, 1e-3, "[D] A26 (a)")
+            CheckRow::new(name, variant, "", *seen).near(1.0, 1e-3, "[D] A26 (a)")
         })
         .collect();
     // Mass is conserved: c_d decreases as the root of the height. The stable step of a free cube
     // is 0.734 L/c_d, that of a flat one L/c_d.
-    let ratio = Row::new("step at a tenth of the height / at the start", variant, "", end / first);
+    let ratio =
+        CheckRow::new("step at a tenth of the height / at the start", variant, "", end / first);
     all.push(ratio.near(
         0.1f64.sqrt() / 0.734,
         0.05,
         "[D] C14; the 0.1 of the catalogue neglects that the density grows",
     ));
-    let ended = Row::new(
+    let ended = CheckRow::new(
         "ends in trouble, no number broken before",
         variant,
         "",
@@ -404,7 +405,7 @@ fn crushed(bench: &Bench) -> Result<Vec<Row>, String> {
     all.push(ended.within(1.0, 0.0, "limit of the catalogue"));
     let height = side + displacement(&run.engine, cube.at([0, 0, 1]))[2];
     all.push(
-        Row::new("height where it ends / side", variant, "", height / side)
+        CheckRow::new("height where it ends / side", variant, "", height / side)
             .at_least(-0.01, "[D] at most one step beyond zero height"),
     );
     Ok(all)

@@ -5,7 +5,7 @@
 use super::bars::BAR;
 use super::laws::Law;
 use super::measure::{Push, displacement, drive, fields, lead, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::walls::plastic_shock;
@@ -46,7 +46,7 @@ const INNER: [[f64; 3]; 8] = [
 const FACES: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
 
-fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
+fn patch(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     // So small that the change of shape is below the tolerance.
     let (scale, end) = (1e-6, 0.05);
     let mut all = Vec::new();
@@ -98,7 +98,7 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
         {
             let quantity = format!("patch of solids, {what} stress of the worst element");
             let row =
-                Row::new(quantity, format!("hexahedron {form}"), "Pa", worst(parts, expected));
+                CheckRow::new(quantity, format!("hexahedron {form}"), "Pa", worst(parts, expected));
             all.push(row.near(expected, 1e-8, "[D] MacNeal & Harder, inner nodes of our own"));
         }
     }
@@ -156,7 +156,7 @@ fn led_cube(
     }
 }
 
-fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
+fn turned(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     let largest = |f: &ElementFields| f.stress.iter().fold(f.von_mises, |m, s| m.max(s.abs()));
     for steps in [100.0, 1000.0] {
@@ -178,7 +178,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
         for (w, degrees) in worst.iter().zip([90, 180, 360]) {
             let variant = format!("one cube, {steps} steps a turn");
             let quantity = format!("largest stress / E up to {degrees} degrees");
-            all.push(Row::new(quantity, variant, "", *w).at_most(1e-10, "exact"));
+            all.push(CheckRow::new(quantity, variant, "", *w).at_most(1e-10, "exact"));
         }
     }
     // (b) stretched by 1e-3 in a tenth of the time, then turned about each axis across the stretch.
@@ -199,7 +199,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("one cube, about {}", ["x", "y", "z"][axis]);
         for (w, what) in worst.into_iter().zip(["von Mises stress", "trace"]) {
             let quantity = format!("change of the {what} of a stretched cube that turns");
-            all.push(Row::new(quantity, &variant, "", w).at_most(1e-10, "exact"));
+            all.push(CheckRow::new(quantity, &variant, "", w).at_most(1e-10, "exact"));
         }
     }
     Ok(all)
@@ -249,7 +249,7 @@ fn grows(
     Ok(grown || run.trouble)
 }
 
-fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
+fn rod(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const CUBES: &str = "[D] eigenvalues, catalogue A23";
     let mut all = Vec::new();
     /// Name, cells each way, their sides, material, limit, fractions of it below and above,
@@ -277,7 +277,7 @@ fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
                 share * limit,
                 4000,
             )?;
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("grows at {share} of {limit} L/c_d in 4000 steps"),
                 what,
                 "",
@@ -289,7 +289,7 @@ fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
+fn plastic(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 200;
     let (length, v, yield_stress) = (1.0, 20.0, 200e6);
     let tangent = BAR.e / 100.0;
@@ -319,27 +319,24 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
         &variant,
         1e-3,
         vec![
-            Row::new("stress behind the plastic front", &variant, "MPa", 1e-6 * stress)
+            CheckRow::new("stress behind the plastic front", &variant, "MPa", 1e-6 * stress)
                 .reference(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
-            Row::new("strain behind the plastic front", &variant, "", strain)
+            CheckRow::new("strain behind the plastic front", &variant, "", strain)
                 .reference(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
-            Row::new(
+            CheckRow::new(
                 "stress behind the plastic front, finite strain",
                 &variant,
                 "MPa",
                 1e-6 * stress,
             )
             .near(1e-6 * finite_stress, 0.02, "[D] shock in nominal stress"),
-            Row::new("strain behind the plastic front, finite strain", &variant, "", strain).near(
-                finite_strain,
-                0.02,
-                "[D] shock in nominal stress",
-            ),
+            CheckRow::new("strain behind the plastic front, finite strain", &variant, "", strain)
+                .near(finite_strain, 0.02, "[D] shock in nominal stress"),
         ],
     ))
 }
 
-fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
+fn sunk(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, depth) = (0.01, 1e-4);
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -367,9 +364,10 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
         let (fastest, energy) =
             if run.trouble { (f64::INFINITY, f64::INFINITY) } else { (fastest, energy) };
         all.push(
-            Row::new("largest velocity of a node", &variant, "m/s", fastest).at_most(0.1, LIMIT),
+            CheckRow::new("largest velocity of a node", &variant, "m/s", fastest)
+                .at_most(0.1, LIMIT),
         );
-        all.push(Row::new("largest energy given", &variant, "J", energy).at_most(1e-3, LIMIT));
+        all.push(CheckRow::new("largest energy given", &variant, "J", energy).at_most(1e-3, LIMIT));
     }
     Ok(all)
 }

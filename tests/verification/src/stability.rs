@@ -4,7 +4,7 @@
 use super::bars::BAR;
 use super::laws::UNDAMPED;
 use super::measure::{contact_force, displacement, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::solids::Block;
@@ -110,7 +110,7 @@ fn press(bench: &Bench, name: &str, sprung: &Sprung) -> Result<Came, String> {
     Ok(Came { grew: grew || run.trouble, beta: forces / depths / (BAR.e * SIDE), capped })
 }
 
-fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
+fn spring(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 20;
     let one = |beta: f64| {
         let omega2 = 0.5 * (2.0 + beta) + (1.0 + 0.25 * beta * beta).sqrt();
@@ -145,7 +145,7 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
                 if bounded {
                     measured = came.beta;
                 }
-                let row = Row::new(
+                let row = CheckRow::new(
                     format!("grows at {share} of the limit"),
                     &variant,
                     "",
@@ -157,7 +157,7 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
                     "[D] catalogue A24, closed form for one cube",
                 ));
             }
-            all.push(Row::new("force / depth / (E A/L)", &variant, "", measured).near(
+            all.push(CheckRow::new("force / depth / (E A/L)", &variant, "", measured).near(
                 beta,
                 0.01,
                 "[D] the requested stiffness",
@@ -170,8 +170,13 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("20 cubes on a rod, beta {beta}, capped, safety 0.9");
         let holds = f64::from(u8::from(!came.grew && came.capped));
         all.push(
-            Row::new("stays bounded, and says that it lowers the stiffness", &variant, "", holds)
-                .within(1.0, 0.0, "the code reduces k or dt and reports it"),
+            CheckRow::new(
+                "stays bounded, and says that it lowers the stiffness",
+                &variant,
+                "",
+                holds,
+            )
+            .within(1.0, 0.0, "the code reduces k or dt and reports it"),
         );
     }
     Ok(all)
@@ -189,7 +194,7 @@ fn breathing_step(a: f64, b: f64) -> f64 {
     2.0 / highest.sqrt()
 }
 
-fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
+fn sliver(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 10;
     let (side, thin, thickness, wanted) = (0.1, 1e-5, 1e-3, 0.5e-6);
     let scene = |scaled: bool| {
@@ -222,14 +227,19 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
     let moved = out.iter().map(|&n| displacement(&run.engine, n)[2].abs()).fold(0.0, f64::max);
     let variant = "plate of 100 mm with a shell of 10 mm by 10 um";
     Ok(vec![
-        Row::new("stable step", variant, "ns", 1e9 * natural).near(
+        CheckRow::new("stable step", variant, "ns", 1e9 * natural).near(
             1e9 * breathing_step(side / N as f64, thin),
             0.05,
             BREATHES,
         ),
-        Row::new("stable step with mass scaling", variant, "us", 1e6 * model.first_dt().0 / 0.9)
-            .near(1e6 * wanted, 0.01, "the value in the job"),
-        Row::new(
+        CheckRow::new(
+            "stable step with mass scaling",
+            variant,
+            "us",
+            1e6 * model.first_dt().0 / 0.9,
+        )
+        .near(1e6 * wanted, 0.01, "the value in the job"),
+        CheckRow::new(
             "mass of the sliver, scaled / own",
             variant,
             "",
@@ -240,16 +250,21 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
             0.01,
             "[D] (dt/dt_natural)^2 of our own step, about 1e5",
         ),
-        Row::new("mass added / mass of the plate, with mass_scaling_limit = 1", variant, "", share)
-            .reference(0.01, "limit of the catalogue, or the job is refused"),
-        Row::new(
+        CheckRow::new(
+            "mass added / mass of the plate, with mass_scaling_limit = 1",
+            variant,
+            "",
+            share,
+        )
+        .reference(0.01, "limit of the catalogue, or the job is refused"),
+        CheckRow::new(
             "refused at the default limit, 1 for yes",
             variant,
             "",
             f64::from(u8::from(refused)),
         )
         .near(1.0, 0.01, "limit of the catalogue, or the job is refused"),
-        Row::new(
+        CheckRow::new(
             "largest way of the sliver / way of free flight",
             variant,
             "",

@@ -3,7 +3,7 @@
 
 use super::laws::Law;
 use super::measure::{contact_force, mass, mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Grid, STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::solids::Block;
@@ -51,7 +51,7 @@ fn pressed(law: &Law, [below, above]: [usize; 2], more: &str, end: f64) -> (Scen
     (scene, grids)
 }
 
-fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
+fn plates(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const CATALOGUE: &str = "limit of the catalogue";
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -76,12 +76,12 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             })?;
             let whole = PRESSURE * SIDE * SIDE;
             let resultant = means.iter().sum::<f64>() / samples;
-            all.push(Row::new("resultant", &variant, "kN", 1e-3 * resultant).near(
+            all.push(CheckRow::new("resultant", &variant, "kN", 1e-3 * resultant).near(
                 1e-3 * whole,
                 0.01,
                 CATALOGUE,
             ));
-            let swing = Row::new(
+            let swing = CheckRow::new(
                 "swing of the resultant / resultant",
                 &variant,
                 "",
@@ -95,23 +95,29 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
                 (means[k] / samples / own - 1.0).abs()
             };
             let worst = (0..means.len()).map(off).fold(0.0, f64::max);
-            let row = Row::new("largest |nodal force / p A of the node - 1|", &variant, "", worst);
+            let row =
+                CheckRow::new("largest |nodal force / p A of the node - 1|", &variant, "", worst);
             all.push(row.at_most(if n[0] == m { 0.01 } else { 0.2 }, CATALOGUE));
             all.push(run.given_row(&variant));
             let rest = run.energies.kinetic / run.energies.external.abs();
             all.push(
-                Row::new("kinetic energy / work of the pressure, at the end", &variant, "", rest)
-                    .at_most(
-                        1e-3,
-                        "limit of the catalogue, there over internal energy, which is zero here",
-                    ),
+                CheckRow::new(
+                    "kinetic energy / work of the pressure, at the end",
+                    &variant,
+                    "",
+                    rest,
+                )
+                .at_most(
+                    1e-3,
+                    "limit of the catalogue, there over internal energy, which is zero here",
+                ),
             );
         }
     }
     Ok(all)
 }
 
-fn long(bench: &Bench) -> Result<Vec<Row>, String> {
+fn long(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 4;
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -132,21 +138,26 @@ fn long(bench: &Bench) -> Result<Vec<Row>, String> {
             run.energies.balance(run.initial).abs() / work
         };
         all.push(
-            Row::new("energy not accounted for after 1e5 steps / work", &variant, "", drift)
+            CheckRow::new("energy not accounted for after 1e5 steps / work", &variant, "", drift)
                 .at_most(1e-3, "limit of the catalogue"),
         );
         all.push(run.given_row(&variant));
         // Scale: the speed that the full pressure gives a plate in the time of the ramp.
         let scale = PRESSURE * SIDE * SIDE / mass(&run.engine, grids[1].all()) * 0.3e-3;
         all.push(
-            Row::new("largest speed of a plate afterwards / p A t/m", &variant, "", most / scale)
-                .at_most(1e-3, "[D] at rest; far below the speed from one unbalanced ramp"),
+            CheckRow::new(
+                "largest speed of a plate afterwards / p A t/m",
+                &variant,
+                "",
+                most / scale,
+            )
+            .at_most(1e-3, "[D] at rest; far below the speed from one unbalanced ramp"),
         );
     }
     Ok(all)
 }
 
-fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
+fn foam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, cells, v) = (0.04, 4, 5.0);
     let light = Elastic { e: 1e6, nu: 0.0, rho: 50.0 };
     let time = 2.0 * side / light.c();
@@ -174,7 +185,7 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
             deepest = foot.iter().fold(deepest, |d, &n| d.max(-position(e, n)[2]));
         })?;
         let variant = format!("{}, foam of 1 MPa and 50 kg/m3 at 5 m/s on steel", law.name);
-        let row = Row::new(
+        let row = CheckRow::new(
             "largest penetration / side of a cell",
             &variant,
             "",
@@ -182,8 +193,12 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.push(row.at_most(0.05, "limit of the catalogue"));
         all.extend([run.given_row(&variant), run.hourglass_row(&variant)]);
-        let share =
-            Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
+        let share = CheckRow::new(
+            "rebound / v",
+            &variant,
+            "",
+            mean_velocity(&run.engine, block.all(), 2) / v,
+        );
         all.push(
             share.reference(1.0, "[D] a bar without lateral strain, less the remaining vibration"),
         );
@@ -191,7 +206,7 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
+fn stack(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const BLOCKS: usize = 5;
     let (side, g) = (0.01, 1e4);
     let height = BLOCKS as f64 * side;
@@ -242,12 +257,16 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         for i in 0..BLOCKS {
             let (number, variant) =
                 ((i + 1) as f64, format!("{}, block {} from the top", law.name, i + 1));
-            let row =
-                Row::new("mean force under it / (m g)", &variant, "", sums[i] / samples / weight);
+            let row = CheckRow::new(
+                "mean force under it / (m g)",
+                &variant,
+                "",
+                sums[i] / samples / weight,
+            );
             all.push(row.near(number, 0.01, "[D] i m g; limit of the catalogue"));
             worst = worst.max(0.5 * (most[i] - least[i]) / (number * weight));
         }
-        let swing = Row::new(
+        let swing = CheckRow::new(
             "largest swing of these forces from step to step / themselves",
             law.name,
             "",
@@ -256,14 +275,18 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(swing.at_most(0.01, "limit of the catalogue").known(SWINGS));
         all.push(run.given_row(law.name));
         // Velocity that gravity gives in the period of the column.
-        let row =
-            Row::new("largest speed of a block / (g period)", law.name, "", fastest / (g * period));
+        let row = CheckRow::new(
+            "largest speed of a block / (g period)",
+            law.name,
+            "",
+            fastest / (g * period),
+        );
         all.push(row.at_most(1e-3, "[D] at rest"));
     }
     Ok(all)
 }
 
-fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
+fn corner(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let (side, g) = (0.01, 1e4);
     let period = 4.0 * side / STEEL.c();
     let mut all = Vec::new();
@@ -299,7 +322,7 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         };
         all.push(run.given_row(&variant));
         for (c, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            let row = Row::new(
+            let row = CheckRow::new(
                 format!("reaction of the walls along {axis} / (m g)"),
                 &variant,
                 "",
@@ -307,8 +330,12 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             all.push(row.near(1.0, 0.01, "[D] m g; limit of (b)"));
         }
-        let row =
-            Row::new("largest speed at rest / (g period)", &variant, "", fastest / (g * period));
+        let row = CheckRow::new(
+            "largest speed at rest / (g period)",
+            &variant,
+            "",
+            fastest / (g * period),
+        );
         all.push(row.at_most(1e-3, "[D] zero momentum, no jitter"));
     }
     Ok(all)

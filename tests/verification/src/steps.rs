@@ -3,7 +3,7 @@
 use super::bars::BAR;
 use super::laws::UNDAMPED;
 use super::measure::{displacement, mass, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Grid, Scene};
 use super::{Bench, Check};
 
@@ -39,7 +39,7 @@ fn strip(
     })
 }
 
-fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
+fn scaled(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 40;
     const D: &str = "[D] two identical bars, mirror images of each other";
     let (v, width) = (10.0, LENGTH / 40.0);
@@ -73,14 +73,11 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
         let nodes: Vec<u32> = bars.iter().flat_map(|b| b.all().to_vec()).collect();
         let carried = mass(&run.engine, &nodes) - own;
         all.push(
-            Row::new("step / that without", &variant, "", model.first_dt().0 / 0.9 / natural).near(
-                2.0,
-                0.01,
-                "the value in the job",
-            ),
+            CheckRow::new("step / that without", &variant, "", model.first_dt().0 / 0.9 / natural)
+                .near(2.0, 0.01, "the value in the job"),
         );
         all.push(
-            Row::new(
+            CheckRow::new(
                 "mass said to be added / mass of the nodes beyond their own",
                 &variant,
                 "",
@@ -89,22 +86,23 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
             .near(1.0, 1e-9, "exact"),
         );
         all.push(
-            Row::new("mass added / mass", &variant, "", said / own).at_least(1e-3, "mass is added"),
+            CheckRow::new("mass added / mass", &variant, "", said / own)
+                .at_least(1e-3, "mass is added"),
         );
         let scale = mass(&run.engine, bars[0].all()) * v;
         all.push(
-            Row::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale))
+            CheckRow::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale))
                 .at_most(1e-10, "exact"),
         );
         let after = [0, 1].map(|b| mean_velocity(&run.engine, bars[b].all(), 0));
         // The tolerance covers the oscillation of 40 cells, as for 50 cubes in A01, and the
         // springs of the penalty.
-        all.push(Row::new("velocity of bar 1 after", &variant, "m/s", after[0]).within(
+        all.push(CheckRow::new("velocity of bar 1 after", &variant, "m/s", after[0]).within(
             0.0,
             0.03 * v,
             D,
         ));
-        all.push(Row::new("velocity of bar 2 after", &variant, "m/s", after[1]).within(
+        all.push(CheckRow::new("velocity of bar 2 after", &variant, "m/s", after[1]).within(
             v,
             0.03 * v,
             D,
@@ -116,7 +114,7 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Compares `subcycles` 1 and 4 for a bar whose middle cells are a fifth as long. It is held at
 /// one end, under a step traction at the other, as in A05.
-fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
+fn subcycles(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 60;
     const D: &str = "[D] one-dimensional wave theory; 1 % for the dispersion of the front on 60 \
                      cells, twice as much for the return";
@@ -148,11 +146,16 @@ fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{N} shells, 8 of a fifth, {subcycles} subcycles");
         let peak = 2.0 * stress * LENGTH / BAR.e;
         all.push(
-            Row::new("largest displacement of the end / (2 sigma L/E)", &variant, "", far / peak)
-                .near(1.0, 0.01, D),
+            CheckRow::new(
+                "largest displacement of the end / (2 sigma L/E)",
+                &variant,
+                "",
+                far / peak,
+            )
+            .near(1.0, 0.01, D),
         );
         all.push(
-            Row::new(
+            CheckRow::new(
                 "mean over a period / (sigma L/E)",
                 &variant,
                 "",
@@ -161,20 +164,20 @@ fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
             .near(1.0, 0.01, D),
         );
         all.push(
-            Row::new("return after a period / (2 sigma L/E)", &variant, "", near / peak)
+            CheckRow::new("return after a period / (2 sigma L/E)", &variant, "", near / peak)
                 .within(0.0, 0.02, D),
         );
         // At the end only: earlier the fraction is large while there is hardly any work and the
         // slow elements have not reacted.
         let open = run.energies.balance(run.initial).abs() / run.came_in;
         all.push(
-            Row::new("energy not accounted for at the end", &variant, "", open)
+            CheckRow::new("energy not accounted for at the end", &variant, "", open)
                 .at_most(1e-2, "limit of the catalogue"),
         );
         peaks.push([far / peak, sum / samples / (0.5 * peak)]);
     }
     for (k, what) in ["largest displacement", "mean displacement"].into_iter().enumerate() {
-        let row = Row::new(
+        let row = CheckRow::new(
             format!("{what}, 4 subcycles / 1"),
             format!("{N} shells, 8 of a fifth"),
             "",

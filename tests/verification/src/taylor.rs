@@ -8,7 +8,7 @@
 use super::bench::Finished;
 use super::laws::Law;
 use super::measure::{Push, fields, mass, mean_velocity, position};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
@@ -67,9 +67,9 @@ impl Mushroom {
     }
 
     /// Returns `rows`, followed by those on energy.
-    fn with_energy(self, variant: &str, mut rows: Vec<Row>) -> Vec<Row> {
+    fn with_energy(self, variant: &str, mut rows: Vec<CheckRow>) -> Vec<CheckRow> {
         let share = self.run.energies.hourglass / self.run.energies.internal;
-        let row = Row::new("hourglass energy / internal energy", variant, "", share);
+        let row = CheckRow::new("hourglass energy / internal energy", variant, "", share);
         rows.push(row.at_most(0.05, "limit of the catalogue, 5 to 10 %"));
         rows.extend(self.run.energy_rows(variant, 1e-2));
         let closing = self.run.closing_row(variant, 1e-2);
@@ -118,7 +118,7 @@ fn hit(
     Ok(Mushroom { seen, strain, run })
 }
 
-fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
+fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<CheckRow>, String> {
     const OWN: &str = "[C] axisymmetric one-point code";
     let variant = end.variant(n);
     let m = hit(bench, &format!("B01 {variant}"), (n, end), 227.0, |scene| {
@@ -126,7 +126,7 @@ fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
     })?;
     // The tolerances of the catalogue are for eight cells, and for the foot of the references.
     let gated = n == 8 && end == Foot::Held;
-    let check = |row: Row, reference: f64, tolerance: f64, source: &'static str| {
+    let check = |row: CheckRow, reference: f64, tolerance: f64, source: &'static str| {
         if gated {
             row.near(reference, tolerance, source)
         } else {
@@ -136,25 +136,25 @@ fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
     let [radius, length] = m.at(80e-6);
     let mut all = vec![
         check(
-            Row::new("radius of the foot at 80 us", &variant, "mm", 1e3 * radius),
+            CheckRow::new("radius of the foot at 80 us", &variant, "mm", 1e3 * radius),
             7.22,
             0.015,
             "[V:S2] Foulk et al. 2021",
         ),
         check(
-            Row::new("length at 80 us", &variant, "mm", 1e3 * length),
+            CheckRow::new("length at 80 us", &variant, "mm", 1e3 * length),
             21.43,
             0.005,
             "[V:S2] Sierra/SM, Carina; [C]",
         ),
         check(
-            Row::new("radius of the foot at 12 us", &variant, "mm", 1e3 * m.at(12e-6)[0]),
+            CheckRow::new("radius of the foot at 12 us", &variant, "mm", 1e3 * m.at(12e-6)[0]),
             5.45,
             0.015,
             "[V:S2] Carina",
         ),
         check(
-            Row::new("largest plastic strain", &variant, "", m.strain),
+            CheckRow::new("largest plastic strain", &variant, "", m.strain),
             2.9,
             0.1,
             "[C] 2.6 to 3.1 with the mesh",
@@ -169,17 +169,18 @@ fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
     ] {
         let [radius, length] = m.at(1e-6 * t);
         all.push(
-            Row::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius)
+            CheckRow::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius)
                 .reference(r, OWN),
         );
         all.push(
-            Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).reference(l, OWN),
+            CheckRow::new(format!("length at {t} us"), &variant, "mm", 1e3 * length)
+                .reference(l, OWN),
         );
     }
     Ok(m.with_energy(&variant, all))
 }
 
-fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
+fn johnson_cook(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const S: &str = "[V:S3] DynELA and Abaqus, 4455 elements";
     let mut all = Vec::new();
     for end in [Foot::Held, Foot::Pushed] {
@@ -195,9 +196,13 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let [radius, length] = m.at(80e-6);
         let rows = [
-            (Row::new("length at 80 us", &variant, "mm", 1e3 * length), 26.55, 0.005),
-            (Row::new("diameter of the foot at 80 us", &variant, "mm", 2e3 * radius), 11.22, 0.015),
-            (Row::new("largest plastic strain", &variant, "", m.strain), 1.84, 0.05),
+            (CheckRow::new("length at 80 us", &variant, "mm", 1e3 * length), 26.55, 0.005),
+            (
+                CheckRow::new("diameter of the foot at 80 us", &variant, "mm", 2e3 * radius),
+                11.22,
+                0.015,
+            ),
+            (CheckRow::new("largest plastic strain", &variant, "", m.strain), 1.84, 0.05),
         ];
         let rows = rows.map(|(row, reference, tolerance)| match end {
             Foot::Held => row.near(reference, tolerance, S),
@@ -212,7 +217,7 @@ const SPRINGS: &str = "penalty springs are compliant in addition to the cells, a
 /// Largest force of the reference on A11 [N].
 const FORCE: f64 = 344.8;
 
-fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
+fn ball(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] Hertz, a half space";
     // Hertz neglects that a finite sphere deforms as a whole, an effect of first order in the
     // contact radius over its own radius, here a fifth.
@@ -267,23 +272,23 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
             .fold(0.0, f64::max);
         let variant = format!("{name}, 8 cells on the contact radius");
         let yields = if law.is_some_and(|l| l.is_spring()) { SPRINGS } else { "" };
-        let duration = |what: &str| Row::new(what, &variant, "ms", 1e3 * (span.1 - span.0));
-        let way = |what: &str| Row::new(what, &variant, "mm", 1e3 * (-least - air));
+        let duration = |what: &str| CheckRow::new(what, &variant, "ms", 1e3 * (span.1 - span.0));
+        let way = |what: &str| CheckRow::new(what, &variant, "mm", 1e3 * (-least - air));
         all.extend(run.with_energy(
             &variant,
             1e-3,
             vec![
                     duration("contact duration").near(5.560, 0.02, C),
                     duration("contact duration, of a half space").reference(1e3 * time, D),
-                    Row::new("largest force", &variant, "N", most)
+                    CheckRow::new("largest force", &variant, "N", most)
                         .near(FORCE, 0.03, C)
                         .known(yields),
-                    Row::new("largest force, of a half space", &variant, "N", most)
+                    CheckRow::new("largest force, of a half space", &variant, "N", most)
                         .reference(force, D),
                     way("way of the centre of mass").near(1.9504, 0.03, C),
                     way("way of the centre of mass, of a half space").reference(1e3 * deepest, D),
                     run.hourglass_row(&variant),
-                    Row::new(
+                    CheckRow::new(
                         "rebound / v",
                         &variant,
                         "",

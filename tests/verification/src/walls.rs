@@ -5,7 +5,7 @@ use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
 use super::laws::{UNDAMPED, is_spring};
 use super::measure::{Push, displacement, mass, mean_velocity};
-use super::row::Row;
+use super::row::CheckRow;
 use super::scene::{Elastic, Grid, Scene};
 use super::{Bench, Check};
 
@@ -111,7 +111,7 @@ impl Flight {
     }
 }
 
-fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
+fn truss(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let material = Elastic { e: 200e9, nu: 0.0, rho: 7800.0 };
     let flight = Flight { material, length: 2.0, area: 0.2, velocity: 1.5, gap: 1e-3 };
     const D: &str = "[V:S5] set-up, [D] 2L/(c+v), rho v (c+v) A";
@@ -121,20 +121,20 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("wall, {n} shells");
         // Five or ten elements do not resolve a front: duration and force have bounds on the
         // fine mesh only.
-        let fine = |row: Row, reference| {
+        let fine = |row: CheckRow, reference| {
             if n == 100 { row.near(reference, 0.01, D) } else { row.reference(reference, D) }
         };
-        all.push(fine(Row::new("time of impact", &variant, "us", 1e6 * s.span.0), 666.7));
+        all.push(fine(CheckRow::new("time of impact", &variant, "us", 1e6 * s.span.0), 666.7));
         all.push(fine(
-            Row::new("contact duration", &variant, "us", 1e6 * (s.span.1 - s.span.0)),
+            CheckRow::new("contact duration", &variant, "us", 1e6 * (s.span.1 - s.span.0)),
             1e6 * 4.0 / (material.c() + 1.5),
         ));
-        all.push(fine(Row::new("mean force", &variant, "MN", 1e-6 * s.force), 11.85));
-        all.push(fine(Row::new("rebound velocity", &variant, "m/s", s.rebound), 1.5));
-        all.push(fine(Row::new("impulse 2 rho L A v", &variant, "N s", s.impulse), 9360.0));
+        all.push(fine(CheckRow::new("mean force", &variant, "MN", 1e-6 * s.force), 11.85));
+        all.push(fine(CheckRow::new("rebound velocity", &variant, "m/s", s.rebound), 1.5));
+        all.push(fine(CheckRow::new("impulse 2 rho L A v", &variant, "N s", s.impulse), 9360.0));
         // The manual of [V:S5] gives the loss 1/2N: 10 % with 5 elements, 5 % with 10.
         all.push(stopped(
-            Row::new("energy lost at the wall / E0", &variant, "", s.lost),
+            CheckRow::new("energy lost at the wall / E0", &variant, "", s.lost),
             0.5 / n as f64,
         ));
         all.extend(s.run.energy_rows(&variant, 1e-3));
@@ -150,33 +150,33 @@ const ROD_FLIGHT: Flight = Flight {
     gap: 0.254e-3,
 };
 
-fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
+fn rod(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let s = ROD_FLIGHT.run(bench, "A03c wall 100", 100, Target::Wall)?;
     let variant = "rod at a wall, 100 shells";
     Ok(s.run.with_energy(
         variant,
         1e-3,
         vec![
-            Row::new("time of impact", variant, "us", 1e6 * s.span.0).near(
+            CheckRow::new("time of impact", variant, "us", 1e6 * s.span.0).near(
                 49.46,
                 0.01,
                 "[V:S7] 0.00005 s, [D]",
             ),
-            Row::new("contact duration 2L/c", variant, "us", 1e6 * (s.span.1 - s.span.0))
+            CheckRow::new("contact duration 2L/c", variant, "us", 1e6 * (s.span.1 - s.span.0))
                 .near(98.66, 0.01, "[D]"),
-            Row::new("mean force rho c v A", variant, "kN", 1e-3 * s.force)
+            CheckRow::new("mean force rho c v A", variant, "kN", 1e-3 * s.force)
                 .near(133.1, 0.01, "[D]"),
-            Row::new("rebound velocity", variant, "m/s", s.rebound).near(5.1359, 0.01, "[D]"),
+            CheckRow::new("rebound velocity", variant, "m/s", s.rebound).near(5.1359, 0.01, "[D]"),
             s.run.closing_row(variant, 1e-3),
         ],
     ))
 }
 
-fn targets(bench: &Bench) -> Result<Vec<Row>, String> {
+fn targets(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let f = ROD_FLIGHT;
     let expected = 2.0 * f.material.rho * f.length * f.area * f.velocity;
     let row = |variant: &str, s: &Struck| {
-        Row::new("impulse 2 rho L A v", variant, "N s", s.impulse).near(expected, 0.01, "[D]")
+        CheckRow::new("impulse 2 rho L A v", variant, "N s", s.impulse).near(expected, 0.01, "[D]")
     };
     let mut all = vec![row("wall", &f.run(bench, "A03c wall", 100, Target::Wall)?)];
     for law in bench.laws() {
@@ -188,7 +188,7 @@ fn targets(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
+fn plastic(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 200;
     let (length, v, yield_stress) = (1.0, 20.0, 200e6);
     let tangent = BAR.e / 100.0;
@@ -219,22 +219,19 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
         variant,
         1e-3,
         vec![
-            Row::new("stress behind the plastic front", variant, "MPa", 1e-6 * stress)
+            CheckRow::new("stress behind the plastic front", variant, "MPa", 1e-6 * stress)
                 .reference(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
-            Row::new("strain behind the plastic front", variant, "", strain)
+            CheckRow::new("strain behind the plastic front", variant, "", strain)
                 .reference(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
-            Row::new(
+            CheckRow::new(
                 "stress behind the plastic front, finite strain",
                 variant,
                 "MPa",
                 1e-6 * stress,
             )
             .near(1e-6 * finite_stress, 0.02, "[D] shock in nominal stress"),
-            Row::new("strain behind the plastic front, finite strain", variant, "", strain).near(
-                finite_strain,
-                0.02,
-                "[D] shock in nominal stress",
-            ),
+            CheckRow::new("strain behind the plastic front, finite strain", variant, "", strain)
+                .near(finite_strain, 0.02, "[D] shock in nominal stress"),
         ],
     ))
 }

@@ -23,14 +23,14 @@ use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
-pub use shape::Surface;
+pub use shape::WallSurface;
 
 /// One wall.
 #[derive(Debug)]
 pub struct Wall {
     job: WallJob,
     /// Surface at the present time.
-    pub surface: Surface,
+    pub surface: WallSurface,
     /// Coulomb friction coefficient.
     pub friction: f64,
     drive: Drive,
@@ -44,7 +44,7 @@ pub struct Wall {
 /// State of a wall, equal on all workers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WallState {
-    surface: Surface,
+    surface: WallSurface,
     last: V3,
     next: V3,
     /// Position at the end of the step of a prescribed motion [length].
@@ -108,13 +108,31 @@ impl Walls {
 
     /// Returns the states of all walls.
     pub fn state(&self) -> Vec<WallState> {
+        // A new field is an error here: state has to be added, all else to the last list.
+        let Self {
+            walls,
+            // See `sums`.
+            impulses: _,
+            // From the job.
+            order: _,
+            pushed: _,
+            known: _,
+            // For one step only.
+            near: _,
+            mail: _,
+        } = self;
         let of = |wall: &Wall| {
             // Friction and mass are those of the job; `meets` is by local node.
             let Wall { job: _, surface, friction: _, drive, last, next, meets: _ } = wall;
             let to = if let Drive::Led(_, to) = drive { Some(*to) } else { None };
             WallState { surface: surface.clone(), last: *last, next: *next, to }
         };
-        self.walls.iter().map(of).collect()
+        walls.iter().map(of).collect()
+    }
+
+    /// Returns the impulses, which are sums of this worker.
+    pub fn sums(&self) -> Vec<[ExactSum; 3]> {
+        self.impulses.clone()
     }
 
     /// Sets the states of all walls.
@@ -357,7 +375,7 @@ impl Walls {
 
 impl Wall {
     fn new(job: &WallJob, curves: &[Vec<[f64; 2]>]) -> Self {
-        let surface = Surface::new(job);
+        let surface = WallSurface::new(job);
         let (drive, velocity) = match &job.motion {
             WallMotion::Still => (Drive::Still, V3::zeros()),
             WallMotion::Pushed { mass, speed } => {

@@ -146,8 +146,8 @@ impl Engine {
         let view = View {
             clock,
             constraints: constraints.state(),
-            limits: [agreement.elements_dt, agreement.contact_dt],
-            slow_dt: blocks.slow_dt,
+            limits: agreement.limits(),
+            slow_dt: blocks.common_state(),
             started: contact.as_ref().map_or(&[], Contact::started),
             erosions: *erosions,
         };
@@ -156,7 +156,7 @@ impl Engine {
             parcel: parcel?,
             own: WorkerState {
                 ledger: ledger.clone(),
-                wall_impulses: constraints.walls.impulses.clone(),
+                wall_impulses: constraints.walls.sums(),
                 contact: contact.as_ref().map(Contact::state).unwrap_or_default(),
                 contact_sums: histories.contact_sums(),
                 seconds: timer.seconds,

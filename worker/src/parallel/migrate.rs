@@ -274,17 +274,31 @@ fn gather_memories(
 }
 
 fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
+    // A new field is an error here, and has to be sent.
+    let &ElementRecord {
+        id,
+        part,
+        shape,
+        nodes,
+        free_faces,
+        failed,
+        own: OwnSection { thickness, offset },
+        mass_factor,
+        share,
+        slow,
+        stable_dt,
+    } = e;
     mail.push(WireElement {
-        id: e.id,
-        part: e.part,
-        shape: e.shape as u16,
-        free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8 | u16::from(e.slow) << 9,
-        nodes: e.nodes,
-        thickness: e.own.thickness,
-        offset: e.own.offset.unwrap_or(f64::NAN),
-        mass_factor: e.mass_factor,
-        share: e.share,
-        stable_dt: e.stable_dt,
+        id,
+        part,
+        shape: shape as u16,
+        free_faces: u16::from(free_faces) | u16::from(failed) << 8 | u16::from(slow) << 9,
+        nodes,
+        thickness,
+        offset: offset.unwrap_or(f64::NAN),
+        mass_factor,
+        share,
+        stable_dt,
         columns: columns.len() as u64,
     });
     mail.extend(columns);

@@ -112,6 +112,21 @@ impl StepReduction {
         }
     }
 
+    /// Returns the state at the start of a step, equal on all workers: the limits of the step due
+    /// to elements and to contact [time].
+    pub fn limits(&self) -> [f64; 2] {
+        // A new field is an error here: state has to be added, all else to the last list.
+        let Self {
+            elements_dt,
+            contact_dt,
+            // Orders are numbered from the start of a process; a restart has a new partition.
+            reduction: _,
+            order: _,
+            displacement: _,
+        } = self;
+        [*elements_dt, *contact_dt]
+    }
+
     /// Begins the reduction with this worker's contribution.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ use crate::cli::ScaleArgs;
 use crate::input::job::{self, Model, Report};
 use crate::run::decompose::{Centres, Load, Loads, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
-use crate::run::progress::{Progress, State};
+use crate::run::progress::{Progress, RunState};
 use crate::stdout::say;
 use census::{Census, Count, messages_to_all};
 use crumple_proto::boxes::CutTree;
@@ -176,11 +176,11 @@ fn samples(
     let mut failed = None;
     let ended = run_alone(model, |engine| {
         let clock = &engine.clock;
-        progress.show(&State {
+        progress.show(&RunState {
             cycle: clock.cycle,
             time: clock.time,
             dt: clock.dt,
-            ..State::default()
+            ..RunState::default()
         });
         if watch.as_mut().is_some_and(|w| w.sample(engine))
             && let Some(watch) = watch.take()

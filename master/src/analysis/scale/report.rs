@@ -3,7 +3,7 @@
 use super::census::Count;
 use super::model::{LOSSES, Network};
 use super::{Prediction, Sample};
-use crate::analysis::study::chart::series::{Curve, percent_over_doublings};
+use crate::analysis::study::chart::series::{Polyline, percent_over_doublings};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -108,7 +108,7 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
         let points = |of: fn(&Prediction) -> f64| {
             s.predictions.iter().map(|p| [p.workers as f64, 100.0 * of(p)]).collect::<Vec<_>>()
         };
-        let fixed = Curve {
+        let fixed = Polyline {
             name: format!("T = {}", s.at),
             dashed: false,
             colour,
@@ -117,7 +117,7 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
         let scaled = format!("scaled, {:.0} elements per worker", s.grows_by);
         curves.extend([
             fixed,
-            Curve { name: scaled, dashed: true, colour, points: points(|p| p.scaled) },
+            Polyline { name: scaled, dashed: true, colour, points: points(|p| p.scaled) },
         ]);
     }
     let titles = ["workers", "parallel efficiency, modelled [%]"];

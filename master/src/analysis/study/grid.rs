@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Value;
 
 /// A setting and its value.
-pub type Setting = (String, Value);
+pub type StudySetting = (String, Value);
 
 /// One run of a study.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub struct Point {
     /// Index of the series; none for a reference run.
     pub series: Option<usize>,
     /// Settings that the series varies, in the order of its lists.
-    pub varied: Vec<Setting>,
+    pub varied: Vec<StudySetting>,
     /// All settings as `key=value` for `--set`.
     pub sets: Vec<String>,
     /// Hash of the job with all settings, its mesh and the version of this program.
@@ -50,7 +50,7 @@ impl Plan {
                     .flat_map(|z| {
                         grid.clone()
                             .into_iter()
-                            .map(move |g| z.iter().cloned().chain(g).collect::<Vec<Setting>>())
+                            .map(move |g| z.iter().cloned().chain(g).collect::<Vec<StudySetting>>())
                     })
                     .collect::<Vec<_>>(),
                 (Err(why), _) | (_, Err(why)) => {
@@ -58,11 +58,12 @@ impl Plan {
                     continue;
                 }
             };
-            let fixed: Vec<Setting> = common.iter().cloned().chain(flatten(&series.set)).collect();
+            let fixed: Vec<StudySetting> =
+                common.iter().cloned().chain(flatten(&series.set)).collect();
             for varied in combined {
                 let sets: Vec<String> =
                     fixed.iter().chain(&varied).map(|(k, v)| format!("{k}={v}")).collect();
-                match keys.of(&study.job, &sets) {
+                match keys.key(&study.job, &sets) {
                     Ok(key) => points.push(Point { series: Some(number), varied, sets, key }),
                     Err(why) => {
                         let plain = without_values(&why, &sets);
@@ -95,7 +96,7 @@ impl Plan {
             };
             let sets: Vec<String> =
                 common.iter().chain(&flatten(set)).map(|(k, v)| format!("{k}={v}")).collect();
-            match keys.of(&study.job, &sets) {
+            match keys.key(&study.job, &sets) {
                 Ok(key) => {
                     let there = points.iter().position(|p| p.series.is_none() && p.key == key);
                     reference.push(Some(there.unwrap_or(points.len())));
@@ -147,11 +148,11 @@ fn values<'a>(key: &str, value: &'a Value) -> Result<&'a [Value], String> {
     }
 }
 
-fn cross(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
+fn cross(lists: &[StudySetting]) -> Result<Vec<Vec<StudySetting>>, String> {
     let mut all = vec![Vec::new()];
     for (key, list) in lists {
         let list = values(key, list)?;
-        let with = |point: &Vec<Setting>, value: &Value| {
+        let with = |point: &Vec<StudySetting>, value: &Value| {
             [&point[..], &[(key.clone(), value.clone())]].concat()
         };
         all =
@@ -160,7 +161,7 @@ fn cross(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
     Ok(all)
 }
 
-fn zipped(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
+fn zipped(lists: &[StudySetting]) -> Result<Vec<Vec<StudySetting>>, String> {
     let Some((first, list)) = lists.first() else { return Ok(vec![Vec::new()]) };
     let length = values(first, list)?.len();
     let mut all = vec![Vec::new(); length];
@@ -219,7 +220,7 @@ impl Keys {
     ///
     /// # Errors
     /// The job has errors; the text lists all of them.
-    fn of(&mut self, job: &Path, sets: &[String]) -> Result<String, String> {
+    fn key(&mut self, job: &Path, sets: &[String]) -> Result<String, String> {
         let model = job::read(job, sets).map_err(|report| report.to_string())?;
         self.blank.get_or_insert_with(|| Run::blank(&model));
         let written = serde_json::to_string(&model.job).map_err(|error| error.to_string())?;

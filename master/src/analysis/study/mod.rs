@@ -17,7 +17,7 @@ pub mod runs;
 pub mod spec;
 
 use crate::cli::StudyArgs;
-use crate::run::stop::StopFlag;
+use crate::run::stop::{Manner, StopFlag};
 use crate::stdout::say;
 use grid::Plan;
 use results::Table;
@@ -57,11 +57,13 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
         plan.points.len(),
         runs::open(&plan, &out)
     );
-    if runs::run_all(&study, &plan, &out, args.jobs, &StopFlag::listen(false))? == Ending::Stopped {
+    if runs::run_all(&study, &plan, &out, args.jobs, &StopFlag::listen(Manner::Orderly))?
+        == Ending::Stopped
+    {
         eprintln!("stopped: repeat the command to continue");
         return Ok(STOPPED);
     }
-    let table = Table::of(&study, &plan, &out)?;
+    let table = Table::collect(&study, &plan, &out)?;
     let csv = out.join("results.csv");
     table.write(&csv).map_err(|error| format!("{}: {error}", csv.display()))?;
     say!("{}", csv.display());

@@ -1,6 +1,6 @@
 //! Results of the points of a study: values, errors, costs, the Pareto front, `results.csv`.
 
-use super::grid::{Plan, Setting, plain};
+use super::grid::{Plan, StudySetting, plain};
 use super::quantity::Run;
 use super::runs::{self, Outcome};
 use super::spec::{Reference, Study};
@@ -9,7 +9,7 @@ use std::path::Path;
 /// All points of the series.
 pub struct Table {
     /// Rows in the order of the plan.
-    pub rows: Vec<Row>,
+    pub rows: Vec<PointResult>,
     /// Reference value of each measure, if it has one.
     pub references: Vec<Option<f64>>,
     header: Vec<String>,
@@ -17,12 +17,12 @@ pub struct Table {
 }
 
 /// A point and its results.
-pub struct Row {
+pub struct PointResult {
     /// Index of the series, and its name.
     pub series: usize,
     name: String,
     /// Settings that the series varies.
-    pub varied: Vec<Setting>,
+    pub varied: Vec<StudySetting>,
     /// Short name of the point.
     pub label: String,
     /// End of the run.
@@ -36,7 +36,7 @@ pub struct Row {
     key: String,
 }
 
-impl Row {
+impl PointResult {
     /// Returns true if the run completed.
     pub fn ended_well(&self) -> bool {
         self.outcome.code == 0
@@ -53,7 +53,7 @@ impl Table {
     ///
     /// # Errors
     /// A point has not been run, or a reference run has failed.
-    pub fn of(study: &Study, plan: &Plan, out: &Path) -> Result<Self, String> {
+    pub fn collect(study: &Study, plan: &Plan, out: &Path) -> Result<Self, String> {
         let mut references = Vec::new();
         for (measure, at) in study.measure.iter().zip(&plan.reference) {
             references.push(match (&measure.reference, at) {
@@ -94,7 +94,7 @@ impl Table {
             let errors = (0..values.len()).map(error).collect();
             let (varied, key, name) =
                 (point.varied.clone(), point.key.clone(), study.series[series].name.clone());
-            rows.push(Row {
+            rows.push(PointResult {
                 series,
                 name,
                 varied,
@@ -135,7 +135,7 @@ impl Table {
 
     /// Returns the indices of the rows on the Pareto front of a measure, by ascending cost. No
     /// other completed row of `shown` has a smaller error at the same or lower cost.
-    pub fn front(&self, measure: usize, shown: impl Fn(&Row) -> bool) -> Vec<usize> {
+    pub fn front(&self, measure: usize, shown: impl Fn(&PointResult) -> bool) -> Vec<usize> {
         let points: Vec<(usize, [f64; 2])> = self
             .rows
             .iter()

@@ -13,16 +13,15 @@ mod walls;
 
 use super::number::shortest;
 use crate::input::job::{Model, Report};
-use crumple_proto::job::{HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
+use crumple_proto::job::{Job, Output, Parallel, Part, Setting, Time};
 use crumple_proto::mesh::{MeshElement, OwnSection, Shape};
 use crumple_proto::partition::{Material, Param};
+use crumple_worker::fem::elements::{HourglassForm, formulation, points_of};
 use curves::TimeCurves;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use toml::{Table, Value};
 
-/// Default hourglass coefficient of shells in a job.
-const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Columns per field.
 const WIDTH: usize = 20;
 
@@ -361,13 +360,14 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
         deck.keyword("SECTION_SOLID");
         return deck.card(&[Id(id), Id(1)]);
     }
-    let elform = match (part.element.as_deref(), part.warping) {
+    let warping = part.parameters.get("warping") == Some(&Setting::Flag(true));
+    let elform = match (part.element.as_deref(), warping) {
         (Some("belytschko_tsay"), true) => 10,
         (Some("belytschko_tsay"), false) => 2,
         _ => 16,
     };
     deck.keyword("SECTION_SHELL");
-    deck.card(&[Id(id), Id(elform), Number(1.0), Id(part.points as u64)]);
+    deck.card(&[Id(id), Id(elform), Number(1.0), Id(points_of(part) as u64)]);
     let t = Number(part.thickness);
     if part.offset == 0.0 {
         return deck.card(&[t]);
@@ -378,24 +378,37 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
 fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
-    let form = match part.hourglass {
+    let given = |key: &str| part.parameters.get(key);
+    let form = match given("hourglass") {
         // A deck without a form means the viscous form, so the job's default must be written.
         None if shells && by_card => 4,
-        None => 0,
-        Some(HourglassForm::Viscous) => 1,
-        Some(HourglassForm::Stiffness) => 4,
-        Some(HourglassForm::AssumedStrain) => 6,
+        Some(Setting::Word(word)) if word == HourglassForm::Viscous.word() => 1,
+        Some(Setting::Word(word)) if word == HourglassForm::Stiffness.word() => 4,
+        Some(Setting::Word(word)) if word == HourglassForm::AssumedStrain.word() => 6,
+        _ => 0,
+    };
+    // Cards cannot hold a coefficient without a form, or for a form that has none.
+    let default = || {
+        let row = formulation(part, Shape::Quad4).filter(|_| shells && by_card)?;
+        Some(row.values(part).number("hourglass_coefficient"))
+    };
+    let coefficient = given("hourglass_coefficient").and_then(Setting::number).or_else(default);
+    let coefficient = coefficient.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
+    // Zeros on a card mean the defaults.
+    let viscosity = match given("bulk_viscosity") {
+        Some(Setting::List(list)) if !list.iter().all(|b| *b == 0.0) => list.as_slice(),
+        _ => &[],
+    };
+    let on_card = |key: &str| match key {
+        "points" => shells,
+        "hourglass" | "warping" => by_card,
+        "hourglass_coefficient" => coefficient.is_some(),
+        "bulk_viscosity" => !viscosity.is_empty(),
+        _ => false,
     };
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
-    // Cards cannot hold a coefficient without a form, or for a form that has none.
-    let given = part.hourglass_coefficient.or((shells && by_card).then_some(HOURGLASS_COEFFICIENT));
-    let coefficient = given.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
-    if let (Some(given), None) = (part.hourglass_coefficient, coefficient) {
-        own.insert("hourglass_coefficient".into(), given.into());
-    }
-    let default = Part { drilling: 0.01, ..part.clone() };
-    if part.drilling != default.drilling {
-        own.insert("drilling".into(), part.drilling.into());
+    for (key, value) in part.parameters.iter().filter(|(key, _)| !on_card(key)) {
+        own.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
     }
     if part.element.as_deref() == Some("fully_integrated_quad") {
         own.insert("element".into(), "fully_integrated_quad".into());
@@ -403,32 +416,18 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     if part.skin {
         own.insert("skin".into(), true.into());
     }
-    if part.thinning {
-        own.insert("thinning".into(), true.into());
-    }
     if let Some(thickness) = part.contact_thickness {
         own.insert("contact_thickness".into(), thickness.into());
     }
-    if part.contact_thickness_scale != default.contact_thickness_scale {
+    if part.contact_thickness_scale != 1.0 {
         own.insert("contact_thickness_scale".into(), part.contact_thickness_scale.into());
-    }
-    if part.inverted == Inverted::Delete {
-        own.insert("inverted".into(), "delete".into());
-    }
-    if !by_card && part.warping {
-        own.insert("warping".into(), true.into());
-    }
-    if part.bulk_viscosity == Some([0.0; 2]) {
-        own.insert("bulk_viscosity".into(), Value::from(vec![0.0, 0.0]));
     }
     if own.len() > 1 {
         deck.entry("part", own);
     }
-    // Zeros on a card mean the defaults.
-    let viscosity = part.bulk_viscosity.filter(|v| *v != [0.0; 2]);
-    let any = (by_card && (form != 0 || coefficient.is_some())) || viscosity.is_some();
+    let any = (by_card && (form != 0 || coefficient.is_some())) || !viscosity.is_empty();
     if any {
-        let [linear, quadratic] = viscosity.unwrap_or_default();
+        let [linear, quadratic] = viscosity.try_into().unwrap_or_default();
         deck.keyword("HOURGLASS");
         let (q1, q2) = (Number(quadratic), Number(linear));
         deck.card(&[

@@ -2,7 +2,7 @@
 //! columns.
 
 use super::number;
-use super::table::{Card, Kind};
+use super::table::{Card, FieldType};
 
 /// Maximum number of fields of a card; the largest has sixteen of five columns.
 pub const MOST: usize = 20;
@@ -86,7 +86,7 @@ impl Fields {
 /// Splits a line into the fields of a card.
 pub fn split(line: &[u8], card: &Card, format: Format) -> Fields {
     let mut fields = Fields { count: 0, spans: [(0, 0); MOST] };
-    if card.fields.first().is_some_and(|f| f.kind == Kind::Line) {
+    if card.fields.first().is_some_and(|f| f.kind == FieldType::Line) {
         fields.push(line, 0, line.len());
         return fields.drop_blanks();
     }
@@ -131,9 +131,9 @@ fn tabbed(line: &[u8], card: &Card, format: Format, fields: Fields) -> Fields {
         let text = fixed.text(line, index);
         fits &= match field.kind {
             _ if text.is_empty() || text.contains(&b'&') => true,
-            Kind::Integer => number::integer(text).is_some(),
-            Kind::Real => number::real(text).is_some(),
-            Kind::Word | Kind::Line => true,
+            FieldType::Integer => number::integer(text).is_some(),
+            FieldType::Real => number::real(text).is_some(),
+            FieldType::Word | FieldType::Line => true,
         };
         from = to;
     }

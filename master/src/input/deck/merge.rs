@@ -1,26 +1,26 @@
 //! Merges a job's own keys over those of its deck.
 
-use crate::input::job::tree::{Entry, Kind, Node};
+use crate::input::job::tree::{Entry, Node, NodeContent};
 use std::collections::BTreeMap;
 
 /// Merges `over` into `base`: its values win. Tables are merged key by key. Entries of lists such
 /// as `[[part]]` are merged with the entry of the same id or name, or added if there is none.
 pub fn merge(base: Node, over: Node) -> Node {
     match (base.kind, over.kind) {
-        (Kind::Table(base), Kind::Table(own)) => {
-            Node { kind: Kind::Table(tables(base, own)), place: over.place }
+        (NodeContent::Table(base), NodeContent::Table(own)) => {
+            Node { kind: NodeContent::Table(tables(base, own)), place: over.place }
         }
-        (Kind::Array(base), Kind::Array(own))
+        (NodeContent::Array(base), NodeContent::Array(own))
             if own.iter().all(is_table) && base.iter().all(is_table) =>
         {
-            Node { kind: Kind::Array(lists(base, own)), place: over.place }
+            Node { kind: NodeContent::Array(lists(base, own)), place: over.place }
         }
         (_, kind) => Node { kind, place: over.place },
     }
 }
 
 fn is_table(node: &Node) -> bool {
-    matches!(node.kind, Kind::Table(_))
+    matches!(node.kind, NodeContent::Table(_))
 }
 
 fn tables(
@@ -42,8 +42,10 @@ fn lists(mut base: Vec<Node>, over: Vec<Node>) -> Vec<Node> {
         let same = |node: &Node| {
             ["id", "name"].iter().any(|key| {
                 match (node.get(key).map(|n| &n.kind), entry.get(key).map(|n| &n.kind)) {
-                    (Some(Kind::Integer(a)), Some(Kind::Integer(b))) => a == b,
-                    (Some(Kind::String(a)), Some(Kind::String(b))) => a == b && !a.is_empty(),
+                    (Some(NodeContent::Integer(a)), Some(NodeContent::Integer(b))) => a == b,
+                    (Some(NodeContent::String(a)), Some(NodeContent::String(b))) => {
+                        a == b && !a.is_empty()
+                    }
                     _ => false,
                 }
             })

@@ -4,7 +4,7 @@ use super::diagnostics::Trouble;
 use super::expression;
 use super::fields::{Format, expand};
 use super::number;
-use super::text::{Block, Texts};
+use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
@@ -55,7 +55,7 @@ impl Parameters {
 
     /// Reads a block of `*PARAMETER` (pairs of name and value) or `*PARAMETER_EXPRESSION` (a name
     /// and a formula per line).
-    pub fn read(&mut self, block: &Block, texts: &Texts, trouble: &mut Trouble) {
+    pub fn read(&mut self, block: &KeywordBlock, texts: &Texts, trouble: &mut Trouble) {
         let expressions = block.name.contains("EXPRESSION");
         let width = if block.format == Format::Long { 20 } else { 10 };
         let mut formula: Option<(String, String, Place)> = None;

@@ -2,11 +2,11 @@
 
 use super::diagnostics::Trouble;
 use super::fields::{Format, split};
-use super::keywords::Row;
+use super::keywords::KeywordRow;
 use super::number;
 use super::parameters::{Parameter, Parameters};
-use super::table::{Card, Field, Kind, Times};
-use super::text::{Block, Texts};
+use super::table::{Card, Field, FieldType, Times};
+use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
 
 /// Content of a field.
@@ -114,7 +114,7 @@ impl Line {
 #[derive(Clone, Debug)]
 pub struct Record {
     /// Its keyword's row.
-    pub row: &'static Row,
+    pub row: &'static KeywordRow,
     /// Options in the keyword's name.
     pub options: Vec<&'static str>,
     /// The keyword's own line.
@@ -189,9 +189,9 @@ impl Cards<'_> {
     /// Reads all records of a block.
     pub fn records(
         &mut self,
-        row: &'static Row,
+        row: &'static KeywordRow,
         options: &[&'static str],
-        block: &Block,
+        block: &KeywordBlock,
     ) -> Vec<Record> {
         let mut records = Vec::new();
         let mut at = 0;
@@ -224,7 +224,7 @@ impl Cards<'_> {
                         .map_or(block.place(), |&l| block.span(l, 0, (l.1 - l.0) as usize));
                     let headed = row.cards.first().is_some_and(|(card, times)| {
                         matches!(times, Times::Once)
-                            && card.fields.iter().all(|f| f.kind == Kind::Line)
+                            && card.fields.iter().all(|f| f.kind == FieldType::Line)
                     });
                     let help = match headed {
                         true => {
@@ -270,7 +270,7 @@ impl Cards<'_> {
     fn line(
         &mut self,
         card: &'static Card,
-        block: &Block,
+        block: &KeywordBlock,
         span: (u32, u32),
         number: usize,
     ) -> Line {
@@ -310,30 +310,34 @@ impl Cards<'_> {
         field: &Field,
         text: &[u8],
         place: Place,
-        of: (&Block, &Card, usize, Place),
+        of: (&KeywordBlock, &Card, usize, Place),
     ) -> Given {
         if text.is_empty() {
             return Given::Blank;
         }
         let word = String::from_utf8_lossy(text);
-        if field.kind == Kind::Line {
+        if field.kind == FieldType::Line {
             return Given::Word(word.into_owned());
         }
         let (block, card, number, line) = of;
         if let Some((minus, name)) = super::parameters::reference(&word) {
             return match self.parameters.get(name) {
                 Some(parameter) => match (field.kind, parameter.clone()) {
-                    (Kind::Word, Parameter::Text(text)) => Given::Word(text),
-                    (Kind::Integer, Parameter::Integer(i)) => {
+                    (FieldType::Word, Parameter::Text(text)) => Given::Word(text),
+                    (FieldType::Integer, Parameter::Integer(i)) => {
                         Given::Integer(if minus { -i } else { i })
                     }
-                    (Kind::Integer, Parameter::Real(x)) if x.fract() == 0.0 && x.abs() < 9.0e15 => {
+                    (FieldType::Integer, Parameter::Real(x))
+                        if x.fract() == 0.0 && x.abs() < 9.0e15 =>
+                    {
                         Given::Integer(if minus { -x as i64 } else { x as i64 })
                     }
-                    (Kind::Real, Parameter::Integer(i)) => {
+                    (FieldType::Real, Parameter::Integer(i)) => {
                         Given::Real(if minus { -(i as f64) } else { i as f64 })
                     }
-                    (Kind::Real, Parameter::Real(x)) => Given::Real(if minus { -x } else { x }),
+                    (FieldType::Real, Parameter::Real(x)) => {
+                        Given::Real(if minus { -x } else { x })
+                    }
                     _ => {
                         let message = format!(
                             "*{}: parameter `{name}` has the wrong type for `{}`",
@@ -353,9 +357,9 @@ impl Cards<'_> {
             };
         }
         let given = match field.kind {
-            Kind::Integer => number::integer(text).map(Given::Integer),
-            Kind::Real => number::real(text).map(Given::Real),
-            Kind::Word | Kind::Line => Some(Given::Word(word.to_string())),
+            FieldType::Integer => number::integer(text).map(Given::Integer),
+            FieldType::Real => number::real(text).map(Given::Real),
+            FieldType::Word | FieldType::Line => Some(Given::Word(word.to_string())),
         };
         given.unwrap_or_else(|| {
             let what = match word.split_whitespace().count() {
@@ -375,11 +379,11 @@ impl Cards<'_> {
     }
 }
 
-fn wanted(kind: Kind) -> &'static str {
+fn wanted(kind: FieldType) -> &'static str {
     match kind {
-        Kind::Integer => "a whole number",
-        Kind::Real => "a number",
-        Kind::Word | Kind::Line => "text",
+        FieldType::Integer => "a whole number",
+        FieldType::Real => "a number",
+        FieldType::Word | FieldType::Line => "text",
     }
 }
 

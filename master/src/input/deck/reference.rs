@@ -1,7 +1,7 @@
 //! The table of keywords as a page; a test keeps `cases/DECKS.md` equal to it.
 
 use super::keywords::{FAMILIES, OUTPUT};
-use super::table::{Card, Effect, Field, Kind, Times};
+use super::table::{Card, Effect, Field, FieldType, Times};
 use std::fmt::Write;
 
 /// Text above the table.
@@ -61,7 +61,7 @@ fn write(page: &mut String) -> std::fmt::Result {
 /// if the card is optional.
 fn fields(card: &str, times: Times) -> String {
     let name = |f: &Field| {
-        let width = if f.width == 10 || f.kind == Kind::Line {
+        let width = if f.width == 10 || f.kind == FieldType::Line {
             String::new()
         } else {
             format!(":{}", f.width)

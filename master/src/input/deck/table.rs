@@ -9,7 +9,7 @@ use super::record::Record;
 
 /// Type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FieldType {
     /// An integer.
     Integer,
     /// A real number.
@@ -26,7 +26,7 @@ pub struct Field {
     /// Name as in manuals of the format, in lower case.
     pub name: String,
     /// Its type.
-    pub kind: Kind,
+    pub kind: FieldType,
     /// Columns in the standard format.
     pub width: u16,
     /// Value of a blank.
@@ -63,10 +63,10 @@ impl Card {
             let rest = rest.trim_end_matches('!');
             let (kind, width) = rest.split_at(1);
             let kind = match kind {
-                "i" => Kind::Integer,
-                "r" => Kind::Real,
-                "a" => Kind::Word,
-                "l" => Kind::Line,
+                "i" => FieldType::Integer,
+                "r" => FieldType::Real,
+                "a" => FieldType::Word,
+                "l" => FieldType::Line,
                 _ => panic!("unknown kind of field: {word}"),
             };
             let width = if width.is_empty() { 10 } else { width.parse().expect("a width") };

@@ -30,7 +30,7 @@ pub struct Text {
 
 /// A keyword and its lines.
 #[derive(Debug)]
-pub struct Block {
+pub struct KeywordBlock {
     /// Number of its file.
     pub file: u32,
     /// Bytes of the keyword's own line.
@@ -43,7 +43,7 @@ pub struct Block {
     pub lines: Vec<(u32, u32)>,
 }
 
-impl Block {
+impl KeywordBlock {
     /// Returns the place of the keyword's own line.
     pub fn place(&self) -> Place {
         Place::Deck { file: self.file, start: self.head.0, end: self.head.1 }
@@ -66,12 +66,12 @@ pub struct Texts {
     /// The files, the main one first.
     pub files: Vec<Text>,
     /// The blocks in the order of the deck.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<KeywordBlock>,
 }
 
 impl Texts {
     /// Returns a line of a block.
-    pub fn line(&self, block: &Block, line: (u32, u32)) -> &[u8] {
+    pub fn line(&self, block: &KeywordBlock, line: (u32, u32)) -> &[u8] {
         self.files[block.file as usize]
             .text
             .as_bytes()
@@ -152,7 +152,7 @@ impl Reader<'_> {
                 0
             }
         };
-        let mut block: Option<Block> = None;
+        let mut block: Option<KeywordBlock> = None;
         let mut fragment: Option<Vec<u8>> = None;
         let mut stray = None;
         let mut ended = false;
@@ -187,7 +187,7 @@ impl Reader<'_> {
                         }
                         "KEYWORD" => format = head.format,
                         _ => {
-                            block = Some(Block {
+                            block = Some(KeywordBlock {
                                 file,
                                 head: span,
                                 name: head.name,
@@ -231,7 +231,7 @@ impl Reader<'_> {
     }
 
     /// Stores a block, or reads the file that it includes.
-    fn end_block(&mut self, mut block: Block, text: &str, path: &Path, format: Format) {
+    fn end_block(&mut self, mut block: KeywordBlock, text: &str, path: &Path, format: Format) {
         let bytes = text.as_bytes();
         let line = |span: (u32, u32)| {
             String::from_utf8_lossy(&bytes[span.0 as usize..span.1 as usize]).into_owned()

@@ -2,7 +2,7 @@
 
 use super::laws;
 use super::resolve::Numbers;
-use super::tree::{Entry, Kind, Node};
+use super::tree::{Entry, Node, NodeContent};
 use super::validate::nearest;
 use crumple_proto::job::{Contact, Interface, Job, Setting};
 use crumple_proto::problem::Problem;
@@ -11,10 +11,10 @@ use crumple_worker::parameter::Form;
 /// Converts the list `[[contact]]` to `[contact]`, with the other entries of the list as its
 /// interfaces. Values keep their places.
 pub fn from_list(tree: &mut Node) {
-    let Kind::Table(keys) = &mut tree.kind else { return };
+    let NodeContent::Table(keys) = &mut tree.kind else { return };
     let Some(entry) = keys.get_mut("contact") else { return };
-    let Kind::Array(list) = &mut entry.node.kind else { return };
-    if !list.iter().all(|node| matches!(node.kind, Kind::Table(_))) {
+    let NodeContent::Array(list) = &mut entry.node.kind else { return };
+    if !list.iter().all(|node| matches!(node.kind, NodeContent::Table(_))) {
         return; // the check against the schema reports it
     }
     let mut list = std::mem::take(list).into_iter();
@@ -22,15 +22,15 @@ pub fn from_list(tree: &mut Node) {
         keys.remove("contact");
         return;
     };
-    let Kind::Table(own) = &mut first.kind else { return };
+    let NodeContent::Table(own) = &mut first.kind else { return };
     let interfaces: Vec<Node> = list.collect();
     if !interfaces.is_empty() {
         let at = interfaces[0].place;
         let all = own.entry("interface".into()).or_insert_with(|| Entry {
             key: at,
-            node: Node { kind: Kind::Array(Vec::new()), place: at },
+            node: Node { kind: NodeContent::Array(Vec::new()), place: at },
         });
-        if let Kind::Array(all) = &mut all.node.kind {
+        if let NodeContent::Array(all) = &mut all.node.kind {
             all.extend(interfaces);
         }
     }
@@ -59,7 +59,12 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
     }
     let conflict = |c: &Contact| {
         let law = laws::contact_law(&c.law)?;
-        (law.conflict)(&law.values(c), job.time.safety)
+        let values = law.values(c);
+        if values.missing().next().is_some() {
+            None
+        } else {
+            (law.conflict)(&values, job.time.safety)
+        }
     };
     if let Some(problem) = contact.each().find_map(|c| conflict(&c)) {
         numbers.findings.add(problem);
@@ -133,6 +138,15 @@ fn check_one(
     if is_own("law") {
         numbers.word(&at("law"), &contact.law, &laws);
     }
+    for row in laws::contact_law(&contact.law)
+        .filter(|_| is_own("law"))
+        .into_iter()
+        .flat_map(|law| law.values(contact).missing().collect::<Vec<_>>())
+    {
+        let message = format!("{path}: law \"{}\" has no `{}`", contact.law, row.key);
+        let help = format!("add `{} = ...`: {}", row.key, row.meaning);
+        numbers.findings.add(Problem::error(at(row.key), message, help));
+    }
     for (row, _) in laws::contact_keys().into_iter().filter(|(row, _)| is_own(row.key)) {
         match (contact.parameters.get(row.key), row.form, row.range) {
             (Some(Setting::Word(word)), Form::Word(known), _) => {
@@ -196,7 +210,7 @@ fn check_friction_table(
         }
     }
     if !rows.is_empty() && is_constant_own && contact.friction > 0.0 {
-        let message = "`friction` and `friction_table` are given both".to_string();
+        let message = "`friction` and `friction_table` are both given".to_string();
         report(0, message, "remove one of them: the table replaces the coefficients");
     }
 }

@@ -2,7 +2,9 @@
 
 use super::state::NodeSets;
 use super::validate::{Findings, nearest};
-use crumple_proto::histories::{HistoryRequests, NodeGroup, Section, Surface, Transducer};
+use crumple_proto::histories::{
+    HistoryRequests, NodeGroup, SectionCut, Transducer, TransducerSurface,
+};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, NodeHistory, SectionHistory, TransducerHistory};
 use crumple_proto::mesh::{Mesh, MeshElement};
@@ -63,7 +65,7 @@ fn group(
     }
     for (k, &id) in asked.ids.iter().enumerate() {
         let Some(node) = sets.labelled(id) else {
-            let message = format!("a history of node {id}, which no element has");
+            let message = format!("a history names node {id}, which no element has");
             let help = "list ids of nodes that elements have, or remove this one";
             findings.add(Problem::error(format!("{path}.ids.{k}"), message, help));
             whole = false;
@@ -118,18 +120,21 @@ fn transducer(
         let help = "give the job a [contact] table, or remove the transducer";
         findings.add(Problem::warning(
             path.clone(),
-            "a force transducer in a job without contact",
+            "a force transducer needs contact, and the job has none",
             help,
         ));
     } else if !asked.parts.is_empty() && !asked.parts.iter().any(|&p| touches(p)) {
         let help = "name parts of `contact.parts`, or remove the transducer";
         findings.add(Problem::warning(
             path.clone(),
-            "a force transducer on parts that are not in contact",
+            "the parts of a force transducer are not in contact",
             help,
         ));
     }
-    let mut surface = |parts: &[u32], nodes: &Option<String>, keys: [&str; 2]| -> Option<Surface> {
+    let mut surface = |parts: &[u32],
+                       nodes: &Option<String>,
+                       keys: [&str; 2]|
+     -> Option<TransducerSurface> {
         let known =
             are_parts(parts, &format!("{path}.{}", keys[0]), "a force transducer", job, findings);
         let mut places: Vec<u32> = (0..)
@@ -142,7 +147,7 @@ fn transducer(
             None => None,
             Some(name) => Some(sets.ids(name, format!("{path}.{}", keys[1]), findings)?),
         };
-        known.then_some(Surface { parts: places, nodes })
+        known.then_some(TransducerSurface { parts: places, nodes })
     };
     let on = surface(&asked.parts, &asked.nodes, ["parts", "nodes"]);
     let from = surface(&asked.from_parts, &asked.from_nodes, ["from_parts", "from_nodes"]);
@@ -159,7 +164,7 @@ fn section(
     sets: &NodeSets<'_>,
     rigid: &dyn Fn(u32) -> bool,
     findings: &mut Findings,
-) -> Option<Section> {
+) -> Option<SectionCut> {
     let path = format!("output.section.{i}");
     let nodes = sets.ids(&asked.nodes, format!("{path}.nodes"), findings);
     let mut known = are_parts(&asked.parts, &format!("{path}.parts"), "a section", job, findings);
@@ -232,5 +237,5 @@ fn section(
         return None;
     }
     let name = if asked.name.is_empty() { asked.nodes.clone() } else { asked.name.clone() };
-    Some(Section { name, nodes, elements: found.into_iter().map(|e| e.id).collect() })
+    Some(SectionCut { name, nodes, elements: found.into_iter().map(|e| e.id).collect() })
 }

@@ -10,9 +10,9 @@ use crumple_proto::problem::Problem;
 use crumple_worker::contact::diagnostics::initial_penetration::{InitialPenetrations, Penetration};
 use crumple_worker::contact::enforce::{CONTACT_LAWS, LawRow};
 use crumple_worker::contact::search::SEARCHES;
-use crumple_worker::fem::elements::{Element, build_block, formulation};
+use crumple_worker::fem::elements::{ELEMENTS, Element, ElementEntry, build_block, formulation};
 use crumple_worker::fem::materials;
-use crumple_worker::parameter::ParameterRow;
+use crumple_worker::parameter::{Form, ParameterRow};
 
 /// Returns the names of the contact laws.
 pub fn contact_laws() -> Vec<&'static str> {
@@ -32,6 +32,46 @@ pub fn contact_keys() -> Vec<(&'static ParameterRow, Vec<&'static str>)> {
             match keys.iter_mut().find(|(known, _)| known.key == row.key) {
                 Some((_, laws)) => laws.push(law.name),
                 None => keys.push((row, vec![law.name])),
+            }
+        }
+    }
+    keys
+}
+
+/// A key of elements, with the formulations that use it and their rows of it.
+pub struct ElementKey {
+    /// Key in `[[part]]`.
+    pub key: &'static str,
+    /// Formulations, and their rows.
+    pub rows: Vec<(&'static ElementEntry, &'static ParameterRow)>,
+}
+
+impl ElementKey {
+    /// Returns the names of the formulations.
+    pub fn users(&self) -> Vec<&'static str> {
+        self.rows.iter().map(|(element, _)| element.name).collect()
+    }
+
+    /// Returns the words that any formulation permits, if the values are words.
+    pub fn words(&self) -> Vec<&'static str> {
+        let mut words = Vec::new();
+        for (_, row) in &self.rows {
+            if let Form::Word(own) = row.form {
+                words.extend(own.iter().filter(|word| !words.contains(*word)).collect::<Vec<_>>());
+            }
+        }
+        words
+    }
+}
+
+/// Returns the keys of elements, each once.
+pub fn element_keys() -> Vec<ElementKey> {
+    let mut keys: Vec<ElementKey> = Vec::new();
+    for element in ELEMENTS {
+        for row in element.keys() {
+            match keys.iter_mut().find(|known| known.key == row.key) {
+                Some(known) => known.rows.push((element, row)),
+                None => keys.push(ElementKey { key: row.key, rows: vec![(element, row)] }),
             }
         }
     }
@@ -112,7 +152,7 @@ impl Blocks {
         let shapes = Shape::ALL.into_iter();
         shapes
             .filter(|&s| self.element(index, s).is_some())
-            .filter_map(|s| formulation(part, s))
+            .filter_map(|s| formulation(part, s).map(|row| row.name))
             .collect()
     }
 

@@ -186,7 +186,11 @@ fn loaded_faces(
 ) -> Option<Vec<(ElemId, u8)>> {
     if p.parts.is_empty() && p.nodes.is_none() {
         let help = "name `parts`, a node set as `nodes`, or both";
-        findings.add(Problem::error(format!("pressure.{i}"), "a pressure acts on nothing", help));
+        findings.add(Problem::error(
+            format!("pressure.{i}"),
+            "a pressure has neither parts nor nodes",
+            help,
+        ));
         return None;
     }
     let mut known = true;
@@ -274,7 +278,11 @@ pub fn motion_form(
     let mut given = forms.into_iter().flatten();
     let (Some((form, amount)), None) = (given.next(), given.next()) else {
         let help = "give exactly one of velocity, displacement, acceleration and spin";
-        findings.add(Problem::error(path, "a motion has none or more than one form", help));
+        findings.add(Problem::error(
+            path,
+            "a motion has no velocity, displacement, acceleration or spin, or several of them",
+            help,
+        ));
         return None;
     };
     if starts_with_jump(form, curves, &m.curve, curve) {

@@ -1,21 +1,20 @@
 //! The mesh of a job, from a generator, a file or the job itself, and its checks.
 
+mod elements;
+
 use super::validate::Findings;
 use crate::input::deck::Lists;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
-use crumple_proto::quality::quality;
 use crumple_worker::fem::elements::LARGEST_OFFSET;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Maximum number of problems of one kind that are reported singly.
 const MAX_REPORTED: usize = 20;
 /// Largest id that an f64 represents exactly.
 const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
-/// Area over the square of the longest side below which the area of an element is only round-off.
-const NO_AREA: f64 = 1e-12;
 
 /// A mesh, and the places of its entities in the job.
 pub struct Read {
@@ -84,7 +83,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         }
     }
     for (index, row) in source.shells.iter().enumerate() {
-        let kind = Kind { list: "shells", called: "a shell", help: SHELL_ROW };
+        let kind = ElementList { list: "shells", called: "a shell", help: SHELL_ROW };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| match corners {
             [_, _, c, d] => Some(if c == d { Shape::Tri3 } else { Shape::Quad4 }),
             [_, _, _] => Some(Shape::Tri3),
@@ -92,21 +91,27 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         }));
     }
     for (index, row) in source.solids.iter().enumerate() {
-        let kind = Kind { list: "solids", called: "a solid", help: SOLID_ROW };
+        let kind = ElementList { list: "solids", called: "a solid", help: SOLID_ROW };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
             (corners.len() == 8).then_some(Shape::Hex8)
         }));
     }
     for (index, row) in source.beams.iter().enumerate() {
-        let kind =
-            Kind { list: "beams", called: "a beam", help: "write [id, part id, n1, n2, n3]" };
+        let kind = ElementList {
+            list: "beams",
+            called: "a beam",
+            help: "write [id, part id, n1, n2, n3]",
+        };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
             (corners.len() == 3).then_some(Shape::Beam2)
         }));
     }
     for (index, row) in source.springs.iter().enumerate() {
-        let kind =
-            Kind { list: "springs", called: "a spring", help: "write [id, part id, n1, n2]" };
+        let kind = ElementList {
+            list: "springs",
+            called: "a spring",
+            help: "write [id, part id, n1, n2]",
+        };
         mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
             (corners.len() == 2).then_some(Shape::Line2)
         }));
@@ -217,7 +222,7 @@ const SOLID_ROW: &str =
     "write [id, part id, n1, ..., n8]: the nodes of a face, then those of the opposite face";
 
 /// A list of elements, with its names in messages.
-struct Kind {
+struct ElementList {
     list: &'static str,
     called: &'static str,
     help: &'static str,
@@ -227,7 +232,7 @@ struct Kind {
 /// returns the shape for a list of corners.
 fn element(
     row: &[u64],
-    kind: &Kind,
+    kind: &ElementList,
     index: usize,
     few: &mut Few<'_>,
     shape: impl Fn(&[u64]) -> Option<Shape>,
@@ -260,7 +265,7 @@ type Axes = Vec<(ElemId, [f64; 3])>;
 pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mesh, Axes) {
     let mut few = Few::new(findings);
     let at = check_nodes(&read, &mut few);
-    check_elements(&read, &at, parts, &mut few);
+    elements::check(&read, &at, parts, &mut few);
     for (name, ids) in &read.mesh.node_sets {
         let unknown: Vec<NodeId> = ids.iter().copied().filter(|id| !at.contains_key(id)).collect();
         if let Some(first) = unknown.first() {
@@ -346,238 +351,6 @@ fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
     at
 }
 
-fn check_elements(
-    read: &Read,
-    at: &HashMap<NodeId, [f64; 3]>,
-    parts: Option<&[u32]>,
-    few: &mut Few<'_>,
-) {
-    let mesh = &read.mesh;
-    if mesh.elements.is_empty() {
-        let path = if read.written.is_some() { "mesh" } else { "mesh.generator" };
-        few.error(
-            "empty",
-            path.into(),
-            "the mesh has no elements".into(),
-            "add mesh.shells or mesh.solids; in a deck *ELEMENT_SHELL or *ELEMENT_SOLID",
-        );
-    }
-    let mut seen = HashSet::with_capacity(mesh.elements.len());
-    let mut orphans: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
-    let mut concave: Option<(usize, usize)> = None;
-    for (index, element) in mesh.elements.iter().enumerate() {
-        let (id, path) = (element.id, || read.element_path(index));
-        if id > ElemId::LARGEST {
-            few.error(
-                "element id",
-                path(),
-                format!("element id {} is too large", id.0),
-                "use element ids below 9e15",
-            );
-        }
-        if !seen.insert(id) {
-            few.error(
-                "element twice",
-                path(),
-                format!("element {id} is defined twice"),
-                "give each element a unique id",
-            );
-        }
-        if parts.is_some_and(|parts| !parts.contains(&element.part)) {
-            orphans.entry(element.part).or_insert((index, 0)).1 += 1;
-        }
-        let corners = element.corners();
-        if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
-            let message = format!("element {id} uses node {} twice", corners[twice]);
-            let help = match element.shape {
-                Shape::Hex8 => {
-                    "a solid needs eight different nodes: wedges and tetrahedra are not supported, \
-                     mesh it with hexahedra"
-                }
-                Shape::Line2 => {
-                    "a spring needs two different nodes; for a spring to the ground, fix its other \
-                     node by a [[fix]]"
-                }
-                _ => "a triangle repeats its last node only; correct or remove the element",
-            };
-            few.error("repeated", path(), message, help);
-            continue;
-        }
-        let mut x = Vec::with_capacity(8);
-        for node in corners {
-            match at.get(node) {
-                Some(&position) => x.push(position),
-                None => {
-                    let message = format!("element {id}: there is no node {}", node.0);
-                    few.error("no node", path(), message, "add the node or correct the element");
-                }
-            }
-        }
-        if x.len() < corners.len() || !x.iter().flatten().all(|c| c.is_finite()) {
-            continue;
-        }
-        if element.shape == Shape::Line2 {
-            continue; // its part determines if it needs a length
-        }
-        if element.shape == Shape::Beam2 {
-            match at.get(&element.nodes[2]) {
-                Some(third) if matches!(outline(&[x[0], x[1], *third]), Outline::Good) => {}
-                Some(_) => {
-                    let message =
-                        format!("beam {id}: its third node lies on the line through the first two");
-                    few.error(
-                        "third node",
-                        path(),
-                        message,
-                        "give a third node off this line, in the direction of the second axis",
-                    );
-                }
-                None => {
-                    let message = format!("element {id}: there is no node {}", element.nodes[2].0);
-                    few.error("no node", path(), message, "add the node or correct the element");
-                }
-            }
-            continue;
-        }
-        if element.shape == Shape::Hex8 {
-            solid(element, &x, path(), few);
-            continue;
-        }
-        match outline(&x) {
-            Outline::Good => {}
-            Outline::Concave => {
-                concave = Some((concave.map_or(index, |c| c.0), concave.map_or(1, |c| c.1 + 1)))
-            }
-            Outline::NoArea => {
-                let message =
-                    format!("element {id} has no area: its nodes lie on one line or at one point");
-                few.error(
-                    "no area",
-                    path(),
-                    message,
-                    "move its nodes apart, or remove the element",
-                );
-            }
-            Outline::NoSide => {
-                let message = format!("element {id} has two corners at one point");
-                few.error(
-                    "no side",
-                    path(),
-                    message,
-                    "make it a triangle, or move one of the two nodes",
-                );
-            }
-            Outline::BowTie => {
-                let message = format!("element {id} is folded over: its sides cross (bow-tie)");
-                few.error(
-                    "bow-tie",
-                    path(),
-                    message,
-                    "give its nodes in order around the element; two are exchanged",
-                );
-            }
-            Outline::Overflow => {
-                let message = format!("element {id} is too large or too small to compute with");
-                few.error("overflow", path(), message, "check the units of the coordinates");
-            }
-        }
-    }
-    for (part, (index, count)) in orphans {
-        let first = mesh.elements[index].id;
-        let message = match count {
-            1 => format!("element {first} belongs to part {part}, which the job does not have"),
-            n => {
-                format!(
-                    "{n} elements belong to part {part}, which the job does not have; \
-                     the first is element {first}"
-                )
-            }
-        };
-        let known: BTreeSet<u32> = parts.unwrap_or_default().iter().copied().collect();
-        let known: Vec<String> = known.iter().map(u32::to_string).collect();
-        let help = format!(
-            "add a [[part]] with id = {part} (a *PART in a deck), or correct the element; \
-             there are parts: {}",
-            known.join(", ")
-        );
-        few.error("orphan", read.element_path(index), message, &help);
-    }
-    if let Some((index, count)) = concave {
-        let first = mesh.elements[index].id;
-        let message =
-            format!("{count} quads have a re-entrant corner; the first is element {first}");
-        few.findings.add(Problem::warning(
-            read.element_path(index),
-            message,
-            "results there are poor: remesh these quads",
-        ));
-    }
-}
-
-/// Reports a solid with a wrong order of corners, or without volume.
-fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>) {
-    let one = Mesh {
-        nodes: element.corners().iter().zip(x).map(|(&id, &x)| MeshNode { id, x }).collect(),
-        elements: vec![*element],
-        ..Mesh::default()
-    };
-    let Some(figures) = quality(&one) else { return };
-    let id = element.id;
-    if !figures.zero_area.is_empty() && figures.min_jacobian.value > f64::NEG_INFINITY {
-        let message = format!(
-            "solid {id} has no volume: its nodes lie in one plane, on one line or at one point"
-        );
-        few.error("no volume", path, message, "move its nodes apart, or remove the element");
-    } else if figures.min_jacobian.value <= 0.0 {
-        let message = format!("solid {id} is inverted or twisted at a corner");
-        let help = "give the nodes of one face so that its right-hand normal points into the \
-                    solid, then those of the opposite face";
-        few.error("inverted", path, message, help);
-    }
-}
-
-enum Outline {
-    Good,
-    Concave,
-    /// Two corners coincide.
-    NoSide,
-    BowTie,
-    NoArea,
-    Overflow,
-}
-
-fn outline(x: &[[f64; 3]]) -> Outline {
-    let n = x.len();
-    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
-    let side = |i: usize| sub(x[(i + 1) % n], x[i]);
-    let longest = (0..n).map(|i| dot(side(i), side(i))).fold(0.0, f64::max);
-    let area =
-        if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(side(0), side(1)) };
-    let size = dot(area, area);
-    // This function and the elements compute fourth powers of lengths.
-    if !(longest * longest).is_finite() || longest > 0.0 && longest * longest < f64::MIN_POSITIVE {
-        return Outline::Overflow;
-    }
-    let corner = |i: usize| cross(side((i + n - 1) % n), side(i));
-    if 0.5 * size.sqrt() <= NO_AREA * longest {
-        let open = (0..n).any(|i| dot(corner(i), corner(i)).sqrt() > 1e-6 * longest);
-        return if open { Outline::BowTie } else { Outline::NoArea };
-    }
-    if (0..n).any(|i| dot(side(i), side(i)).sqrt() <= NO_AREA * longest.sqrt()) {
-        return Outline::NoSide;
-    }
-    let turned = (0..n).filter(|&i| dot(corner(i), area) < 0.0).count();
-    match turned {
-        0 => Outline::Good,
-        1 => Outline::Concave,
-        _ => Outline::BowTie,
-    }
-}
-
 /// Reports the first problems of each kind singly and counts the others.
 struct Few<'f> {
     findings: &'f mut Findings,
@@ -608,34 +381,5 @@ impl Drop for Few<'_> {
                 self.findings.add(Problem::error(path, message, ""));
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn shape(points: [[f64; 2]; 4]) -> Outline {
-        outline(&points.map(|[x, y]| [x, y, 0.0]))
-    }
-
-    #[test]
-    fn outlines() {
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), Outline::Good));
-        assert!(matches!(
-            shape([[0.0, 0.0], [1.0, 0.0], [0.3, 0.3], [0.0, 1.0]]),
-            Outline::Concave
-        ));
-        assert!(
-            matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Outline::BowTie),
-            "halves cancel"
-        );
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]), Outline::BowTie));
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Outline::NoArea));
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), Outline::NoSide));
-        assert!(matches!(
-            shape([[0.0, 0.0], [1e200, 0.0], [1e200, 1e200], [0.0, 1e200]]),
-            Outline::Overflow
-        ));
     }
 }

@@ -19,6 +19,32 @@ const MOST_FIELDS: f64 = 100_000.0;
 pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     let mut numbers = Numbers { findings };
     numbers.need(job.end_time > 0.0, "end_time", job.end_time, "above 0");
+    check_time(job, &mut numbers);
+    check_output(job, &mut numbers);
+    check_parallel(job, workers_given, &mut numbers);
+    check_checkpoints(job, &mut numbers);
+    parts_and_materials(job, numbers.findings);
+    loads(job, &mut Numbers { findings });
+    walls::check(job, findings);
+    if let Some(contact) = &job.contact {
+        contact::check(contact, job, &mut Numbers { findings });
+    }
+    if job.mesh.generator.is_none() && !job.scene.is_empty() {
+        let message = "[scene] holds options of a mesh generator, but the job names none";
+        findings.add(Problem::warning("scene", message, "add mesh.generator or remove [scene]"));
+    }
+    if job.part.is_empty() {
+        findings.add(Problem::error(
+            "",
+            "the job has no [[part]]",
+            "add one for each part id of the elements; in a deck a *PART",
+        ));
+    }
+    super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
+}
+
+/// Checks `[time]`.
+fn check_time(job: &Job, numbers: &mut Numbers<'_>) {
     let time = &job.time;
     numbers.need(time.safety > 0.0, "time.safety", time.safety, "above 0; 0.9 is usual");
     if time.safety > 1.0 {
@@ -54,7 +80,10 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         ));
     }
     numbers.need(time.dt_max >= 0.0, "time.dt_max", time.dt_max, "0 (no limit) or above");
+}
 
+/// Checks `[output]`.
+fn check_output(job: &Job, numbers: &mut Numbers<'_>) {
     let output = &job.output;
     let interval = output.history_interval;
     numbers.need(
@@ -87,13 +116,16 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
             format!("field_interval = {:?} gives {files:.0} field files", output.field_interval);
         numbers.findings.add(Problem::error("output.field_interval", message, help));
     }
+}
 
+/// Checks `[parallel]`.
+fn check_parallel(job: &Job, workers_given: bool, numbers: &mut Numbers<'_>) {
     let parallel = &job.parallel;
     if workers_given && parallel.workers == 0 {
         let help = "give at least 1, or leave `workers` out for one per core";
         numbers.findings.add(Problem::error(
             "parallel.workers",
-            "0 workers cannot run anything",
+            "0 workers cannot run a job",
             help,
         ));
     }
@@ -109,26 +141,6 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         parallel.imbalance,
         "at least 1; 1.1 is usual",
     );
-
-    check_checkpoints(job, &mut numbers);
-    parts_and_materials(job, numbers.findings);
-    loads(job, &mut Numbers { findings });
-    walls::check(job, findings);
-    if let Some(contact) = &job.contact {
-        contact::check(contact, job, &mut Numbers { findings });
-    }
-    if job.mesh.generator.is_none() && !job.scene.is_empty() {
-        let message = "[scene] holds options of a mesh generator, but the job names none";
-        findings.add(Problem::warning("scene", message, "add mesh.generator or remove [scene]"));
-    }
-    if job.part.is_empty() {
-        findings.add(Problem::error(
-            "",
-            "the job has no [[part]]",
-            "add one for each part id of the elements; in a deck a *PART",
-        ));
-    }
-    super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
 }
 
 fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {

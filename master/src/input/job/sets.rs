@@ -3,7 +3,7 @@
 //! An entry of a list such as `[[part]]` is addressed by its `name`, by its `id` if such entries
 //! have one, and by its position from 0 if they have neither.
 
-use super::tree::{Entry, Kind, Node, Place, split_first};
+use super::tree::{Entry, Node, NodeContent, Place, split_first};
 use super::validate::{Findings, is_list_of_tables, nearest};
 use crumple_proto::problem::Problem;
 
@@ -50,7 +50,7 @@ fn apply_one(
                 "write it as in a job file".into(),
             ));
         }
-        None => Node { kind: Kind::String(value.into()), place },
+        None => Node { kind: NodeContent::String(value.into()), place },
     };
     if path.starts_with("contact.") && tree.get("contact").is_none() {
         let message = "--set turns contact on: the job has no [contact]";
@@ -66,7 +66,7 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
     }
     let before = whole[..whole.len() - rest.len()].trim_end_matches('.');
     match &mut node.kind {
-        Kind::Table(entries) => {
+        NodeContent::Table(entries) => {
             let known = split_first(rest, entries.keys().map(String::as_str))
                 .map(|(k, tail)| (k.to_string(), tail));
             let (key, tail) = match known {
@@ -86,7 +86,7 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
             let entry = entries.get_mut(&key).expect("found or inserted above");
             put(&mut entry.node, tail, whole, value, place)
         }
-        Kind::Array(items) => {
+        NodeContent::Array(items) => {
             let (index, tail) = find_entry(items, rest, before)?;
             put(&mut items[index], tail, whole, value, place)
         }
@@ -99,11 +99,11 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
 
 fn find_entry<'p>(items: &[Node], rest: &'p str, list: &str) -> Result<(usize, &'p str), Wrong> {
     let name = |item: &Node| match item.get("name").map(|n| &n.kind) {
-        Some(Kind::String(name)) if !name.is_empty() => Some(name.clone()),
+        Some(NodeContent::String(name)) if !name.is_empty() => Some(name.clone()),
         _ => None,
     };
     let id = |item: &Node| match item.get("id").map(|n| &n.kind) {
-        Some(Kind::Integer(id)) => Some(id.to_string()),
+        Some(NodeContent::Integer(id)) => Some(id.to_string()),
         _ => None,
     };
     let names: Vec<Option<String>> = items.iter().map(name).collect();

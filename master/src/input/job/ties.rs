@@ -119,16 +119,8 @@ fn name(job: &Job, entry: usize) -> String {
     }
 }
 
-/// Returns the tied nodes of one entry.
-fn of_entry(
-    spec: &TieSpec,
-    entry: usize,
-    ground: &Ground<'_>,
-    findings: &mut Findings,
-) -> Vec<Stand> {
-    let Ground { job, mesh, sets, free, thick, shells, turning, .. } = ground;
-    let path = |key: &str| format!("tie.{entry}.{key}");
-    let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
+/// Checks parts and numbers of an entry; `path` returns the path of a key.
+fn check_entry(job: &Job, spec: &TieSpec, path: impl Fn(&str) -> String, findings: &mut Findings) {
     for (k, id) in
         spec.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id))
     {
@@ -157,6 +149,19 @@ fn of_entry(
             "give a length, or 0 for the thickness of the parts",
         ));
     }
+}
+
+/// Returns the tied nodes of one entry.
+fn of_entry(
+    spec: &TieSpec,
+    entry: usize,
+    ground: &Ground<'_>,
+    findings: &mut Findings,
+) -> Vec<Stand> {
+    let Ground { job, mesh, sets, free, thick, shells, turning, .. } = ground;
+    let path = |key: &str| format!("tie.{entry}.{key}");
+    let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
+    check_entry(job, spec, path, findings);
     if let Some(node) = spec.node {
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);

@@ -40,14 +40,14 @@ impl Place {
 #[derive(Clone, Debug)]
 pub struct Node {
     /// Its kind.
-    pub kind: Kind,
+    pub kind: NodeContent,
     /// Its place.
     pub place: Place,
 }
 
 /// Kind and content of a value.
 #[derive(Clone, Debug)]
-pub enum Kind {
+pub enum NodeContent {
     /// Keys and values.
     Table(BTreeMap<String, Entry>),
     /// A list, or the entries of an array of tables.
@@ -103,7 +103,7 @@ impl Node {
         let table = DeTable::parse(&line).ok()?;
         let mut errors = Vec::new();
         let mut root = from_table(table.get_ref(), place, &mut errors);
-        let Kind::Table(entries) = &mut root.kind else { return None };
+        let NodeContent::Table(entries) = &mut root.kind else { return None };
         // A line break in `text` could insert further keys.
         if entries.len() != 1 || !errors.is_empty() {
             return None;
@@ -115,19 +115,19 @@ impl Node {
 
     /// Creates an empty table.
     pub fn table(place: Place) -> Node {
-        Node { kind: Kind::Table(BTreeMap::new()), place }
+        Node { kind: NodeContent::Table(BTreeMap::new()), place }
     }
 
     fn set_place(&mut self, place: Place) {
         self.place = place;
         match &mut self.kind {
-            Kind::Table(entries) => {
+            NodeContent::Table(entries) => {
                 for entry in entries.values_mut() {
                     entry.key = place;
                     entry.node.set_place(place);
                 }
             }
-            Kind::Array(items) => items.iter_mut().for_each(|item| item.set_place(place)),
+            NodeContent::Array(items) => items.iter_mut().for_each(|item| item.set_place(place)),
             _ => {}
         }
     }
@@ -141,13 +141,13 @@ impl Node {
         };
         moved(&mut self.place);
         match &mut self.kind {
-            Kind::Table(entries) => {
+            NodeContent::Table(entries) => {
                 for entry in entries.values_mut() {
                     moved(&mut entry.key);
                     entry.node.move_to(file);
                 }
             }
-            Kind::Array(items) => items.iter_mut().for_each(|item| item.move_to(file)),
+            NodeContent::Array(items) => items.iter_mut().for_each(|item| item.move_to(file)),
             _ => {}
         }
     }
@@ -155,7 +155,7 @@ impl Node {
     /// Returns the value of `key` if this is a table with this key.
     pub fn get(&self, key: &str) -> Option<&Node> {
         match &self.kind {
-            Kind::Table(entries) => entries.get(key).map(|e| &e.node),
+            NodeContent::Table(entries) => entries.get(key).map(|e| &e.node),
             _ => None,
         }
     }
@@ -165,7 +165,7 @@ impl Node {
         let (mut node, mut rest, mut found) = (self, path, self.place);
         while !rest.is_empty() {
             match &node.kind {
-                Kind::Table(entries) => {
+                NodeContent::Table(entries) => {
                     let Some((key, tail)) = split_first(rest, entries.keys().map(String::as_str))
                     else {
                         break;
@@ -174,7 +174,7 @@ impl Node {
                     (node, rest) = (&entry.node, tail);
                     found = entry.place();
                 }
-                Kind::Array(items) => {
+                NodeContent::Array(items) => {
                     let (head, tail) = rest.split_once('.').unwrap_or((rest, ""));
                     let Some(item) = head.parse().ok().and_then(|i: usize| items.get(i)) else {
                         break;
@@ -192,15 +192,17 @@ impl Node {
     /// because the reader rejects them.
     pub fn to_value(&self) -> toml::Value {
         match &self.kind {
-            Kind::Table(entries) => toml::Value::Table(
+            NodeContent::Table(entries) => toml::Value::Table(
                 entries.iter().map(|(k, e)| (k.clone(), e.node.to_value())).collect(),
             ),
-            Kind::Array(items) => toml::Value::Array(items.iter().map(Node::to_value).collect()),
-            Kind::String(s) => toml::Value::String(s.clone()),
-            Kind::Integer(i) => toml::Value::Integer(*i),
-            Kind::Float(x) => toml::Value::Float(*x),
-            Kind::Boolean(b) => toml::Value::Boolean(*b),
-            Kind::Datetime(d) => toml::Value::Datetime(*d),
+            NodeContent::Array(items) => {
+                toml::Value::Array(items.iter().map(Node::to_value).collect())
+            }
+            NodeContent::String(s) => toml::Value::String(s.clone()),
+            NodeContent::Integer(i) => toml::Value::Integer(*i),
+            NodeContent::Float(x) => toml::Value::Float(*x),
+            NodeContent::Boolean(b) => toml::Value::Boolean(*b),
+            NodeContent::Datetime(d) => toml::Value::Datetime(*d),
         }
     }
 }
@@ -209,7 +211,7 @@ impl Entry {
     /// Returns the place to show for a faulty value: `key = value` if both are together.
     pub fn place(&self) -> Place {
         match (&self.node.kind, self.key, self.node.place) {
-            (Kind::Table(_), _, place) => place,
+            (NodeContent::Table(_), _, place) => place,
             (_, Place::File { start, end: key_end }, Place::File { start: value, end })
                 if key_end <= value =>
             {
@@ -252,44 +254,44 @@ fn from_table(table: &DeTable<'_>, place: Place, errors: &mut Vec<SyntaxError>) 
             (key.get_ref().to_string(), Entry { key: Place::from_span(key.span()), node })
         })
         .collect();
-    Node { kind: Kind::Table(entries), place }
+    Node { kind: NodeContent::Table(entries), place }
 }
 
 fn from_value(value: &DeValue<'_>, place: Place, errors: &mut Vec<SyntaxError>) -> Node {
     let kind = match value {
         DeValue::Table(table) => return from_table(table, place, errors),
-        DeValue::Array(items) => Kind::Array(
+        DeValue::Array(items) => NodeContent::Array(
             items
                 .iter()
                 .map(|item| from_value(item.get_ref(), Place::from_span(item.span()), errors))
                 .collect(),
         ),
-        DeValue::String(s) => Kind::String(s.to_string()),
+        DeValue::String(s) => NodeContent::String(s.to_string()),
         DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
-            Ok(i) => Kind::Integer(i),
-            Err(_) if i.radix() == 10 => Kind::Float(i.as_str().parse().unwrap_or(f64::NAN)),
+            Ok(i) => NodeContent::Integer(i),
+            Err(_) if i.radix() == 10 => NodeContent::Float(i.as_str().parse().unwrap_or(f64::NAN)),
             Err(_) => {
                 errors.push((
                     "the number does not fit in 64 bits".into(),
                     "write a smaller number",
                     place,
                 ));
-                Kind::Integer(0)
+                NodeContent::Integer(0)
             }
         },
         DeValue::Float(x) => match x.as_str().parse() {
-            Ok(x) => Kind::Float(x),
+            Ok(x) => NodeContent::Float(x),
             Err(_) => {
                 errors.push((
                     "the number cannot be read".into(),
                     "write it like 1.5 or 1.5e-3",
                     place,
                 ));
-                Kind::Float(0.0)
+                NodeContent::Float(0.0)
             }
         },
-        DeValue::Boolean(b) => Kind::Boolean(*b),
-        DeValue::Datetime(d) => Kind::Datetime(*d),
+        DeValue::Boolean(b) => NodeContent::Boolean(*b),
+        DeValue::Datetime(d) => NodeContent::Datetime(*d),
     };
     Node { kind, place }
 }
@@ -339,6 +341,9 @@ mod tests {
     fn one_value_stays_one_value() {
         assert!(Node::parse_value("1\nb = 2", Place::Set(0)).is_none());
         assert!(Node::parse_value("steel", Place::Set(0)).is_none());
-        assert!(matches!(Node::parse_value("[1, 2]", Place::Set(0)).unwrap().kind, Kind::Array(_)));
+        assert!(matches!(
+            Node::parse_value("[1, 2]", Place::Set(0)).unwrap().kind,
+            NodeContent::Array(_)
+        ));
     }
 }

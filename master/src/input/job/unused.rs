@@ -1,50 +1,25 @@
 //! Warns of settings in a job that no feature of the job uses, because the user expects an
 //! effect.
 
-use super::laws::{Used, contact_keys};
-use super::tree::{Kind, Node, Place};
+use super::laws::{ElementKey, Used, contact_keys, element_keys};
+use super::tree::{Node, NodeContent, Place};
 use super::validate::Findings;
-use crumple_proto::job::{Contact, HourglassForm, Job, Part};
+use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
+use crumple_worker::fem::elements::formulation;
 
-/// Key, description of its users, and a function that returns true if a part has such a user.
-type User = (&'static str, &'static str, fn(&Part, &Used) -> bool);
-
-/// Keys of `[[part]]` and their users.
-const OF_PARTS: &[User] = &[
-    ("warping", "shells with element = \"belytschko_tsay\"", |p, u| {
-        has(u, Shape::Quad4) && controlled(p)
-    }),
-    ("hourglass", "shells with element = \"belytschko_tsay\" and solids", |p, u| {
-        has(u, Shape::Hex8) || has(u, Shape::Quad4) && controlled(p)
-    }),
-    (
-        "hourglass_coefficient",
-        "shells with one point in their plane, and solids without hourglass = \"assumed_strain\"",
-        |p, u| {
-            let solids = !matches!(p.hourglass, None | Some(HourglassForm::AssumedStrain));
-            shells(u) && p.element.as_deref() != Some("fully_integrated_quad")
-                || has(u, Shape::Hex8) && solids
-        },
-    ),
-    ("points", "shells", |_, u| shells(u)),
-    ("thinning", "shells", |_, u| shells(u)),
-    ("inverted", "shells", |_, u| shells(u)),
-    ("drilling", "shells", |_, u| shells(u)),
-];
-
-fn has(used: &Used, shape: Shape) -> bool {
-    used[shape as usize]
-}
-
-fn shells(used: &Used) -> bool {
-    has(used, Shape::Quad4) || has(used, Shape::Tri3)
-}
-
-/// Returns true if quads of a part have a selectable hourglass control.
-fn controlled(part: &Part) -> bool {
-    part.element.as_deref() == Some("belytschko_tsay")
+/// Returns the remedy if no element of a part uses a key.
+fn reason_without_effect(key: &ElementKey, part: &Part, used: &Used) -> Option<String> {
+    let shapes = Shape::ALL.into_iter().filter(|&shape| used[shape as usize]);
+    let elements = shapes.filter_map(|shape| formulation(part, shape));
+    let mut reason = None;
+    for element in elements.filter(|e| e.keys().any(|row| row.key == key.key)) {
+        let idle = (element.idle)(&element.values(part));
+        let (_, why) = idle.iter().find(|(idle, _)| *idle == key.key)?;
+        reason = Some(format!("remove it: {why}"));
+    }
+    Some(reason.unwrap_or_else(|| format!("remove it: it is for {}", key.users().join(", "))))
 }
 
 /// Reports unused settings. `used` are the shapes of each part of the job. Settings of a deck are
@@ -71,7 +46,8 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
                 warn(format!("contact.{key}"), key, &contact.law, laws);
             }
-            let Some(Kind::Array(interfaces)) = table.get("interface").map(|node| &node.kind)
+            let Some(NodeContent::Array(interfaces)) =
+                table.get("interface").map(|node| &node.kind)
             else {
                 continue;
             };
@@ -83,21 +59,18 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
             }
         }
     }
-    let Some(Kind::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };
+    let Some(NodeContent::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };
     for (index, ((table, part), used)) in parts.iter().zip(&job.part).zip(used).enumerate() {
         // Parts without elements are reported elsewhere.
         if !used.contains(&true) {
             continue;
         }
         let path = format!("part.{index}");
-        for (key, users, uses) in OF_PARTS.iter().filter(|(key, ..)| written(table, &path, key)) {
-            if !uses(part, used) {
+        for element_key in element_keys().iter().filter(|k| written(table, &path, k.key)) {
+            let key = element_key.key;
+            if let Some(help) = reason_without_effect(element_key, part, used) {
                 let message = format!("nothing in part {} uses `{key}`", part.id);
-                findings.add(Problem::warning(
-                    format!("{path}.{key}"),
-                    message,
-                    format!("remove it: it is for {users}"),
-                ));
+                findings.add(Problem::warning(format!("{path}.{key}"), message, help));
             }
         }
     }
@@ -142,6 +115,7 @@ mod tests {
         assert_eq!(warned(&stabilised), ["part.0.hourglass"]);
         let stabilised = ["part.one.element=stabilised_quad", "part.one.warping=true"];
         assert_eq!(warned(&stabilised), ["part.0.warping"]);
+        assert_eq!(warned(&["part.one.bulk_viscosity=[0.1, 1.5]"]), ["part.0.bulk_viscosity"]);
         let full = ["part.one.element=fully_integrated_quad", "part.one.hourglass_coefficient=0.1"];
         assert_eq!(warned(&full), ["part.0.hourglass_coefficient"]);
     }

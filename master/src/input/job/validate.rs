@@ -5,7 +5,7 @@
 //! rest.
 
 use super::report::Finding;
-use super::tree::{Entry, Kind, Node, Place};
+use super::tree::{Entry, Node, NodeContent, Place};
 use crumple_proto::problem::Problem;
 use serde_json::Value;
 use std::sync::LazyLock;
@@ -106,12 +106,12 @@ fn walk(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
         return one_word_of(node, choices, path, findings);
     }
     match (kind_of(resolved), &mut node.kind) {
-        ("object", Kind::Table(_)) => table(node, resolved, path, findings),
-        ("array", Kind::Array(_)) => list(node, resolved, schema, path, findings),
-        ("string", Kind::String(_)) | ("boolean", Kind::Boolean(_)) => {}
-        ("number", Kind::Integer(_)) => {}
-        ("number", Kind::Float(x)) if x.is_finite() => {}
-        ("integer", Kind::Integer(i)) if fits(*i, resolved) => {}
+        ("object", NodeContent::Table(_)) => table(node, resolved, path, findings),
+        ("array", NodeContent::Array(_)) => list(node, resolved, schema, path, findings),
+        ("string", NodeContent::String(_)) | ("boolean", NodeContent::Boolean(_)) => {}
+        ("number", NodeContent::Integer(_)) => {}
+        ("number", NodeContent::Float(x)) if x.is_finite() => {}
+        ("integer", NodeContent::Integer(i)) if fits(*i, resolved) => {}
         ("", _) => {}
         _ => wrong(node, schema, path, findings),
     }
@@ -119,7 +119,7 @@ fn walk(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
 
 fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     let here = node.place;
-    let Kind::Table(entries) = &mut node.kind else { return };
+    let NodeContent::Table(entries) = &mut node.kind else { return };
     let properties = schema["properties"].as_object();
     let mut unknown = Vec::new();
     for (key, entry) in entries.iter_mut() {
@@ -163,7 +163,7 @@ fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
 }
 
 fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings: &mut Findings) {
-    let Kind::Array(items) = &mut node.kind else { return };
+    let NodeContent::Array(items) = &mut node.kind else { return };
     let (least, most) = (resolved["minItems"].as_u64().unwrap_or(0), resolved["maxItems"].as_u64());
     let length = items.len() as u64;
     if length < least || most.is_some_and(|most| length > most) {
@@ -174,9 +174,11 @@ fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings:
     let plain = resolve(item_schema)["type"].as_str().map(str::to_string);
     for (index, item) in items.iter_mut().enumerate() {
         match (plain.as_deref(), &item.kind) {
-            (Some("number"), Kind::Integer(_)) => continue,
-            (Some("number"), Kind::Float(x)) if x.is_finite() => continue,
-            (Some("integer"), Kind::Integer(i)) if fits(*i, resolve(item_schema)) => continue,
+            (Some("number"), NodeContent::Integer(_)) => continue,
+            (Some("number"), NodeContent::Float(x)) if x.is_finite() => continue,
+            (Some("integer"), NodeContent::Integer(i)) if fits(*i, resolve(item_schema)) => {
+                continue;
+            }
             _ => walk(item, item_schema, &join(path, &index.to_string()), findings),
         }
     }
@@ -215,19 +217,19 @@ fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findin
 
 fn one_word_of(node: &mut Node, choices: &[Value], path: &str, findings: &mut Findings) {
     let words: Vec<&str> = choices.iter().filter_map(|c| c["const"].as_str()).collect();
-    if let Kind::String(word) = &node.kind
+    if let NodeContent::String(word) = &node.kind
         && words.contains(&word.as_str())
     {
         return;
     }
     let help = match &node.kind {
-        Kind::String(word) => nearest(word, &words),
+        NodeContent::String(word) => nearest(word, &words),
         _ => format!("choose one of: {}", words.join(", ")),
     };
     let message = format!("`{}` cannot be {}", last(path), given(node));
     findings.add_faulty(Problem::error(path, message, help), None);
     *node = Node {
-        kind: Kind::String(words.first().copied().unwrap_or_default().into()),
+        kind: NodeContent::String(words.first().copied().unwrap_or_default().into()),
         place: node.place,
     };
 }
@@ -245,19 +247,21 @@ fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     };
     let kind = kind_of(resolve(schema));
     let help = match &node.kind {
-        Kind::String(s) if s.trim().parse::<f64>().is_ok() && kind != "string" => {
+        NodeContent::String(s) if s.trim().parse::<f64>().is_ok() && kind != "string" => {
             format!("write the number without quotes: {}", s.trim())
         }
-        Kind::Float(x) if !x.is_finite() && kind == "number" => {
+        NodeContent::Float(x) if !x.is_finite() && kind == "number" => {
             format!("write a finite number: {meaning}")
         }
-        Kind::Float(x) if x.fract() == 0.0 && kind == "integer" && x.abs() < 1e15 => {
+        NodeContent::Float(x) if x.fract() == 0.0 && kind == "integer" && x.abs() < 1e15 => {
             format!("write it without a point: {x}")
         }
-        Kind::Table(_) if is_list_of_tables(path) => {
+        NodeContent::Table(_) if is_list_of_tables(path) => {
             format!("write [[{path}]] with two brackets for each entry")
         }
-        Kind::Array(_) if kind == "object" => format!("write [{path}] with one bracket, once"),
+        NodeContent::Array(_) if kind == "object" => {
+            format!("write [{path}] with one bracket, once")
+        }
         _ => meaning,
     };
     findings.add_faulty(Problem::error(path, message, help), None);
@@ -277,18 +281,18 @@ fn stand_in(schema: &Value, place: Place) -> Node {
                 let node = stand_in(&resolved["properties"][key], place);
                 (key.to_string(), Entry { key: place, node })
             };
-            Kind::Table(required.map(entry).collect())
+            NodeContent::Table(required.map(entry).collect())
         }
         "array" => {
             let least = resolved["minItems"].as_u64().unwrap_or(0);
-            Kind::Array((0..least).map(|_| stand_in(&resolved["items"], place)).collect())
+            NodeContent::Array((0..least).map(|_| stand_in(&resolved["items"], place)).collect())
         }
-        "number" => Kind::Float(1.0),
-        "integer" => Kind::Integer(1),
-        "boolean" => Kind::Boolean(false),
+        "number" => NodeContent::Float(1.0),
+        "integer" => NodeContent::Integer(1),
+        "boolean" => NodeContent::Boolean(false),
         _ => match first(&resolved["anyOf"]).or_else(|| first(&resolved["oneOf"])) {
             Some(node) => return node,
-            None => Kind::String(resolved["const"].as_str().unwrap_or_default().into()),
+            None => NodeContent::String(resolved["const"].as_str().unwrap_or_default().into()),
         },
     };
     Node { kind, place }
@@ -357,17 +361,17 @@ fn expected(schema: &Value) -> String {
 
 fn given(node: &Node) -> String {
     match &node.kind {
-        Kind::Table(_) => "a table".into(),
-        Kind::Array(items) => match items.len() {
+        NodeContent::Table(_) => "a table".into(),
+        NodeContent::Array(items) => match items.len() {
             1 => "a list of 1 entry".into(),
             n => format!("a list of {n} entries"),
         },
-        Kind::String(s) => format!("the text \"{}\"", s.escape_debug()),
-        Kind::Integer(i) => format!("{i}"),
-        Kind::Float(x) if x.is_nan() => "nan".into(),
-        Kind::Float(x) => format!("{x:?}"),
-        Kind::Boolean(b) => format!("{b}"),
-        Kind::Datetime(_) => "a date".into(),
+        NodeContent::String(s) => format!("the text \"{}\"", s.escape_debug()),
+        NodeContent::Integer(i) => format!("{i}"),
+        NodeContent::Float(x) if x.is_nan() => "nan".into(),
+        NodeContent::Float(x) => format!("{x:?}"),
+        NodeContent::Boolean(b) => format!("{b}"),
+        NodeContent::Datetime(_) => "a date".into(),
     }
 }
 

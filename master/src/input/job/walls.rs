@@ -41,15 +41,25 @@ pub fn check(job: &Job, findings: &mut Findings) {
 type Fault = (&'static str, String, &'static str);
 
 fn faults(wall: &WallSpec) -> Vec<Fault> {
-    let mut found: Vec<Fault> = Vec::new();
+    let mut found = Vec::new();
     let mut say = |wrong: bool, key, message: &str, help| {
         if wrong {
             found.push((key, message.into(), help));
         }
     };
+    shape_faults(wall, &mut say);
+    rectangle_faults(wall, &mut say);
+    motion_faults(wall, &mut say);
+    found
+}
+
+/// Adds a fault if its condition is true: condition, key, message, advice.
+type Say<'a> = &'a mut dyn FnMut(bool, &'static str, &str, &'static str);
+
+/// Finds faults of a plane or a cylinder.
+fn shape_faults(wall: &WallSpec, say: Say<'_>) {
     let flat = wall.normal.is_some();
     let round = wall.axis.is_some();
-    let led = wall.velocity.is_some() || wall.displacement.is_some();
     let normal = "give the direction from the wall to the model, such as [1, 0, 0]";
     say(
         !flat && !round,
@@ -95,7 +105,11 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
         "a wall cannot have this length",
         length,
     );
+}
 
+/// Finds faults of the sides of a rectangle.
+fn rectangle_faults(wall: &WallSpec, say: Say<'_>) {
+    let round = wall.axis.is_some();
     let sides =
         "give a rectangle `edge`, the direction of its first side, and `lengths` of both sides";
     let rectangle = wall.edge.is_some() || wall.lengths.is_some();
@@ -117,7 +131,12 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
         "the edge of a wall is parallel to its normal",
         "give the direction of a side, at an angle to the normal",
     );
+}
 
+/// Finds faults of friction, mass and motion.
+fn motion_faults(wall: &WallSpec, say: Say<'_>) {
+    let round = wall.axis.is_some();
+    let led = wall.velocity.is_some() || wall.displacement.is_some();
     let message = format!("`friction` is {:?}", wall.friction);
     say(wall.friction < 0.0, "friction", &message, "it has to be 0 or above");
     let mass = "it has to be above 0; remove it for a fixed wall or one with prescribed motion";
@@ -146,7 +165,6 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
         "the curve of a wall has no effect",
         "give the wall a `velocity` or a `displacement`",
     );
-    found
 }
 
 /// Resolves the walls of a job in which [`check`] has found no errors.

@@ -189,6 +189,7 @@ impl Page<'_> {
                 DefaultValue::Whole(n) => n.to_string(),
                 DefaultValue::Flag(flag) => flag.to_string(),
                 DefaultValue::Word(word) => format!("`\"{word}\"`"),
+                DefaultValue::Numbers(list) => format!("`{list:?}`"),
                 DefaultValue::Depends(words) => words.into(),
             };
             let form = match row.form {
@@ -198,6 +199,7 @@ impl Page<'_> {
                 Form::Word(words) => {
                     words.iter().map(|w| format!("`\"{w}\"`")).collect::<Vec<_>>().join(", ")
                 }
+                Form::Numbers(count) => format!("{count} numbers"),
                 Form::List(form) => format!("`{form}`"),
             };
             self.row(&[&format!("`{}`", row.key), &form, &dimension, &default, &meaning]);
@@ -205,10 +207,11 @@ impl Page<'_> {
     }
 
     fn elements(&mut self) {
-        self.head(&["`element`", "shape", "meaning"]);
+        self.head(&["`element`", "shape", "its keys", "meaning"]);
         for row in ELEMENTS {
             let shape = format!("{} nodes", row.shape.corners());
-            self.row(&[&format!("`{}`", row.name), &shape, row.meaning]);
+            let keys: Vec<String> = row.keys().map(|row| format!("`{}`", row.key)).collect();
+            self.row(&[&format!("`{}`", row.name), &shape, &keys.join(", "), row.meaning]);
         }
     }
 

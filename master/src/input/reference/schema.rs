@@ -1,7 +1,7 @@
 //! The schema of a job, completed with names of laws, formulations and generators, and with their
 //! keys.
 
-use crate::input::job::laws::contact_keys;
+use crate::input::job::laws::{ElementKey, contact_keys, element_keys};
 use crumple_cases::GENERATORS;
 use crumple_proto::job::{Contact, Job};
 use crumple_proto::mesh::Shape;
@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 const DRAFT: &str = "http://json-schema.org/draft-07/schema#";
 
 /// Returns the schema against which jobs are read: that of the types of a job, with the keys that
-/// contact laws publish.
+/// contact laws and elements publish.
 pub fn job_schema() -> Value {
     let mut schema = Job::schema();
     for (row, laws) in contact_keys() {
@@ -24,6 +24,9 @@ pub fn job_schema() -> Value {
         let laws: Vec<String> = laws.into_iter().map(|law| format!("`{law}`")).collect();
         entry["description"] = format!("{} Used by {}.", row.meaning, laws.join(", ")).into();
         schema["$defs"]["Contact"]["properties"][row.key] = entry;
+    }
+    for key in element_keys() {
+        schema["$defs"]["Part"]["properties"][key.key] = of_element_key(&key);
     }
     for row in CONTACT_LAWS.iter().flat_map(|law| law.parameters) {
         let mut entry = of_key(row);
@@ -38,6 +41,50 @@ pub fn job_schema() -> Value {
     schema
 }
 
+/// Returns the schema of a key of `[[part]]`, with what its formulations say of it.
+fn of_element_key(key: &ElementKey) -> Value {
+    let (_, first) = key.rows[0];
+    let mut entry = of_key(first);
+    let names = |rows: &[&'static str]| {
+        rows.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    };
+    let mut meanings: Vec<(&str, Vec<&'static str>)> = Vec::new();
+    let mut defaults: Vec<(String, Vec<&'static str>)> = Vec::new();
+    for (element, row) in &key.rows {
+        let default = of_key(row)["default"].to_string().replace('"', "`");
+        put(&mut meanings, row.meaning, element.name);
+        put(&mut defaults, default, element.name);
+    }
+    let mut text: Vec<String> = meanings
+        .iter()
+        .map(|(meaning, users)| match meanings.len() {
+            1 => format!("{meaning} Used by {}.", names(users)),
+            _ => format!("{}: {meaning}", names(users)),
+        })
+        .collect();
+    if defaults.len() > 1 {
+        let each = defaults.iter().map(|(value, users)| format!("{value} ({})", names(users)));
+        text.push(format!("Default: {}.", each.collect::<Vec<_>>().join(", ")));
+        let fields = entry.as_object_mut().expect("a schema is a table");
+        fields.remove("default");
+    }
+    if let (Form::Word(_), Some(entry)) = (first.form, entry.as_object_mut()) {
+        entry.retain(|field, _| field == "default");
+        let words = key.words().into_iter().map(|word| json!({ "const": word }));
+        entry.insert("oneOf".into(), words.collect());
+    }
+    entry["description"] = text.join(" ").into();
+    entry
+}
+
+/// Adds a user to the entry with this value; without one, adds an entry.
+fn put<T: PartialEq>(list: &mut Vec<(T, Vec<&'static str>)>, value: T, user: &'static str) {
+    match list.iter_mut().find(|(known, _)| *known == value) {
+        Some((_, users)) => users.push(user),
+        None => list.push((value, vec![user])),
+    }
+}
+
 /// Returns the schema of the values of a key.
 fn of_key(row: &ParameterRow) -> Value {
     let mut entry = json!({ "description": row.meaning });
@@ -46,6 +93,7 @@ fn of_key(row: &ParameterRow) -> Value {
         DefaultValue::Whole(default) => entry["default"] = default.into(),
         DefaultValue::Flag(default) => entry["default"] = default.into(),
         DefaultValue::Word(default) => entry["default"] = default.into(),
+        DefaultValue::Numbers(default) => entry["default"] = default.into(),
         DefaultValue::Needed | DefaultValue::Absent | DefaultValue::Depends(_) => {}
     }
     match row.form {
@@ -59,6 +107,11 @@ fn of_key(row: &ParameterRow) -> Value {
         Form::Word(words) => {
             entry["type"] = "string".into();
             entry["enum"] = words.into();
+        }
+        Form::Numbers(count) => {
+            entry["type"] = "array".into();
+            entry["items"] = json!({ "type": "number" });
+            (entry["minItems"], entry["maxItems"]) = (count.into(), count.into());
         }
         Form::List(_) => entry["type"] = "array".into(),
     }

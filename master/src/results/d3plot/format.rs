@@ -150,7 +150,7 @@ impl Format {
             ]);
         }
         // The part number of an existing element, zero of a deleted one.
-        let left = |(element, values): (&super::source::Element, &super::source::Values)| {
+        let left = |(element, values): (&super::source::Element, &super::source::StateValues)| {
             if values.alive { m.part_of(element.part) as f32 } else { 0.0 }
         };
         words.floats(m.solids.iter().zip(&state.solids).map(left));

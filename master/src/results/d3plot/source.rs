@@ -55,14 +55,14 @@ pub struct State {
     /// Velocities [length/time].
     pub v: Vec<[f32; 3]>,
     /// Values per solid.
-    pub solids: Vec<Values>,
+    pub solids: Vec<StateValues>,
     /// Values per shell.
-    pub shells: Vec<Values>,
+    pub shells: Vec<StateValues>,
 }
 
 /// Values of an element.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Values {
+pub struct StateValues {
     /// False if the element is deleted.
     pub alive: bool,
     /// Stress xx, yy, zz, xy, yz, zx [force/length^2].
@@ -77,7 +77,7 @@ pub struct Values {
 
 /// Position of an element's values in the state.
 #[derive(Clone, Copy)]
-enum Place {
+enum StatePosition {
     Solid(usize),
     Shell(usize),
 }
@@ -90,7 +90,7 @@ pub struct Source {
     /// Rows of the history: time, kinetic and internal energy.
     energies: Vec<[f64; 3]>,
     nodes: HashMap<i64, usize>,
-    elements: HashMap<i64, Place>,
+    elements: HashMap<i64, StatePosition>,
     state: State,
 }
 
@@ -181,8 +181,8 @@ impl Source {
         solids.sort_by_key(|e| e.0.id);
         shells.sort_by_key(|e| e.0.id);
         self.nodes = nodes.iter().enumerate().map(|(i, n)| (i64::from(n.0), i)).collect();
-        let solid = |(i, e): (usize, &(Element, _))| (i64::from(e.0.id), Place::Solid(i));
-        let shell = |(i, e): (usize, &(Element, _))| (i64::from(e.0.id), Place::Shell(i));
+        let solid = |(i, e): (usize, &(Element, _))| (i64::from(e.0.id), StatePosition::Solid(i));
+        let shell = |(i, e): (usize, &(Element, _))| (i64::from(e.0.id), StatePosition::Shell(i));
         self.elements = solids.iter().enumerate().map(solid).collect();
         self.elements.extend(shells.iter().enumerate().map(shell));
         let place = |n: i64| self.nodes[&n] as i32;
@@ -191,8 +191,8 @@ impl Source {
         self.state = State {
             x: x.clone(),
             v: vec![[0.0; 3]; x.len()],
-            solids: vec![Values::default(); solids.len()],
-            shells: vec![Values::default(); shells.len()],
+            solids: vec![StateValues::default(); solids.len()],
+            shells: vec![StateValues::default(); shells.len()],
             ..State::default()
         };
         Ok(Mesh {
@@ -233,11 +233,11 @@ impl Source {
             let (plastic_strain, von_mises, thickness) = (plastic_strain?, von_mises?, thickness?);
             for (e, id) in piece.array(vtu::ELEMENT_ID.name)?.iter().enumerate() {
                 let values = match self.elements.get(&(*id as i64)) {
-                    Some(&Place::Solid(i)) => &mut s.solids[i],
-                    Some(&Place::Shell(i)) => &mut s.shells[i],
+                    Some(&StatePosition::Solid(i)) => &mut s.solids[i],
+                    Some(&StatePosition::Shell(i)) => &mut s.shells[i],
                     None => continue,
                 };
-                *values = Values {
+                *values = StateValues {
                     alive: true,
                     stress: std::array::from_fn(|c| stress[6 * e + c] as f32),
                     plastic_strain: plastic_strain[e] as f32,

@@ -33,7 +33,7 @@ pub fn plots(
         return Vec::new();
     }
     match read(&path, time) {
-        Ok(read) if read.share.len() > 1 => of(read, time.len(), limits),
+        Ok(read) if read.share.len() > 1 => plots_of(read, time.len(), limits),
         Ok(_) => Vec::new(),
         Err(why) => {
             problems.push(format!("{}: {why}", path.display()));
@@ -107,7 +107,7 @@ fn largest(columns: Columns) -> Vec<Line> {
     all.into_iter().map(|(worker, values)| line(format!("worker {worker}"), values)).collect()
 }
 
-fn of(read: Read, rows: usize, limits: Option<Limits>) -> Vec<Plot> {
+fn plots_of(read: Read, rows: usize, limits: Option<Limits>) -> Vec<Plot> {
     let Read { share, mut load, imbalance } = read;
     for row in 0..rows {
         let mean = load.values().map(|v| v[row]).sum::<f64>() / load.len() as f64;

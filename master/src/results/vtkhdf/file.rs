@@ -2,7 +2,7 @@
 //! once.
 
 use super::snapshot::{Column, Snapshot, Topology};
-use crumple_worker::vtu::{Array, CELL_ARRAYS, Kind, POINT_ARRAYS};
+use crumple_worker::vtu::{Array, CELL_ARRAYS, NumberType, POINT_ARRAYS};
 use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group, H5Type, Hdf5Error};
 use std::path::Path;
 
@@ -77,10 +77,10 @@ impl Arrays {
         let create = |array: &Array| {
             let width = (array.components > 1).then_some(array.components);
             match array.kind {
-                Kind::F32 => Growing::create::<f32>(&group, array.name, width, CHUNK),
-                Kind::U32 => Growing::create::<u32>(&group, array.name, width, CHUNK),
-                Kind::I64 => Growing::create::<i64>(&group, array.name, width, CHUNK),
-                Kind::U8 => Growing::create::<u8>(&group, array.name, width, CHUNK),
+                NumberType::F32 => Growing::create::<f32>(&group, array.name, width, CHUNK),
+                NumberType::U32 => Growing::create::<u32>(&group, array.name, width, CHUNK),
+                NumberType::I64 => Growing::create::<i64>(&group, array.name, width, CHUNK),
+                NumberType::U8 => Growing::create::<u8>(&group, array.name, width, CHUNK),
             }
         };
         Ok(Self {

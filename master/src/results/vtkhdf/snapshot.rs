@@ -1,7 +1,7 @@
 //! One step of all workers as one mesh: nodes and elements once, by ascending ids.
 
 use crate::results::field_file::{Piece, Step, pieces};
-use crumple_worker::vtu::{self, Array, CELL_ARRAYS, Kind, POINT_ARRAYS};
+use crumple_worker::vtu::{self, Array, CELL_ARRAYS, NumberType, POINT_ARRAYS};
 
 /// Numbers of one array, all components of a point or cell together.
 #[derive(Debug, PartialEq)]
@@ -109,10 +109,10 @@ fn ascending(ids: &[Vec<i64>]) -> (Vec<i64>, Vec<Source>) {
 fn column(pieces: &[Piece], array: &Array, sources: &[Source]) -> Result<Column, String> {
     let (name, width) = (array.name, array.components);
     Ok(match array.kind {
-        Kind::F32 => Column::F32(gathered(pieces, width, sources, |p| p.f32(name))?),
-        Kind::U32 => Column::U32(gathered(pieces, width, sources, |p| p.u32(name))?),
-        Kind::I64 => Column::I64(gathered(pieces, width, sources, |p| p.i64(name))?),
-        Kind::U8 => Column::U8(gathered(pieces, width, sources, |p| p.u8(name))?),
+        NumberType::F32 => Column::F32(gathered(pieces, width, sources, |p| p.f32(name))?),
+        NumberType::U32 => Column::U32(gathered(pieces, width, sources, |p| p.u32(name))?),
+        NumberType::I64 => Column::I64(gathered(pieces, width, sources, |p| p.i64(name))?),
+        NumberType::U8 => Column::U8(gathered(pieces, width, sources, |p| p.u8(name))?),
     })
 }
 

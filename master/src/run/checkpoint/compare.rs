@@ -65,11 +65,15 @@ fn additional(old: &Restart, new: &Restart, parts: &[Part]) -> Result<Changes, S
     }
     if !new.rigid.starts_with(&old.rigid) {
         let known = &old.rigid;
-        return Err(format!("`restart.rigid` has to begin with the parts of before, {known:?}"));
+        return Err(format!(
+            "`restart.rigid` has to begin with the parts of the earlier run, {known:?}"
+        ));
     }
     if !new.wall.starts_with(&old.wall) {
         let count = old.wall.len();
-        return Err(format!("`restart.wall` has to begin with the {count} walls of before"));
+        return Err(format!(
+            "`restart.wall` has to begin with the {count} walls of the earlier run"
+        ));
     }
     let index = |id: &u32| Some(parts.iter().position(|p| p.id == *id)? as u32);
     let velocities = if new.velocity == old.velocity { &[][..] } else { &new.velocity };

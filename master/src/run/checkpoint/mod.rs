@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Name of the file with the state of the master.
@@ -65,6 +66,18 @@ struct Pending {
     write_s: f64,
 }
 
+/// A checkpoint that a thread makes complete.
+struct Finishing {
+    captured: Captured,
+    copy_s: f64,
+    write_s: f64,
+    /// Returns the bytes of all files.
+    thread: JoinHandle<Result<u64, String>>,
+}
+
+/// Interval between two looks at the thread.
+const LOOK_EVERY: Duration = Duration::from_millis(2);
+
 /// All checkpoints of a run.
 pub struct Checkpoints {
     run: PathBuf,
@@ -81,6 +94,7 @@ pub struct Checkpoints {
     patience: Duration,
     complained: bool,
     pending: BTreeMap<u64, Pending>,
+    finishing: Option<Finishing>,
     /// Copies in memory.
     pub copies: Copies,
     /// Number and cost.
@@ -105,6 +119,7 @@ impl Checkpoints {
             patience: asked.patience().unwrap_or_default(),
             complained: false,
             pending: BTreeMap::new(),
+            finishing: None,
             copies: Copies::new(asked.copy_interval().unwrap_or_default(), workers),
             summary: CheckpointSummary::default(),
             newest: None,
@@ -125,7 +140,8 @@ impl Checkpoints {
     /// `asked` for. It is then counted as ordered.
     pub fn take_due(&mut self, asked: bool) -> bool {
         let over = self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
-        let due = (asked || over) && !self.ordered && self.pending.is_empty();
+        let idle = self.pending.is_empty() && self.finishing.is_none();
+        let due = (asked || over) && !self.ordered && idle;
         if due {
             self.ordered = true;
             self.last = Instant::now();
@@ -151,20 +167,21 @@ impl Checkpoints {
 
     /// Returns a warning if the files of the last checkpoint take long, once for each.
     pub fn complain(&mut self) -> Option<String> {
-        let cycle = *self.pending.keys().next()?;
+        let finishing = self.finishing.iter().map(|f| f.captured.cycle);
+        let cycle = finishing.chain(self.pending.keys().copied()).next()?;
         if self.complained || self.last.elapsed() < self.patience {
             return None;
         }
         self.complained = true;
         Some(format!(
             "the checkpoint of cycle {cycle} is still being written to {}: the file system is slow \
-             or hangs. The run continues; there is no other checkpoint meanwhile",
+             or hangs. The run continues; no other checkpoint is written until then",
             self.dir.display()
         ))
     }
 
-    /// Adds the files of a worker. After the last worker it makes the checkpoint complete and
-    /// returns a message for the user, or a warning.
+    /// Adds the files of a worker. After the last worker, a thread makes the checkpoint complete.
+    /// Returns the end of the one before, as [`Self::poll`], if it is waited for here.
     pub fn add_saved(&mut self, saved: Saved) -> Option<Result<String, String>> {
         if let Some((captured, state)) = self.copies.take(saved.cycle) {
             let copied = Pending { captured, copies: self.workers, ..Pending::default() };
@@ -177,50 +194,121 @@ impl Checkpoints {
         if pending.saved.len() < self.workers {
             return None;
         }
-        let pending = self.pending.remove(&saved.cycle)?;
+        let mut pending = self.pending.remove(&saved.cycle)?;
+        let before = self.wait();
+        let Pending { captured, copy_s, write_s, .. } = pending;
+        let saved = std::mem::take(&mut pending.saved);
+        let master = pending.master;
+        let task = Completion {
+            run: self.run.clone(),
+            dir: self.dir.clone(),
+            keep: self.keep,
+            captured,
+            stamp: self.stamp.clone(),
+            elements: self.elements,
+        };
+        let thread = std::thread::spawn(move || task.complete(saved, master));
+        self.finishing = Some(Finishing { captured, copy_s, write_s, thread });
+        before
+    }
+
+    /// Returns a message for the user, or a warning, when the thread has ended.
+    pub fn poll(&mut self) -> Option<Result<String, String>> {
+        let Finishing { captured, copy_s, write_s, thread } =
+            self.finishing.take_if(|f| f.thread.is_finished())?;
+        let ended = thread.join();
         (self.ordered, self.complained) = (false, false);
-        let (copy_s, write_s, captured) = (pending.copy_s, pending.write_s, pending.captured);
-        let folder = self.dir.join(folder_name(saved.cycle));
-        Some(match self.complete(&folder, pending) {
+        Some(match ended.unwrap_or_else(|_| Err("the thread that writes ended early".into())) {
             Ok(bytes) => {
                 self.summary.written += 1;
                 self.summary.bytes = bytes;
                 self.summary.copy_s += copy_s;
                 self.summary.write_s += write_s;
                 self.newest = Some((captured.cycle, captured.time));
-                self.prune();
                 Ok(format!(
                     "checkpoint at T={:.4e}, cycle {}: {:.1} MB in {}",
                     captured.time,
                     captured.cycle,
                     bytes as f64 / 1e6,
-                    folder.display()
+                    self.dir.join(folder_name(captured.cycle)).display()
                 ))
             }
-            Err(why) => {
-                // Without a manifest it is no checkpoint, even if it cannot be removed.
-                let _ = std::fs::remove_dir_all(&folder);
-                let kept =
-                    self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
-                        format!("the one of cycle {cycle} is kept")
-                    });
-                Err(format!(
-                    "the checkpoint of cycle {} could not be written: {why}; {kept}, and the run \
-                     continues. Free space or make the folder writable",
-                    captured.cycle
-                ))
-            }
+            Err(why) => Err(self.unwritten(captured.cycle, &why)),
         })
     }
 
-    /// Writes the state of the master and the manifest. Returns the bytes of all files.
-    fn complete(&self, folder: &Path, pending: Pending) -> Result<u64, String> {
+    /// Waits for the thread, if there is one, as [`Self::poll`]. Gives it up after the time for
+    /// which a run waits for a file system.
+    pub fn wait(&mut self) -> Option<Result<String, String>> {
+        let began = Instant::now();
+        loop {
+            let cycle = self.finishing.as_ref()?.captured.cycle;
+            if let Some(ended) = self.poll() {
+                return Some(ended);
+            }
+            if began.elapsed() > self.patience {
+                self.finishing = None; // the thread ends with the process
+                let seconds = self.patience.as_secs_f64();
+                let why =
+                    format!("it was not complete after {seconds:.0} s: the file system hangs");
+                return Some(Err(self.unwritten(cycle, &why)));
+            }
+            std::thread::sleep(LOOK_EVERY);
+        }
+    }
+
+    /// Returns the warning about a checkpoint that could not be written.
+    fn unwritten(&self, cycle: u64, why: &str) -> String {
+        let kept = self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
+            format!("the one of cycle {cycle} is kept")
+        });
+        format!(
+            "the checkpoint of cycle {cycle} could not be written: {why}; {kept}, and the run \
+             continues. Free space or make the folder writable"
+        )
+    }
+}
+
+/// Work of the thread that makes a checkpoint complete.
+struct Completion {
+    run: PathBuf,
+    dir: PathBuf,
+    keep: usize,
+    captured: Captured,
+    stamp: Stamp,
+    elements: usize,
+}
+
+impl Completion {
+    /// Writes the state of the master and the manifest, and removes old checkpoints; what is left
+    /// of this one if that is not possible. Returns the bytes of all files.
+    fn complete(
+        &self,
+        saved: Vec<Result<Vec<FileRecord>, String>>,
+        master: Option<MasterState>,
+    ) -> Result<u64, String> {
+        let folder = self.dir.join(folder_name(self.captured.cycle));
+        let ended = self.write(&folder, saved, master);
+        match ended {
+            Ok(_) => self.prune(),
+            // Without a manifest it is no checkpoint, even if it cannot be removed.
+            Err(_) => drop(std::fs::remove_dir_all(&folder)),
+        }
+        ended
+    }
+
+    fn write(
+        &self,
+        folder: &Path,
+        saved: Vec<Result<Vec<FileRecord>, String>>,
+        master: Option<MasterState>,
+    ) -> Result<u64, String> {
         let named = |path: &Path, error: io::Error| format!("{}: {error}", path.display());
         let mut files = Vec::new();
-        for saved in pending.saved {
+        for saved in saved {
             files.extend(saved?);
         }
-        let state = pending.master.ok_or("not all workers have copied their states")?;
+        let state = master.ok_or("not all workers have copied their states")?;
         let common = files.iter().position(|f| f.name == COMMON).ok_or("a file is missing")?;
         let common = files.swap_remove(common);
         files.sort_by(|a, b| a.name.cmp(&b.name));
@@ -232,7 +320,7 @@ impl Checkpoints {
             .map_err(|error| named(folder, error))?;
         let manifest = Manifest {
             program: env!("CARGO_PKG_VERSION").into(),
-            captured: pending.captured,
+            captured: self.captured,
             stamp: self.stamp.clone(),
             elements: self.elements,
             master,

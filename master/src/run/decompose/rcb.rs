@@ -32,7 +32,7 @@ pub fn bisect(load: &mut dyn Load, workers: usize) -> Result<CutTree, RankLost> 
         }
         let entries: Vec<usize> = open.iter().map(|o| o.0).collect();
         let extents = load.extents(&tree, &entries)?;
-        let mut cuts: Vec<Option<Place>> = vec![None; open.len()];
+        let mut cuts: Vec<Option<CutCandidate>> = vec![None; open.len()];
         for rank in 0..3 {
             let fair = |i: usize| cuts[i].as_ref().is_some_and(|c| c.uneven <= UNEVEN);
             let asked: Vec<usize> = (0..open.len())
@@ -56,13 +56,13 @@ pub fn bisect(load: &mut dyn Load, workers: usize) -> Result<CutTree, RankLost> 
                 let (_, _, count) = open[i];
                 let (at, uneven) = place(histogram, (count / 2) as f64 / count as f64);
                 if cuts[i].as_ref().is_none_or(|c| uneven < c.uneven) {
-                    cuts[i] = Some(Place { axis, at: lo + (hi - lo) * at, uneven });
+                    cuts[i] = Some(CutCandidate { axis, at: lo + (hi - lo) * at, uneven });
                 }
             }
         }
         let mut next = Vec::new();
         for (&(entry, first, count), cut) in open.iter().zip(cuts) {
-            let Some(Place { axis, at, .. }) = cut else { continue };
+            let Some(CutCandidate { axis, at, .. }) = cut else { continue };
             let lower = count / 2;
             let below = tree.entries.len();
             tree.entries.extend([Cut::Leaf(first), Cut::Leaf(first + lower)]);
@@ -75,7 +75,7 @@ pub fn bisect(load: &mut dyn Load, workers: usize) -> Result<CutTree, RankLost> 
 
 /// A cut of a box.
 #[derive(Clone)]
-struct Place {
+struct CutCandidate {
     axis: usize,
     /// Coordinate [length].
     at: f64,

@@ -7,7 +7,9 @@
 
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
-use crumple_worker::fem::materials::plasticity::{Coefficients, Curve, Failure, Plasticity, Rate};
+use crumple_worker::fem::materials::plasticity::{
+    Coefficients, Failure, Plasticity, Rate, YieldCurve,
+};
 use crumple_worker::fem::materials::{
     BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow, Parameters,
 };
@@ -63,7 +65,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
         coefficients: Coefficients::new(&elastic, a),
         elastic,
         yield_stress: a,
-        curve: Curve::Power { b: b / a, n },
+        curve: YieldCurve::Power { b: b / a, n },
         rate: Rate::None,
         thermal: None,
         failure: Failure::None,

@@ -5,3 +5,4 @@ pub mod damper;
 pub mod ludwik;
 pub mod maxwell;
 pub mod sticky;
+pub mod strict;

@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Surface of a wall at the present time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Surface {
+pub struct WallSurface {
     /// Unit normal, or unit vector along the axis.
     pub direction: V3,
     place: V3,
@@ -34,7 +34,7 @@ enum Form {
     },
 }
 
-impl Surface {
+impl WallSurface {
     /// Builds the surface at time 0.
     pub fn new(job: &WallJob) -> Self {
         let direction = V3::from(job.direction).normalize();

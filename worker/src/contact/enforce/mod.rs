@@ -11,7 +11,7 @@ use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
 use crate::math::row::{Row, V3};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
-use crate::registry::Registry;
+use crate::registry::{Named, Registry};
 use crate::time::StepSizes;
 use crumple_proto::job::Contact;
 use crumple_proto::problem::Problem;
@@ -129,6 +129,12 @@ pub struct LawRow {
     pub conflict: fn(&Values<'_>, f64) -> Option<Problem>,
     /// Builds the law from its values. Panics on words that the master's checks reject.
     pub build: fn(&Values<'_>, &Elasticity) -> Box<dyn ContactLaw>,
+}
+
+impl Named for LawRow {
+    fn name(&self) -> &'static str {
+        self.name
+    }
 }
 
 impl LawRow {

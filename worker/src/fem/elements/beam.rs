@@ -34,7 +34,7 @@ mod section;
 #[cfg(test)]
 mod tests;
 
-use self::section::Section;
+use self::section::FibreSection;
 use super::section::label;
 use super::{
     BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, PassTotals,
@@ -44,6 +44,7 @@ use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
+use crate::parameter::Values;
 use crumple_proto::job::{BeamSection, Part, Weld};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
@@ -54,6 +55,8 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "beam",
     shape: Shape::Beam2,
     meaning: "Two-node beam in a corotating frame, with a cross section of fibres.",
+    parameters: [&[], &[]],
+    idle: |_| &[],
     build: Constructor::Shell(build),
 };
 
@@ -94,7 +97,7 @@ const STRAIN_LIMIT: f64 = 0.5;
 pub struct Beam {
     law: Box<dyn PlaneStress>,
     elastic: Elastic,
-    section: Section,
+    section: FibreSection,
     /// Area [length^2]; second moments about the second and third axis, torsion constant
     /// [length^4].
     moments: [f64; 4],
@@ -109,7 +112,7 @@ pub struct Beam {
     weld: Option<Weld>,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
         problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
@@ -213,7 +216,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     if !problems.is_empty() {
         return Err(problems);
     }
-    let section = Section::new(beam);
+    let section = FibreSection::new(beam);
     Ok(Box::new(Beam {
         weld: beam.weld.clone(),
         elastic: law.elastic(),

@@ -22,10 +22,11 @@ use super::quad::{
 };
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
-use super::{BuildResult, Constructor, ElementEntry, zero_failed};
+use super::{BuildResult, Constructor, ElementEntry, HourglassForm, parameters, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::math::lanes::{Each, Real};
-use crumple_proto::job::{HourglassForm, Part};
+use crate::parameter::{DefaultValue, Form, ParameterRow, Values};
+use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
@@ -33,6 +34,33 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "belytschko_tsay",
     meaning: "Belytschko-Lin-Tsay: one in-plane point, hourglass control with a coefficient.",
     shape: Shape::Quad4,
+    parameters: [
+        parameters::OF_SHELLS,
+        &[
+            ParameterRow {
+                key: "hourglass",
+                form: Form::Word(HourglassForm::OF_SHELLS),
+                otherwise: DefaultValue::Word(HourglassForm::Stiffness.word()),
+                range: None,
+                meaning: "Hourglass control (`cases/studies/README.md`, hourglass).",
+            },
+            parameters::coefficient_of_shell(
+                "Hourglass coefficient: fraction of the stiffness of the element, or of critical \
+                 damping. Hourglass forces of shells with a plastic law are bounded with every \
+                 form of control. See `cases/studies/README.md`, hourglass.",
+            ),
+            ParameterRow {
+                key: "warping",
+                form: Form::Flag,
+                otherwise: DefaultValue::Flag(false),
+                range: None,
+                meaning: "Add the Belytschko-Wong-Chiang coupling terms for warped quads. Their \
+                          effect is small (`cases/studies/README.md`, twist, twist-thin and \
+                          panel).",
+            },
+        ],
+    ],
+    idle: |_| &[],
     build: Constructor::Shell(build),
 };
 
@@ -49,17 +77,21 @@ const BOUNDS: Bounds<HOURGLASS> = Bounds {
 pub struct BelytschkoTsay {
     section: Section,
     hourglass: HourglassForm,
+    /// r.
+    hourglass_coefficient: f64,
     warping: bool,
     /// alpha.
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
-    let section = Section::new(part, law)?;
-    let hourglass = part.hourglass.unwrap_or(HourglassForm::Stiffness);
-    let kernel =
-        BelytschkoTsay { section, hourglass, warping: part.warping, drilling: part.drilling };
-    Ok(Box::new(Shell(Quad(kernel))))
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+    Ok(Box::new(Shell(Quad(BelytschkoTsay {
+        section: Section::new(part, values, law)?,
+        hourglass: HourglassForm::from_word(&values.word("hourglass")),
+        hourglass_coefficient: values.number("hourglass_coefficient"),
+        warping: values.flag("warping"),
+        drilling: values.number("drilling"),
+    }))))
 }
 
 /// Coupling of in-plane velocity to curvature in a warped element: corner values 1 and 2 of Bc1 and
@@ -202,7 +234,7 @@ impl BelytschkoTsay {
         let theta = R::splat(e / 192.0) * t2 * tbb * g.area;
         let w = R::splat(SHEAR_CORRECTION * elastic.shear_modulus() / 12.0) * t2 * tbb;
         let membrane = R::splat(e / 8.0) * tbb * g.area;
-        let r = self.section.hourglass_coefficient;
+        let r = self.hourglass_coefficient;
         let [theta, w, membrane] = if self.hourglass == HourglassForm::Viscous {
             self.viscosities([theta, w, membrane], g.area, t)
         } else {
@@ -218,7 +250,7 @@ impl BelytschkoTsay {
         let mass = R::splat(self.section.elastic.density) * t * area;
         let floor = R::splat(self.section.inertia_floor()) * area;
         let radius2 = Real::max(t * t * R::splat(1.0 / 12.0), floor);
-        let half = R::splat(0.5 * self.section.hourglass_coefficient);
+        let half = R::splat(0.5 * self.hourglass_coefficient);
         let damping = |k: R, m: R| half * (k * m).sqrt();
         [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
     }

@@ -53,8 +53,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
         for warp in [0.0, 0.05, 0.2] {
             let mut nodes = SKEW;
             nodes[1][2] = warp;
-            let part =
-                Part { hourglass: Some(form), hourglass_coefficient: Some(0.1), ..part(0.01) };
+            let part = part(0.01).with("hourglass", form.word()).with("hourglass_coefficient", 0.1);
             let mut noise = Noise(17);
             for _ in 0..20 {
                 let mut patch = quad(part.clone(), elastic(E, NU, 1.0), nodes);
@@ -96,7 +95,7 @@ fn hourglass_modes_have_their_stiffness() {
     let w = r * SHEAR_CORRECTION * g * t * t * t * bb / 12.0;
     let theta = r * E * t * t * t * l * l * bb / 192.0;
     for (mode, stiffness) in [(0, membrane), (1, membrane), (2, w), (3, theta), (4, theta)] {
-        let part = Part { hourglass_coefficient: Some(r), ..part(t) };
+        let part = part(t).with("hourglass_coefficient", r);
         let mut patch = quad(part, elastic(E, NU, 1.0), square);
         for (node, h) in [1.0, -1.0, 1.0, -1.0].into_iter().enumerate() {
             if mode < 3 {
@@ -133,8 +132,8 @@ fn stabilising_forces_of_a_plastic_part_are_bounded() {
         numbers.extend(more);
         material(law, 1.0, &numbers)
     };
-    let after = |form, material: &Material, mode: usize, steps: &[f64]| {
-        let mut patch = quad(Part { hourglass: Some(form), ..part(t) }, material.clone(), square);
+    let after = |form: HourglassForm, material: &Material, mode: usize, steps: &[f64]| {
+        let mut patch = quad(part(t).with("hourglass", form.word()), material.clone(), square);
         for &sense in steps {
             for (node, h) in [1.0, -1.0, 1.0, -1.0].into_iter().enumerate() {
                 match mode {
@@ -185,19 +184,15 @@ fn lanes_are_the_scalar_kernel() {
         material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     steel.parameters.extend([rate]);
     for hourglass in [HourglassForm::Stiffness, HourglassForm::Viscous] {
-        let form = Some(hourglass);
-        let part = Part {
-            warping: true,
-            thinning: true,
-            hourglass: form,
-            hourglass_coefficient: Some(0.05),
-            ..part(0.05)
-        };
+        let part = part(0.05).with("thinning", true);
         let law = || materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
-        let section = || Section::new(&part, law()).map_err(|p| format!("{p:?}")).unwrap();
+        let section = || {
+            Section::new(&part, &ROW.values(&part), law()).map_err(|p| format!("{p:?}")).unwrap()
+        };
         let shell = Shell(Quad(BelytschkoTsay {
             section: section(),
             hourglass,
+            hourglass_coefficient: 0.05,
             warping: true,
             drilling: 0.01,
         }));
@@ -248,7 +243,7 @@ fn thinning_keeps_the_volume_of_plastic_flow() {
     let steel =
         material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    let mut patch = quad(Part { thinning: true, ..part(0.1) }, steel, nodes);
+    let mut patch = quad(part(0.1).with("thinning", true), steel, nodes);
     for _ in 0..2000 {
         patch.aim(1.0, |x| [x[0] * 1.0001, x[1] * 1.00005, x[2]], [0.0; 3]);
         patch.step(1.0);

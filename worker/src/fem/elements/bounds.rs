@@ -81,7 +81,7 @@ impl<R: Real> Capacity<R> {
     }
 
     #[inline(always)]
-    fn of(&self, mode: Mode) -> R {
+    fn in_mode(&self, mode: Mode) -> R {
         match mode {
             Mode::Membrane => self.membrane,
             Mode::Bending => self.bending,
@@ -113,7 +113,7 @@ impl<const M: usize> Bounds<M> {
         }
         let mut beyond = exceeds(moment, squares.drilling, DRILLING_BOUND);
         for (&force, &mode) in stabilising[..M].iter().zip(&self.modes) {
-            beyond = R::either(beyond, exceeds(force, squares.of(mode), self.strength));
+            beyond = R::either(beyond, exceeds(force, squares.in_mode(mode), self.strength));
         }
         if R::any(beyond) {
             let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
@@ -136,7 +136,7 @@ impl<const M: usize> Bounds<M> {
             R::select(beyond, Real::max(Real::min(value, bound), -bound), value)
         };
         for (force, &mode) in stabilising.iter_mut().zip(&self.modes) {
-            *force = limited(*force, R::splat(self.strength) * capacity.of(mode));
+            *force = limited(*force, R::splat(self.strength) * capacity.in_mode(mode));
         }
         for moment in drill {
             *moment = limited(*moment, R::splat(DRILLING_BOUND) * capacity.drilling);

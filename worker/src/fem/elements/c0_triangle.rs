@@ -36,11 +36,13 @@ use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
 use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
 use super::{
-    BuildResult, Constructor, ElementEntry, GroupCorners, GroupNodes, Totals, zero_failed,
+    BuildResult, Constructor, ElementEntry, GroupCorners, GroupNodes, Totals, parameters,
+    zero_failed,
 };
 use crate::fem::materials::{PlaneStress, PointLanes, PointReal};
 use crate::math::lanes::{Each, Lane, Real, cross, dot};
 use crate::nodes::NodeView;
+use crate::parameter::Values;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 
@@ -49,6 +51,14 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "c0_triangle",
     meaning: "Belytschko-Stolarski-Carpenter: the formulation of all triangles.",
     shape: Shape::Tri3,
+    parameters: [
+        parameters::OF_SHELLS,
+        &[parameters::coefficient_of_shell(
+            "Fraction of the stiffness of the mode that its penalty has. See \
+             `cases/studies/README.md`, hourglass.",
+        )],
+    ],
+    idle: |_| &[],
     build: Constructor::Shell(build),
 };
 
@@ -59,13 +69,18 @@ const OWN: usize = 4;
 /// Parameters of the three-node shell.
 pub struct C0Triangle {
     section: Section,
+    /// Fraction of the stiffness of the mode.
+    hourglass_coefficient: f64,
     /// alpha.
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
-    let section = Section::new(part, law)?;
-    Ok(Box::new(Shell(C0Triangle { section, drilling: part.drilling })))
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+    Ok(Box::new(Shell(C0Triangle {
+        section: Section::new(part, values, law)?,
+        hourglass_coefficient: values.number("hourglass_coefficient"),
+        drilling: values.number("drilling"),
+    })))
 }
 
 /// Corner vectors of an element: those of 2 and 3 relative to 1, and for rotations also the sum.
@@ -311,7 +326,7 @@ impl C0Triangle {
             advance(&mut own[1], stiff, first + t[0][2]),
             advance(&mut own[2], stiff, first + t[1][2]),
         ];
-        let fraction = self.section.hourglass_coefficient * SHEAR_CORRECTION * shear_modulus / 72.0;
+        let fraction = self.hourglass_coefficient * SHEAR_CORRECTION * shear_modulus / 72.0;
         let stiff = R::splat(fraction) * thickness * g.half_sides2() / g.area;
         let free =
             half * advance(&mut own[3], stiff, half * (plane_dot(b31, x21) - plane_dot(b21, x31)));

@@ -98,7 +98,7 @@ fn bending_patch_is_exact() {
 fn the_free_spin_is_resisted() {
     let r = 0.2;
     let size = 1e-7;
-    let mut patch = triangle(Part { hourglass_coefficient: Some(r), ..part(0.1) }, &NODES);
+    let mut patch = triangle(part(0.1).with("hourglass_coefficient", r), &NODES);
     // Fibres rotate about the centroid: b = size (-(y - yc), x - xc), so tx = -b_y, ty = b_x.
     let centre: [f64; 2] = std::array::from_fn(|i| NODES.iter().map(|x| x[i]).sum::<f64>() / 3.0);
     for (w, x) in patch.w.iter_mut().zip(&NODES) {
@@ -127,7 +127,7 @@ fn numbering_does_not_matter() {
     let mut first = None;
     for turn in 0..3 {
         let order: [u32; 3] = std::array::from_fn(|c| ((c + turn) % 3) as u32);
-        let part = Part { drilling: 0.1, ..part(0.05) };
+        let part = part(0.05).with("drilling", 0.1);
         let cell = [[order[0], order[1], order[2], order[2]]];
         let mut patch = Patch::new(part, elastic(E, NU, 1.0), &NODES, &cell);
         for ((v, w), x) in patch.v.iter_mut().zip(&mut patch.w).zip(&NODES) {

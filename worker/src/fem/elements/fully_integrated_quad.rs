@@ -39,8 +39,9 @@ use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
-use super::{BuildResult, Constructor, ElementEntry, zero_failed};
+use super::{BuildResult, Constructor, ElementEntry, parameters, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
+use crate::parameter::Values;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
@@ -49,6 +50,8 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "fully_integrated_quad",
     meaning: "2 x 2 in-plane points, no hourglass control: the reference for the other quads.",
     shape: Shape::Quad4,
+    parameters: [parameters::OF_SHELLS, &[]],
+    idle: |_| &[],
     build: Constructor::Shell(build),
 };
 
@@ -63,9 +66,10 @@ pub struct FullyIntegratedQuad {
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
-    let section = Section::new(part, law)?.at_points(PLANAR);
-    Ok(Box::new(Shell(Quad(FullyIntegratedQuad { section, drilling: part.drilling }))))
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+    let section = Section::new(part, values, law)?.at_points(PLANAR);
+    let drilling = values.number("drilling");
+    Ok(Box::new(Shell(Quad(FullyIntegratedQuad { section, drilling }))))
 }
 
 impl Kernel for FullyIntegratedQuad {

@@ -180,7 +180,7 @@ fn three_failed_points_of_four_are_a_failed_element() {
 fn thinning_keeps_the_volume_of_plastic_flow() {
     let steel =
         material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
-    let part = Part { thinning: true, ..part_of("fully_integrated_quad", 0.1) };
+    let part = part_of("fully_integrated_quad", 0.1).with("thinning", true);
     let mut patch = Patch::new(part, steel, &SQUARE, &[[0, 1, 2, 3]]);
     for _ in 0..2000 {
         // The final shape is a trapezoid.
@@ -287,9 +287,12 @@ fn lanes_are_the_scalar_kernel() {
     let mut steel =
         material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     steel.parameters.extend([rate, ("failure_strain".to_string(), Param::Number(0.02))]);
-    let part = Part { thinning: true, ..part_of("fully_integrated_quad", 0.05) };
+    let part = part_of("fully_integrated_quad", 0.05).with("thinning", true);
     let law = materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
-    let section = Section::new(&part, law).map_err(|p| format!("{p:?}")).unwrap().at_points(PLANAR);
+    let section = Section::new(&part, &ROW.values(&part), law)
+        .map_err(|p| format!("{p:?}"))
+        .unwrap()
+        .at_points(PLANAR);
     let shell = Shell(Quad(FullyIntegratedQuad { section, drilling: 0.01 }));
     let fields = singles_and_lanes(
         &shell,

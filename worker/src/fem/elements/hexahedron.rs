@@ -40,28 +40,68 @@ use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
 use super::{
     BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, GroupCorners,
-    GroupNodes, PassTotals, SolidGroups, Totals, failed_column, section, zero_failed,
+    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, failed_column, zero_failed,
 };
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
 use crate::math::lanes::{Real, dot};
 use crate::nodes::NodeView;
-use crumple_proto::job::{HourglassForm, Part};
+use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
+use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
-use crumple_proto::problem::Problem;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "hexahedron",
     meaning: "One point, exact mean gradient, three forms of hourglass control.",
     shape: Shape::Hex8,
+    parameters: [
+        &[],
+        &[
+            ParameterRow {
+                key: "hourglass",
+                form: Form::Word(HourglassForm::OF_SOLIDS),
+                otherwise: DefaultValue::Word(HourglassForm::AssumedStrain.word()),
+                range: None,
+                meaning: "Hourglass control. `assumed_strain` gives correct bending without a \
+                          coefficient and does not lock as nu approaches 1/2 \
+                          (`cases/studies/README.md`, hourglass-solids and incompressible).",
+            },
+            ParameterRow {
+                key: "hourglass_coefficient",
+                form: Form::Number,
+                otherwise: DefaultValue::Number(0.05),
+                range: Some(Range {
+                    wanted: "from 0 to 0.5 for solids (0.05 is usual)",
+                    fits: |r| (0.0..=0.5).contains(&r),
+                }),
+                meaning: "Hourglass coefficient: fraction of the stiffness of the element, or of \
+                          critical damping; `assumed_strain` has none. See \
+                          `cases/studies/README.md`, hourglass-solids.",
+            },
+            ParameterRow {
+                key: "bulk_viscosity",
+                form: Form::Numbers(2),
+                otherwise: DefaultValue::Numbers(&[0.06, 1.5]),
+                range: Some(Range {
+                    wanted: "[linear, quadratic], each from 0 to 10",
+                    fits: |b| (0.0..=10.0).contains(&b),
+                }),
+                meaning: "Bulk viscosity in compression: linear coefficient, as a fraction of \
+                          critical damping, and quadratic coefficient (`cases/studies/README.md`, \
+                          viscosity).",
+            },
+        ],
+    ],
+    idle: |values| match HourglassForm::from_word(&values.word("hourglass")) {
+        HourglassForm::AssumedStrain => {
+            &[("hourglass_coefficient", "hourglass = \"assumed_strain\" has no coefficient")]
+        }
+        HourglassForm::Stiffness | HourglassForm::Viscous => &[],
+    },
     build: Constructor::Solid(build),
 };
 
-/// Hourglass coefficient if the job gives none.
-const HOURGLASS_COEFFICIENT: f64 = 0.05;
-/// Bulk viscosity if the job gives none.
-const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Largest strain increment of a valid step.
 const STRAIN_LIMIT: f64 = 0.5;
 /// Number of stress components, at the start of the law's state.
@@ -85,43 +125,17 @@ pub struct Hexahedron {
     failed: Option<usize>,
 }
 
-fn build(part: &Part, law: Box<dyn Solid>) -> BuildResult {
-    let mut problems = Vec::new();
-    let mut check = |right: bool, key: &str, value: String, wanted: &str| {
-        if !right {
-            let message = format!("part {}: {key} is {value}", section::label(part));
-            problems.push(Problem::error(key, message, format!("it has to be {wanted}")));
-        }
-    };
-    let coefficient = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
-    let wanted = "from 0 to 0.5 for solids (0.05 is usual)";
-    check(
-        (0.0..=0.5).contains(&coefficient),
-        "hourglass_coefficient",
-        coefficient.to_string(),
-        wanted,
-    );
-    let viscosity = part.bulk_viscosity.unwrap_or(BULK_VISCOSITY);
-    let right = viscosity.iter().all(|b| (0.0..=10.0).contains(b));
-    check(
-        right,
-        "bulk_viscosity",
-        format!("{viscosity:?}"),
-        "[linear, quadratic], each from 0 to 10",
-    );
+fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> BuildResult {
     let elastic = law.elastic();
     let (history, poisson) = (law.history(), elastic.poisson);
-    if !problems.is_empty() {
-        return Err(problems);
-    }
     debug_assert!(poisson < 0.5, "laws of solids require a finite bulk modulus");
     Ok(Box::new(Hexahedron {
         elastic,
         hourglass: Hourglass {
-            form: part.hourglass.unwrap_or(HourglassForm::AssumedStrain),
-            coefficient,
+            form: HourglassForm::from_word(&values.word("hourglass")),
+            coefficient: values.number("hourglass_coefficient"),
         },
-        bulk_viscosity: viscosity,
+        bulk_viscosity: values.numbers("bulk_viscosity"),
         state: STRESS + history.len(),
         plastic_strain: history
             .iter()

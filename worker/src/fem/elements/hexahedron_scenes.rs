@@ -127,7 +127,7 @@ fn growth(form: HourglassForm, nodes: &[[f64; 3]], cells: &[[u32; 8]], nu: f64, 
     let mut noise = Noise(4);
     solids.v.iter_mut().for_each(|v| (0..3).for_each(|i| v[i] = 1e-9 * noise.next()));
     for _ in 0..1000 {
-        solids.explicit(dt, &masses, |_| [0.0; 3], |_, _| {});
+        solids.explicit(dt, &masses, |_| [0.0; 3], |_, _, _| {});
         let largest = solids.v.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
         if largest.is_nan() || largest > 1e-4 {
             break;
@@ -187,8 +187,7 @@ fn elastic_of(nu: f64) -> Elastic {
 #[test]
 fn bulk_viscosity_damps_and_stays_stable() {
     let (nodes, cells) = block([2, 2, 2], [2.0; 3]);
-    let part =
-        Part { bulk_viscosity: Some([0.5, 1.5]), ..solid_part(HourglassForm::Stiffness, None) };
+    let part = solid_part(HourglassForm::Stiffness, None).with("bulk_viscosity", [0.5, 1.5]);
     let mut solids = Solids::new(part, elastic(1.0, NU, 1.0), &nodes, &cells);
     let plain = Solids::new(
         solid_part(HourglassForm::Stiffness, None),
@@ -209,12 +208,12 @@ fn bulk_viscosity_damps_and_stays_stable() {
             .v
             .iter()
             .zip(&masses)
-            .map(|(v, m)| 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]))
+            .map(|(v, (m, _))| 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]))
             .sum()
     };
     let (start, mut booked) = (kinetic(&solids), 0.0);
     for _ in 0..3000 {
-        let totals = solids.explicit(dt, &masses, |_| [0.0; 3], |_, _| {});
+        let totals = solids.explicit(dt, &masses, |_| [0.0; 3], |_, _, _| {});
         booked += totals.internal + totals.hourglass;
     }
     let end = kinetic(&solids);
@@ -239,7 +238,7 @@ fn an_hourglass_mode_has_its_frequency() {
         solids.v.iter_mut().zip(&nodes).for_each(|(v, &x)| v[2] = mode(x));
         let mut largest = 0.0_f64;
         for _ in 0..158 {
-            solids.explicit(dt, &masses, |_| [0.0; 3], |_, _| {});
+            solids.explicit(dt, &masses, |_| [0.0; 3], |_, _, _| {});
             largest = largest.max((solids.x[0][2] - nodes[0][2]).abs());
         }
         (largest, solids.v[0][2])
@@ -279,7 +278,7 @@ fn cantilever(form: HourglassForm, kappa: Option<f64>, n: usize, nu: f64) -> f64
     // From one end of the first half to the end of the third: one period.
     while crossings.len() < 3 {
         let before = solids.x[tip][2];
-        let fix = |node: usize, v: &mut [f64; 4]| {
+        let fix = |node: usize, v: &mut [f64; 4], _: &mut [f64; 4]| {
             if nodes[node][0] == 0.0 {
                 *v = [0.0; 4]
             }
@@ -362,7 +361,7 @@ fn cylinder(form: HourglassForm, nu: f64) -> f64 {
     };
     // Critically damped breathing, about sqrt(E/rho)/15.
     let damping = 2.0 * E.sqrt() / 15.0 * dt;
-    let fix = |node: usize, v: &mut [f64; 4]| {
+    let fix = |node: usize, v: &mut [f64; 4], _: &mut [f64; 4]| {
         v.iter_mut().for_each(|c| *c *= 1.0 - damping);
         v[2] = 0.0;
         if flat[node][1] == 0.0 {

@@ -2,7 +2,7 @@
 //! as trouble in either case.
 
 use super::testing::{BOTH, FORMULATIONS, Patch, elastic, part_of, steel};
-use crumple_proto::job::{Inverted, Part, Precision};
+use crumple_proto::job::Precision;
 use crumple_proto::partition::{Material, Param};
 
 /// Returns two adjacent squares of side 1, or triangles; nodes 4 and 5 belong to the second one
@@ -10,7 +10,7 @@ use crumple_proto::partition::{Material, Param};
 fn pair(
     element: &str,
     triangular: bool,
-    inverted: Inverted,
+    inverted: &str,
     steel: Material,
     precision: Precision,
 ) -> Patch {
@@ -24,7 +24,7 @@ fn pair(
     ];
     let cells =
         if triangular { [[0, 1, 2, 2], [1, 4, 5, 5]] } else { [[0, 1, 2, 3], [1, 4, 5, 2]] };
-    let part = Part { inverted, thinning: true, ..part_of(element, 0.1) };
+    let part = part_of(element, 0.1).with("inverted", inverted).with("thinning", true);
     let mut patch = Patch::in_precision(precision, part, steel, &nodes, &cells);
     assert_eq!(patch.forces(0.0).trouble, None);
     patch
@@ -48,11 +48,11 @@ fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
     {
         for to in FOLDS {
             let sheet = elastic(210.0, 0.3, 7.85e-6);
-            let mut stops = pair(element, triangular, Inverted::Stop, sheet.clone(), precision);
+            let mut stops = pair(element, triangular, "stop", sheet.clone(), precision);
             assert_eq!(fold(&mut stops, to).trouble, Some(1), "{element} {to}");
             assert!(!stops.element.can_fail() && !stops.element.failed(stops.history.element(1)));
 
-            let mut patch = pair(element, triangular, Inverted::Delete, sheet, precision);
+            let mut patch = pair(element, triangular, "delete", sheet, precision);
             let healthy = patch.forces(0.0).stable_dt;
             for step in 0..3 {
                 let totals = if step == 0 { fold(&mut patch, to) } else { patch.step(1.0) };
@@ -101,7 +101,7 @@ fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
     {
         for what in 0..3 {
             let sheet = elastic(210.0, 0.3, 7.85e-6);
-            let mut patch = pair(element, triangular, Inverted::Delete, sheet, precision);
+            let mut patch = pair(element, triangular, "delete", sheet, precision);
             let column = [&mut patch.x, &mut patch.v, &mut patch.w].into_iter().nth(what).unwrap();
             column[4][1] = f64::NAN;
             assert_eq!(patch.forces(1.0).trouble, Some(1), "{element}, column {what}");
@@ -109,7 +109,7 @@ fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
         }
         // NaN stress in a shell of valid shape: an error of the law, or of a restored state.
         let mut patch =
-            pair(element, triangular, Inverted::Delete, elastic(210.0, 0.3, 7.85e-6), precision);
+            pair(element, triangular, "delete", elastic(210.0, 0.3, 7.85e-6), precision);
         let mut state = patch.history.element(0).to_vec();
         state[6] = f64::NAN;
         patch.history.set(0, &state);
@@ -125,7 +125,7 @@ fn elements_failed_by_their_law_are_not_inverted() {
             "j2",
             &[("yield_stress", Param::Number(0.25)), ("failure_strain", Param::Number(0.1))],
         );
-        let mut patch = pair(element, triangular, Inverted::Delete, brittle, Precision::Double);
+        let mut patch = pair(element, triangular, "delete", brittle, Precision::Double);
         for _ in 0..10 {
             patch.aim(1.0, |x| [if x[0] > 1.5 { 1.03 * x[0] } else { x[0] }, x[1], x[2]], [0.0; 3]);
             patch.step(1.0);

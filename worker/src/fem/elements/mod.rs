@@ -15,6 +15,7 @@ mod kinematics;
 mod motion_tests;
 #[cfg(test)]
 mod offset_tests;
+mod parameters;
 #[cfg(test)]
 mod plate_tests;
 #[cfg(test)]
@@ -38,12 +39,14 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod unstrained_tests;
 
+pub use parameters::HourglassForm;
 pub use section::LARGEST_OFFSET;
 
 use crate::fem::columns::{HistoryColumnsMut, HistoryStorage, State};
 use crate::fem::materials::{self, PlaneStress, PointLanes, Solid, unknown_name};
 use crate::math::lanes::{LANES, LANES32, Lane, Real};
 use crate::nodes::NodeView;
+use crate::parameter::{ParameterRow, Values};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Settings;
@@ -261,18 +264,35 @@ pub struct ElementEntry {
     pub meaning: &'static str,
     /// Shape that the formulation is for.
     pub shape: Shape,
-    /// Checks the options of the part that the formulation uses; paths of problems are relative to
-    /// the part.
+    /// Its keys in `[[part]]`, besides those of all parts. Each table may be that of another
+    /// formulation too.
+    pub parameters: [&'static [ParameterRow]; 2],
+    /// Returns its keys that have no effect with these values, each with the reason.
+    pub idle: fn(&Values<'_>) -> &'static [(&'static str, &'static str)],
+    /// Checks the other keys of the part that the formulation uses; paths of problems are relative
+    /// to the part.
     pub build: Constructor,
+}
+
+impl ElementEntry {
+    /// Returns all its keys.
+    pub fn keys(&self) -> impl Iterator<Item = &'static ParameterRow> + use<> {
+        self.parameters.into_iter().flatten()
+    }
+
+    /// Returns its values in a part.
+    pub fn values<'a>(&self, part: &'a Part) -> Values<'a> {
+        Values::new(self.parameters, &part.parameters)
+    }
 }
 
 /// Constructor of a formulation, with a law for its state of stress.
 #[derive(Clone, Copy)]
 pub enum Constructor {
     /// With a law in plane stress.
-    Shell(fn(&Part, Box<dyn PlaneStress>) -> BuildResult),
+    Shell(fn(&Part, &Values<'_>, Box<dyn PlaneStress>) -> BuildResult),
     /// With a law in three dimensions.
-    Solid(fn(&Part, Box<dyn Solid>) -> BuildResult),
+    Solid(fn(&Part, &Values<'_>, Box<dyn Solid>) -> BuildResult),
     /// Without a law.
     Discrete(fn(&Part) -> BuildResult),
 }
@@ -307,8 +327,8 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
 
     let materials = &settings.materials;
     let index = materials.iter().position(|material| material.name == part.material);
-    let row = row_for(part, shape).map(|row| row.build);
-    let lawless = matches!(row, Ok(Constructor::Discrete(_)));
+    let row = row_for(part, shape);
+    let lawless = matches!(row.as_ref().map(|row| row.build), Ok(Constructor::Discrete(_)));
     if index.is_none() && !lawless {
         let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
         let what =
@@ -326,16 +346,19 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
     };
     let material = index.map(|index| &materials[index]);
     let built = match row {
-        Ok(Constructor::Discrete(build)) => build(part),
-        Ok(Constructor::Shell(build)) => {
-            let law = material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
-            build(part, law.unwrap_or_else(materials::placeholder_law))
-        }
-        Ok(Constructor::Solid(build)) => {
-            let law =
-                material.and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
-            build(part, law.unwrap_or_else(materials::solid_placeholder_law))
-        }
+        Ok(row) => with_values(row, part, |values| match row.build {
+            Constructor::Discrete(build) => build(part),
+            Constructor::Shell(build) => {
+                let law =
+                    material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
+                build(part, values, law.unwrap_or_else(materials::placeholder_law))
+            }
+            Constructor::Solid(build) => {
+                let law = material
+                    .and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
+                build(part, values, law.unwrap_or_else(materials::solid_placeholder_law))
+            }
+        }),
         Err(problem) => {
             if let Some(found) = material.and_then(|m| materials::build(m).err()) {
                 law_problems(found);
@@ -354,9 +377,44 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
     }
 }
 
-/// Name of the formulation that a part's elements of a shape get, if there is such.
-pub fn formulation(part: &Part, shape: Shape) -> Option<&'static str> {
-    row_for(part, shape).ok().map(|row| row.name)
+/// Checks the values of a part by the table of its formulation, and builds the element. Defaults
+/// take the place of faulty values, so that one check reports all problems.
+fn with_values(
+    row: &ElementEntry,
+    part: &Part,
+    build: impl FnOnce(&Values<'_>) -> BuildResult,
+) -> BuildResult {
+    let owner = format!("part {}", section::label(part));
+    let values = row.values(part);
+    let missing = |row: &ParameterRow| {
+        let message = format!("{owner} has no `{}`", row.key);
+        Problem::error(row.key, message, format!("add it: {}", row.meaning))
+    };
+    let missing: Vec<Problem> = values.missing().map(missing).collect();
+    let faults = values.faults(&owner);
+    let mut given = part.parameters.clone();
+    faults.iter().for_each(|fault| drop(given.remove(&fault.path)));
+    let usable = Values::new(row.parameters, &given);
+    if usable.missing().next().is_some() {
+        return Err([missing, faults].concat());
+    }
+    match build(&usable) {
+        Ok(element) if faults.is_empty() => Ok(element),
+        Ok(_) => Err(faults),
+        Err(found) => Err([found, faults].concat()),
+    }
+}
+
+/// Returns the row of the formulation that a part's elements of a shape get, if there is one.
+pub fn formulation(part: &Part, shape: Shape) -> Option<&'static ElementEntry> {
+    row_for(part, shape).ok()
+}
+
+/// Returns the number of integration points through the thickness of a part: 1 if it has no
+/// shells.
+pub fn points_of(part: &Part) -> usize {
+    let shells = formulation(part, Shape::Quad4).filter(|_| part.thickness > 0.0);
+    shells.map_or(1, |row| row.values(part).whole("points"))
 }
 
 /// The formulation that a part wants for a shape: the first of the shape if it does not say.

@@ -1,10 +1,10 @@
 //! Tests of all shells: patch tests, rigid motion, balance of forces, energy, lanes.
 
 use super::testing::*;
-use super::{ElementNodalForces, ElementPass};
+use super::{ElementNodalForces, ElementPass, HourglassForm};
 use crate::math::lanes::LANES;
 use crate::nodes::NodeView;
-use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::{Material, Param};
 
@@ -26,9 +26,13 @@ fn patch(part: Part, triangular: bool) -> Patch {
 fn shells() -> Vec<(String, Patch)> {
     let every = |(element, triangular): (&str, bool)| {
         let plain = part_of(element, 0.01);
-        let mut all =
-            Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
-        all.hourglass = Some(HourglassForm::Viscous);
+        let all = plain
+            .clone()
+            .with("warping", true)
+            .with("thinning", true)
+            .with("drilling", 0.1)
+            .with("points", 4)
+            .with("hourglass", HourglassForm::Viscous.word());
         let with_offset = Part { offset: 1.0, ..all.clone() };
         let named = [
             (element.to_string(), plain),
@@ -83,7 +87,7 @@ fn stretch(patch: &mut Patch, size: f64) {
 /// nodes.
 fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
     let unit = if size < 1e-6 { 1e9 } else { 1.0 };
-    for element in 0..patch.quads.len() {
+    for element in 0..patch.cells.len() {
         let stress = patch.fields(element).stress.map(|s| unit * s);
         for (c, wanted) in [(0, 4000.0 / 3.0), (1, 4000.0 / 3.0), (3, 400.0)] {
             assert_close(stress[c], wanted, tolerance * wanted, why);
@@ -91,7 +95,7 @@ fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
     }
     for node in 4..8 {
         let mut sum = [0.0; 3];
-        for (e, quad) in patch.quads.iter().enumerate() {
+        for (e, quad) in patch.cells.iter().enumerate() {
             // The fourth corner of a triangle repeats its third, with zero force.
             for c in (0..4).filter(|&c| quad[c] == node) {
                 (0..3).for_each(|i| sum[i] += patch.corner(e, c).0[i]);
@@ -129,7 +133,7 @@ fn rigid_rotation_leaves_no_stress() {
                 patch.aim(1.0, target, angle);
                 patch.step(1.0);
                 if [25, 50, 100].contains(&step) {
-                    for element in 0..patch.quads.len() {
+                    for element in 0..patch.cells.len() {
                         let fields = patch.fields(element);
                         let largest =
                             fields.stress.iter().fold(fields.von_mises, |m, s| m.max(s.abs()));
@@ -157,7 +161,7 @@ fn rigid_rotation_leaves_no_stress() {
 /// Returns a patch of the same elements, for its element and connectivity.
 fn patch_like(other: &Patch, name: &str) -> Patch {
     let again = shells().into_iter().find(|(n, _)| *n == name).expect("the name is in this list").1;
-    assert_eq!(again.quads, other.quads);
+    assert_eq!(again.cells, other.cells);
     again
 }
 
@@ -230,12 +234,10 @@ fn numbering_does_not_matter() {
         for turn in 0..4 {
             let corner = |c: usize| (c + turn) % 4;
             let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.02], [0.0, 1.0, 0.0]];
-            let part = Part {
-                warping: true,
-                drilling: 0.1,
-                hourglass_coefficient: Some(0.1),
-                ..part_of(element, 0.05)
-            };
+            let part = part_of(element, 0.05)
+                .with("warping", true)
+                .with("drilling", 0.1)
+                .with("hourglass_coefficient", 0.1);
             let order: [u32; 4] = std::array::from_fn(|c| corner(c) as u32);
             let mut patch = Patch::new(part, elastic(E, NU, 1.0), &nodes, &[order]);
             for (w, spin) in patch.w.iter_mut().zip(&spins) {
@@ -323,7 +325,7 @@ fn lanes_do_not_see_their_neighbours() {
             .parameters
             .insert("hardening".into(), Param::Table(table.map(|row| row.to_vec()).into()));
         material.parameters.insert("cowper_symonds".into(), rate.clone());
-        let part = Part { warping: true, thinning: true, ..part_of(element, 0.1) };
+        let part = part_of(element, 0.1).with("warping", true).with("thinning", true);
         let orders = [[0, 1, 2, 3], [2, 3, 1, 0], [1, 1, 1, 1], [3, 0, 3, 2]];
         let runs = orders.map(|order| {
             let quads = order.map(|element: usize| quads[element]);
@@ -454,8 +456,8 @@ fn failures_are_reported() {
 
 #[test]
 fn set_up_reports_all_errors() {
-    let part =
-        Part { element: Some("belytchko_tsay".into()), thickness: -1.0, points: 11, ..part(1.0) };
+    let part = Part { element: Some("belytchko_tsay".into()), thickness: -1.0, ..part(1.0) }
+        .with("points", 11);
     let paths = |part: &Part, material: Material, shape| {
         let problems = super::build_block(&settings(part.clone(), material), 0, shape)
             .err()

@@ -53,7 +53,7 @@ impl Quarter {
     }
 
     fn stable_dt(&self) -> f64 {
-        let all = (0..self.patch.quads.len())
+        let all = (0..self.patch.cells.len())
             .map(|e| self.patch.element.stable_dt(&self.patch.corners(e), OwnSection::default()));
         all.fold(f64::INFINITY, f64::min)
     }

@@ -1,11 +1,12 @@
 //! Single precision against double: forces, energies, steps, laws, and quantities that must be
 //! kept.
 
+use super::HourglassForm;
 use super::solid_testing::{Solids, solids};
 use super::testing::{
     BOTH, E, FORMULATIONS, Noise, Patch, YIELD, laws, material, part, shells, steel,
 };
-use crumple_proto::job::{HourglassForm, Part, Precision};
+use crumple_proto::job::Precision;
 use crumple_proto::partition::Param;
 
 /// Both precisions get the same random motion: strains of a few per cent in all, most of them
@@ -38,7 +39,7 @@ fn shells_give_nearly_the_forces_of_double_precision() {
                     .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
             };
             // Corners beyond the last element are padding, of which one precision has more.
-            let corners = 4 * long.quads.len();
+            let corners = 4 * long.cells.len();
             let off = [
                 off(&long.force[..corners], &short.force[..corners]) / force,
                 off(&long.moment[..corners], &short.moment[..corners]) / moment,
@@ -48,7 +49,7 @@ fn shells_give_nearly_the_forces_of_double_precision() {
             assert!(off.iter().all(|&o| o < 2e-5), "{} {kind}: {off:?}", steel.law);
             assert!(off[0] > 1e-9, "{} {kind}: nothing was rounded, {off:?}", steel.law);
             let strain = |patch: &Patch| {
-                (0..patch.quads.len()).map(|e| patch.fields(e).plastic_strain).sum::<f64>()
+                (0..patch.cells.len()).map(|e| patch.fields(e).plastic_strain).sum::<f64>()
             };
             let (flowed, short_flowed) = (strain(&long), strain(&short));
             assert!(steel.law == "elastic" || flowed > 0.01, "{} {kind}: {flowed}", steel.law);
@@ -118,8 +119,8 @@ fn solids_give_nearly_the_forces_of_double_precision() {
                 }
                 all
             });
-            let (size, sums) = (long.largest(), short.sums().0);
-            for (a, b) in long.nodal().iter().flatten().zip(short.nodal().iter().flatten()) {
+            let (size, sums) = (long.largest().0, short.sums().0);
+            for (a, b) in long.nodal().0.iter().flatten().zip(short.nodal().0.iter().flatten()) {
                 assert!((a - b).abs() < 2e-5 * size, "{} {form:?}: {a} {b} of {size}", steel.law);
             }
             assert!(
@@ -184,7 +185,7 @@ fn large_trials_return_to_the_yield_surface() {
         let steel = steel("j2", &[("yield_stress", Param::Number(yield_stress))]);
         let mut patch = Patch::in_precision(
             Precision::Single,
-            Part { points: 2, ..part(0.1) },
+            part(0.1).with("points", 2),
             steel,
             &nodes,
             &[[0, 1, 2, 3]],

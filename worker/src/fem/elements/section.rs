@@ -19,11 +19,12 @@
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crate::math::lanes::{Each, Real};
-use crumple_proto::job::{HourglassForm, Inverted, Part};
+use crate::parameter::Values;
+use crumple_proto::job::Part;
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
-use super::{ElementFields, failed_column, zero_failed};
+use super::{ElementFields, failed_column, parameters, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -31,8 +32,6 @@ pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 /// `(2 c/L)^2`. Such elements are then stable for 0.934 L/c, more than the usual safety factor of
 /// 0.9.
 const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
-/// Hourglass coefficient if the job gives none.
-const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Relative change of mass per area that counts as round-off in single precision. A smaller change
 /// is ignored, so that an element in rigid motion keeps its stable step exactly.
 const ROUND_OFF: f64 = 4e-6;
@@ -67,8 +66,6 @@ pub struct Section {
     pub points: usize,
     /// Number of points in the plane of an element; each has its own columns.
     planar: usize,
-    /// Hourglass coefficient.
-    pub hourglass_coefficient: f64,
     zeta: [f64; MAX_POINTS],
     weight: [f64; MAX_POINTS],
     /// Columns of a point: stress xx, yy, xy and those of the law.
@@ -161,7 +158,11 @@ impl Section {
     ///
     /// # Errors
     /// All problems of the part, with paths relative to it.
-    pub fn new(part: &Part, law: Box<dyn PlaneStress>) -> Result<Self, Vec<Problem>> {
+    pub fn new(
+        part: &Part,
+        values: &Values<'_>,
+        law: Box<dyn PlaneStress>,
+    ) -> Result<Self, Vec<Problem>> {
         let mut problems = Vec::new();
         if part.thickness == 0.0 {
             let message = format!("part {}: its shells have no `thickness`", label(part));
@@ -173,8 +174,6 @@ impl Section {
                 problems.push(Problem::error(key, message, format!("it has to be {wanted}")));
             }
         };
-        let r = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
-        let for_shells = part.hourglass != Some(HourglassForm::AssumedStrain);
         check(
             part.thickness.is_finite() && part.thickness >= 0.0,
             "thickness",
@@ -196,34 +195,11 @@ impl Section {
             &scale,
             "above 0; 1 is usual",
         );
-        check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
-        check(
-            (0.0..=1.0).contains(&r),
-            "hourglass_coefficient",
-            &r,
-            "from 0 to 1 (0.01 to 0.1 is usual)",
-        );
-        check(
-            for_shells,
-            "hourglass",
-            &"assumed_strain",
-            "stiffness or viscous: the assumed-strain form is for solids",
-        );
-        check(
-            (0.0..=1.0).contains(&part.drilling),
-            "drilling",
-            &part.drilling,
-            "from 0 to 1 (0.01 is usual)",
-        );
-        if part.bulk_viscosity.is_some() {
-            let message =
-                format!("part {}: bulk_viscosity is given, but shells have none", label(part));
-            problems.push(Problem::error("bulk_viscosity", message, "remove it: it is for solids"));
-        }
         if !problems.is_empty() {
             return Err(problems);
         }
-        let (zeta, weight) = gauss_legendre(part.points);
+        let points = values.whole("points");
+        let (zeta, weight) = gauss_legendre(points);
         let elastic = law.elastic();
         let history = law.history();
         Ok(Self {
@@ -231,14 +207,13 @@ impl Section {
             thickness: part.thickness,
             offset: part.offset,
             stores_offsets: false,
-            points: part.points,
+            points,
             planar: 1,
-            hourglass_coefficient: r,
             zeta,
             weight,
             stride: 3 + history.len(),
-            thinning: part.thinning,
-            deletes: part.inverted == Inverted::Delete,
+            thinning: values.flag("thinning"),
+            deletes: parameters::deletes_inverted(values),
             plastic_strain: history
                 .iter()
                 .position(|&name| name == "plastic_strain")

@@ -27,6 +27,8 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "spring",
     shape: Shape::Line2,
     meaning: "Spring and damper between two nodes, along their line or a fixed direction.",
+    parameters: [&[], &[]],
+    idle: |_| &[],
     build: Constructor::Discrete(build),
 };
 

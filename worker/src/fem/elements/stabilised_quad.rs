@@ -51,9 +51,10 @@ use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{Flow, Resultants, SAVED, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
-use super::{BuildResult, Constructor, ElementEntry, zero_failed};
+use super::{BuildResult, Constructor, ElementEntry, parameters, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::math::lanes::{Each, Real};
+use crate::parameter::Values;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
@@ -62,6 +63,15 @@ pub const ROW: ElementEntry = ElementEntry {
     name: "stabilised_quad",
     meaning: "One in-plane point, physically stabilised: exact in bending of distorted quads.",
     shape: Shape::Quad4,
+    parameters: [
+        parameters::OF_SHELLS,
+        &[parameters::coefficient_of_shell(
+            "Smallest fraction of its elastic stabilisation that remains in plastic flow. \
+             Hourglass forces of shells with a plastic law are bounded. See \
+             `cases/studies/README.md`, hourglass.",
+        )],
+    ],
+    idle: |_| &[],
     build: Constructor::Shell(build),
 };
 
@@ -79,10 +89,12 @@ pub struct StabilisedQuad {
     least_stiffness: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
-    let section = Section::new(part, law)?;
-    let least_stiffness = section.hourglass_coefficient;
-    Ok(Box::new(Shell(Quad(StabilisedQuad { section, drilling: part.drilling, least_stiffness }))))
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+    Ok(Box::new(Shell(Quad(StabilisedQuad {
+        section: Section::new(part, values, law)?,
+        drilling: values.number("drilling"),
+        least_stiffness: values.number("hourglass_coefficient"),
+    }))))
 }
 
 impl Kernel for StabilisedQuad {

@@ -141,9 +141,10 @@ fn lanes_are_the_scalar_kernel() {
     let mut steel =
         material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     steel.parameters.extend([rate]);
-    let part = Part { thinning: true, ..part_of("stabilised_quad", 0.05) };
+    let part = part_of("stabilised_quad", 0.05).with("thinning", true);
     let law = materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
-    let section = Section::new(&part, law).map_err(|p| format!("{p:?}")).unwrap();
+    let section =
+        Section::new(&part, &ROW.values(&part), law).map_err(|p| format!("{p:?}")).unwrap();
     let shell = Shell(Quad(StabilisedQuad { section, drilling: 0.01, least_stiffness: 0.03 }));
     let fields = singles_and_lanes(
         &shell,

@@ -44,7 +44,7 @@ fn a_stretched_sheet_does_not_swing_up() {
     const BACK: usize = 1000;
     for (element, triangular) in FORMULATIONS {
         for (thinning, t) in [(false, 0.1), (true, 0.1), (false, 2.0), (true, 2.0)] {
-            let of = Part { thinning, ..part_of(element, t) };
+            let of = part_of(element, t).with("thinning", thinning);
             let masses = masses_at_first(of.clone(), triangular, 0.3, N);
             let mut patch = stretched(of, triangular, 0.3, N, [1.4; 2], Precision::Double);
             let mut noise = Noise(3);
@@ -125,7 +125,7 @@ fn stretched_and_pressed_elements_are_stable_at_their_step_with_the_usual_safety
                 (1, 0.3, 0.5, true),
                 (3, 0.3, 2.0, false),
             ] {
-                let of = Part { thinning, ..part_of(element, t) };
+                let of = part_of(element, t).with("thinning", thinning);
                 let limit = critical(&of, triangular, nu, n, by);
                 assert!(
                     limit > 0.91,
@@ -151,7 +151,7 @@ fn shells_with_an_offset_are_stable_at_their_step_with_the_usual_safety() {
                 (3, 0.3, 0.5, 1.4),
                 (1, 0.3, 0.5, 0.6),
             ] {
-                let of = Part { offset, thinning: true, ..part_of(element, t) };
+                let of = Part { offset, ..part_of(element, t) }.with("thinning", true);
                 let limit = critical(&of, triangular, nu, n, [by; 2]);
                 let case = format!(
                     "{element}: offset {offset}, {n} x {n}, nu {nu}, t {t}, by {by}: {limit}"
@@ -171,7 +171,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
     for (element, triangular) in FORMULATIONS {
         for precision in BOTH {
             // Thick, so that its own inertia is enough for shear.
-            let of = Part { thinning: true, ..part_of(element, 4.0) };
+            let of = part_of(element, 4.0).with("thinning", true);
             let [patch, fresh] =
                 [1.4, 1.0].map(|by| stretched(of.clone(), triangular, 0.3, 1, [by; 2], precision));
             let shape = patch.element.stable_dt(&patch.corners(0), OwnSection::default());

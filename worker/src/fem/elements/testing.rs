@@ -7,9 +7,10 @@ use super::{
 use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
 use crate::nodes::NodeView;
-use crumple_proto::job::{Inverted, Part, Precision};
+use crumple_proto::job::{Part, Precision};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::{Material, Param, Settings};
+use std::collections::BTreeMap;
 
 /// Returns a part with the usual options.
 pub fn part(thickness: f64) -> Part {
@@ -24,15 +25,8 @@ pub fn part(thickness: f64) -> Part {
         contact_thickness: None,
         contact_thickness_scale: 1.0,
         element: None,
-        points: 5,
-        hourglass: None,
-        hourglass_coefficient: None,
-        bulk_viscosity: None,
-        warping: false,
         skin: false,
-        inverted: Inverted::Stop,
-        thinning: false,
-        drilling: 0.01,
+        parameters: BTreeMap::new(),
     }
 }
 
@@ -114,41 +108,18 @@ pub fn elastic(e: f64, nu: f64, rho: f64) -> Material {
 
 /// Returns the settings of a job that has one part of one material.
 pub fn settings(part: Part, material: Material) -> Settings {
-    Settings {
-        end_time: 1.0,
-        safety: 0.9,
-        max_cycles: 0,
-        dt_min_ratio: 0.0,
-        history_interval: 1.0,
-        field_times: Vec::new(),
-        histories: Default::default(),
-        field_dir: String::new(),
-        checkpoint: Default::default(),
-        materials: vec![material],
-        parts: vec![part],
-        with_own_offsets: Vec::new(),
-        axes: Vec::new(),
-        precision: Default::default(),
-        walls: Vec::new(),
-        loads: crumple_proto::loads::Loads::default(),
-        rigid: Vec::new(),
-        ties: Vec::new(),
-        dt_max: 0.0,
-        subcycles: 1,
-        contact: None,
-        rotations: true,
-        buffer: 0.0,
-        force_every: 0,
-    }
+    let (materials, parts) = (vec![material], vec![part]);
+    Settings { materials, parts, ..crate::testing::settings() }
 }
 
-/// Elements of one part with their nodes, columns and corner forces.
-pub struct Patch {
+/// Elements of one part with C slots each, with their nodes, columns and corner forces. Solids have
+/// no moments.
+pub struct Patch<const C: usize = 4> {
     pub element: Box<dyn Element>,
     pub x: Vec<[f64; 4]>,
     pub v: Vec<[f64; 4]>,
     pub w: Vec<[f64; 4]>,
-    pub quads: Vec<[u32; 4]>,
+    pub cells: Vec<[u32; C]>,
     pub groups: Vec<u32>,
     pub history: HistoryColumns,
     pub unstrained: Vec<bool>,
@@ -200,9 +171,9 @@ pub fn lay<const C: usize>(
     (groups, columns)
 }
 
-impl Patch {
-    pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], quads: &[[u32; 4]]) -> Self {
-        Self::in_precision(Precision::Double, part, material, nodes, quads)
+impl<const C: usize> Patch<C> {
+    pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], cells: &[[u32; C]]) -> Self {
+        Self::in_precision(Precision::Double, part, material, nodes, cells)
     }
 
     pub fn in_precision(
@@ -210,9 +181,13 @@ impl Patch {
         part: Part,
         material: Material,
         nodes: &[[f64; 3]],
-        quads: &[[u32; 4]],
+        cells: &[[u32; C]],
     ) -> Self {
-        let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
+        let shape = match cells[0][..] {
+            [_, _, c, d] if c == d => Shape::Tri3,
+            [_, _, _, _] => Shape::Quad4,
+            _ => Shape::Hex8,
+        };
         // Tests that name no formulation use the simplest one.
         let part = match (&part.element, shape) {
             (None, Shape::Quad4) => Part { element: Some("belytschko_tsay".into()), ..part },
@@ -220,27 +195,31 @@ impl Patch {
         };
         let element =
             build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
-        let (groups, mut history) = lay(&*element, precision, quads);
-        for place in 0..groups.len() / 4 {
-            let corners = quads[place.min(quads.len() - 1)].map(|n| nodes[n as usize]);
+        let (groups, mut history) = lay(&*element, precision, cells);
+        for place in 0..groups.len() / C {
+            let corners = cells[place.min(cells.len() - 1)].map(|n| nodes[n as usize]);
             let mut state = history.element(place).to_vec();
             element.measure(&mut state, &corners, OwnSection::default());
             history.set(place, &state);
         }
         let still = vec![[0.0; 4]; nodes.len()];
         let corners = vec![[0.0; 4]; groups.len()];
-        Self {
-            unstrained: vec![false; groups.len() / (4 * history.lanes())],
+        let mut patch = Self {
+            unstrained: vec![false; groups.len() / (C * history.lanes())],
             element,
             x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
             v: still.clone(),
             w: still,
-            quads: quads.to_vec(),
+            cells: cells.to_vec(),
             groups,
             history,
-            force: corners.clone(),
-            moment: corners,
+            moment: if shape == Shape::Hex8 { Vec::new() } else { corners.clone() },
+            force: corners,
+        };
+        if shape == Shape::Hex8 {
+            patch.forces(0.0); // the first pass stores the volume at the start
         }
+        patch
     }
 
     /// Moves nodes with their velocities, then computes the forces.
@@ -256,10 +235,10 @@ impl Patch {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut self.moment };
         let lanes = self.history.lanes();
-        passed((self.quads.len(), self.groups.len() / 4, lanes), |energies| {
+        passed((self.cells.len(), self.groups.len() / C, lanes), |energies| {
             self.element.forces(ElementPass {
-                range: 0..self.groups.len() / (4 * self.history.lanes()),
-                count: self.quads.len(),
+                range: 0..self.groups.len() / (C * self.history.lanes()),
+                count: self.cells.len(),
                 groups: &self.groups,
                 history: self.history.as_mut(),
                 unstrained: &mut self.unstrained,
@@ -280,8 +259,14 @@ impl Patch {
         }
     }
 
-    pub fn corners(&self, element: usize) -> [[f64; 3]; 4] {
-        self.quads[element].map(|node| std::array::from_fn(|i| self.x[node as usize][i]))
+    /// Moves every node to `target` in a step of 1.
+    pub fn go(&mut self, target: impl Fn([f64; 3]) -> [f64; 3]) -> Passed {
+        self.aim(1.0, target, [0.0; 3]);
+        self.step(1.0)
+    }
+
+    pub fn corners(&self, element: usize) -> [[f64; 3]; C] {
+        self.cells[element].map(|node| std::array::from_fn(|i| self.x[node as usize][i]))
     }
 
     pub fn fields(&self, element: usize) -> ElementFields {
@@ -290,9 +275,22 @@ impl Patch {
 
     /// Returns corner force and moment of an element.
     pub fn corner(&self, element: usize, corner: usize) -> ([f64; 3], [f64; 3]) {
-        let slot = element * 4 + corner;
-        let three = |row: [f64; 4]| [row[0], row[1], row[2]];
-        (three(self.force[slot]), three(self.moment[slot]))
+        let slot = element * C + corner;
+        let three = |row: &[f64; 4]| [row[0], row[1], row[2]];
+        (three(&self.force[slot]), self.moment.get(slot).map_or([0.0; 3], three))
+    }
+
+    /// Returns the forces and moments of the elements on the nodes.
+    pub fn nodal(&self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+        let (mut force, mut moment) = (vec![[0.0; 3]; self.x.len()], vec![[0.0; 3]; self.x.len()]);
+        for (e, cell) in self.cells.iter().enumerate() {
+            for (c, &node) in cell.iter().enumerate() {
+                let (f, m) = self.corner(e, c);
+                (0..3).for_each(|i| force[node as usize][i] += f[i]);
+                (0..3).for_each(|i| moment[node as usize][i] += m[i]);
+            }
+        }
+        (force, moment)
     }
 
     /// Returns the largest magnitude of any corner force and of any corner moment.
@@ -305,19 +303,13 @@ impl Patch {
     /// Returns the sum of corner forces, and of moments about the origin, over all real elements.
     pub fn sums(&self) -> ([f64; 3], [f64; 3]) {
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-        for (e, quad) in self.quads.iter().enumerate() {
-            for (c, &node) in quad.iter().enumerate() {
-                let (f, m) = self.corner(e, c);
-                let x = self.x[node as usize];
-                let arm = [
-                    x[1] * f[2] - x[2] * f[1],
-                    x[2] * f[0] - x[0] * f[2],
-                    x[0] * f[1] - x[1] * f[0],
-                ];
-                for i in 0..3 {
-                    force[i] += f[i];
-                    moment[i] += m[i] + arm[i];
-                }
+        let (forces, moments) = self.nodal();
+        for ((f, m), x) in forces.iter().zip(&moments).zip(&self.x) {
+            let arm =
+                [x[1] * f[2] - x[2] * f[1], x[2] * f[0] - x[0] * f[2], x[0] * f[1] - x[1] * f[0]];
+            for i in 0..3 {
+                force[i] += f[i];
+                moment[i] += m[i] + arm[i];
             }
         }
         (force, moment)
@@ -325,29 +317,32 @@ impl Patch {
 
     /// Returns the power of corner forces at the nodal velocities.
     pub fn power(&self) -> f64 {
-        let mut power = 0.0;
-        for (e, quad) in self.quads.iter().enumerate() {
-            for (c, &node) in quad.iter().enumerate() {
-                let (f, m) = self.corner(e, c);
-                let (v, w) = (self.v[node as usize], self.w[node as usize]);
-                power += (0..3).map(|i| f[i] * v[i] + m[i] * w[i]).sum::<f64>();
-            }
-        }
-        power
+        let (force, moment) = self.nodal();
+        let of_node = |i: usize| {
+            (0..3).map(|c| force[i][c] * self.v[i][c] + moment[i][c] * self.w[i][c]).sum::<f64>()
+        };
+        (0..self.x.len()).map(of_node).sum()
     }
 
     /// Returns nodal mass and inertia.
     pub fn masses(&self) -> Vec<(f64, f64)> {
         let mut masses = vec![(0.0, 0.0); self.x.len()];
-        for (e, quad) in self.quads.iter().enumerate() {
+        for (e, cell) in self.cells.iter().enumerate() {
             let (mass, inertia) = self.element.corner_mass(&self.corners(e), OwnSection::default());
-            let corners = if quad[2] == quad[3] { 3 } else { 4 };
-            for &node in &quad[..corners] {
+            let corners = if C == 4 && cell[2] == cell[3] { 3 } else { C };
+            for &node in &cell[..corners] {
                 masses[node as usize].0 += mass;
                 masses[node as usize].1 += inertia;
             }
         }
         masses
+    }
+
+    /// Returns the stable step of the mesh's elements.
+    pub fn stable_dt(&self) -> f64 {
+        (0..self.cells.len())
+            .map(|e| self.element.stable_dt(&self.corners(e), OwnSection::default()))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Advances one explicit step: `load` adds to nodal forces, `fix` clears prescribed velocities.
@@ -358,21 +353,14 @@ impl Patch {
         load: impl Fn(usize) -> [f64; 3],
         fix: impl Fn(usize, &mut [f64; 4], &mut [f64; 4]),
     ) -> Passed {
-        let mut force: Vec<[f64; 3]> = (0..self.x.len()).map(load).collect();
-        let mut moment = vec![[0.0; 3]; self.x.len()];
-        for (e, quad) in self.quads.iter().enumerate() {
-            for (c, &node) in quad.iter().enumerate() {
-                for i in 0..3 {
-                    force[node as usize][i] -= self.force[e * 4 + c][i];
-                    moment[node as usize][i] -= self.moment[e * 4 + c][i];
-                }
-            }
-        }
-        for node in 0..self.x.len() {
-            let (mass, inertia) = masses[node];
+        let (force, moment) = self.nodal();
+        for (node, &(mass, inertia)) in masses.iter().enumerate() {
+            let load = load(node);
             for i in 0..3 {
-                self.v[node][i] += dt * force[node][i] / mass;
-                self.w[node][i] += dt * moment[node][i] / inertia;
+                self.v[node][i] += dt * (load[i] - force[node][i]) / mass;
+                if inertia > 0.0 {
+                    self.w[node][i] -= dt * moment[node][i] / inertia;
+                }
             }
             fix(node, &mut self.v[node], &mut self.w[node]);
         }
@@ -408,7 +396,7 @@ pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4
         std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next())
     };
     let nodes: Vec<[f64; 3]> = nodes.iter().map(moved).collect();
-    let base = Part { thinning: true, warping: true, ..part(0.3) };
+    let base = part(0.3).with("thinning", true).with("warping", true);
     let of = |name: &str| Part { element: Some(name.into()), ..base.clone() };
     [
         Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),

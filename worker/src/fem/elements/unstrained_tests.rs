@@ -1,11 +1,11 @@
 //! Elements at rest or in uniform motion, whose forces are not computed: the results have the same
 //! bits as if they were computed.
 
-use super::Element;
-use super::solid_testing::{Solids, solids};
+use super::solid_testing::solids;
 use super::testing::{BOTH, FORMULATIONS, Passed, Patch, laws, lay, shells};
+use super::{Element, HourglassForm};
 use crate::fem::columns::HistoryColumns;
-use crumple_proto::job::{HourglassForm, Precision};
+use crumple_proto::job::Precision;
 use crumple_proto::partition::Material;
 
 /// A mesh of new elements.
@@ -15,7 +15,7 @@ trait Mesh {
     fn cells(&self) -> Vec<Vec<usize>>;
 }
 
-/// Contents of a mesh. Solids do not rotate.
+/// Contents of a mesh. Solids have no moments.
 struct View<'a> {
     element: &'a dyn Element,
     history: &'a HistoryColumns,
@@ -26,25 +26,10 @@ struct View<'a> {
     moment: &'a mut [[f64; 4]],
 }
 
-impl Mesh for Patch {
+impl<const C: usize> Mesh for Patch<C> {
     fn view(&mut self) -> View<'_> {
         let Self { element, history, unstrained, v, w, force, moment, .. } = self;
         View { element: &**element, history, unstrained, v, w, force, moment }
-    }
-
-    fn step(&mut self, dt: f64) -> Passed {
-        self.step(dt)
-    }
-
-    fn cells(&self) -> Vec<Vec<usize>> {
-        self.quads.iter().map(|cell| cell.iter().map(|&node| node as usize).collect()).collect()
-    }
-}
-
-impl Mesh for Solids {
-    fn view(&mut self) -> View<'_> {
-        let Self { element, history, unstrained, v, force, .. } = self;
-        View { element: &**element, history, unstrained, v, w: &mut [], force, moment: &mut [] }
     }
 
     fn step(&mut self, dt: f64) -> Passed {

@@ -20,7 +20,7 @@
 //! most shell codes).
 
 use super::parameters::Parameters;
-use super::plasticity::{Coefficients, Curve, Failure, Plasticity, Rate};
+use super::plasticity::{Coefficients, Failure, Plasticity, Rate, YieldCurve};
 use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
@@ -107,7 +107,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
         None => Failure::None,
     };
     parameters.finish()?;
-    let curve = Curve::lines(yield_stress, slope, &ramps);
+    let curve = YieldCurve::lines(yield_stress, slope, &ramps);
     let coefficients = Coefficients::new(&elastic, yield_stress);
     Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure, coefficients })
 }

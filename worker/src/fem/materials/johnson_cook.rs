@@ -16,7 +16,7 @@
 //! surface is in `plasticity`.
 
 use super::parameters::Parameters;
-use super::plasticity::{Coefficients, Curve, Failure, Plasticity, Rate, Thermal};
+use super::plasticity::{Coefficients, Failure, Plasticity, Rate, Thermal, YieldCurve};
 use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
@@ -135,7 +135,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     Ok(Plasticity {
         elastic,
         yield_stress: a,
-        curve: Curve::Power { b: b / a, n },
+        curve: YieldCurve::Power { b: b / a, n },
         rate: if c > 0.0 { Rate::Logarithmic { c, reference } } else { Rate::None },
         thermal,
         failure: d.map_or(Failure::None, |d| Failure::JohnsonCook { d, reference }),

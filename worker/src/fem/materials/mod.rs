@@ -15,7 +15,7 @@ pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
 use crate::math::lanes::{Lane, Lane32, Lanes, Real};
-use crate::registry::Registry;
+use crate::registry::{Named, Registry};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use plasticity::Plasticity;
@@ -235,6 +235,12 @@ pub struct Law {
     pub build: fn(&Material) -> BuildResult,
     /// Builds the law for solids.
     pub solid: fn(&Material) -> BuildSolidResult,
+}
+
+impl Named for Law {
+    fn name(&self) -> &'static str {
+        self.name
+    }
 }
 
 /// All laws.

@@ -7,7 +7,7 @@ use super::canvas::{GREY, Sheet, WHITE};
 use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
 use super::map::curves;
 use crate::analysis::study::grid::{number, plain, short};
-use crate::analysis::study::results::Row;
+use crate::analysis::study::results::PointResult;
 use crate::analysis::study::spec::flatten;
 
 /// Draws the chart.
@@ -17,7 +17,7 @@ use crate::analysis::study::spec::flatten;
 pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     let chart = view.chart;
     let key = chart.x.clone().unwrap_or_default();
-    let varying: Vec<&Row> =
+    let varying: Vec<&PointResult> =
         view.rows().map(|(_, r)| r).filter(|r| r.setting(&key).is_some()).collect();
     let log = [view.is_log("x"), view.is_log("y")];
     let in_words = varying.iter().any(|r| r.setting(&key).and_then(number).is_none());
@@ -27,15 +27,16 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
             words.push(word);
         }
     }
-    let along = |r: &Row| -> f64 {
+    let along = |r: &PointResult| -> f64 {
         let value = r.setting(&key);
         let place =
             || value.and_then(|v| words.iter().position(|w| *w == plain(v))).map(|i| i as f64);
         if in_words { place() } else { value.and_then(number) }.unwrap_or(f64::NAN)
     };
-    let good =
-        |r: &&&Row| r.ended_well() && view.value(r).is_finite() && (!log[1] || view.value(r) > 0.0);
-    let shown: Vec<&Row> = varying.iter().filter(good).copied().collect();
+    let good = |r: &&&PointResult| {
+        r.ended_well() && view.value(r).is_finite() && (!log[1] || view.value(r) > 0.0)
+    };
+    let shown: Vec<&PointResult> = varying.iter().filter(good).copied().collect();
     if shown.is_empty() {
         return Err(format!("chart `{}`: no point can be shown", chart.file));
     }
@@ -53,7 +54,7 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
             sheet.dashed(&[[at[0] - 14.0, at[1]], [at[0] + 14.0, at[1]]], GREY, 1.2)
         });
     }
-    let mut groups: Vec<(String, Vec<&Row>)> = Vec::new();
+    let mut groups: Vec<(String, Vec<&PointResult>)> = Vec::new();
     for row in shown.iter().copied() {
         let name = name(view, row, &key);
         match groups.iter_mut().find(|g| g.0 == name) {
@@ -91,7 +92,7 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
 
 /// Returns the name of the line of a row: its series and its other varied settings. Settings that
 /// vary together with the one along x are not part of it.
-fn name(view: &View<'_>, row: &Row, along: &str) -> String {
+fn name(view: &View<'_>, row: &PointResult, along: &str) -> String {
     let zipped: Vec<String> =
         flatten(&view.study.series[row.series].zip).into_iter().map(|(k, _)| k).collect();
     let with_x = |k: &String| k == along || zipped.iter().any(|z| z == along) && zipped.contains(k);

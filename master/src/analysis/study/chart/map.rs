@@ -6,7 +6,7 @@ use super::axis::{Axis, short};
 use super::canvas::{Anchor, BLACK, Colour, Sheet, WHITE};
 use super::frame::{BOTTOM, Frame, LEFT, LEGEND, RIGHT, SMALL, TOP};
 use crate::analysis::study::grid::number;
-use crate::analysis::study::results::Row;
+use crate::analysis::study::results::PointResult;
 use crate::analysis::study::spec::{ENDED, formula};
 
 /// Colours of the scale from low to high: some of viridis (van der Walt and Smith 2015), of
@@ -31,7 +31,7 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
     let name = &view.study.series[series].name;
     let key = |axis: &Option<String>| axis.clone().unwrap_or_default();
     let (x_key, y_key) = (key(&chart.x), key(&chart.y));
-    let mut cells: Vec<([f64; 2], &Row)> = Vec::new();
+    let mut cells: Vec<([f64; 2], &PointResult)> = Vec::new();
     for (_, row) in view.rows().filter(|(_, r)| r.series == series) {
         let value = |key: &str| row.setting(key).and_then(number);
         let (Some(x), Some(y)) = (value(&x_key), value(&y_key)) else {
@@ -107,11 +107,11 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
 
 /// Sorts cells so that the worst of several at the same position is drawn last, over the others.
 fn worst_last<'a>(
-    mut cells: Vec<([f64; 2], &'a Row)>,
+    mut cells: Vec<([f64; 2], &'a PointResult)>,
     view: &View<'_>,
-) -> Vec<([f64; 2], &'a Row)> {
+) -> Vec<([f64; 2], &'a PointResult)> {
     cells.sort_by(|a, b| {
-        let badness = |r: &Row| (!r.ended_well(), view.value(r));
+        let badness = |r: &PointResult| (!r.ended_well(), view.value(r));
         let (a, b) = (badness(a.1), badness(b.1));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });

@@ -13,7 +13,7 @@ mod map;
 mod pareto;
 pub mod series;
 
-use super::results::{Row, Table};
+use super::results::{PointResult, Table};
 use super::spec::{Chart, ChartKind, Measure, Study};
 use canvas::Sheet;
 use std::path::{Path, PathBuf};
@@ -88,12 +88,12 @@ impl View<'_> {
             .is_none_or(|names| names.contains(&self.study.series[series].name))
     }
 
-    fn rows(&self) -> impl Iterator<Item = (usize, &Row)> {
+    fn rows(&self) -> impl Iterator<Item = (usize, &PointResult)> {
         self.table.rows.iter().enumerate().filter(|(_, r)| self.shows_series(r.series))
     }
 
     /// Returns the value of a row in maps and lines.
-    fn value(&self, row: &Row) -> f64 {
+    fn value(&self, row: &PointResult) -> f64 {
         let m = self.measure_index();
         if self.chart.error { row.errors[m] } else { row.values[m] }
     }

@@ -6,7 +6,7 @@ use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
 use std::path::{Path, PathBuf};
 
 /// A named curve.
-pub struct Curve {
+pub struct Polyline {
     /// Name in the legend.
     pub name: String,
     /// True for a dashed line without markers.
@@ -25,7 +25,7 @@ pub struct Curve {
 pub fn percent_over_doublings(
     head: &str,
     titles: [&str; 2],
-    curves: &[Curve],
+    curves: &[Polyline],
     path: &Path,
 ) -> Result<[PathBuf; 2], String> {
     let all = || curves.iter().flat_map(|c| &c.points);

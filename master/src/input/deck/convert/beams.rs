@@ -2,7 +2,7 @@
 
 use super::DeckConverter;
 use super::materials::Material;
-use super::sections::Section;
+use super::sections::DeckSection;
 use super::sets::id;
 use super::space::{cross, unit};
 use super::tree::Table;
@@ -96,7 +96,7 @@ impl DeckConverter {
     pub(super) fn beam_part(
         &mut self,
         record: &Record,
-        section: &Section,
+        section: &DeckSection,
         material: &Material,
         table: &mut Table,
     ) {

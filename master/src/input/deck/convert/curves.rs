@@ -6,7 +6,7 @@ use crate::input::job::tree::Place;
 
 /// A curve with its scales and offsets applied.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct DeckCurve {
     /// Abscissa and ordinate.
     pub points: Vec<[f64; 2]>,
     /// Place of the keyword.
@@ -33,7 +33,7 @@ impl DeckConverter {
                 let help = "give abscissa and ordinate, twenty columns each, one point per line";
                 self.trouble.error(place, format!("*DEFINE_CURVE {id} has no points"), help);
             }
-            let curve = Curve { points, place, lines, used: false };
+            let curve = DeckCurve { points, place, lines, used: false };
             if self.curves.insert(id, curve).is_some() {
                 self.trouble.error(
                     place,
@@ -45,7 +45,7 @@ impl DeckConverter {
     }
 
     /// Returns a curve by its id. Reports an error at `place` if there is none.
-    pub(super) fn curve(&mut self, id: i64, place: Place) -> Option<Curve> {
+    pub(super) fn curve(&mut self, id: i64, place: Place) -> Option<DeckCurve> {
         let found = self.curves.get(&id).cloned();
         if found.is_none() {
             let known: Vec<String> = self.curves.keys().map(i64::to_string).collect();
@@ -84,6 +84,6 @@ impl DeckConverter {
 }
 
 /// Returns the scale, or 1 for zero.
-fn one(scale: f64) -> f64 {
+pub(super) fn one(scale: f64) -> f64 {
     if scale == 0.0 { 1.0 } else { scale }
 }

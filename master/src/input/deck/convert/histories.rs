@@ -311,7 +311,7 @@ impl DeckConverter {
         let mut there = |(number, place): &(i64, Place)| {
             let found = id(*number).is_some_and(|n| used.contains(&n));
             if !found {
-                let message = format!("a history of node {number}, which no element has");
+                let message = format!("a history names node {number}, which no element has");
                 self.trouble.warning(*place, message, "the history is ignored");
             }
             found

@@ -3,12 +3,12 @@
 
 use crate::input::deck::Mapping;
 use crate::input::deck::fields::{Fields, split};
-use crate::input::deck::keywords::Row;
+use crate::input::deck::keywords::KeywordRow;
 use crate::input::deck::number;
 use crate::input::deck::parameters::{Parameter, reference};
 use crate::input::deck::record::{Cards, layout};
 use crate::input::deck::table::Card;
-use crate::input::deck::text::Block;
+use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
@@ -50,7 +50,7 @@ const HELD_IN_PLACE: (i64, i64) = (7, 0);
 /// One line of a keyword for mesh data during reading.
 struct Numbers<'a, 'c> {
     cards: &'a mut Cards<'c>,
-    block: &'a Block,
+    block: &'a KeywordBlock,
     card: &'a Card,
     line: (u32, u32),
     fields: Fields,
@@ -134,7 +134,7 @@ fn plain_integer(text: &[u8]) -> Option<i64> {
 
 impl Rows {
     /// Reads `*NODE`.
-    pub fn nodes(&mut self, cards: &mut Cards<'_>, row: &Row, block: &Block) {
+    pub fn nodes(&mut self, cards: &mut Cards<'_>, row: &KeywordRow, block: &KeywordBlock) {
         self.nodes.reserve(block.lines.len());
         self.node_lines.reserve(block.lines.len());
         let card = &row.cards[0].0;
@@ -162,7 +162,13 @@ impl Rows {
     }
 
     /// Reads `*ELEMENT_SHELL`.
-    pub fn shells(&mut self, cards: &mut Cards<'_>, row: &Row, options: &[&str], block: &Block) {
+    pub fn shells(
+        &mut self,
+        cards: &mut Cards<'_>,
+        row: &KeywordRow,
+        options: &[&str],
+        block: &KeywordBlock,
+    ) {
         let card = &row.cards[0].0;
         let lines: Vec<_> = block.lines.iter().copied().filter(|l| l.0 < l.1).collect();
         self.shells.reserve(lines.len());
@@ -202,7 +208,7 @@ impl Rows {
     }
 
     /// Reads `*ELEMENT_SOLID`, on one line or on two.
-    pub fn solids(&mut self, cards: &mut Cards<'_>, row: &Row, block: &Block) {
+    pub fn solids(&mut self, cards: &mut Cards<'_>, row: &KeywordRow, block: &KeywordBlock) {
         let mut lines = block.lines.iter().copied().filter(|l| l.0 < l.1);
         while let Some(line) = lines.next() {
             let mut numbers = start(cards, &row.cards[0].0, block, line);
@@ -388,7 +394,7 @@ impl Rows {
 fn start<'a, 'c>(
     cards: &'a mut Cards<'c>,
     card: &'a Card,
-    block: &'a Block,
+    block: &'a KeywordBlock,
     line: (u32, u32),
 ) -> Numbers<'a, 'c> {
     let fields = split(cards.texts.line(block, line), card, block.format);

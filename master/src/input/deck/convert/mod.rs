@@ -17,6 +17,7 @@ mod segments;
 mod sets;
 mod space;
 mod springs;
+mod tables;
 mod ties;
 pub mod tree;
 mod units;
@@ -24,11 +25,11 @@ mod walls;
 mod welds;
 
 use super::diagnostics::Trouble;
-use super::keywords::{self, Row};
+use super::keywords::{self, KeywordRow};
 use super::parameters::Parameters;
 use super::record::{Cards, Record};
 use super::table::Effect;
-use super::text::{Block, Texts};
+use super::text::{KeywordBlock, Texts};
 use super::{Mapping, Unsupported};
 use crate::input::job::tree::{Node, Place};
 use crumple_proto::ids::NodeId;
@@ -49,7 +50,8 @@ pub struct DeckConverter {
     /// Content that the engine does not support.
     pub unsupported: Vec<Unsupported>,
     tree: Tree,
-    curves: BTreeMap<i64, curves::Curve>,
+    curves: BTreeMap<i64, curves::DeckCurve>,
+    tables: BTreeMap<i64, tables::DeckTable>,
     boxes: HashMap<i64, [[f64; 2]; 3]>,
     axes: HashMap<i64, [[f64; 3]; 3]>,
     node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
@@ -83,6 +85,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
         unsupported: Vec::new(),
         tree: Tree::default(),
         curves: BTreeMap::new(),
+        tables: BTreeMap::new(),
         boxes: HashMap::new(),
         axes: HashMap::new(),
         node_sets: BTreeMap::new(),
@@ -105,6 +108,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.rows.number_apart(&mut b.mapping);
     b.control();
     b.curves();
+    b.tables();
     b.space();
     let mut materials = b.materials();
     let sections = b.sections();
@@ -170,8 +174,8 @@ impl DeckConverter {
     fn block(
         &mut self,
         texts: &Texts,
-        block: &Block,
-        row: &'static Row,
+        block: &KeywordBlock,
+        row: &'static KeywordRow,
         options: &[&'static str],
         parameters: &mut Parameters,
     ) {

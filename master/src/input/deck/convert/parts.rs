@@ -3,7 +3,7 @@
 use super::DeckConverter;
 use super::contact::Friction;
 use super::materials::Material;
-use super::sections::{self, Hourglass, Kind, Section, Sections};
+use super::sections::{self, DeckSection, Hourglass, SectionKind, Sections};
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
@@ -69,34 +69,13 @@ impl DeckConverter {
             names.push(name.clone());
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
-            if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
+            if let Some(section) = section.filter(|s| s.kind == SectionKind::Discrete) {
                 self.parts.insert(id, Part { rigid: None, material: None, place });
                 self.spring_part(&record, section, &name);
                 continue;
             }
             let material = materials.get(&mid);
-            if material.is_none() {
-                let mut known: Vec<i64> = materials.keys().copied().collect();
-                known.sort_unstable();
-                let known: Vec<String> = known.iter().map(i64::to_string).collect();
-                if self.spring_laws.contains_key(&mid) {
-                    let message =
-                        format!("part {id} has no springs, and material {mid} is for springs only");
-                    self.trouble.error(
-                        record.place("mid"),
-                        message,
-                        "give it another *MAT_..., or a *SECTION_DISCRETE",
-                    );
-                } else {
-                    self.missing(record.place("mid"), "*MAT_...", mid, &known);
-                }
-            }
-            if section.is_none() {
-                let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
-                known.sort_unstable();
-                let known: Vec<String> = known.iter().map(i64::to_string).collect();
-                self.missing(record.place("secid"), "*SECTION_...", secid, &known);
-            }
+            self.check_references(&record, (material, materials), (section, sections));
             let (Some(material), Some(section)) = (material, section) else {
                 let part = Part { rigid: None, material: None, place };
                 self.parts.insert(id, part);
@@ -112,7 +91,7 @@ impl DeckConverter {
             self.contact_card(&record, id, section.kind, &mut table);
             let shapes = shapes.get(&id).copied().unwrap_or_default();
             match section.kind {
-                Kind::Shell => self.shell(
+                SectionKind::Shell => self.shell(
                     &record,
                     section,
                     sections,
@@ -120,29 +99,11 @@ impl DeckConverter {
                     own_thickness.get(&id),
                     &mut table,
                 ),
-                Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
-                Kind::Beam => self.beam_part(&record, section, material, &mut table),
-                Kind::Discrete => {}
+                SectionKind::Solid => self.solid(&record, section, sections, shapes, &mut table),
+                SectionKind::Beam => self.beam_part(&record, section, material, &mut table),
+                SectionKind::Discrete => {}
             }
-            match (material.skin, section.kind) {
-                (false, _) => {}
-                (true, Kind::Shell) => {
-                    table.put("skin", record.place("mid"), true);
-                    self.map(
-                        format!("part {id}"),
-                        "*MAT_NULL",
-                        "a skin: it has contact and mass, and carries no load",
-                    );
-                }
-                (true, _) => {
-                    let message = format!("part {id}: *MAT_NULL is supported for shells only");
-                    self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
-                }
-            }
-            if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
-                let message = format!("part {id}: limits of welds are supported for beams only");
-                self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
-            }
+            self.check_material(&record, material, section.kind, &mut table);
             let part = Part {
                 rigid: material.rigid.clone(),
                 material: Some(material.name.clone()),
@@ -157,15 +118,77 @@ impl DeckConverter {
         self.used_materials = taken;
     }
 
+    /// Reports a part without its material or its section.
+    fn check_references(
+        &mut self,
+        record: &Record,
+        (material, materials): (Option<&Material>, &HashMap<i64, Material>),
+        (section, sections): (Option<&DeckSection>, &Sections),
+    ) {
+        let [id, mid, secid] = ["pid", "mid", "secid"].map(|field| record.integer(field));
+        if material.is_none() {
+            let mut known: Vec<i64> = materials.keys().copied().collect();
+            known.sort_unstable();
+            let known: Vec<String> = known.iter().map(i64::to_string).collect();
+            if self.spring_laws.contains_key(&mid) {
+                let message =
+                    format!("part {id} has no springs, and material {mid} is for springs only");
+                self.trouble.error(
+                    record.place("mid"),
+                    message,
+                    "give it another *MAT_..., or a *SECTION_DISCRETE",
+                );
+            } else {
+                self.missing(record.place("mid"), "*MAT_...", mid, &known);
+            }
+        }
+        if section.is_none() {
+            let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
+            known.sort_unstable();
+            let known: Vec<String> = known.iter().map(i64::to_string).collect();
+            self.missing(record.place("secid"), "*SECTION_...", secid, &known);
+        }
+    }
+
+    /// Makes a part of a null material a skin, and reports materials that its elements cannot have.
+    fn check_material(
+        &mut self,
+        record: &Record,
+        material: &Material,
+        kind: SectionKind,
+        table: &mut Table,
+    ) {
+        let id = record.integer("pid");
+        match (material.skin, kind) {
+            (false, _) => {}
+            (true, SectionKind::Shell) => {
+                table.put("skin", record.place("mid"), true);
+                self.map(
+                    format!("part {id}"),
+                    "*MAT_NULL",
+                    "a skin: it has contact and mass, and carries no load",
+                );
+            }
+            (true, _) => {
+                let message = format!("part {id}: *MAT_NULL is supported for shells only");
+                self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
+            }
+        }
+        if let (Some((_, at)), true) = (material.weld, kind != SectionKind::Beam) {
+            let message = format!("part {id}: limits of welds are supported for beams only");
+            self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
+        }
+    }
+
     /// Converts the card of `*PART_CONTACT`: individual friction and contact thickness.
-    fn contact_card(&mut self, record: &Record, id: i64, kind: Kind, table: &mut Table) {
+    fn contact_card(&mut self, record: &Record, id: i64, kind: SectionKind, table: &mut Table) {
         if !record.has("CONTACT") {
             return;
         }
         self.part_friction.insert(id, Friction::from_record(record));
         for (field, key) in [("optt", "contact_thickness"), ("sft", "contact_thickness_scale")] {
             let value = record.real(field);
-            if value > 0.0 && kind == Kind::Shell {
+            if value > 0.0 && kind == SectionKind::Shell {
                 table.put(key, record.place(field), value);
             } else if value > 0.0 {
                 self.map(
@@ -181,7 +204,7 @@ impl DeckConverter {
     fn shell(
         &mut self,
         record: &Record,
-        section: &Section,
+        section: &DeckSection,
         sections: &Sections,
         shapes: Shapes,
         own: Option<&Vec<(usize, [f64; 4])>>,
@@ -289,7 +312,7 @@ impl DeckConverter {
     fn solid(
         &mut self,
         record: &Record,
-        section: &Section,
+        section: &DeckSection,
         sections: &Sections,
         shapes: Shapes,
         table: &mut Table,

@@ -7,16 +7,16 @@ use std::collections::HashMap;
 
 /// A section.
 #[derive(Debug)]
-pub struct Section {
+pub struct DeckSection {
     /// Kind of its elements.
-    pub kind: Kind,
+    pub kind: SectionKind,
     /// Its card.
     pub record: Record,
 }
 
 /// Kind of the elements of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SectionKind {
     /// Shells.
     Shell,
     /// Solids.
@@ -50,7 +50,7 @@ pub struct Hourglass {
 /// All sections.
 #[derive(Debug)]
 pub struct Sections {
-    pub by_id: HashMap<i64, Section>,
+    pub by_id: HashMap<i64, DeckSection>,
     pub defaults: Defaults,
     pub hourglass: HashMap<i64, (Hourglass, Option<[f64; 2]>, Place)>,
 }
@@ -87,15 +87,15 @@ impl DeckConverter {
     pub(super) fn sections(&mut self) -> Sections {
         let mut by_id = HashMap::new();
         let kinds = [
-            ("SECTION_SHELL", Kind::Shell),
-            ("SECTION_SOLID", Kind::Solid),
-            ("SECTION_BEAM", Kind::Beam),
-            ("SECTION_DISCRETE", Kind::Discrete),
+            ("SECTION_SHELL", SectionKind::Shell),
+            ("SECTION_SOLID", SectionKind::Solid),
+            ("SECTION_BEAM", SectionKind::Beam),
+            ("SECTION_DISCRETE", SectionKind::Discrete),
         ];
         for (keyword, kind) in kinds {
             for record in self.take_records(keyword) {
                 let (id, place) = (record.integer("secid"), record.place("secid"));
-                if by_id.insert(id, Section { kind, record }).is_some() {
+                if by_id.insert(id, DeckSection { kind, record }).is_some() {
                     self.trouble.error(
                         place,
                         format!("there are two sections with the id {id}"),

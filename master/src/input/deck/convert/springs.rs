@@ -1,7 +1,7 @@
 //! Converts `*ELEMENT_DISCRETE`, and the sections and laws of its parts.
 
 use super::DeckConverter;
-use super::sections::Section;
+use super::sections::DeckSection;
 use super::sets::id;
 use super::tree::Table;
 use crate::input::deck::record::Record;
@@ -134,7 +134,7 @@ impl DeckConverter {
     }
 
     /// Converts a part of springs.
-    pub(super) fn spring_part(&mut self, record: &Record, section: &Section, name: &str) {
+    pub(super) fn spring_part(&mut self, record: &Record, section: &DeckSection, name: &str) {
         let (pid, mid) = (record.integer("pid"), record.integer("mid"));
         for (field, why) in UNSERVED {
             if section.record.real(field) != 0.0 {

@@ -43,8 +43,8 @@ impl DeckConverter {
             .with("rotations", record.head, rotations)
             .with("offset", record.head, offset.is_some());
         match surface {
-            Surface::Parts(parts) => table.put("parts", record.place("surfb"), parts),
-            Surface::Faces(set) => table.put("faces", record.place("surfb"), set),
+            TiedSurface::Parts(parts) => table.put("parts", record.place("surfb"), parts),
+            TiedSurface::Faces(set) => table.put("faces", record.place("surfb"), set),
         }
         // A negative value is the distance itself; positive values replace the thicknesses of the
         // parts.
@@ -107,15 +107,15 @@ impl DeckConverter {
     }
 
     /// Returns the surface of the second side.
-    fn surface(&mut self, record: &Record, number: usize) -> Option<Surface> {
+    fn surface(&mut self, record: &Record, number: usize) -> Option<TiedSurface> {
         let (id, place) = (record.integer("surfb"), record.place("surfb"));
         match record.integer("surfbtyp") {
-            2 => Some(Surface::Parts(self.part_set(id, place)))
-                .filter(|s| !matches!(s, Surface::Parts(p) if p.is_empty())),
-            3 => self.has_part(id, place).then(|| Surface::Parts(vec![id])),
+            2 => Some(TiedSurface::Parts(self.part_set(id, place)))
+                .filter(|s| !matches!(s, TiedSurface::Parts(p) if p.is_empty())),
+            3 => self.has_part(id, place).then(|| TiedSurface::Parts(vec![id])),
             0 => self
                 .nodes_of_segments(record, "surfb", format!("tie-{number}-faces"))
-                .map(Surface::Faces),
+                .map(TiedSurface::Faces),
             _ => {
                 self.unsupported_value(
                     record,
@@ -144,7 +144,7 @@ impl DeckConverter {
 }
 
 /// A surface to which nodes are tied.
-enum Surface {
+enum TiedSurface {
     /// All faces of parts.
     Parts(Vec<i64>),
     /// The faces within a node set.

@@ -1,6 +1,6 @@
 //! The job's tree of values under construction.
 
-use crate::input::job::tree::{Entry, Kind, Node, Place};
+use crate::input::job::tree::{Entry, Node, NodeContent, Place};
 use std::collections::BTreeMap;
 
 /// A table of the job: keys with values and their places in the deck.
@@ -17,13 +17,13 @@ impl Table {
     }
 
     /// Sets a value.
-    pub fn put(&mut self, key: &str, place: Place, value: impl Into<Kind>) {
+    pub fn put(&mut self, key: &str, place: Place, value: impl Into<NodeContent>) {
         let node = Node { kind: located(value.into(), place), place };
         self.entries.insert(key.into(), Entry { key: place, node });
     }
 
     /// Sets a value and returns the table.
-    pub fn with(mut self, key: &str, place: Place, value: impl Into<Kind>) -> Self {
+    pub fn with(mut self, key: &str, place: Place, value: impl Into<NodeContent>) -> Self {
         self.put(key, place, value);
         self
     }
@@ -40,8 +40,9 @@ impl Table {
 
     /// Returns the integers of a list; `None` without the list.
     pub fn integers(&self, key: &str) -> Option<Vec<i64>> {
-        let Kind::Array(items) = &self.entries.get(key)?.node.kind else { return None };
-        let number = |node: &Node| if let Kind::Integer(i) = node.kind { Some(i) } else { None };
+        let NodeContent::Array(items) = &self.entries.get(key)?.node.kind else { return None };
+        let number =
+            |node: &Node| if let NodeContent::Integer(i) = node.kind { Some(i) } else { None };
         Some(items.iter().filter_map(number).collect())
     }
 
@@ -51,69 +52,69 @@ impl Table {
     }
 
     fn into_node(self) -> Node {
-        Node { kind: Kind::Table(self.entries), place: self.place }
+        Node { kind: NodeContent::Table(self.entries), place: self.place }
     }
 }
 
 /// Assigns the place of a list to its items without a place.
-fn located(kind: Kind, place: Place) -> Kind {
+fn located(kind: NodeContent, place: Place) -> NodeContent {
     match kind {
-        Kind::Array(items) => {
+        NodeContent::Array(items) => {
             let item = |node: Node| match node.place {
                 Place::Whole => Node { kind: located(node.kind, place), place },
                 _ => node,
             };
-            Kind::Array(items.into_iter().map(item).collect())
+            NodeContent::Array(items.into_iter().map(item).collect())
         }
         other => other,
     }
 }
 
-impl From<f64> for Kind {
+impl From<f64> for NodeContent {
     fn from(x: f64) -> Self {
-        Kind::Float(x)
+        NodeContent::Float(x)
     }
 }
 
-impl From<i64> for Kind {
+impl From<i64> for NodeContent {
     fn from(i: i64) -> Self {
-        Kind::Integer(i)
+        NodeContent::Integer(i)
     }
 }
 
-impl From<bool> for Kind {
+impl From<bool> for NodeContent {
     fn from(b: bool) -> Self {
-        Kind::Boolean(b)
+        NodeContent::Boolean(b)
     }
 }
 
-impl From<&str> for Kind {
+impl From<&str> for NodeContent {
     fn from(text: &str) -> Self {
-        Kind::String(text.into())
+        NodeContent::String(text.into())
     }
 }
 
-impl From<String> for Kind {
+impl From<String> for NodeContent {
     fn from(text: String) -> Self {
-        Kind::String(text)
+        NodeContent::String(text)
     }
 }
 
-impl From<Table> for Kind {
+impl From<Table> for NodeContent {
     fn from(table: Table) -> Self {
-        Kind::Table(table.entries)
+        NodeContent::Table(table.entries)
     }
 }
 
-impl<T: Into<Kind>> From<Vec<T>> for Kind {
+impl<T: Into<NodeContent>> From<Vec<T>> for NodeContent {
     fn from(items: Vec<T>) -> Self {
-        Kind::Array(
+        NodeContent::Array(
             items.into_iter().map(|item| Node { kind: item.into(), place: Place::Whole }).collect(),
         )
     }
 }
 
-impl<T: Into<Kind>, const N: usize> From<[T; N]> for Kind {
+impl<T: Into<NodeContent>, const N: usize> From<[T; N]> for NodeContent {
     fn from(items: [T; N]) -> Self {
         Vec::from(items).into()
     }
@@ -130,25 +131,25 @@ impl Tree {
     pub fn add(&mut self, list: &str, entry: Table) {
         let empty = || Entry {
             key: Place::Whole,
-            node: Node { kind: Kind::Array(Vec::new()), place: Place::Whole },
+            node: Node { kind: NodeContent::Array(Vec::new()), place: Place::Whole },
         };
         let found = self.root.entry(list.into()).or_insert_with(empty);
-        if let Kind::Array(items) = &mut found.node.kind {
+        if let NodeContent::Array(items) = &mut found.node.kind {
             items.push(entry.into_node());
         }
     }
 
     /// Sets a key of the top level.
-    pub fn set(&mut self, key: &str, place: Place, value: impl Into<Kind>) {
+    pub fn set(&mut self, key: &str, place: Place, value: impl Into<NodeContent>) {
         let node = Node { kind: located(value.into(), place), place };
         self.root.insert(key.into(), Entry { key: place, node });
     }
 
     /// Sets a key of a table such as `time`.
-    pub fn set_in(&mut self, table: &str, key: &str, place: Place, value: impl Into<Kind>) {
+    pub fn set_in(&mut self, table: &str, key: &str, place: Place, value: impl Into<NodeContent>) {
         let fresh = || Entry { key: place, node: Node::table(place) };
         let found = self.root.entry(table.into()).or_insert_with(fresh);
-        if let Kind::Table(entries) = &mut found.node.kind {
+        if let NodeContent::Table(entries) = &mut found.node.kind {
             let node = Node { kind: located(value.into(), place), place };
             entries.insert(key.into(), Entry { key: place, node });
         }
@@ -156,6 +157,6 @@ impl Tree {
 
     /// Returns the tree.
     pub fn into_node(self) -> Node {
-        Node { kind: Kind::Table(self.root), place: Place::Whole }
+        Node { kind: NodeContent::Table(self.root), place: Place::Whole }
     }
 }

@@ -11,7 +11,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bits of limits and exponents, and the material. Welds with the same ones form one part.
-type Kind = ([u64; 4], String);
+type WeldKey = ([u64; 4], String);
 
 /// Welds of one kind; they get ids and lengths later.
 struct Breaking {
@@ -27,7 +27,7 @@ const SQUARE: f64 = 2.0;
 impl DeckConverter {
     pub(super) fn welds(&mut self) {
         let mut bodies: Vec<(BTreeSet<NodeId>, Place)> = Vec::new();
-        let mut breaking: BTreeMap<Kind, Breaking> = BTreeMap::new();
+        let mut breaking: BTreeMap<WeldKey, Breaking> = BTreeMap::new();
         for record in self.take_records("CONSTRAINED_SPOTWELD") {
             let place = record.place("n1");
             let [Some(n1), Some(n2)] = ["n1", "n2"].map(|field| id(record.integer(field))) else {
@@ -102,7 +102,7 @@ impl DeckConverter {
         nodes: Vec<NodeId>,
         place: Place,
         bodies: &mut Vec<(BTreeSet<NodeId>, Place)>,
-        breaking: &mut BTreeMap<Kind, Breaking>,
+        breaking: &mut BTreeMap<WeldKey, Breaking>,
     ) {
         let limits = ["sn", "ss"].map(|field| record.real(field));
         if limits.iter().all(|&limit| limit <= 0.0 || limit > NEVER) {
@@ -166,7 +166,7 @@ impl DeckConverter {
     }
 
     /// Adds a part of beams for each kind.
-    fn breaking_welds(&mut self, kinds: BTreeMap<Kind, Breaking>) {
+    fn breaking_welds(&mut self, kinds: BTreeMap<WeldKey, Breaking>) {
         let mut next = self.rows.elements().map(|e| e.id.0).max().unwrap_or(0);
         for ((_, material), Breaking { limits, links }) in kinds {
             let place = links[0].1;

@@ -8,20 +8,20 @@ use toml::{Table, Value};
 
 /// Keyword of a wall, in the order of decks.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum WallCard {
     Plane,
     LedRectangle,
     Cylinder,
 }
 
-fn kind(wall: &Wall) -> Option<Kind> {
+fn kind(wall: &Wall) -> Option<WallCard> {
     let led = wall.velocity.or(wall.displacement);
     let stands = led.is_some_and(|v| v == [0.0; 3]);
     match (wall.axis, wall.normal) {
         _ if stands => None,
-        (Some(_), None) => Some(Kind::Cylinder),
-        (None, Some(_)) if led.is_none() => Some(Kind::Plane),
-        (None, Some(_)) if wall.edge.is_some() => Some(Kind::LedRectangle),
+        (Some(_), None) => Some(WallCard::Cylinder),
+        (None, Some(_)) if led.is_none() => Some(WallCard::Plane),
+        (None, Some(_)) if wall.edge.is_some() => Some(WallCard::LedRectangle),
         _ => None,
     }
 }
@@ -29,7 +29,7 @@ fn kind(wall: &Wall) -> Option<Kind> {
 /// Writes all walls. None is written as a card if one of them has no card, or if cards would
 /// change their order.
 pub fn write(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field, curves: &mut TimeCurves<'_>) {
-    let kinds: Option<Vec<Kind>> = job.wall.iter().map(kind).collect();
+    let kinds: Option<Vec<WallCard>> = job.wall.iter().map(kind).collect();
     let names: Vec<String> =
         (1..).zip(&job.wall).map(|(number, wall)| name(wall, number)).collect();
     let told_apart = names.iter().collect::<BTreeSet<_>>().len() == names.len();
@@ -48,7 +48,7 @@ fn name(wall: &Wall, number: u64) -> String {
 fn one(
     deck: &mut Deck,
     wall: &Wall,
-    kind: Kind,
+    kind: WallCard,
     (name, number): (&str, u64),
     set: impl Fn(&str) -> Field,
     curves: &mut TimeCurves<'_>,
@@ -62,13 +62,13 @@ fn one(
         head.map(Number)
     };
     let direction = match kind {
-        Kind::Cylinder => head("axis", wall.axis.unwrap_or_default()),
+        WallCard::Cylinder => head("axis", wall.axis.unwrap_or_default()),
         _ => head("normal", wall.normal.unwrap_or_default()),
     };
     let edge = wall.edge.map(|e| head("edge", e));
     let led = led(deck, wall, curves, &mut exact);
     let options: Vec<&str> = [
-        (wall.edge.is_some() && kind == Kind::Plane, "_FINITE"),
+        (wall.edge.is_some() && kind == WallCard::Plane, "_FINITE"),
         (wall.mass.is_some(), "_MOVING"),
         (led.is_some(), "_MOTION"),
     ]
@@ -76,16 +76,16 @@ fn one(
     .filter_map(|(has, option)| has.then_some(*option))
     .collect();
     let keyword = match kind {
-        Kind::Plane => "RIGIDWALL_PLANAR",
-        Kind::LedRectangle => "RIGIDWALL_GEOMETRIC_FLAT",
-        Kind::Cylinder => "RIGIDWALL_GEOMETRIC_CYLINDER",
+        WallCard::Plane => "RIGIDWALL_PLANAR",
+        WallCard::LedRectangle => "RIGIDWALL_GEOMETRIC_FLAT",
+        WallCard::Cylinder => "RIGIDWALL_GEOMETRIC_CYLINDER",
     };
     deck.keyword(&format!("{keyword}{}_ID", options.concat()));
     deck.named_card(number, name);
     let chosen = |of: &Option<String>| of.as_deref().map_or(Blank, &set);
     deck.card(&[chosen(&wall.nodes), chosen(&wall.except)]);
     deck.card(&[wall.point.map(Number).as_slice(), &direction, &[Number(wall.friction)]].concat());
-    if kind == Kind::Cylinder {
+    if kind == WallCard::Cylinder {
         deck.card(&[Number(wall.radius.unwrap_or(0.0)), Number(wall.length)]);
     }
     if let Some(edge) = edge {

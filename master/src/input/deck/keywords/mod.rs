@@ -33,21 +33,21 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
 pub const OUTPUT: &[&str] = &["DATABASE_", "INTERFACE_SPRINGBACK", "CONTROL_OUTPUT"];
 
 /// A row of the table with its cards parsed.
-pub struct Row {
+pub struct KeywordRow {
     /// The entry.
     pub keyword: &'static Keyword,
     /// Its cards.
     pub cards: Vec<(Card, Times)>,
 }
 
-impl std::fmt::Debug for Row {
+impl std::fmt::Debug for KeywordRow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.keyword.name)
     }
 }
 
-static TABLE: LazyLock<HashMap<&'static str, Row>> = LazyLock::new(|| {
-    let row = |keyword: &'static Keyword| Row {
+static TABLE: LazyLock<HashMap<&'static str, KeywordRow>> = LazyLock::new(|| {
+    let row = |keyword: &'static Keyword| KeywordRow {
         keyword,
         cards: keyword.cards.iter().map(|(card, times)| (Card::parse(card), *times)).collect(),
     };
@@ -58,7 +58,7 @@ static TABLE: LazyLock<HashMap<&'static str, Row>> = LazyLock::new(|| {
 
 /// Returns the row of a keyword for a name with options, and these options; `None` if the table
 /// has none.
-pub fn find(name: &str) -> Option<(&'static Row, Vec<&'static str>)> {
+pub fn find(name: &str) -> Option<(&'static KeywordRow, Vec<&'static str>)> {
     let ends = name.match_indices('_').map(|(at, _)| at).chain([name.len()]);
     // The longest name first: SET_NODE_LIST before SET_NODE.
     ends.rev().find_map(|end| {

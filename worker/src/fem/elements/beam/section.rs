@@ -27,7 +27,7 @@ pub struct Fibre {
 
 /// A cross section.
 #[derive(Clone, Debug)]
-pub struct Section {
+pub struct FibreSection {
     /// Fibres of the section.
     pub fibres: Vec<Fibre>,
     /// Torsion constant for an elastic torque in addition to that of the fibres [length^4].
@@ -48,7 +48,7 @@ fn rectangle_torsion(a: f64, b: f64) -> f64 {
     long * short.powi(3) * (1.0 / 3.0 - 0.21 * ratio * (1.0 - ratio.powi(4) / 12.0))
 }
 
-impl Section {
+impl FibreSection {
     /// Builds the section from the job, whose values have been checked.
     pub fn new(job: &Beam) -> Self {
         let (h, w) = (0.5 * job.height, 0.5 * job.width);
@@ -151,27 +151,27 @@ mod tests {
     }
 
     /// Returns the plastic moment over the yield stress for bending about the third axis.
-    fn plastic(s: &Section) -> f64 {
+    fn plastic(s: &FibreSection) -> f64 {
         s.fibres.iter().map(|f| f.area * f.y.abs()).sum()
     }
 
     #[test]
     fn sections_have_their_moments() {
-        let s = Section::new(&beam(BeamSection::Rectangle));
+        let s = FibreSection::new(&beam(BeamSection::Rectangle));
         let [a, iy, iz, j] = s.moments();
         for (ours, exact) in [(a, 24.0), (iy, 32.0), (iz, 72.0), (plastic(&s), 36.0)] {
             close(ours, exact, 1e-14);
         }
         close(j, 0.196 * 6.0 * 64.0, 4e-3); // Timoshenko & Goodier, a/b = 1.5
 
-        let s = Section::new(&beam(BeamSection::I));
+        let s = FibreSection::new(&beam(BeamSection::I));
         let [a, iy, iz, _] = s.moments();
         close(a, 2.0 * 2.0 + 5.0 * 0.3, 1e-14);
         close(iz, (4.0 * 216.0 - 3.7 * 125.0) / 12.0, 1e-14);
         close(iy, (2.0 * 0.5 * 64.0 + 5.0 * 0.027) / 12.0, 1e-14);
         close(plastic(&s), 2.0 * 2.0 * 2.75 + 0.3 * 6.25, 1e-14);
 
-        for (ours, exact) in Section::new(&beam(BeamSection::General))
+        for (ours, exact) in FibreSection::new(&beam(BeamSection::General))
             .moments()
             .into_iter()
             .zip([7.0, 11.0, 13.0, 17.0])
@@ -179,10 +179,10 @@ mod tests {
             close(ours, exact, 1e-14);
         }
         let truss = Beam { second_moments: [0.0; 2], torsion: 0.0, ..beam(BeamSection::General) };
-        assert_eq!(Section::new(&truss).moments(), [7.0, 0.0, 0.0, 0.0]);
+        assert_eq!(FibreSection::new(&truss).moments(), [7.0, 0.0, 0.0, 0.0]);
 
         for wall in [1.0, 0.0] {
-            let s = Section::new(&Beam { wall, ..beam(BeamSection::Tube) });
+            let s = FibreSection::new(&Beam { wall, ..beam(BeamSection::Tube) });
             let inside: f64 = if wall > 0.0 { 4.0 } else { 0.0 };
             let [a, iy, iz, j] = s.moments();
             close(a, PI * (25.0 - inside.powi(2)), 1e-14);

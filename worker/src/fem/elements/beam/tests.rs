@@ -173,7 +173,7 @@ fn short_beams_shear() {
 /// sums over fibres; without moments it has a force along its line alone.
 #[test]
 fn a_general_section_is_its_moments() {
-    let [area, about_y, about_z, torsion] = Section::new(&rectangle()).moments();
+    let [area, about_y, about_z, torsion] = FibreSection::new(&rectangle()).moments();
     let none =
         BeamJob { section: BeamSection::General, height: 0.0, width: 0.0, area, ..rectangle() };
     let general = BeamJob { second_moments: [about_y, about_z], torsion, ..none.clone() };

@@ -33,9 +33,9 @@
 //! at kappa = 0.05, and 0.6 % with f and assumed strain.
 
 use super::modes::{Gradient, HOURGLASS_MODES, Modes};
+use crate::fem::elements::HourglassForm;
 use crate::fem::materials::Elastic;
 use crate::math::lanes::{Real, dot};
-use crumple_proto::job::HourglassForm;
 
 /// Number of history columns, in any form: P of the four modes [force], or nine S and three T
 /// [force/length^2].

@@ -51,7 +51,7 @@ pub struct Plasticity {
     /// Yield stress at zero plastic strain [force/length^2].
     pub yield_stress: f64,
     /// Hardening.
-    pub curve: Curve,
+    pub curve: YieldCurve,
     /// Dependence on the strain rate.
     pub rate: Rate,
     /// Dependence on the temperature, if any.
@@ -100,7 +100,7 @@ impl Coefficients {
 }
 
 /// Yield stress over plastic strain, in units of the initial yield stress.
-pub enum Curve {
+pub enum YieldCurve {
     /// Straight lines.
     Lines {
         /// First slope.
@@ -117,7 +117,7 @@ pub enum Curve {
     },
 }
 
-impl Curve {
+impl YieldCurve {
     /// Creates straight lines from slopes in the units of the job.
     pub fn lines(yield_stress: f64, slope: f64, ramps: &[(f64, f64)]) -> Self {
         let ramps = ramps.iter().map(|&(start, change)| (start, change / yield_stress)).collect();
@@ -208,7 +208,7 @@ impl Plasticity {
     #[inline(always)]
     fn yield_curve<R: Real>(&self, eps_p: R) -> (R, R) {
         match &self.curve {
-            Curve::Lines { slope, ramps } => {
+            YieldCurve::Lines { slope, ramps } => {
                 let mut modulus = R::splat(*slope);
                 let mut sig_y = modulus.mul_add(eps_p, R::splat(1.0));
                 for &(start, change) in ramps {
@@ -219,7 +219,7 @@ impl Plasticity {
                 }
                 (sig_y, modulus)
             }
-            Curve::Power { b, n } => {
+            YieldCurve::Power { b, n } => {
                 let curved = eps_p.gt(R::splat(POWER_START));
                 let at = R::select(curved, eps_p, R::splat(POWER_START));
                 let secant = R::splat(*b) * at.powf_where(n - 1.0, R::zero().le(R::zero()));

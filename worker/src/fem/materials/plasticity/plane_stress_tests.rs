@@ -1,7 +1,7 @@
 //! Strain paths with known results. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as in common
 //! test drivers.
 
-use super::super::{Curve, Failure, Rate};
+use super::super::{Failure, Rate, YieldCurve};
 use super::*;
 use crate::fem::materials::build;
 use crate::math::lanes::LANES;
@@ -114,8 +114,8 @@ fn returned_stress_lies_on_the_surface_whatever_the_step() {
             p[0][1] + (p[1][1] - p[0][1]) * (eps_p - p[0][0]) / (p[1][0] - p[0][0])
         })
     };
-    type Curve<'a> = &'a dyn Fn(f64) -> f64;
-    let laws: [(_, Curve<'_>); 4] = [
+    type YieldCurve<'a> = &'a dyn Fn(f64) -> f64;
+    let laws: [(_, YieldCurve<'_>); 4] = [
         (linear(0.0), &|_| YIELD),
         (linear(1.0), &|eps_p| YIELD + eps_p),
         (linear(50.0), &|eps_p| YIELD + 50.0 * eps_p),
@@ -249,7 +249,7 @@ fn every_lane_is_what_it_would_be_alone() {
 #[test]
 fn bisection_finds_what_halley_finds() {
     let elastic = Elastic { youngs_modulus: E, poisson: NU, density: 1.0 };
-    let curve = Curve::lines(YIELD, 1.0, &[(0.01, -0.5)]);
+    let curve = YieldCurve::lines(YIELD, 1.0, &[(0.01, -0.5)]);
     let (rate, thermal, failure) = (Rate::None, None, Failure::None);
     let coefficients = Coefficients::new(&elastic, YIELD);
     let law =

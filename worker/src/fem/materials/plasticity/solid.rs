@@ -8,7 +8,7 @@
 //! solution. For a power law Newton steps from y = 0 solve it: hardening is concave, so the steps
 //! never overshoot.
 
-use super::{Curve, Damage, Plasticity, tolerance};
+use super::{Damage, Plasticity, YieldCurve, tolerance};
 use crate::fem::materials::{Elastic, Solid, SolidPoint};
 use crate::math::lanes::{Lane, Lane32, Real, dot};
 
@@ -93,7 +93,7 @@ impl Plasticity {
         let mut slope = scale.mul_add(modulus, three_g);
         let mut y = (stress - scale * sig_y) / slope;
         match &self.curve {
-            Curve::Lines { ramps, .. } => {
+            YieldCurve::Lines { ramps, .. } => {
                 for &(start, change) in ramps {
                     let bend = R::splat(start) - eps_p;
                     // The slope includes bends before eps_p already.
@@ -103,7 +103,7 @@ impl Plasticity {
                     slope = R::select(ahead, steeper, slope);
                 }
             }
-            Curve::Power { .. } => {
+            YieldCurve::Power { .. } => {
                 for _ in 0..NEWTON_STEPS {
                     let (sig_y, modulus) = self.yield_curve(eps_p + y);
                     let beyond = three_g.neg_mul_add(y, stress) - scale * sig_y;

@@ -1,0 +1,183 @@
+//! Files of a job: the job file itself, and the mesh from a generator, a file, a deck or the job.
+
+use super::report::Source;
+use super::tree::{Node, Place};
+use super::validate::Findings;
+use super::{Sources, mesh, validate};
+use crate::input::deck;
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::problem::Problem;
+use std::path::{Path, PathBuf};
+
+/// Largest job or mesh file that is read [byte], because places in it have 32 bits.
+const LARGEST_FILE: u64 = u32::MAX as u64;
+
+/// Reads the mesh from the source that the job names. Reports errors and returns `None` if there
+/// is no mesh to check.
+pub(super) fn read_mesh(
+    job: &Job,
+    path: &Path,
+    deck: Option<deck::Deck>,
+    sources: &mut Sources,
+    findings: &mut Findings,
+) -> Option<mesh::Read> {
+    let MeshSource {
+        generator,
+        file,
+        nodes,
+        shells,
+        solids,
+        beams,
+        springs,
+        node_sets,
+        thicknesses,
+        offsets,
+        ..
+    } = &job.mesh;
+    let rows = ![
+        nodes.is_empty(),
+        shells.is_empty(),
+        solids.is_empty(),
+        beams.is_empty(),
+        springs.is_empty(),
+    ]
+    .iter()
+    .all(|&empty| empty);
+    if findings.any_faulty_below("mesh") {
+        return None;
+    }
+    if let Some(deck) = deck.filter(|_| generator.is_none() && file.is_none() && !rows) {
+        let mut mesh = deck.mesh;
+        let own = node_sets
+            .iter()
+            .map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
+        mesh.node_sets.extend(own);
+        let read = mesh::Read::of_deck(mesh, deck.lists);
+        return Some(mesh::with_own_sections(read, [thicknesses, offsets], findings));
+    }
+    match (generator, file, rows) {
+        (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
+            let help = "remove them: a generator or a mesh file defines its own node sets";
+            findings.add(Problem::error(
+                "mesh.node_sets",
+                "mesh.node_sets is for mesh.nodes or a deck only",
+                help,
+            ));
+            None
+        }
+        (None, Some(_), false) if !thicknesses.is_empty() || !offsets.is_empty() => {
+            let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
+            let message = format!("{key} is for mesh.nodes, a generator or a deck only");
+            findings.add(Problem::error(key, message, "write them in the mesh file"));
+            None
+        }
+        (Some(generator), None, false) => {
+            let read = mesh::generate(generator, job, findings)?;
+            Some(mesh::with_own_sections(read, [thicknesses, offsets], findings))
+        }
+        (None, Some(file), false) => {
+            let file = path.parent().unwrap_or(Path::new("")).join(file);
+            read_mesh_file(&file, sources, findings)
+        }
+        (None, None, true) => mesh::from_rows(&job.mesh, findings),
+        (None, None, false) => {
+            let help = "give mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells \
+                        or mesh.solids";
+            findings.add(Problem::error("mesh", "the job has no mesh", help));
+            None
+        }
+        _ => {
+            let help = "give one of mesh.generator, mesh.file, mesh.deck, or mesh.nodes with \
+                        mesh.shells or mesh.solids";
+            findings.add(Problem::error("mesh", "the job has more than one mesh", help));
+            None
+        }
+    }
+}
+
+fn read_mesh_file(
+    file: &Path,
+    sources: &mut Sources,
+    findings: &mut Findings,
+) -> Option<mesh::Read> {
+    let text = match load(file) {
+        Ok(text) => text,
+        Err(problem) => {
+            findings.add(Problem { path: "mesh.file".into(), ..problem });
+            return None;
+        }
+    };
+    let parsed = Node::parse(&text);
+    let tree = parsed.as_ref().cloned().unwrap_or_else(|_| Node::table(Place::Whole));
+    sources.mesh = Some(Source { file: file.display().to_string(), text, tree });
+    let mut tree = match parsed {
+        Ok(tree) => tree,
+        Err(errors) => {
+            validate::mesh_file_syntax(errors, findings);
+            return None;
+        }
+    };
+    validate::mesh_file(&mut tree, findings);
+    if findings.any_faulty_below("mesh") {
+        return None;
+    }
+    match tree.to_value().try_into::<MeshSource>() {
+        Ok(source) => mesh::from_rows(&source, findings),
+        Err(error) => {
+            findings.add(Problem::error("mesh", error.message(), "correct the mesh file"));
+            None
+        }
+    }
+}
+
+/// Returns the job file for a path of the command line.
+pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
+    let shown = path.display();
+    if path.is_dir() {
+        let inside = path.join("job.toml");
+        if inside.is_file() {
+            return Ok(inside);
+        }
+        return Err(Problem::error(
+            "",
+            format!("the folder {shown} holds no job.toml"),
+            "name a job file, or a folder with one",
+        ));
+    }
+    let extension =
+        path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        _ if !path.exists() => {
+            let help = "name a .toml job file, a .k deck, or a folder that holds job.toml";
+            Err(Problem::error("", format!("there is no file {shown}"), help))
+        }
+        "toml" | "k" | "key" | "dyn" => Ok(path.to_path_buf()),
+        _ => Err(Problem::error(
+            "",
+            format!("{shown} is not a .toml file"),
+            "name a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
+        )),
+    }
+}
+
+pub(super) fn load(path: &Path) -> Result<String, Problem> {
+    let shown = path.display();
+    let cannot = |error: std::io::Error| {
+        Problem::error(
+            "",
+            format!("{shown} cannot be read: {error}"),
+            "check its name and permissions",
+        )
+    };
+    let length = std::fs::metadata(path).map_err(cannot)?.len();
+    if length > LARGEST_FILE {
+        return Err(Problem::error("", format!("{shown} is larger than 4 GiB"), "split the model"));
+    }
+    let bytes = std::fs::read(path).map_err(cannot)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..good].iter().filter(|&&b| b == b'\n').count();
+        Problem::error("", format!("{shown}:{line}: not UTF-8 text"), "save the file as UTF-8")
+    })
+}

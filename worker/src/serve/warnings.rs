@@ -1,0 +1,76 @@
+//! Warnings of a worker: deleted shells, reduced penalties, edges that cross surfaces.
+
+use super::Worker;
+use crumple_proto::message::ToMaster;
+use crumple_proto::transport::{RankLost, Tag, Transport};
+use crumple_proto::wire::post;
+
+/// Largest number of inverted shells that a worker names.
+const NAMED: u64 = 20;
+
+impl Worker {
+    pub(super) fn capped(&self) -> u64 {
+        self.engine.contact.as_ref().map_or(0, |c| c.capped_pairs)
+    }
+
+    /// Warns of own shells that were inverted and deleted.
+    pub(super) fn warn_of_inverted(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let inverted = std::mem::take(&mut self.engine.inverted);
+        let clock = &self.engine.clock;
+        for elem in inverted {
+            self.named += 1;
+            let end = match self.named {
+                ..NAMED => "the job permits this",
+                NAMED => {
+                    "the job permits this. This worker reports no further elements; summary.json \
+                     counts them by part"
+                }
+                _ => return Ok(()),
+            };
+            let (cycle, time) = (clock.cycle, clock.time);
+            let warning = format!(
+                "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: \
+                 {end} (part.inverted)"
+            );
+            post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
+        }
+        Ok(())
+    }
+
+    /// Warns once that penalty stiffness was lowered. The summary has the final number of pairs.
+    pub(super) fn warn_of_caps(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let (pairs, clock) = (self.capped(), &self.engine.clock);
+        let warning = format!(
+            "contact: in cycle {}, time {:.6e}, the penalty stiffness of {pairs} pairs was \
+             reduced to keep the step stable, as it will be in later cycles; penetrations become \
+             larger than the job requests: reduce time.safety to allow a higher stiffness, or \
+             contact.penalty_scale to request a lower one",
+            clock.cycle, clock.time
+        );
+        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
+    }
+
+    /// Warns once of edges that have crossed surfaces where this contact cannot detect it.
+    pub(super) fn warn_of_crossings(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let e = &self.engine;
+        let found = e
+            .contact
+            .as_ref()
+            .filter(|_| !self.crossed)
+            .map_or(Vec::new(), |c| c.crossings(&e.nodes, e.clock.time));
+        let Some(first) = found.first() else { return Ok(()) };
+        self.crossed = true;
+        let warning = format!(
+            "contact: by cycle {}, time {:.6e}, an edge of element {} has passed through element \
+             {} between their nodes ({} such crossings on this worker); contact detects nodes \
+             against surfaces, and free edges, folds and sharp edges against each other: refine \
+             the mesh where an edge cuts into a face, and set contact.edges = true if it is off",
+            e.clock.cycle,
+            e.clock.time,
+            first.edge,
+            first.surface,
+            found.len()
+        );
+        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
+    }
+}
