@@ -9,6 +9,7 @@ mod mailbox;
 #[cfg(feature = "mpi")]
 pub mod mpi;
 pub mod threads;
+mod wait;
 
 pub use collective::{MaxReduction, exchange_all, gather_all, sum_all};
 pub use mailbox::{Mailbox, words_of};

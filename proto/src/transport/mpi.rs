@@ -1,11 +1,12 @@
 //! Ranks as MPI processes. All calls come from the thread that initialised MPI.
 
+use super::wait::Patience;
 use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use ::mpi::environment::Universe;
 use ::mpi::request::{Request, StaticScope};
 use ::mpi::topology::SimpleCommunicator;
 use ::mpi::traits::*;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Message in transit: MPI reads the buffer until the request is complete.
 struct Flying {
@@ -20,10 +21,19 @@ pub struct Mpi {
     flying: Vec<Flying>,
     wait_cpu: Duration,
     traffic: Traffic,
+    /// Time for which a waiting rank polls before it yields its core.
+    patience: Patience,
+    /// Time of waiting after which it sleeps between polls, since other processes may need the
+    /// core for longer.
+    alert: Duration,
 }
 
-/// Number of tries after which a waiting rank begins to yield its core.
-const SPINS: u32 = 100;
+/// See [`Mpi::alert`], for a rank that has a core and for ranks that share cores.
+const ALERT: [Duration; 2] = [Duration::from_millis(2), Duration::from_micros(100)];
+/// Longest sleep between two polls, and its part of the time of waiting: a message is received
+/// late by at most this part.
+const LONGEST_SLEEP: Duration = Duration::from_micros(500);
+const LATE: u32 = 16;
 
 impl Mpi {
     /// Initialises MPI; returns `None` if it is initialised already. From here on a panic ends
@@ -32,6 +42,10 @@ impl Mpi {
         let (universe, _) = ::mpi::initialize_with_threading(::mpi::Threading::Funneled)?;
         let world = universe.world();
         let rank = world.rank();
+        // A rank that is bound to a single core does not share it.
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let here = world.split_shared(rank).size() as usize;
+        let has_core = cores == 1 || here <= cores + 1;
         let default = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |info| {
             eprintln!("crumple: rank {rank} panicked; ending all ranks");
@@ -44,6 +58,8 @@ impl Mpi {
             flying: Vec::new(),
             wait_cpu: Duration::ZERO,
             traffic: Traffic::default(),
+            patience: Patience::new(has_core),
+            alert: ALERT[usize::from(!has_core)],
         })
     }
 
@@ -114,14 +130,25 @@ impl Transport for Mpi {
             return Ok(());
         }
         let before = thread_cpu();
-        let mut tries = 0u32;
+        let (start, patience) = (Instant::now(), self.patience.start());
+        let mut polls = true;
         while !self.try_recv(from, tag, words)? {
-            tries += 1;
-            if tries > SPINS {
+            let waited = start.elapsed();
+            if waited < patience {
+                std::hint::spin_loop();
+                continue;
+            }
+            polls = false;
+            if waited < self.alert {
                 std::thread::yield_now();
             } else {
-                std::hint::spin_loop();
+                std::thread::sleep((waited / LATE).min(LONGEST_SLEEP));
             }
+        }
+        if polls {
+            self.patience.record_success(start.elapsed());
+        } else {
+            self.patience.record_failure();
         }
         self.wait_cpu += thread_cpu().saturating_sub(before);
         Ok(())

@@ -1,5 +1,6 @@
 //! Ranks as threads of one process, with a channel for every ordered pair of ranks.
 
+use super::wait::Patience;
 use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -17,12 +18,10 @@ pub struct Threads {
     wait_cpu: Duration,
     traffic: Traffic,
     /// Time for which a waiting rank polls an empty channel before it sleeps.
-    patience: Duration,
+    patience: Patience,
 }
 
-/// Polling time of a rank if every worker has a core, and the number of polls between two
-/// readings of the clock.
-const PATIENCE: Duration = Duration::from_millis(1);
+/// Number of polls between two readings of the clock.
 const LOOKS: u32 = 64;
 /// Largest number of buffers kept for reuse.
 const POOL: usize = 64;
@@ -38,10 +37,7 @@ pub fn connect(size: usize) -> Vec<Threads> {
             receiver.push(rx);
         }
     }
-    // Waking a sleeping thread costs more than a short wait. Where workers share cores,
-    // however, the sender needs this core.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let patience = if size <= cores + 1 { PATIENCE } else { Duration::ZERO };
     let ends = senders.into_iter().zip(receivers).enumerate();
     ends.map(|(rank, (to, from))| Threads {
         rank,
@@ -51,7 +47,8 @@ pub fn connect(size: usize) -> Vec<Threads> {
         pool: Vec::new(),
         wait_cpu: Duration::ZERO,
         traffic: Traffic::default(),
-        patience,
+        // The master rarely works.
+        patience: Patience::new(size <= cores + 1),
     })
     .collect()
 }
@@ -107,16 +104,18 @@ impl Transport for Threads {
             return Ok(());
         }
         let before = thread_cpu();
-        let start = Instant::now();
-        while start.elapsed() < self.patience {
+        let (start, patience) = (Instant::now(), self.patience.start());
+        while start.elapsed() < patience {
             for _ in 0..LOOKS {
                 std::hint::spin_loop();
                 if self.try_recv(from, tag, words)? {
+                    self.patience.record_success(start.elapsed());
                     self.wait_cpu += thread_cpu().saturating_sub(before);
                     return Ok(());
                 }
             }
         }
+        self.patience.record_failure();
         let parcel = loop {
             match self.from[from].recv() {
                 Ok((t, parcel)) if t == tag => break Ok(parcel),

@@ -242,6 +242,37 @@ fn contacts_become_interfaces() {
     );
 }
 
+/// fs 2 selects the table fd: curves of the coefficient over the speed at ascending pressures. They
+/// follow the table, or it names them.
+#[test]
+fn friction_of_a_table_depends_on_pressure_and_speed() {
+    let curves = "*DEFINE_CURVE\n31\n0.0,0.3\n2.0,0.2\n*DEFINE_CURVE\n30\n0.0,0.1\n";
+    let contact = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n2.0,7,0.0,0.05\n\n";
+    let rows = vec![[0.0, 0.0, 0.3], [0.0, 2.0, 0.2], [0.5, 0.0, 0.1]];
+    for table in [
+        format!("*DEFINE_TABLE\n7,0.001\n0.0\n500.0\n{curves}"),
+        format!("{curves}*DEFINE_TABLE_2D\n7\n0.0,31\n0.5,30\n"),
+    ] {
+        let model = with(&format!("{contact}{table}"));
+        let found = model.job.contact.as_ref().unwrap();
+        assert_eq!((&found.friction_table, found.friction_limit), (&rows, Some(0.05)), "{table}");
+        assert!(crumple::input::check::describe(&model).contains("fs 2, fd 7: a table"));
+    }
+    for (table, problem) in [
+        ("", "there is no *DEFINE_TABLE with the id 7"),
+        ("*DEFINE_TABLE\n7\n0.0\n1.0\n*DEFINE_CURVE\n31\n0.0,0.3\n", "2 values"),
+        ("*DEFINE_TABLE_2D\n7\n0.0,32\n", "there is no *DEFINE_CURVE with the id 32"),
+        ("*DEFINE_TABLE_2D\n7\n1.0,31\n1.0,30\n", "do not ascend"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deck.k");
+        let text = format!("{BASE}{STEEL}{MOVES}{contact}{table}*END\n");
+        fs::write(&path, text).unwrap();
+        let report = read(&path, &[]).err().expect("a report").to_string();
+        assert!(report.contains(problem), "{report}");
+    }
+}
+
 /// Only the contact whose card asks for it is of segments; the map of the deck shows it.
 #[test]
 fn mortar_contacts_take_the_law_of_segments() {

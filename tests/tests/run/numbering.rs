@@ -300,7 +300,7 @@ fn messages_name_failed_elements_and_unknown_ids_by_mesh_ids() {
     let said = run(crumple_with(&[&["run", path.to_str().unwrap()], &sets[..]].concat()))
         .with_code(2)
         .said();
-    assert!(said.contains("a history of node 20000, which no element has"), "{said}");
+    assert!(said.contains("a history names node 20000, which no element has"), "{said}");
 }
 
 #[test]

@@ -3,7 +3,8 @@
 //!
 //! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It receives
 //! every other pair that touches one of its local nodes. So it can sum the contact force on each
-//! of these nodes alone, in ascending order of the pair keys.
+//! of these nodes alone, in the same order as every other worker: of the pair keys, and of the
+//! schedule (`pairs/schedule.rs`) for changes within Gauss-Seidel sweeps.
 
 mod pair;
 mod schedule;

@@ -3,9 +3,9 @@
 //!
 //! The order is the same for any number of workers. Blocks of consecutive slave ids follow each
 //! other in the order of a hash of the block; in a block the pairs follow in ascending order of
-//! their keys. Chains of pairs that wait for each other are short in a random order: their length
-//! grows with a power of the logarithm of the number of pairs (Blelloch, Fineman & Shun 2012). In
-//! the order of the keys a chain follows the numbering of the mesh through all workers.
+//! their keys. Chains of blocks that wait for each other are short in a random order: the longest
+//! one grows like the logarithm of their number if each touches few others (Jones & Plassmann
+//! 1993). In the order of the keys a chain follows the numbering of the mesh through all workers.
 //!
 //! Two pairs without a common node are independent, so only pairs with a common node must wait for
 //! each other. A pair is in a later *phase* than the pairs of other workers that it touches and

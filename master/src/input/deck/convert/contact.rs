@@ -269,10 +269,13 @@ impl DeckConverter {
     fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
         let fs = record.real("fs");
         if fs == 2.0 && record.name().ends_with("SURFACE_TO_SURFACE") {
-            let why = "it selects fd as a table of coefficients by pressure and speed; give the \
-                       table as `friction_table` of the contact or its interface, after \
-                       `$crumple:`, and another fs";
-            self.unsupported_value(record, "fs", why);
+            let (id, place) = (record.real("fd") as i64, record.place("fd"));
+            if let Some(rows) = self.table_rows(id, place) {
+                table.put("friction_table", place, rows);
+                let to = "friction_table: coefficients by pressure and speed";
+                self.map(name, format!("fs 2, fd {id}: a table"), to.to_string());
+            }
+            put_friction_limit(record, record.real("vc"), table);
         } else if fs >= 0.0 {
             self.put_friction(record, name, Friction::from_record(record), table);
         } else if fs != -1.0 {
@@ -297,9 +300,7 @@ impl DeckConverter {
                 format!("friction {fixed}"),
             );
         }
-        if limit > 0.0 && limit.is_finite() {
-            table.put("friction_limit", record.place("vc"), limit);
-        }
+        put_friction_limit(record, limit, table);
     }
 
     /// Converts the friction of `*PART_CONTACT`. Parts with equal friction form a group, and each
@@ -459,5 +460,12 @@ fn written(place: Place) -> (u32, u32) {
     match place {
         Place::Deck { file, start, .. } => (file, start),
         _ => (0, 0),
+    }
+}
+
+/// Sets the largest shear stress of friction, if there is one [force/length^2].
+fn put_friction_limit(record: &Record, limit: f64, table: &mut Table) {
+    if limit > 0.0 && limit.is_finite() {
+        table.put("friction_limit", record.place("vc"), limit);
     }
 }

@@ -84,6 +84,6 @@ impl DeckConverter {
 }
 
 /// Returns the scale, or 1 for zero.
-fn one(scale: f64) -> f64 {
+pub(super) fn one(scale: f64) -> f64 {
     if scale == 0.0 { 1.0 } else { scale }
 }

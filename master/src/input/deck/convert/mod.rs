@@ -17,6 +17,7 @@ mod segments;
 mod sets;
 mod space;
 mod springs;
+mod tables;
 mod ties;
 pub mod tree;
 mod units;
@@ -50,6 +51,7 @@ pub struct DeckConverter {
     pub unsupported: Vec<Unsupported>,
     tree: Tree,
     curves: BTreeMap<i64, curves::DeckCurve>,
+    tables: BTreeMap<i64, tables::DeckTable>,
     boxes: HashMap<i64, [[f64; 2]; 3]>,
     axes: HashMap<i64, [[f64; 3]; 3]>,
     node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
@@ -83,6 +85,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
         unsupported: Vec::new(),
         tree: Tree::default(),
         curves: BTreeMap::new(),
+        tables: BTreeMap::new(),
         boxes: HashMap::new(),
         axes: HashMap::new(),
         node_sets: BTreeMap::new(),
@@ -105,6 +108,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.rows.number_apart(&mut b.mapping);
     b.control();
     b.curves();
+    b.tables();
     b.space();
     let mut materials = b.materials();
     let sections = b.sections();

@@ -77,6 +77,22 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .options(&["TITLE"]),
     Keyword::new(
+        "DEFINE_TABLE",
+        &[("heading:l", Count(title)), ("tbid:i! sfa:r=1 offa:r", Once), ("value:r20", Rest)],
+        "friction by pressure and speed (fs 2); a `*DEFINE_CURVE` for each value must follow",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_TABLE_2D",
+        &[
+            ("heading:l", Count(title)),
+            ("tbid:i! sfa:r=1 offa:r", Once),
+            ("value:r20 curveid:i20", Rest),
+        ],
+        "the same, with the id of the curve for each value",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
         "DEFINE_BOX",
         &[("heading:l", Count(title)), ("boxid:i! xmn:r xmx:r ymn:r ymx:r zmn:r zmx:r", Once)],
         "a box for sets and initial velocities",
