@@ -88,8 +88,8 @@ Results in $(cd "$out" && pwd):
   fields/fields.pvd open it in ParaView; or: python3 deploy/read_fields.py $out
 END
 fi
-[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input or unwritten files, 3 numerical failure," \
-    "4 a worker lost, 130 stopped)" >&2
+[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input or unwritten files," \
+    "3 numerical failure, 4 a worker lost, 130 stopped)" >&2
 if [[ -f $out/report.html ]]; then
     echo "Animation, plots and tables on one page: $(cd "$out" && pwd)/report.html"
 fi

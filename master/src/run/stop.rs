@@ -1,6 +1,6 @@
 //! Signals. Ctrl-C, TERM and USR2: the first one asks all workers to stop and to keep their state,
-//! the second ends the process at once; a supervisor passes them on (`supervise.rs`). USR1 requests a checkpoint. Launchers of MPI end the ranks
-//! at Ctrl-C and TERM, but pass on USR1 and USR2.
+//! the second ends the process at once; a supervisor passes them on (`supervise.rs`). USR1 requests
+//! a checkpoint. Launchers of MPI end the ranks at Ctrl-C and TERM, but pass on USR1 and USR2.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};

@@ -79,11 +79,8 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             if modified(&out.join("log.jsonl")).is_none_or(|written| written < began) {
                 return STOPPED; // before its first cycle it has nothing to keep
             }
-            eprintln!(
-                "error: the run was lost ({what}) while it stopped; the newest checkpoint is kept\n  \
-                 continue with: crumple run --resume {}",
-                out.display()
-            );
+            eprintln!("error: the run was lost ({what}) while it stopped");
+            show_way_on(&out);
             return WORKER_LOST;
         }
         let newest = newest_cycle(&out);
@@ -93,9 +90,7 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         if lost == retries {
             let times = if lost == 0 { "once".to_string() } else { format!("{} times", lost + 1) };
             eprintln!("error: the run was lost ({what}) {times}; no retry is left");
-            if newest.is_some() {
-                eprintln!("  continue with: crumple run --resume {}", out.display());
-            }
+            show_way_on(&out);
         } else if in_vain > 1 && !fewer {
             eprintln!(
                 "error: the run was lost again ({what}) without a new checkpoint after {cycle}"
@@ -112,6 +107,13 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         (reached, continues) = (newest, newest.is_some());
     }
     WORKER_LOST
+}
+
+/// Prints the command that continues the run from its newest checkpoint, if it has one.
+fn show_way_on(out: &Path) {
+    if newest_cycle(out).is_some() {
+        eprintln!("  continue with: crumple run --resume {}", out.display());
+    }
 }
 
 /// Returns the time and the text of the summary in a folder.
@@ -160,9 +162,9 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
     command.stdin(Stdio::null()).process_group(0).spawn()
 }
 
-/// Waits for the end of the run. Passes on requests to stop: the first as the signal `to_stop`, the
-/// second as TERM, at which launchers of MPI end their ranks, all others as KILL to the group of the
-/// process.
+/// Waits for the end of the run. Passes on requests to stop: the first as the signal `to_stop`,
+/// the second as TERM, at which launchers of MPI end their ranks, all others as KILL to the group
+/// of the process.
 fn wait(mut child: Child, stop: &StopFlag, to_stop: Signal) -> std::io::Result<ExitStatus> {
     let (mut seen, mut passed_on, mut last) = (0, 0, None::<Instant>);
     let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);

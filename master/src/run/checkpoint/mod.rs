@@ -190,7 +190,8 @@ impl Checkpoints {
         self.complained = true;
         Some(format!(
             "the checkpoint of cycle {cycle} is still being written to {}: the file system is slow \
-             or hangs. The run continues; no other checkpoint is written until this one is complete",
+             or hangs. The run continues; no other checkpoint is written until this one is \
+             complete",
             self.dir.display()
         ))
     }
