@@ -10,6 +10,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 const TUMBLE: [&str; 6] = [
     "run",
@@ -104,6 +105,29 @@ fn a_run_that_makes_no_progress_is_given_up() {
     let ended = run(supervised("false", &[])).with_code(4);
     assert!(ended.said().contains("without a new checkpoint"), "{}", ended.said());
     assert_eq!(ended.said().matches("was lost").count(), 2, "{}", ended.said());
+}
+
+/// A launcher that hangs gets USR2 at the first request to stop, TERM at the second and KILL at the
+/// third.
+#[test]
+fn a_launcher_that_does_not_stop_is_ended_by_further_signals() {
+    let folder = tempfile::tempdir().unwrap();
+    for (traps, requests) in [("trap '' USR2; trap 'exit 9' TERM", 2), ("trap '' USR2 TERM", 3)] {
+        let text =
+            format!("{traps}; touch {}/up; while :; do sleep 0.1; done", folder.path().display());
+        let launcher = script(folder.path(), &text);
+        let mut running = start(supervised(launcher.to_str().unwrap(), &[]));
+        running.wait_for("the launcher runs", |_| folder.path().join("up").exists().then_some(()));
+        for request in 1..=requests {
+            running.signal(Signal::INT);
+            // Requests within a second count as one.
+            std::thread::sleep(Duration::from_millis(1300));
+            let launchers = running.children();
+            assert_eq!(launchers.is_empty(), request == requests, "{traps}: {request}");
+        }
+        running.end().with_code(130);
+        fs::remove_file(folder.path().join("up")).unwrap();
+    }
 }
 
 /// From a single checkpoint: later runs continue from the newest checkpoint of the run's folder.
