@@ -8,12 +8,12 @@
 use std::time::Duration;
 
 /// Shortest and longest polling time.
-const SHORTEST: Duration = Duration::from_micros(8);
-const LONGEST: Duration = Duration::from_millis(1);
+const SHORTEST: Duration = Duration::from_micros(4);
+const LONGEST: Duration = Duration::from_micros(64);
 /// One of this number of waits polls for at least [`PROBE`], to notice that waits have become
 /// short.
-const PROBE_EVERY: u32 = 16;
-const PROBE: Duration = Duration::from_micros(64);
+const PROBE_EVERY: u32 = 32;
+const PROBE: Duration = Duration::from_micros(32);
 
 /// Polling time of one rank.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ mod tests {
         assert_eq!(patience.start(), SHORTEST, "the sender needs the core");
         let polls: Vec<_> = (0..PROBE_EVERY).map(|_| patience.start()).collect();
         assert_eq!(polls.iter().filter(|&&poll| poll == PROBE).count(), 1);
-        let waited = Duration::from_micros(50);
+        let waited = Duration::from_micros(20);
         patience.record_success(waited);
         assert_eq!(patience.start(), 2 * waited, "such waits end while polling");
         patience.record_success(2 * LONGEST);
