@@ -373,8 +373,7 @@ impl Worker {
         e.clock.fields += 1;
         e.halo.refresh_ghosts_for_output(comm, &mut e.nodes)?;
         let several = comm.size() > 2;
-        let write = || output::write_fields(e, index, several);
-        match disk::watched(Path::new(&e.settings.field_dir), write) {
+        match output::write_fields(e, index, several) {
             Ok(()) => post(comm, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
                 let warning = format!(

@@ -88,6 +88,21 @@ impl Timer {
         self.last = now;
     }
 
+    /// Returns the time that a checkpoint contains: wall-clock time so far by phase [s].
+    pub fn saved(&self) -> PhaseSeconds {
+        // A new field is an error here: it has to be added to a checkpoint, or to the last list.
+        let Self {
+            seconds,
+            // Since the last report, or for one cycle only.
+            cpu: _,
+            sampled: _,
+            last: _,
+            // It belongs to this process.
+            recorder: _,
+        } = self;
+        *seconds
+    }
+
     /// Records all laps from now on. All workers call this together.
     ///
     /// # Errors

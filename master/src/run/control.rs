@@ -359,16 +359,52 @@ impl<'a> Control<'a> {
 
     /// Returns the state of the master for a checkpoint.
     fn state(&self) -> MasterState {
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            history,
+            series,
+            balance,
+            penetration_warned,
+            energy_warned,
+            step_warned,
+            restarts,
+            wall_before,
+            began,
+            out,
+            // From the job.
+            model,
+            outline: _,
+            // Its rows are on disk: `lengths`.
+            of_workers: _,
+            // They belong to this process.
+            comm: _,
+            workers: _,
+            tree: _,
+            progress: _,
+            orders: _,
+            stop_ordered: _,
+            ready: _,
+            ready_since: _,
+            trace: _,
+            checkpoints: _,
+            from: _,
+            // Complete when the last worker has captured its state.
+            pieces: _,
+            // They belong to a run that ends.
+            trouble: _,
+            closings: _,
+            states: _,
+        } = self;
         MasterState {
-            course: self.history.course.clone(),
-            lengths: Tables::present(&self.out),
-            steps: self.series.steps().to_vec(),
-            accounts: self.balance.accounts(),
-            wall_s: self.wall(),
-            warned: [self.penetration_warned, self.energy_warned, self.step_warned],
-            restarts: self.restarts.clone(),
-            history_interval: self.model.settings.history_interval,
-            field_times: self.model.settings.field_times.clone(),
+            course: history.course.clone(),
+            lengths: Tables::present(out),
+            steps: series.steps().to_vec(),
+            accounts: balance.accounts(),
+            wall_s: wall_before + began.elapsed().as_secs_f64(),
+            warned: [*penetration_warned, *energy_warned, *step_warned],
+            restarts: restarts.clone(),
+            history_interval: model.settings.history_interval,
+            field_times: model.settings.field_times.clone(),
         }
     }
 
@@ -460,7 +496,8 @@ impl<'a> Control<'a> {
                 *pieces += 1;
                 if *pieces == self.workers {
                     let path = self.series.dir().to_owned();
-                    disk::watched(&path, || self.series.add(index, time, self.workers))
+                    self.series
+                        .add(index, time, self.workers)
                         .map_err(|error| RunError::Output { path, error })?;
                     tracing::info!(index, time, "fields written");
                 }
@@ -714,8 +751,8 @@ impl<'a> Control<'a> {
         };
         let path = self.out.join("summary.json");
         let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
-        let write = || vtu::write_whole(&path, |out| out.write_all(text.as_bytes()));
-        disk::watched(&path, write).map_err(|error| RunError::Output { path, error })?;
+        vtu::write_whole(&path, |out| out.write_all(text.as_bytes()))
+            .map_err(|error| RunError::Output { path, error })?;
         Ok(summary)
     }
 }

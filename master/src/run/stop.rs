@@ -84,6 +84,11 @@ impl StopFlag {
         self.stops.load(Ordering::Relaxed)
     }
 
+    /// Returns true if a checkpoint was requested since the last call of [`Self::take_request`].
+    pub fn is_requested(&self) -> bool {
+        self.checkpoint.load(Ordering::Relaxed)
+    }
+
     /// Returns true if a checkpoint was requested since the last call.
     pub fn take_request(&self) -> bool {
         self.checkpoint.swap(false, Ordering::Relaxed)
