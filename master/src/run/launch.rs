@@ -34,6 +34,11 @@ pub fn run(args: &RunArgs) -> u8 {
     if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
         return supervise::run(args, retries);
     }
+    #[cfg(feature = "mpi")]
+    if launched_by_mpi() {
+        // SAFETY: this is the only thread; the next line starts the second.
+        unsafe { crumple_proto::transport::mpi::Mpi::configure() };
+    }
     let stop = StopFlag::listen(Manner::AtOnce);
     if launched_by_mpi() { run_under_mpi(args, &stop) } else { run_threads(args, &stop) }
 }
