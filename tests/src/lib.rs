@@ -16,6 +16,11 @@ use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+/// Returns the number in an environment variable, or a default.
+pub fn variable(name: &str, default: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
 /// Returns the path of a folder of `cases/`.
 pub fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(name)

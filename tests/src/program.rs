@@ -2,6 +2,7 @@
 //! that it leaves.
 
 use crate::tools::{self, Missing};
+use crate::variable;
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde_json::Value;
 use std::ffi::OsStr;
@@ -15,10 +16,8 @@ use tempfile::TempDir;
 
 /// Longest duration of a run: several times that of the slowest test on two busy cores. The
 /// variable `CRUMPLE_TEST_LIMIT` sets another number of seconds, for machines with other work.
-static LIMIT: LazyLock<Duration> = LazyLock::new(|| {
-    let seconds = std::env::var("CRUMPLE_TEST_LIMIT").ok().and_then(|text| text.parse().ok());
-    Duration::from_secs(seconds.unwrap_or(240))
-});
+static LIMIT: LazyLock<Duration> =
+    LazyLock::new(|| Duration::from_secs(variable("CRUMPLE_TEST_LIMIT", 240)));
 /// Interval between two polls of a process.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
