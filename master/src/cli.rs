@@ -78,6 +78,11 @@ pub enum Command {
         /// Folder of results of a run with fields.
         dir: PathBuf,
     },
+    /// Write the fields of a run as an EXODUS II file, for ParaView and other post-processors.
+    ExportExodus {
+        /// Folder of results of a run with fields.
+        dir: PathBuf,
+    },
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
     /// Report what a run did not need, part by part, and the settings that leave it out.

@@ -229,6 +229,12 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, stop: &Stop
                 eprintln!("error: {why}");
                 return Report::EXIT_CODE;
             }
+            if model.job.output.exodus
+                && let Err(why) = crate::results::exodus::export(&out)
+            {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
+            }
             match summary.status {
                 Status::Completed => COMPLETED,
                 Status::Stopped => STOPPED,

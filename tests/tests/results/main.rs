@@ -1,6 +1,7 @@
 //! Results of a run, read back by other readers; the report, the trace and studies.
 
 mod d3plot;
+mod exodus;
 mod histories;
 mod paraview;
 mod report;

@@ -1,14 +1,12 @@
 //! `crumple export-vtkhdf`: exports the fields of a run as one temporal VTKHDF file, with the
 //! cargo feature `vtkhdf`.
 //!
-//! The export uses the field files after the run: `snapshot.rs` joins the workers' pieces of a
-//! step, `file.rs` appends steps to the file. Format: VTK File Formats, VTKHDF, version 2.0,
-//! unstructured grids with `Steps`.
+//! The export uses the field files after the run: `master/src/results/snapshot.rs` joins the
+//! workers' pieces of a step, `file.rs` appends steps to the file. Format: VTK File Formats,
+//! VTKHDF, version 2.0, unstructured grids with `Steps`.
 
 #[cfg(feature = "vtkhdf")]
 mod file;
-#[cfg(feature = "vtkhdf")]
-mod snapshot;
 
 #[cfg(feature = "vtkhdf")]
 use crumple_proto::disk::watched;
@@ -58,7 +56,7 @@ pub fn export(dir: &Path) -> Result<String, String> {
     let create = || file::Writer::create(&unfinished);
     let mut file = watched(&unfinished, create).map_err(failed)?;
     for step in &steps {
-        let snapshot = snapshot::Snapshot::read(step)?;
+        let snapshot = crate::results::snapshot::Snapshot::read(step)?;
         watched(&unfinished, || file.append(snapshot)).map_err(failed)?;
     }
     watched(&unfinished, || file.finish()).map_err(failed)?;
