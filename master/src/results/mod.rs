@@ -6,6 +6,7 @@ pub mod fields;
 pub mod histories;
 pub mod history;
 pub mod report;
+pub mod steering;
 pub mod summary;
 pub mod trace;
 pub mod vtkhdf;

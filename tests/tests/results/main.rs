@@ -2,6 +2,7 @@
 
 mod d3plot;
 mod histories;
+mod logs;
 mod paraview;
 mod report;
 mod study;
