@@ -5,8 +5,9 @@
 //! themselves on the cycle before which all of them execute an order. Workers answer a `Recut`
 //! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
 //! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
-//! on disk. An order of a user is answered by `Steered`. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
-//! follows. At the end each worker sends `Closing` with the states of its nodes.
+//! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
+//! follows. An order of a user is answered by `Steered`. At the end each worker sends `Closing`
+//! with the states of its nodes.
 //!
 //! A run that continues from a checkpoint begins with `Resume` instead of `Start`. A worker answers
 //! with `Ready`, or with `Trouble` if it cannot read its files. The first boxes come from requests
@@ -110,8 +111,8 @@ pub enum Action {
     /// An order of the user, or the end of the run by [`Steer::Stop`]. It takes effect when the
     /// next outer step begins.
     Steer(Steer),
-    /// As [`Steer::Stop`], but the run has failed: the checkpoint is that of the copy in memory, if there is
-    /// one.
+    /// As [`Steer::Stop`], but the run has failed: the checkpoint is that of the copy in memory, if
+    /// there is one.
     Fail,
 }
 

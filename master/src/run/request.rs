@@ -48,7 +48,7 @@ pub enum Answer {
     },
     /// Progress, several times a second.
     Progress(Progress),
-    /// What the run prints: redecompositions, warnings, checkpoints, orders.
+    /// Message that the run prints: redecompositions, warnings, checkpoints, orders.
     Event {
         /// Text.
         text: String,
@@ -71,7 +71,7 @@ pub struct Done {
     pub cycle: u64,
     /// Simulated time [time].
     pub time: f64,
-    /// What else there is to say.
+    /// Further information, such as the folder of a checkpoint.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
 }

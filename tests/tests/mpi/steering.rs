@@ -38,7 +38,7 @@ fn steering(summary: &Value) -> Vec<(u64, String)> {
 }
 
 /// The cycle of a paused run stands still. A checkpoint is written, once for the same cycle. Then
-/// the run goes on with the bits of one that nobody attached to.
+/// the run goes on with the bits of one without clients.
 #[test]
 fn a_paused_run_waits_and_goes_on_with_the_same_bits() {
     let whole = undisturbed().digest();

@@ -24,6 +24,7 @@ impl Worker {
             if !self.paused || self.stopped {
                 return Ok(());
             }
+            self.finish_writing(comm)?; // no later cycle announces the files of a checkpoint
             self.take_order(comm)?;
             self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);
             self.engine.timer.restart(); // the wait belongs to no phase

@@ -163,8 +163,8 @@ impl Checkpoints {
     }
 
     /// Returns true if a checkpoint should be ordered now: the interval is over and the run is not
-    /// `paused`, or one is `asked` for. It is then counted as ordered. While another is being written, the request
-    /// waits.
+    /// `paused`, or one is `asked` for. It is then counted as ordered. While another is being
+    /// written, the request waits.
     pub fn take_due(&mut self, asked: bool, paused: bool) -> bool {
         let over = !paused && self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
         let idle = self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none();

@@ -69,7 +69,7 @@ impl Steering {
         }
     }
 
-    /// Tells clients that the run has ended.
+    /// Informs clients that the run has ended.
     pub(super) fn end(&mut self, code: u8, reason: &str) {
         self.publish(|| Answer::Ended { code, reason: reason.into() });
         self.waiting.clear(); // their clients learn it too

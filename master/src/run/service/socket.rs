@@ -52,7 +52,7 @@ impl Socket {
 
 impl Drop for Socket {
     fn drop(&mut self) {
-        // A socket that stays is harmless: nobody answers, and the next run removes it.
+        // A socket that stays is harmless: no process answers, and the next run removes it.
         self.files.iter().for_each(|path| drop(remove(path)));
     }
 }
@@ -60,7 +60,7 @@ impl Drop for Socket {
 /// Connects to the run in the folder `out`.
 ///
 /// # Errors
-/// Nobody answers.
+/// No process answers.
 pub fn connect(out: &Path) -> io::Result<UnixStream> {
     let path = fs::canonicalize(out)?.join(NAME);
     UnixStream::connect(fs::read_link(&path).unwrap_or(path))
