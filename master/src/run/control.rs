@@ -303,7 +303,7 @@ impl<'a> Control<'a> {
         while self.closings.iter().any(Option::is_none) {
             let heard = self.listen()?;
             self.serve_clients();
-            let is_paused = self.steering.paused().is_some();
+            let is_paused = self.steering.is_paused();
             if stop.is_raised() && !self.stop_ordered {
                 self.stop();
             } else if !self.stop_ordered && self.order_checkpoint_if_due(stop.take_request()) {

@@ -25,8 +25,8 @@ pub(super) struct Steering {
     done: Vec<Steered>,
     /// Orders that have taken effect after the state which the workers are copying.
     deferred: Vec<(u64, Steered)>,
-    /// Cycle of the pause in which the workers wait.
-    paused: Option<u64>,
+    /// Cycle and time of the pause in which the workers wait.
+    paused: Option<(u64, f64)>,
     shown: Instant,
     desk: Option<Desk>,
 }
@@ -46,9 +46,9 @@ impl Steering {
         }
     }
 
-    /// Returns the cycle of the pause in which the workers wait.
-    pub(super) fn paused(&self) -> Option<u64> {
-        self.paused
+    /// Returns true if the workers wait in a pause.
+    pub(super) fn is_paused(&self) -> bool {
+        self.paused.is_some()
     }
 
     /// Returns the orders that have taken effect, for a checkpoint: a run that continues from there
@@ -157,7 +157,9 @@ impl Control<'_> {
     /// paused needs no second checkpoint of the same state.
     pub(super) fn order_checkpoint_if_due(&mut self, asked: bool) -> bool {
         let paused = self.steering.paused;
-        if let Some((cycle, time)) = self.checkpoints.newest.filter(|n| Some(n.0) == paused) {
+        if let Some((cycle, time)) =
+            self.checkpoints.newest.filter(|n| Some(n.0) == paused.map(|p| p.0))
+        {
             self.steering.asks_checkpoint = false;
             let order = Steer::Checkpoint.to_string();
             let note = "the checkpoint of this cycle is complete".to_string();
@@ -216,7 +218,7 @@ impl Control<'_> {
         let Steered { steer, cycle, time, .. } = at;
         tracing::info!(number, order = %steer, cycle, time, "order has taken effect");
         match steer {
-            Steer::Pause => self.steering.paused = Some(cycle),
+            Steer::Pause => self.steering.paused = Some((cycle, time)),
             Steer::Continue => self.steering.paused = None,
             Steer::Checkpoint => {}
             // A planned one, too: no order follows it.
@@ -287,6 +289,8 @@ impl Control<'_> {
         // JSON has no other numbers.
         let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
         let last = self.latest();
+        // Reports come every ten cycles.
+        let (cycle, time) = self.steering.paused.unwrap_or((last.cycle, last.time));
         let row = self.history.course.last.clone().unwrap_or_default();
         let e = row.sum.energies;
         let worker = |r: &StepReport| Worker {
@@ -298,9 +302,8 @@ impl Control<'_> {
             pairs: r.pairs,
         };
         Progress {
-            // Reports come every ten cycles.
-            cycle: self.steering.paused.unwrap_or(last.cycle),
-            time: last.time,
+            cycle,
+            time,
             dt: finite(last.dt),
             wall_s: self.wall(),
             energy: Energy {
