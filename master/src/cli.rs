@@ -1,5 +1,6 @@
 //! Command line: commands and options.
 
+use crate::run::log::directives;
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
@@ -31,6 +32,12 @@ pub enum Command {
     /// Workers are threads of this process. Under mpirun, rank 0 is the master and all other ranks
     /// are workers.
     Run(RunArgs),
+    /// Watch a run in progress, or give it an order.
+    ///
+    /// Without an option, prints the state of the run and then its progress, redecompositions,
+    /// warnings and orders until it ends; the exit code is then that of the run. An order takes
+    /// effect in a cycle on which all workers agree; the command waits for it and prints the cycle.
+    Attach(AttachArgs),
     /// Check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
     Check(CheckArgs),
     /// Run the catalogue of verification cases against exact, published and computed references.
@@ -167,12 +174,61 @@ pub struct RunArgs {
     /// Print only errors.
     #[arg(long)]
     pub quiet: bool,
+    /// Repeat the orders of this file in their cycles: a summary.json of a run that was steered by
+    /// `crumple attach`, or a list of orders. With the job of that run, the results have the same
+    /// bits.
+    #[arg(long, value_name = "FILE")]
+    pub steering: Option<PathBuf>,
     /// Write a time line of all workers, by phase, for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// Write spans and events of each rank to logs/rank_0000.log (the master), logs/rank_0001.log
+    /// and so on. LEVEL is error, warn, info, debug (orders and renewals) or trace (phases of each
+    /// step), or a list as in RUST_LOG, such as info,crumple_worker=debug [default: RUST_LOG; none
+    /// without it].
+    #[arg(long, value_name = "LEVEL", value_parser = directives)]
+    pub log: Option<String>,
     /// Do not make report.html at the end.
     #[arg(long)]
     pub no_report: bool,
+}
+
+/// `crumple attach`.
+#[derive(Args, Clone, Debug)]
+pub struct AttachArgs {
+    /// Folder of results of the run.
+    pub dir: PathBuf,
+    /// The order.
+    #[command(flatten)]
+    pub order: Order,
+    /// Print the answers of the run as they are, one line of JSON each.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Order of `crumple attach`.
+#[derive(Args, Clone, Debug, Default)]
+#[group(multiple = false)]
+pub struct Order {
+    /// Print the state of the run and of its workers.
+    #[arg(long)]
+    pub status: bool,
+    /// Write a checkpoint. The run continues.
+    #[arg(long)]
+    pub checkpoint: bool,
+    /// Hold the run between two cycles.
+    #[arg(long)]
+    pub pause: bool,
+    /// Go on with a run that is paused.
+    #[arg(long = "continue")]
+    pub go_on: bool,
+    /// Stop the run with complete output and a checkpoint, as SIGTERM does.
+    #[arg(long)]
+    pub stop: bool,
+    /// Change a setting of the run: end_time, output.field_interval, output.history_interval,
+    /// parallel.imbalance or parallel.low_every_at_least. May be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 /// `crumple schema`.
@@ -307,6 +363,12 @@ impl RunArgs {
         }
         if let Some(trace) = &self.trace {
             words.extend(["--trace".to_string(), trace.to_string_lossy().into_owned()]);
+        }
+        if let Some(plan) = &self.steering {
+            words.extend(["--steering".to_string(), plan.to_string_lossy().into_owned()]);
+        }
+        if let Some(level) = &self.log {
+            words.extend(["--log".to_string(), level.clone()]);
         }
         let flags = [("--quiet", self.quiet), ("--no-report", self.no_report)];
         words.extend(flags.iter().filter(|f| f.1).map(|f| f.0.to_string()));

@@ -1,6 +1,7 @@
 //! Harness of the tests across crates: engines side by side without a master, step by step; the
 //! binary with a deadline.
 
+pub mod client;
 pub mod imports;
 pub mod manual;
 pub mod program;

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
         Command::Check(args) => crumple::analysis::check::run(&args),
+        Command::Attach(args) => crumple::run::attach::run(&args),
         Command::Run(args) => crumple::run::launch::run(&args),
         Command::Verify(args) => crumple_verification::run(&args),
         Command::Advise { dir } => crumple::analysis::advise::run(&dir),

@@ -153,7 +153,7 @@ impl Reader<'_> {
                 if block.kind.shape == Shape::Beam2 {
                     let third = NodeId(free);
                     free += 1;
-                    let x = beside([x[corners[0]], x[corners[1]]]);
+                    let x = off_axis([x[corners[0]], x[corners[1]]]);
                     mesh.nodes.push(MeshNode { id: third, x });
                     of.push(third);
                 }
@@ -349,7 +349,7 @@ impl Reader<'_> {
 }
 
 /// Returns a point off the line between the ends of a beam, see [`read`].
-fn beside([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
+fn off_axis([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
     let along: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
     let length = along.iter().map(|l| l * l).sum::<f64>().sqrt();
     let axis = if along[2].abs() > 0.866 * length { 0 } else { 2 };

@@ -8,6 +8,7 @@ pub mod histories;
 pub mod history;
 pub mod report;
 pub mod snapshot;
+pub mod steering;
 pub mod summary;
 pub mod trace;
 pub mod vtkhdf;

@@ -305,6 +305,11 @@ impl Balance {
         (urgency >= URGENT).then(|| Due::High { why: why() })
     }
 
+    /// Changes the limits of low redecompositions.
+    pub fn set_limits(&mut self, imbalance: f64, low_every_at_least: u64) {
+        (self.limits.imbalance, self.limits.low_every_at_least) = (imbalance, low_every_at_least);
+    }
+
     /// Records an order that was sent. A low redecomposition begins a new window.
     pub fn ordered(&mut self, number: u64, due: &Due) {
         self.orders_due = number;

@@ -4,7 +4,8 @@
 use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::checkpoint::find::{newest_cycle, run_folder};
-use crate::run::stop::{Manner, StopFlag};
+use crate::run::service::Service;
+use crate::run::service::signals::{Manner, StopFlag};
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, WORKER_LOST};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -36,7 +37,8 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             }
         },
     };
-    let stop = StopFlag::listen(Manner::Patient);
+    let service = Service::start(Manner::Patient);
+    let stop = service.stop();
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut workers = args.options.workers.unwrap_or_else(cores);
     let mut reached = if args.resume.is_some() { newest_cycle(&out) } else { None };
@@ -53,7 +55,7 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
         let log = out.join("log.jsonl");
         let has_begun = || modified(&log).is_some_and(|written| written >= began);
-        let ended = child.and_then(|child| wait(child, &stop, to_stop, has_begun));
+        let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun));
         let status = match ended {
             Ok(status) => status,
             Err(error) => {

@@ -268,7 +268,7 @@ fn assert_clean(folder: &Path, record: &mut Record) {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let incomplete = name.starts_with("cycle_") && !path.join("MANIFEST").exists();
         let temporary = [".tmp", ".partial"].iter().any(|end| name.ends_with(end));
-        if temporary || name == "run.lock" || incomplete {
+        if temporary || name == "run.lock" || name == "run.sock" || incomplete {
             record.temporary += 1;
             panic!("{} is left", path.display());
         }

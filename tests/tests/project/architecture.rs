@@ -148,9 +148,9 @@ const RULES: &[Rule] = &[
     },
     Rule {
         of: &[""],
-        but: &["master/src/run/stop.rs"],
+        but: &["master/src/run/service/"],
         not: &["tokio"],
-        row: "| all but `master/src/run/stop.rs` | tokio |",
+        row: "| all but `master/src/run/service/` | tokio |",
         ..RULE
     },
     Rule {

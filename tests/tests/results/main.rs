@@ -3,6 +3,7 @@
 mod d3plot;
 mod exodus;
 mod histories;
+mod logs;
 mod paraview;
 mod report;
 mod study;
