@@ -1,8 +1,9 @@
 //! Command line: commands and options.
 
-use crate::run::log::directives;
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use tracing::level_filters::LevelFilter;
+use tracing_subscriber::EnvFilter;
 
 /// Parallel explicit finite element solver for crash and impact.
 #[derive(Debug, Parser)]
@@ -395,6 +396,24 @@ fn name_of(job: &Path) -> PathBuf {
         false => job.file_stem(),
     };
     PathBuf::from(name.unwrap_or("job".as_ref()))
+}
+
+/// Checks the directives of `--log`: a level, or targets with levels as in `RUST_LOG`.
+///
+/// # Errors
+/// A directive is wrong; the message names the levels.
+fn directives(text: &str) -> Result<String, String> {
+    let hint = "give off, error, warn, info, debug or trace, or targets with levels, such as \
+                info,crumple_worker=debug";
+    // `EnvFilter` takes an unknown level for the name of a target.
+    let known = text.split(',').all(|directive| {
+        directive.contains(['=', '[', ':', '_']) || directive.parse::<LevelFilter>().is_ok()
+    });
+    match EnvFilter::try_new(text) {
+        Ok(_) if known && !text.is_empty() => Ok(text.into()),
+        Ok(_) => Err(hint.into()),
+        Err(error) => Err(format!("{error}; {hint}")),
+    }
 }
 
 fn workers(text: &str) -> Result<usize, String> {

@@ -20,24 +20,6 @@ const DIR: &str = "logs";
 /// Variable with the directives, used without `--log`.
 const VARIABLE: &str = "RUST_LOG";
 
-/// Checks the directives of `--log`: a level, or targets with levels as in `RUST_LOG`.
-///
-/// # Errors
-/// A directive is wrong; the message names the levels.
-pub fn directives(text: &str) -> Result<String, String> {
-    let hint = "give off, error, warn, info, debug or trace, or targets with levels, such as \
-                info,crumple_worker=debug";
-    // `EnvFilter` takes an unknown level for the name of a target.
-    let known = text.split(',').all(|directive| {
-        directive.contains(['=', '[', ':', '_']) || directive.parse::<LevelFilter>().is_ok()
-    });
-    match EnvFilter::try_new(text) {
-        Ok(_) if known && !text.is_empty() => Ok(text.into()),
-        Ok(_) => Err(hint.into()),
-        Err(error) => Err(format!("{error}; {hint}")),
-    }
-}
-
 /// The logs of a run.
 #[derive(Clone)]
 pub struct Logs {
