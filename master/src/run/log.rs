@@ -160,21 +160,3 @@ impl Write for Lazy {
         self.file.as_mut().map_or(Ok(()), File::flush)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn levels_and_targets_are_accepted_and_misspelt_ones_are_not() {
-        for good in
-            ["off", "error", "trace", "DEBUG", "info,crumple_worker=debug", "warn,[run]=info"]
-        {
-            assert_eq!(directives(good), Ok(good.into()));
-        }
-        for bad in ["", "debgu", "info,tracee", "crumple_worker=loud"] {
-            let why = directives(bad).unwrap_err();
-            assert!(why.contains("trace"), "{bad}: {why}");
-        }
-    }
-}

@@ -220,7 +220,10 @@ impl Checkpoints {
     /// Adds the files of a worker. After the last worker, [`Self::poll`] makes the checkpoint
     /// complete.
     pub fn add_saved(&mut self, saved: Saved) {
-        if let Some((captured, state)) = self.copies.take(saved.cycle) {
+        // A run that is paused may copy its state and then write a checkpoint in the same cycle.
+        if !self.pending.contains_key(&saved.cycle)
+            && let Some((captured, state)) = self.copies.take(saved.cycle)
+        {
             let copied = Pending { captured, copies: self.workers, ..Pending::default() };
             self.pending.insert(saved.cycle, Pending { master: Some(state), ..copied });
         }
