@@ -81,7 +81,7 @@ impl Steering {
 impl Control<'_> {
     /// Takes the requests that have arrived, and sends progress to clients.
     pub(super) fn serve_clients(&mut self) {
-        while let Some(call) = self.steering.desk.as_mut().and_then(Desk::next) {
+        while let Some(call) = self.steering.desk.as_mut().and_then(Desk::next_call) {
             let (request, reply) = call.split();
             self.take_request(request, reply);
         }
