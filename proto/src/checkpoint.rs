@@ -23,6 +23,9 @@ const LEVEL: i32 = 1;
 /// Name of the file with the state that all workers have in common.
 pub const COMMON: &str = "common.bin";
 
+/// Mark in the name of a folder in which a checkpoint is being written.
+pub const PARTIAL: &str = ".part";
+
 /// Returns the name of the file of a worker.
 pub fn piece_name(worker: usize) -> String {
     format!("piece_{worker:05}.bin")
@@ -59,6 +62,8 @@ pub struct Captured {
 pub struct Saved {
     /// Cycles completed at the checkpoint.
     pub cycle: u64,
+    /// Number of earlier captures in the same cycle.
+    pub repeat: u64,
     /// The files, or the reason why they could not be written.
     pub files: Result<Vec<FileRecord>, String>,
     /// Time of the copy, during which the worker did not advance [s].
@@ -70,6 +75,13 @@ pub struct Saved {
 /// Returns the name of the folder of a checkpoint in the folder of all checkpoints of a run.
 pub fn folder_name(cycle: u64) -> String {
     format!("cycle_{cycle:010}")
+}
+
+/// Returns the name of the folder in which a checkpoint is written. When it is complete, it gets
+/// the name of [`folder_name`]. `repeat` is the number of earlier captures in the same cycle: a run
+/// that is paused or stopped may have several, and none writes into the files of another.
+pub fn partial_name(cycle: u64, repeat: u64) -> String {
+    format!("{}{PARTIAL}{repeat}", folder_name(cycle))
 }
 
 /// Returns the bytes of a file with these words.
@@ -164,7 +176,7 @@ pub fn write(
 pub fn read(folder: &Path, record: &FileRecord) -> Result<Vec<u64>, String> {
     let path = folder.join(&record.name);
     let named = |why: String| format!("{}: {why}", path.display());
-    decode(&checked(&path, record)?).map_err(named)
+    decode(&checked(folder, record)?).map_err(named)
 }
 
 /// Checks size and sum of a file of the folder.
@@ -172,16 +184,28 @@ pub fn read(folder: &Path, record: &FileRecord) -> Result<Vec<u64>, String> {
 /// # Errors
 /// As [`read`].
 pub fn verify(folder: &Path, record: &FileRecord) -> Result<(), String> {
-    checked(&folder.join(&record.name), record).map(|_| ())
+    checked(folder, record).map(|_| ())
 }
 
-fn checked(path: &Path, record: &FileRecord) -> Result<Vec<u8>, String> {
+/// Checks the size of a file of the folder.
+///
+/// # Errors
+/// It does not exist or has another size; the message names it.
+pub fn verify_size(folder: &Path, record: &FileRecord) -> Result<(), String> {
+    let path = folder.join(&record.name);
     let named = |why: String| format!("{}: {why}", path.display());
-    let size = std::fs::metadata(path).map_err(|e| named(e.to_string()))?.len();
-    if size != record.bytes {
-        return Err(named(format!("it has {size} bytes instead of {}", record.bytes)));
+    let size = std::fs::metadata(&path).map_err(|e| named(e.to_string()))?.len();
+    if size == record.bytes {
+        return Ok(());
     }
-    let bytes = std::fs::read(path).map_err(|e| named(e.to_string()))?;
+    Err(named(format!("it has {size} bytes instead of {}", record.bytes)))
+}
+
+fn checked(folder: &Path, record: &FileRecord) -> Result<Vec<u8>, String> {
+    verify_size(folder, record)?;
+    let path = folder.join(&record.name);
+    let named = |why: String| format!("{}: {why}", path.display());
+    let bytes = std::fs::read(&path).map_err(|e| named(e.to_string()))?;
     if blake3::hash(&bytes).to_hex().as_str() != record.blake3 {
         return Err(named("its content has changed: the blake3 sum differs".into()));
     }

@@ -68,13 +68,24 @@ impl WatchedFile {
     }
 }
 
-impl Write for WatchedFile {
+/// Several threads may write to the same file.
+impl Write for &WatchedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        watched(&self.path, || self.file.write(bytes))
+        watched(&self.path, || (&self.file).write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        watched(&self.path, || self.file.flush())
+        watched(&self.path, || (&self.file).flush())
+    }
+}
+
+impl Write for WatchedFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        (&*self).write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        (&*self).flush()
     }
 }
 

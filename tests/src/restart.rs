@@ -5,7 +5,7 @@ use crumple::results::histories::NAMES;
 use crumple::results::summary::state_digest;
 use crumple::run::decompose::{Centres, bisect};
 use crumple_proto::boxes::CutTree;
-use crumple_proto::checkpoint::{FileRecord, folder_name};
+use crumple_proto::checkpoint::{FileRecord, partial_name};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Compression;
 use crumple_proto::partition::NodeRecord;
@@ -51,6 +51,7 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
             copied: engine.copy_state(comm).unwrap(),
             dir: dir.path().to_owned(),
             cycle: plan.at,
+            repeat: 0,
             worker: comm.rank() - 1,
             compression: Compression::Zstd,
             copy: Duration::ZERO,
@@ -60,7 +61,7 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
     });
     let common = files[0][1].clone();
     let pieces: Vec<FileRecord> = files.into_iter().map(|f| f[0].clone()).collect();
-    let folder = dir.path().join(folder_name(plan.at));
+    let folder = dir.path().join(partial_name(plan.at, 0));
     let nodes = side_by_side(plan.workers[1], |comm| {
         let place = (comm.rank() - 1, comm.size() - 1);
         let mut engine = restored(comm, model, &second, (&folder, &common, &pieces), place);

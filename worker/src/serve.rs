@@ -61,6 +61,8 @@ pub struct Worker {
     /// Orders of the user, with their numbers, until an outer step begins.
     steering: VecDeque<(u64, Steer)>,
     paused: bool,
+    /// Cycle of the last capture, and number of captures in it.
+    captures: (u64, u64),
     /// The last copy, if it is newer than the last checkpoint; all workers have it of one cycle.
     kept: Option<Task>,
     /// True if the run has failed.
@@ -213,6 +215,7 @@ impl Worker {
             copy_due: false,
             steering: VecDeque::new(),
             paused: false,
+            captures: (0, 0),
             kept: None,
             failed: false,
             writer: Writer::default(),
@@ -300,6 +303,8 @@ impl Worker {
         let cycle = self.engine.clock.cycle;
         let _span = tracing::debug_span!("checkpoint", cycle, writes).entered();
         let began = Instant::now();
+        let earlier = if self.captures.0 == cycle { self.captures.1 } else { 0 };
+        self.captures = (cycle, earlier + 1);
         self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
         // A new field is an error here: state has to be added, all else to the last lists.
@@ -321,6 +326,7 @@ impl Worker {
             copy_due: _,
             steering: _,
             paused: _,
+            captures: _,
             kept: _,
             failed: _,
             writer: _,
@@ -340,17 +346,18 @@ impl Worker {
             copied,
             dir: settings.checkpoint.dir.clone().into(),
             cycle: clock.cycle,
+            repeat: earlier,
             worker: comm.rank() - 1,
             compression: settings.checkpoint.compression,
             copy: began.elapsed(),
             progress: Arc::default(),
         };
         if writes {
-            post(comm, 0, Tag::Report, &ToMaster::Captured(captured))?;
+            post(comm, 0, Tag::Report, &ToMaster::Captured(captured, earlier))?;
             self.write(comm, task)?;
         } else {
             let seconds = task.copy.as_secs_f64();
-            post(comm, 0, Tag::Report, &ToMaster::Copied(captured, seconds))?;
+            post(comm, 0, Tag::Report, &ToMaster::Copied(captured, earlier, seconds))?;
             self.kept = Some(task);
         }
         self.engine.timer.lap(Phase::Output);

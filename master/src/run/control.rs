@@ -12,7 +12,7 @@ use crate::results::summary::{Outline, Restart, Summary};
 use crate::results::trace::Trace;
 use crate::results::workers;
 use crate::run::balance::{Balance, Limits};
-use crate::run::checkpoint::find::{Resumption, tidy};
+use crate::run::checkpoint::find::{Resumption, publish, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
 use crate::run::progress::{Progress, RunState};
@@ -184,7 +184,7 @@ impl<'a> Control<'a> {
         model: &'a mut Model,
         comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
-        Origin { stamp, from }: Origin,
+        Origin { stamp, mut from }: Origin,
         (quiet, desk): (bool, Option<Desk>),
     ) -> Result<Self, RunError> {
         let workers = comm.size() - 1;
@@ -201,8 +201,9 @@ impl<'a> Control<'a> {
         checkpoints.set_stamp(stamp);
         let mut series = Series::new(&fields);
         let known = from.as_ref().map(|(from, _)| from.master.clone());
-        match &from {
+        match &mut from {
             Some((from, _)) => {
+                from.folder = publish(&from.folder).map_err(RunError::Unusable)?;
                 tidy(checkpoints.dir(), Some(&from.folder));
                 checkpoints.newest =
                     Some((from.manifest.captured.cycle, from.manifest.captured.time));
@@ -478,21 +479,21 @@ impl<'a> Control<'a> {
                 tracing::warn!(worker, warning);
                 self.announce(&format!("warning: worker {worker}: {warning}"));
             }
-            ToMaster::Captured(captured) => {
-                if self.checkpoints.add_captured(captured) {
+            ToMaster::Captured(captured, repeat) => {
+                if self.checkpoints.add_captured(captured, repeat) {
                     let cycle = captured.cycle;
                     let _span = tracing::debug_span!("checkpoint", cycle).entered();
                     self.finish_reports()?;
                     let state = self.state();
-                    self.checkpoints.add_master(captured.cycle, state);
+                    self.checkpoints.add_master([cycle, repeat], state);
                     self.take_deferred();
                 }
             }
-            ToMaster::Copied(captured, seconds) => {
+            ToMaster::Copied(captured, repeat, seconds) => {
                 if self.checkpoints.copies.add(seconds) {
                     self.finish_reports()?;
                     let state = self.state();
-                    self.checkpoints.copies.set(captured, state);
+                    self.checkpoints.copies.set(captured, repeat, state);
                     self.take_deferred();
                 }
             }

@@ -49,12 +49,13 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         let from = args.resume.as_ref().filter(|_| lost == 0).unwrap_or(&out);
         let folder = if continues { from } else { &out };
         let before = summary_of(&out).map(|(written, _)| written);
-        let began = SystemTime::now();
+        // Times of the file system alone: its clock may differ from that of this machine.
+        let log = out.join("log.jsonl");
+        let logged = modified(&log);
+        let has_begun = || modified(&log) != logged;
         let child = start(args, folder, continues, workers);
         // Launchers of MPI end their ranks at TERM, but pass on USR2.
         let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
-        let log = out.join("log.jsonl");
-        let has_begun = || modified(&log).is_some_and(|written| written >= began);
         let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun));
         let status = match ended {
             Ok(status) => status,

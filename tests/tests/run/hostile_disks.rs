@@ -7,6 +7,7 @@ use crumple_proto::job::Compression;
 use crumple_tests::program::{Ended, Running, crumple_with, run, start};
 use crumple_tests::restart::{checkpoints, copy_folder};
 use crumple_tests::tools::{fifo, tmpfs};
+use rustix::process::Signal;
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
@@ -87,16 +88,23 @@ fn a_disk_that_becomes_read_only_keeps_the_checkpoint_before() {
 /// The next checkpoint makes the folder again.
 #[test]
 fn a_folder_that_is_removed_during_the_run_is_made_again() {
-    let (_, digest) = whole();
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let mut running = start(with(&out, &[]));
+    let mut running = start(crumple_with(&[
+        "run",
+        "cases/tumble",
+        "--no-report",
+        "--workers=2",
+        "--set=time.max_cycles=4000",
+        "--set=checkpoint.at=[0.2]",
+    ]));
+    let out = running.out();
     running.wait_for("the first checkpoint is there", |_| {
         (checkpoints(&out).len() == 1).then_some(())
     });
     fs::remove_dir_all(out.join("checkpoints")).unwrap();
-    running.end().with_code(0);
-    assert_eq!(checkpoints(&out).len(), 1, "the second one");
+    running.signal(Signal::USR1);
+    let ended = running.end().with_code(0);
+    assert_eq!(checkpoints(&out).len(), 1, "{}", ended.said());
+    let digest = ended.digest();
     resume(&out).with_code(0);
     assert_eq!(digest_of(&out), digest);
 }
@@ -114,7 +122,7 @@ fn a_file_system_that_hangs_costs_the_checkpoint_only() {
         running.wait_for("the first checkpoint is there", |_| {
             (checkpoints(&out).len() == 1).then_some(())
         });
-        let second = out.join("checkpoints").join(&second);
+        let second = out.join("checkpoints").join(format!("{second}.part0"));
         fs::create_dir_all(&second).unwrap();
         let Some(()) = fifo(&second.join(name)) else { return };
         let ended = running.end().with_code(0);

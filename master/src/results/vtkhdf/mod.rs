@@ -17,16 +17,7 @@ pub const NAME: &str = "fields.vtkhdf";
 
 /// Exports the run in `dir`, prints the file written, and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
-    match export(dir) {
-        Ok(said) => {
-            crate::stdout::write(format_args!("{said}\n"));
-            0
-        }
-        Err(why) => {
-            eprintln!("error: {why}");
-            crate::input::job::Report::EXIT_CODE
-        }
-    }
+    crate::stdout::ended(export(dir))
 }
 
 /// Writes the fields of the run in `dir` as one file. Returns a message about the file.

@@ -1,8 +1,8 @@
 //! Finds the newest checkpoint that is whole, and removes what a dead run has left.
 
 use super::MasterState;
-use super::manifest::{MANIFEST, Manifest};
-use crumple_proto::checkpoint::{read, verify};
+use super::manifest::{MANIFEST, Manifest, sync};
+use crumple_proto::checkpoint::{PARTIAL, read, verify};
 use crumple_proto::message::Changes;
 use crumple_proto::wire;
 use crumple_worker::checkpoint::verify_piece;
@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 
 /// Name of the folder of all checkpoints in the folder of a run.
 pub const DIR: &str = "checkpoints";
+
+/// Mark in the name of a checkpoint that another one of the same cycle replaces.
+const OLD: &str = ".old";
 
 /// A whole checkpoint from which a run continues.
 pub struct Resumption {
@@ -35,7 +38,14 @@ pub fn folders(dir: &Path) -> Vec<PathBuf> {
     };
     let mut found: Vec<PathBuf> =
         entries.filter_map(|e| e.ok().map(|e| e.path())).filter(is_one).collect();
-    found.sort();
+    // A folder in which a checkpoint was written is newer than one of its cycle with its own name,
+    // and that is newer than one that was replaced.
+    let order = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let (own, mark) = name.split_at(name.find('.').unwrap_or(name.len()));
+        (own.to_owned(), if mark == OLD { 0 } else { 1 }, mark.to_owned())
+    };
+    found.sort_by_cached_key(order);
     found.reverse();
     found
 }
@@ -58,6 +68,35 @@ fn check(folder: &Path) -> Result<(Manifest, MasterState), String> {
     Ok((manifest, master))
 }
 
+/// Gives a complete checkpoint, in the folder in which it was written, its own name. A checkpoint
+/// of the same cycle that has it is removed afterwards: at each moment one of them is whole.
+/// Returns the new path.
+///
+/// # Errors
+/// It cannot be renamed; the message names the folder.
+pub fn publish(folder: &Path) -> Result<PathBuf, String> {
+    let Some((own, old)) = names(folder) else { return Ok(folder.to_owned()) };
+    let rename = |from: &Path, to: &Path| {
+        std::fs::rename(from, to).map_err(|error| format!("{}: {error}", from.display()))
+    };
+    if own.exists() {
+        let _ = std::fs::remove_dir_all(&old); // of a run that ended while it replaced one
+        rename(&own, &old)?;
+    }
+    rename(folder, &own)?;
+    let _ = own.parent().map(sync); // if a machine fails, any of the names is found
+    let _ = std::fs::remove_dir_all(&old); // it is found after the new one, and removed in time
+    Ok(own)
+}
+
+/// Returns the final name of a folder in which a checkpoint is written, and that of the folder
+/// which it replaces.
+fn names(folder: &Path) -> Option<(PathBuf, PathBuf)> {
+    let name = folder.file_name()?.to_str()?;
+    let (own, _) = name.split_once(PARTIAL)?;
+    Some((folder.with_file_name(own), folder.with_file_name(format!("{own}{OLD}"))))
+}
+
 /// Returns the folder of the run, for this folder or that of one of its checkpoints.
 ///
 /// # Errors
@@ -78,6 +117,9 @@ pub fn find(dir: &Path) -> Result<Resumption, String> {
     let candidates = if single { vec![canonical.clone()] } else { folders(&canonical.join(DIR)) };
     let mut refused = Vec::new();
     for folder in candidates {
+        if names(&folder).is_some() && !folder.join(MANIFEST).exists() {
+            continue; // a run has ended while it wrote this one
+        }
         match check(&folder) {
             Ok((manifest, master)) => {
                 let (run, changes) = (run_folder(dir)?, Changes::default());
@@ -133,8 +175,41 @@ pub fn tidy(dir: &Path, kept: Option<&Path>) {
     for folder in folders(dir) {
         let later = kept.is_some_and(|kept| folder.file_name() > kept.file_name());
         if kept.is_none() || later || !folder.join(MANIFEST).exists() {
-            // If this fails, the next checkpoint of that cycle replaces the files.
+            // If this fails, it stays, and the run goes on.
             let _ = std::fs::remove_dir_all(folder);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two checkpoints of one cycle: the second one replaces the first, and at each moment the
+    /// newest that is whole is found first.
+    #[test]
+    fn a_second_checkpoint_of_a_cycle_replaces_the_first() {
+        let dir = tempfile::tempdir().unwrap();
+        let written = |name: &str, text: &str| {
+            let folder = dir.path().join(name);
+            std::fs::create_dir(&folder).unwrap();
+            std::fs::write(folder.join(MANIFEST), text).unwrap();
+            folder
+        };
+        let text = |folder: &Path| std::fs::read_to_string(folder.join(MANIFEST)).unwrap();
+        let own = publish(&written("cycle_0000000007.part0", "one")).unwrap();
+        assert_eq!(
+            (own.file_name().unwrap(), &text(&own)[..]),
+            ("cycle_0000000007".as_ref(), "one")
+        );
+        let second = written("cycle_0000000007.part1", "two");
+        assert_eq!(folders(dir.path()), [second.clone(), own.clone()]);
+        let old = written("cycle_0000000007.old", "a run died while it replaced this one");
+        assert_eq!(folders(dir.path()), [second.clone(), own.clone(), old.clone()]);
+        std::fs::remove_dir_all(old).unwrap();
+        assert_eq!(publish(&second).unwrap(), own);
+        assert_eq!(text(&own), "two");
+        assert_eq!(folders(dir.path()).len(), 1, "nothing else is left");
+        assert_eq!(publish(&own).unwrap(), own, "it has its name");
     }
 }

@@ -16,7 +16,9 @@ use crate::results::history::Course;
 use crate::results::summary::{CheckpointSummary, Restart};
 use crate::run::balance::Accounts;
 use copies::Copies;
-use crumple_proto::checkpoint::{COMMON, Captured, FileRecord, Saved, folder_name, write};
+use crumple_proto::checkpoint::{
+    COMMON, Captured, FileRecord, Saved, folder_name, partial_name, verify_size, write,
+};
 use crumple_proto::job::Checkpoint;
 use crumple_proto::steering::{OutputTimes, Planned, Steered};
 use crumple_proto::wire;
@@ -73,6 +75,8 @@ pub struct MasterState {
 #[derive(Default)]
 struct Pending {
     captured: Captured,
+    /// Number of earlier captures in its cycle.
+    repeat: u64,
     /// Number of workers that have captured their state.
     copies: usize,
     master: Option<MasterState>,
@@ -108,6 +112,8 @@ pub struct Checkpoints {
     stamp: Stamp,
     /// Time of the last order, or of the start.
     last: Instant,
+    /// Time since which a checkpoint is being written.
+    since: Instant,
     ordered: bool,
     /// True from a request until it is served.
     requested: bool,
@@ -115,7 +121,8 @@ pub struct Checkpoints {
     /// without progress of a file after which a checkpoint is given up.
     patience: Duration,
     complained: bool,
-    pending: BTreeMap<u64, Pending>,
+    /// By cycle and number of earlier captures in it.
+    pending: BTreeMap<[u64; 2], Pending>,
     /// Checkpoints with the files of all workers, until the thread is free.
     queue: VecDeque<Pending>,
     finishing: Option<Finishing>,
@@ -139,6 +146,7 @@ impl Checkpoints {
             elements,
             stamp: Stamp::default(),
             last: Instant::now(),
+            since: Instant::now(),
             ordered: false,
             requested: false,
             patience: asked.patience().expect("the job is checked when it is read"),
@@ -167,9 +175,8 @@ impl Checkpoints {
     /// written, the request waits.
     pub fn take_due(&mut self, asked: bool, paused: bool) -> bool {
         let over = !paused && self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
-        let idle = self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none();
         self.requested |= asked;
-        let due = (self.requested || over) && !self.ordered && idle;
+        let due = (self.requested || over) && !self.is_busy();
         if due {
             (self.ordered, self.requested) = (true, false);
             self.last = Instant::now();
@@ -184,18 +191,32 @@ impl Checkpoints {
         self.copies.is_partial() || self.pending.values().any(is_partial)
     }
 
-    /// Counts a worker that has captured its state. Returns true if it is the last one; the state
-    /// of the master has to follow at once.
-    pub fn add_captured(&mut self, captured: Captured) -> bool {
-        let pending = self.pending.entry(captured.cycle).or_default();
-        pending.captured = captured;
+    /// Returns true from the order of a checkpoint until it is complete or given up.
+    pub fn is_busy(&self) -> bool {
+        self.ordered || !self.is_idle()
+    }
+
+    /// Returns true if no checkpoint is being written.
+    fn is_idle(&self) -> bool {
+        self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none()
+    }
+
+    /// Counts a worker that has captured its state; `repeat` is the number of earlier captures in
+    /// the same cycle. Returns true if it is the last one; the state of the master has to follow at
+    /// once.
+    pub fn add_captured(&mut self, captured: Captured, repeat: u64) -> bool {
+        if self.is_idle() {
+            self.since = Instant::now();
+        }
+        let pending = self.pending.entry([captured.cycle, repeat]).or_default();
+        (pending.captured, pending.repeat) = (captured, repeat);
         pending.copies += 1;
         pending.copies == self.workers
     }
 
-    /// Sets the state of the master for the checkpoint of a cycle.
-    pub fn add_master(&mut self, cycle: u64, state: MasterState) {
-        if let Some(pending) = self.pending.get_mut(&cycle) {
+    /// Sets the state of the master for the checkpoint of a cycle and `repeat`.
+    pub fn add_master(&mut self, at: [u64; 2], state: MasterState) {
+        if let Some(pending) = self.pending.get_mut(&at) {
             pending.master = Some(state);
         }
     }
@@ -204,8 +225,8 @@ impl Checkpoints {
     pub fn complain(&mut self) -> Option<String> {
         let finishing = self.finishing.iter().map(|f| f.captured.cycle);
         let queued = self.queue.iter().map(|p| p.captured.cycle);
-        let cycle = finishing.chain(queued).chain(self.pending.keys().copied()).next()?;
-        if self.complained || self.last.elapsed() < self.patience {
+        let cycle = finishing.chain(queued).chain(self.pending.keys().map(|at| at[0])).next()?;
+        if self.complained || self.since.elapsed() < self.patience {
             return None;
         }
         self.complained = true;
@@ -220,19 +241,18 @@ impl Checkpoints {
     /// Adds the files of a worker. After the last worker, [`Self::poll`] makes the checkpoint
     /// complete.
     pub fn add_saved(&mut self, saved: Saved) {
-        // A run that is paused may copy its state and then write a checkpoint in the same cycle.
-        if !self.pending.contains_key(&saved.cycle)
-            && let Some((captured, state)) = self.copies.take(saved.cycle)
-        {
-            let copied = Pending { captured, copies: self.workers, ..Pending::default() };
-            self.pending.insert(saved.cycle, Pending { master: Some(state), ..copied });
+        let at = [saved.cycle, saved.repeat];
+        if let Some((captured, state)) = self.copies.take(at) {
+            let (copies, repeat) = (self.workers, saved.repeat);
+            let copied = Pending { captured, repeat, copies, ..Pending::default() };
+            self.pending.insert(at, Pending { master: Some(state), ..copied });
         }
-        let Some(pending) = self.pending.get_mut(&saved.cycle) else { return };
+        let Some(pending) = self.pending.get_mut(&at) else { return };
         pending.saved.push(saved.files);
         pending.copy_s = pending.copy_s.max(saved.copy_s);
         pending.write_s = pending.write_s.max(saved.write_s);
         if pending.saved.len() == self.workers {
-            self.queue.extend(self.pending.remove(&saved.cycle));
+            self.queue.extend(self.pending.remove(&at));
         }
     }
 
@@ -241,13 +261,14 @@ impl Checkpoints {
     /// # Errors
     /// No thread can be started; the warning says so.
     fn start(&mut self, pending: Pending) -> Result<(), String> {
-        let Pending { captured, copies: _, master, saved, copy_s, write_s } = pending;
+        let Pending { captured, repeat, copies: _, master, saved, copy_s, write_s } = pending;
         let progress = Arc::new(AtomicU64::new(0));
         let task = Completion {
             run: self.run.clone(),
             dir: self.dir.clone(),
             keep: self.keep,
             captured,
+            repeat,
             stamp: self.stamp.clone(),
             elements: self.elements,
             progress: progress.clone(),
@@ -349,6 +370,7 @@ struct Completion {
     dir: PathBuf,
     keep: usize,
     captured: Captured,
+    repeat: u64,
     stamp: Stamp,
     elements: usize,
     /// Counts the parts written.
@@ -363,8 +385,9 @@ impl Completion {
         saved: Vec<Result<Vec<FileRecord>, String>>,
         master: Option<MasterState>,
     ) -> Result<u64, String> {
-        let folder = self.dir.join(folder_name(self.captured.cycle));
-        let ended = self.write(&folder, saved, master);
+        let folder = self.dir.join(partial_name(self.captured.cycle, self.repeat));
+        let written = self.write(&folder, saved, master);
+        let ended = written.and_then(|bytes| find::publish(&folder).map(|_| bytes));
         match ended {
             Ok(_) => self.prune(),
             // Without a manifest it is no checkpoint, even if it cannot be removed.
@@ -407,6 +430,8 @@ impl Completion {
             common,
             pieces: files,
         };
+        // The folder may have been removed after a worker wrote into it.
+        manifest.files().try_for_each(|file| verify_size(folder, file))?;
         manifest.write(folder).map_err(|error| named(folder, error))?;
         Ok(manifest.files().map(|f| f.bytes).sum())
     }
@@ -434,9 +459,9 @@ mod tests {
     }
 
     fn save(all: &mut Checkpoints, cycle: u64, files: Result<Vec<FileRecord>, String>) {
-        all.add_captured(Captured { cycle, ..Captured::default() });
-        all.add_master(cycle, MasterState::default());
-        all.add_saved(Saved { cycle, files, copy_s: 0.0, write_s: 0.0 });
+        all.add_captured(Captured { cycle, ..Captured::default() }, 0);
+        all.add_master([cycle, 0], MasterState::default());
+        all.add_saved(Saved { cycle, repeat: 0, files, copy_s: 0.0, write_s: 0.0 });
     }
 
     #[test]
@@ -453,12 +478,28 @@ mod tests {
         assert!(!all.take_due(false, false), "it is served");
     }
 
+    /// The folder was removed after a worker wrote into it, and made again by another one.
+    #[test]
+    fn a_checkpoint_that_lost_a_file_is_none() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        let folder = all.dir().join(partial_name(1, 0));
+        std::fs::create_dir_all(&folder).unwrap();
+        let common = write(&folder, COMMON, &[1], Default::default(), &|| ()).unwrap();
+        let piece = FileRecord { name: "piece_00000.bin".into(), ..common.clone() };
+        save(&mut all, 1, Ok(vec![common, piece]));
+        let ended = all.wait();
+        let is_named = |why: &String| why.contains("piece_00000.bin");
+        assert!(ended[0].as_ref().is_err_and(is_named), "{ended:?}");
+        assert!(find::folders(all.dir()).is_empty());
+    }
+
     /// A pipe without a reader in place of a file blocks the thread, as a disk that hangs.
     #[test]
     fn a_disk_that_hangs_does_not_block_the_master() {
         let run = tempfile::tempdir().unwrap();
         let mut all = checkpoints(run.path());
-        let folder = all.dir().join(folder_name(1));
+        let folder = all.dir().join(partial_name(1, 0));
         std::fs::create_dir_all(&folder).unwrap();
         let pipe = std::process::Command::new("mkfifo").arg(folder.join(MASTER)).status();
         assert!(pipe.unwrap().success());
