@@ -6,14 +6,18 @@
 //! manifest of the master names every file with its size and its blake3 sum, so that a truncated
 //! or changed file is never used.
 
+use crate::disk::{WatchedFile, watched};
 use crate::job::Compression;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 /// Version of the format of manifests and files. It changes with every change of their content.
 pub const FORMAT: u32 = 3;
+/// Largest count in a checkpoint, such as a number of cycles. A larger one was not counted but is
+/// wrong, and could overflow.
+pub const MOST: u64 = 1 << 53;
 /// First bytes of a file.
 const MAGIC: [u8; 4] = *b"CRCK";
 /// Bytes of the header: magic bytes, version, compression, number of words.
@@ -90,18 +94,36 @@ pub fn partial_name(cycle: u64, repeat: u64) -> String {
 /// The compressor reports an error.
 pub fn encode(words: &[u64], compression: Compression) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(HEADER + 8 * words.len());
-    bytes.extend(MAGIC);
-    bytes.extend(FORMAT.to_le_bytes());
-    bytes.extend((compression as u64).to_le_bytes());
-    bytes.extend((words.len() as u64).to_le_bytes());
+    stream(&mut bytes, &[words], compression)?;
+    Ok(bytes)
+}
+
+/// Writes the bytes of a file with these words, which come in several pieces.
+fn stream(out: &mut impl Write, words: &[&[u64]], compression: Compression) -> io::Result<()> {
+    let count: usize = words.iter().map(|piece| piece.len()).sum();
+    out.write_all(&MAGIC)?;
+    out.write_all(&FORMAT.to_le_bytes())?;
+    out.write_all(&(compression as u64).to_le_bytes())?;
+    out.write_all(&(count as u64).to_le_bytes())?;
     match compression {
-        Compression::None => words.iter().for_each(|w| bytes.extend(w.to_le_bytes())),
+        Compression::None => stream_words(out, words),
         Compression::Zstd => {
-            let raw: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
-            bytes.extend(zstd::bulk::compress(&raw, LEVEL)?);
+            let mut encoder = zstd::Encoder::new(out, LEVEL)?;
+            stream_words(&mut encoder, words)?;
+            encoder.finish().map(|_| ())
         }
     }
-    Ok(bytes)
+}
+
+/// Writes words as bytes, in portions.
+fn stream_words(out: &mut impl Write, words: &[&[u64]]) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(PORTION);
+    for portion in words.iter().flat_map(|piece| piece.chunks(PORTION / 8)) {
+        bytes.clear();
+        portion.iter().for_each(|w| bytes.extend(w.to_le_bytes()));
+        out.write_all(&bytes)?;
+    }
+    Ok(())
 }
 
 /// Returns the words of a file.
@@ -138,35 +160,63 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<u64>, String> {
     Ok(raw.chunks_exact(8).map(word).collect())
 }
 
-/// Bytes that are written at once, and bytes after which the disk must have them.
+/// Bytes that are written or read at once, and bytes after which the disk must have them.
 const PORTION: usize = 4 << 20;
 const SYNC_EVERY: usize = 64 << 20;
 
-/// Writes a file under its name in `folder`, and waits until the disk has it. Calls `progress`
-/// after each portion.
+/// A file that is being written, with the sum of its bytes so far.
+struct Summed<'a> {
+    file: File,
+    sum: blake3::Hasher,
+    bytes: u64,
+    /// Bytes that the disk may not have.
+    unsure: usize,
+    progress: &'a dyn Fn(),
+}
+
+impl Write for Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(&bytes[..bytes.len().min(PORTION)])?;
+        self.sum.update(&bytes[..written]);
+        self.bytes += written as u64;
+        self.unsure += written;
+        (self.progress)();
+        if self.unsure >= SYNC_EVERY {
+            self.flush()?;
+        }
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.sync_data()?;
+        self.unsure = 0;
+        (self.progress)();
+        Ok(())
+    }
+}
+
+/// Writes a file under its name in `folder`, and waits until the disk has it. Its words come in
+/// several pieces; beyond them the memory of a portion is used. Calls `progress` after each portion.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(
     folder: &Path,
     name: &str,
-    words: &[u64],
+    words: &[&[u64]],
     compression: Compression,
     progress: &dyn Fn(),
 ) -> io::Result<FileRecord> {
-    let bytes = encode(words, compression)?;
-    let mut file = File::create(folder.join(name))?;
-    for part in bytes.chunks(SYNC_EVERY) {
-        for portion in part.chunks(PORTION) {
-            file.write_all(portion)?;
-            progress();
-        }
-        file.sync_data()?;
-        progress();
-    }
-    file.sync_all()?;
-    let blake3 = blake3::hash(&bytes).to_hex().to_string();
-    Ok(FileRecord { name: name.into(), bytes: bytes.len() as u64, blake3 })
+    let file = File::create(folder.join(name))?;
+    let sum = blake3::Hasher::new();
+    let mut out = Summed { file, sum, bytes: 0, unsure: 0, progress };
+    // The compressor writes small portions.
+    let mut buffered = BufWriter::with_capacity(PORTION, &mut out);
+    stream(&mut buffered, words, compression)?;
+    buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+    out.file.sync_all()?;
+    let blake3 = out.sum.finalize().to_hex().to_string();
+    Ok(FileRecord { name: name.into(), bytes: out.bytes, blake3 })
 }
 
 /// Reads a file of the folder and checks its size and its sum.
@@ -177,14 +227,6 @@ pub fn read(folder: &Path, record: &FileRecord) -> Result<Vec<u64>, String> {
     let path = folder.join(&record.name);
     let named = |why: String| format!("{}: {why}", path.display());
     decode(&checked(folder, record)?).map_err(named)
-}
-
-/// Checks size and sum of a file of the folder.
-///
-/// # Errors
-/// As [`read`].
-pub fn verify(folder: &Path, record: &FileRecord) -> Result<(), String> {
-    checked(folder, record).map(|_| ())
 }
 
 /// Checks the size of a file of the folder.
@@ -202,11 +244,19 @@ pub fn verify_size(folder: &Path, record: &FileRecord) -> Result<(), String> {
 }
 
 fn checked(folder: &Path, record: &FileRecord) -> Result<Vec<u8>, String> {
-    verify_size(folder, record)?;
     let path = folder.join(&record.name);
     let named = |why: String| format!("{}: {why}", path.display());
-    let bytes = std::fs::read(&path).map_err(|e| named(e.to_string()))?;
-    if blake3::hash(&bytes).to_hex().as_str() != record.blake3 {
+    watched(&path, || verify_size(folder, record))?;
+    let size = usize::try_from(record.bytes).map_err(|e| named(e.to_string()))?;
+    let mut bytes = vec![0; size];
+    let mut sum = blake3::Hasher::new();
+    let mut file =
+        WatchedFile::open(&path, |path| File::open(path)).map_err(|e| named(e.to_string()))?;
+    for portion in bytes.chunks_mut(PORTION) {
+        file.read_exact(portion).map_err(|e| named(e.to_string()))?;
+        sum.update(portion);
+    }
+    if sum.finalize().to_hex().as_str() != record.blake3 {
         return Err(named("its content has changed: the blake3 sum differs".into()));
     }
     Ok(bytes)
@@ -225,9 +275,8 @@ mod tests {
                 assert_eq!(decode(&encode(words, kind).unwrap()).unwrap(), words, "{kind:?}");
             }
             let dir = tempfile::tempdir().unwrap();
-            let record = write(dir.path(), "a.bin", &WORDS, kind, &|| ()).unwrap();
+            let record = write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
             assert_eq!(read(dir.path(), &record).unwrap(), WORDS);
-            verify(dir.path(), &record).unwrap();
         }
     }
 
@@ -237,7 +286,7 @@ mod tests {
     fn no_changed_file_is_read() {
         let dir = tempfile::tempdir().unwrap();
         for kind in [Compression::None, Compression::Zstd] {
-            let record = write(dir.path(), "a.bin", &WORDS, kind, &|| ()).unwrap();
+            let record = write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
             let path = dir.path().join("a.bin");
             let good = std::fs::read(&path).unwrap();
             for i in 0..good.len() {

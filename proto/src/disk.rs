@@ -4,7 +4,7 @@
 
 use crate::exit_code;
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
@@ -76,6 +76,12 @@ impl Write for &WatchedFile {
 
     fn flush(&mut self) -> io::Result<()> {
         watched(&self.path, || (&self.file).flush())
+    }
+}
+
+impl Read for WatchedFile {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        watched(&self.path, || (&self.file).read(bytes))
     }
 }
 

@@ -130,6 +130,7 @@ fn resume(
     (folder, common, pieces): (&Path, &FileRecord, &[FileRecord]),
 ) -> Result<Option<Worker>, RankLost> {
     let (me, workers) = (comm.rank() - 1, comm.size() - 1);
+    disk::set_patience(Duration::from_secs_f64(settings.checkpoint.patience));
     let state = match checkpoint::read_state(folder, &settings, common, pieces, (me, workers)) {
         Ok(state) => state,
         Err(why) => {

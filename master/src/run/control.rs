@@ -7,8 +7,9 @@ mod watch;
 
 use crate::input::job::Model;
 use crate::results::fields::Series;
-use crate::results::history::{Course, Extras, History, Tables};
+use crate::results::history::{Course, Extras, History};
 use crate::results::summary::{Outline, Restart, Summary};
+use crate::results::table::Tables;
 use crate::results::trace::Trace;
 use crate::results::workers;
 use crate::run::balance::{Balance, Limits};
@@ -462,6 +463,7 @@ impl<'a> Control<'a> {
                 self.watch_energy();
                 self.watch_contact();
                 self.watch_work();
+                self.watch_files();
             }
             ToMaster::Fields { index, time } => {
                 let pieces = self.pieces.entry(index).or_default();

@@ -5,7 +5,7 @@ use crate::cli::RunArgs;
 use crate::input::job::{self, Model, Report};
 use crate::results::summary::{Status, Summary};
 use crate::results::{report, steering};
-use crate::run::checkpoint::manifest::Manifest;
+use crate::run::checkpoint::manifest::{Manifest, Stamp};
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Guidance, Origin, Results, RunError};
 use crate::run::lock::Lock;
@@ -19,7 +19,7 @@ use crate::stdout::say;
 use crumple_proto::disk;
 #[cfg(feature = "mpi")]
 use crumple_proto::exit_code::{COMPLETED, WORKER_LOST};
-use crumple_proto::job::Restart;
+use crumple_proto::job::{Checkpoint, Restart};
 use crumple_proto::transport::{Transport, threads};
 use std::path::{Path, PathBuf};
 
@@ -66,67 +66,126 @@ struct Ready {
     _lock: Lock,
 }
 
+/// Problems that end the program before the run, as they are printed.
+struct Refusal(String);
+
+impl From<String> for Refusal {
+    fn from(why: String) -> Self {
+        Self(format!("error: {why}\n"))
+    }
+}
+
+impl From<Report> for Refusal {
+    fn from(report: Report) -> Self {
+        Self(report.to_string())
+    }
+}
+
 /// Reads the job and, if the run continues, its checkpoint; locks the folder of results. Prints all
 /// problems.
 fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) -> Option<Ready> {
-    let bad = |why: String| {
-        eprintln!("error: {why}");
-        None
+    set_patience(args);
+    let ready = match &args.resume {
+        None => begin(args, workers),
+        Some(dir) => go_on(args, workers, dir),
     };
+    ready.map_err(|Refusal(text)| eprint!("{text}")).ok()
+}
+
+/// Prepares a run from time 0.
+fn begin(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+) -> Result<Ready, Refusal> {
+    let (model, sets, workers) = read_job(args, workers, None)?;
+    if model.job.restart != Restart::default() {
+        let why = "`restart` changes a run that continues: give --resume too";
+        return Err(why.to_string().into());
+    }
+    let origin = Origin { stamp: compare::stamp(&model, sets), from: None };
+    let out = args.out_dir();
+    let lock = locked(&out)?;
+    if !args.overwrite
+        && let Some(why) = find::unfinished(&out)
+    {
+        return Err(why.into());
+    }
+    let logs = Logs::new(&out, args.log.as_deref());
+    Ok(Ready { model, workers, origin, out, logs, _lock: lock })
+}
+
+/// Prepares a run that continues from the newest checkpoint that is a state of its job.
+fn go_on(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+    dir: &Path,
+) -> Result<Ready, Refusal> {
+    let out = find::run_folder(dir)?;
     // The folder is locked first: another run may be changing its checkpoints.
-    let locked = |out: &Path| disk::watched(out, || Lock::acquire(out));
-    let (from, lock) = match &args.resume {
-        None => (None, None),
-        Some(dir) => {
-            let found = find::run_folder(dir).and_then(|run| Ok((locked(&run)?, find::find(dir)?)));
-            match found {
-                Ok((lock, from)) => (Some(from), Some(lock)),
-                Err(why) => return bad(why),
+    let lock = locked(&out)?;
+    let mut candidates = find::Candidates::new(dir)?;
+    loop {
+        let (folder, manifest) = candidates.next()?;
+        let (mut model, sets, workers) = read_job(args, &workers, Some(&manifest.stamp))?;
+        let mut from = match candidates.take(&folder, &manifest) {
+            Ok(from) => from,
+            Err(why) => {
+                candidates.refuse(why);
+                continue;
             }
+        };
+        let stamp = compare::stamp(&model, sets);
+        let changes = compare::adapt(&mut model, &stamp, &mut from)
+            .map_err(|why| format!("{}: {why}", folder.display()))?;
+        if let Err(why) = from.fit(&model) {
+            candidates.refuse(why);
+            continue;
         }
-    };
-    let known = from.as_ref().map(|from| &from.manifest.stamp);
+        from.begin_lost_histories();
+        let logs = Logs::new(&out, args.log.as_deref());
+        let origin = Origin { stamp, from: Some((from, changes)) };
+        return Ok(Ready { model, workers, origin, out, logs, _lock: lock });
+    }
+}
+
+fn locked(out: &Path) -> Result<Lock, String> {
+    disk::watched(out, || Lock::acquire(out))
+}
+
+/// Sets the time for which reading waits for a file system to that of the command line: that of the
+/// job is not known yet.
+fn set_patience(args: &RunArgs) {
+    let sets = args.sets();
+    let given = sets.iter().rev().find_map(|set| set.strip_prefix("checkpoint.patience="));
+    let asked = given.map(|text| Checkpoint {
+        patience: text.trim_matches('"').into(),
+        ..Checkpoint::default()
+    });
+    // A value that is not valid is reported with the job.
+    if let Some(patience) = asked.and_then(|asked| asked.patience().ok()) {
+        disk::set_patience(patience);
+    }
+}
+
+/// Reads the job, with the `key=value` of a checkpoint before those of the command line. Returns the
+/// model, all `key=value`, and the number of workers.
+fn read_job(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+    known: Option<&Stamp>,
+) -> Result<(Model, Vec<String>, usize), Refusal> {
     let file = args.job.clone().or_else(|| known.map(|stamp| PathBuf::from(&stamp.file)));
     let sets: Vec<String> =
         known.iter().flat_map(|stamp| stamp.set.clone()).chain(args.sets()).collect();
-    let read = job::read(&file.unwrap_or_default(), &sets).and_then(|m| Ok((workers(&m)?, m)));
-    let (workers, mut model) = match read {
-        Ok(both) => both,
-        Err(report) => {
-            eprint!("{report}");
-            return None;
-        }
-    };
-    if from.is_none() && model.job.restart != Restart::default() {
-        return bad("`restart` changes a run that continues: give --resume too".into());
+    let mut model = job::read(&file.unwrap_or_default(), &sets)?;
+    let workers = workers(&model)?;
+    if let Ok(patience) = model.job.checkpoint.patience() {
+        disk::set_patience(patience);
     }
     if let Some(path) = &args.steering {
-        match steering::read(path) {
-            Ok(plan) => model.settings.planned = plan,
-            Err(why) => return bad(why),
-        }
+        model.settings.planned = steering::read(path)?;
     }
-    let stamp = compare::stamp(&model, sets);
-    let from = match from {
-        None => None,
-        Some(mut from) => match compare::adapt(&mut model, &stamp, &mut from) {
-            Ok(changes) => Some((from, changes)),
-            Err(why) => return bad(format!("{}: {why}", from.folder.display())),
-        },
-    };
-    let out = from.as_ref().map_or_else(|| args.out_dir(), |(from, _)| from.run.clone());
-    let lock = match lock.map_or_else(|| locked(&out), Ok) {
-        Ok(lock) => lock,
-        Err(why) => return bad(why),
-    };
-    if from.is_none()
-        && !args.overwrite
-        && let Some(why) = find::unfinished(&out)
-    {
-        return bad(why);
-    }
-    let logs = Logs::new(&out, args.log.as_deref());
-    Some(Ready { model, workers, origin: Origin { stamp, from }, out, logs, _lock: lock })
+    Ok((model, sets, workers))
 }
 
 fn run_threads(args: &RunArgs, service: &Service) -> u8 {

@@ -246,16 +246,113 @@ fn wrong_contents_with_right_sums_are_refused() {
         assert!(said.contains(&piece_name(1)) && !said.contains("panicked"), "{what}: {said}");
         assert_eq!(digest_of(&out), digest, "{what}");
     }
-    // The common state is read by the workers only.
+    let changes: [(&str, Change); 2] = [
+        ("half of the words", |words| words.truncate(words.len() / 2)),
+        ("a byte of the time", |words| words[1] ^= 1 << 8),
+    ];
+    for (what, change) in changes {
+        let copy = tempfile::tempdir().unwrap();
+        let out = copy.path().join("out");
+        copy_folder(&known.out(), &out);
+        let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+        rewrite(&newest, "common.bin", change);
+        let ended = resume(&out).with_code(0);
+        let said = ended.said();
+        assert!(said.contains("a newer checkpoint cannot be used"), "{what}: {said}");
+        assert!(said.contains("common.bin") && !said.contains("panicked"), "{what}: {said}");
+        assert_eq!(digest_of(&out), digest, "{what}");
+        // Without another one there is nothing to continue from.
+        let single = run(crumple_with(&["run", "--resume", newest.to_str().unwrap()]));
+        assert!(single.code == Some(0) || single.said().contains("common.bin"), "{what}");
+    }
+}
+
+/// The clock of the common state and the manifest show the same cycle; a manifest of another one is
+/// refused also with a right sum.
+#[test]
+fn a_manifest_of_another_cycle_is_refused() {
+    let (known, digest) = whole();
     let copy = tempfile::tempdir().unwrap();
     let out = copy.path().join("out");
     copy_folder(&known.out(), &out);
     let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
-    rewrite(&newest, "common.bin", |words| words.truncate(words.len() / 2));
-    let refused = resume(&out).with_code(2);
-    let said = refused.said();
-    assert!(said.contains("common.bin") && said.contains("another checkpoint"), "{said}");
-    assert!(!said.contains("panicked"), "{said}");
+    let mut manifest = Manifest::read(&newest).unwrap();
+    manifest.captured.cycle += 1;
+    manifest.write(&newest).unwrap();
+    let refused = run(crumple_with(&["run", "--resume", newest.to_str().unwrap()])).with_code(2);
+    assert!(refused.said().contains("its clock shows cycle"), "{}", refused.said());
+    let ended = resume(&out).with_code(0);
+    assert!(ended.said().contains("its clock shows cycle"), "{}", ended.said());
+    assert_eq!(digest_of(&out), digest);
+}
+
+/// A history that is missing or shorter than at the checkpoint costs its rows and nothing else.
+#[test]
+fn a_history_that_is_lost_before_the_run_continues_begins_again() {
+    let (known, digest) = whole();
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let text = |name: &str| fs::read_to_string(out.join(name)).unwrap();
+    let [history, workers] = ["history.csv", "workers.csv"].map(text);
+    fs::remove_file(out.join("workers.csv")).unwrap();
+    let cut = history.match_indices('\n').nth(1).unwrap().0 + 1;
+    fs::write(out.join("history.csv"), &history[..cut]).unwrap();
+    let ended = resume(&out).with_code(0);
+    let said = ended.said();
+    for name in ["history.csv was removed or shortened", "workers.csv was removed or shortened"] {
+        assert!(said.contains(name), "{name}: {said}");
+    }
+    assert_eq!(digest_of(&out), digest);
+    assert!(text("summary.json").contains("history.csv was removed or shortened"));
+    assert_eq!(text("history.csv.short"), history[..cut], "what was left is kept");
+    let header = |text: &str| text.lines().next().unwrap().to_string();
+    assert_eq!(header(&text("history.csv")), header(&history));
+    assert_eq!(header(&text("workers.csv")), header(&workers));
+    let last = |text: &str| text.lines().last().unwrap().split(',').next().unwrap().to_string();
+    assert_eq!(last(&text("history.csv")), last(&history), "the rows after the checkpoint");
+}
+
+/// The folder of the run is removed while it goes: rows so far are lost, and the user knows.
+#[test]
+fn a_folder_of_a_run_that_is_removed_is_made_again_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let more = ["--set=time.max_cycles=3000", "--set=output.history_interval=0.02"];
+    let mut running = start(with(&out, &more));
+    running.wait_for_rows(4);
+    fs::remove_dir_all(&out).unwrap();
+    let ended = running.end().with_code(0);
+    let said = ended.said();
+    let text = |name: &str| fs::read_to_string(out.join(name)).unwrap();
+    for name in ["history.csv", "workers.csv"] {
+        let message = format!("{name} was removed during the run: its rows until time");
+        assert!(said.contains(&message), "{name}: {said}");
+        assert!(text("summary.json").contains(&message), "{name}");
+    }
+    let history = text("history.csv");
+    assert!(history.starts_with("time [") && history.lines().count() > 10, "{history}");
+    let whole = run(crumple_with(&[&TWICE[..], &more].concat())).with_code(0);
+    assert_eq!(digest_of(&out), whole.digest());
+}
+
+/// A pipe in place of a manifest blocks whoever reads it: the start of a run that continues ends
+/// with a message, after the time that the command line gives.
+#[test]
+fn a_checkpoint_on_a_disk_that_hangs_ends_the_start_with_a_message() {
+    let (known, _) = whole();
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    fs::remove_file(newest.join("MANIFEST")).unwrap();
+    let Some(()) = fifo(&newest.join("MANIFEST")) else { return };
+    let patience = "--set=checkpoint.patience=0.3 s";
+    let ended = run(crumple_with(&["run", "--resume", out.to_str().unwrap(), patience]));
+    let said = ended.with_code(2).said().to_string();
+    for text in ["MANIFEST: no answer", "it hangs, and the program ends"] {
+        assert!(said.contains(text), "{text}: {said}");
+    }
 }
 
 /// Changes the words of a file, and the manifest so that the sums are right.

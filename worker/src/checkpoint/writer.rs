@@ -1,9 +1,9 @@
 //! Writes the files of a worker on a thread of its own, while the worker advances.
 
-use crate::checkpoint::piece_words;
 use crate::engine::checkpoint::Copied;
 use crumple_proto::checkpoint::{COMMON, FileRecord, Saved, partial_name, piece_name, write};
 use crumple_proto::job::Compression;
+use crumple_proto::wire;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -46,13 +46,14 @@ impl Task {
         let count = || {
             self.progress.fetch_add(1, Ordering::Relaxed);
         };
-        let words = piece_words(&self.copied.parcel, &self.copied.own);
+        let (length, own) = ([self.copied.parcel.len() as u64], wire::encode(&self.copied.own));
+        let words = [&length[..], &self.copied.parcel, &own];
         let name = piece_name(self.worker);
         let mut files =
             vec![write(&folder, &name, &words, self.compression, &count).map_err(failed)?];
         if !self.copied.common.is_empty() {
-            let common = &self.copied.common;
-            files.push(write(&folder, COMMON, common, self.compression, &count).map_err(failed)?);
+            let common = [&self.copied.common[..]];
+            files.push(write(&folder, COMMON, &common, self.compression, &count).map_err(failed)?);
         }
         Ok(files)
     }

@@ -51,6 +51,14 @@ pub struct WallState {
     to: Option<V3>,
 }
 
+impl WallState {
+    /// Returns true if it is a state of a job's wall.
+    pub fn fits(&self, job: &WallJob) -> bool {
+        let motion = [self.last, self.next, self.to.unwrap_or_default()];
+        self.surface.fits(job) && motion.iter().flat_map(|v| v.iter()).all(|a| a.is_finite())
+    }
+}
+
 /// Motion of a wall.
 #[derive(Debug)]
 enum Drive {

@@ -2,10 +2,14 @@
 
 use super::MasterState;
 use super::manifest::{MANIFEST, Manifest, sync};
-use crumple_proto::checkpoint::{PARTIAL, read, verify};
+use crate::input::job::Model;
+use crate::results::table::Tables;
+use crumple_proto::checkpoint::{PARTIAL, read};
+use crumple_proto::disk::watched;
 use crumple_proto::message::Changes;
-use crumple_proto::wire;
-use crumple_worker::checkpoint::verify_piece;
+use crumple_proto::partition::ElementRecord;
+use crumple_worker::checkpoint::fit::{Expected, Source, verify};
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 /// Name of the folder of all checkpoints in the folder of a run.
@@ -28,6 +32,8 @@ pub struct Resumption {
     pub changes: Changes,
     /// Newer checkpoints that could not be used, with the reasons.
     pub refused: Vec<String>,
+    /// Messages about rows of histories that are lost.
+    pub lost: Vec<String>,
 }
 
 /// Returns the folders of checkpoints in a folder, the newest first.
@@ -48,24 +54,6 @@ pub fn folders(dir: &Path) -> Vec<PathBuf> {
     found.sort_by_cached_key(order);
     found.reverse();
     found
-}
-
-/// Reads a checkpoint and checks all its files.
-fn check(folder: &Path) -> Result<(Manifest, MasterState), String> {
-    let manifest = Manifest::read(folder)?;
-    verify(folder, &manifest.common)?;
-    let mut elements = 0;
-    for piece in &manifest.pieces {
-        elements += verify_piece(folder, piece)?;
-    }
-    if elements != manifest.elements {
-        let known = manifest.elements;
-        return Err(format!("{}: it has {elements} of {known} elements", folder.display()));
-    }
-    let words = read(folder, &manifest.master)?;
-    let master = wire::decode(&words)
-        .ok_or_else(|| format!("{}: the state of the master is not valid", folder.display()))?;
-    Ok((manifest, master))
 }
 
 /// Gives a complete checkpoint, in the folder in which it was written, its own name. A checkpoint
@@ -102,45 +90,131 @@ fn names(folder: &Path) -> Option<(PathBuf, PathBuf)> {
 /// # Errors
 /// The folder does not exist.
 pub fn run_folder(dir: &Path) -> Result<PathBuf, String> {
-    let canonical = std::fs::canonicalize(dir).map_err(|e| format!("{}: {e}", dir.display()))?;
-    let single = canonical.join(MANIFEST).exists();
+    let canonical = watched(dir, || std::fs::canonicalize(dir));
+    let canonical = canonical.map_err(|e| format!("{}: {e}", dir.display()))?;
+    let single = watched(dir, || canonical.join(MANIFEST).exists());
     Ok(canonical.ancestors().nth(if single { 2 } else { 0 }).unwrap_or(&canonical).to_owned())
 }
 
-/// Finds the newest whole checkpoint in the folder of a run, or reads the one in this folder.
-///
-/// # Errors
-/// There is none; the message says what was found instead.
-pub fn find(dir: &Path) -> Result<Resumption, String> {
-    let canonical = std::fs::canonicalize(dir).map_err(|e| format!("{}: {e}", dir.display()))?;
-    let single = canonical.join(MANIFEST).exists();
-    let candidates = if single { vec![canonical.clone()] } else { folders(&canonical.join(DIR)) };
-    let mut refused = Vec::new();
-    for folder in candidates {
-        if names(&folder).is_some() && !folder.join(MANIFEST).exists() {
-            continue; // a run has ended while it wrote this one
-        }
-        match check(&folder) {
-            Ok((manifest, master)) => {
-                let (run, changes) = (run_folder(dir)?, Changes::default());
-                return Ok(Resumption { run, folder, manifest, master, changes, refused });
-            }
-            Err(why) => refused.push(why),
-        }
+/// The checkpoints in the folder of a run from which it could continue, the newest first, or the
+/// one in this folder.
+pub struct Candidates {
+    dir: PathBuf,
+    left: VecDeque<PathBuf>,
+    /// Those that could not be used, with the reasons.
+    refused: Vec<String>,
+}
+
+impl Candidates {
+    /// Lists the checkpoints of a folder.
+    ///
+    /// # Errors
+    /// The folder does not exist.
+    pub fn new(dir: &Path) -> Result<Self, String> {
+        let listed = || -> std::io::Result<Vec<PathBuf>> {
+            let canonical = std::fs::canonicalize(dir)?;
+            let single = canonical.join(MANIFEST).exists();
+            Ok(if single { vec![canonical] } else { folders(&canonical.join(DIR)) })
+        };
+        let listed = watched(dir, listed).map_err(|e| format!("{}: {e}", dir.display()))?;
+        Ok(Self { dir: dir.to_owned(), left: listed.into(), refused: Vec::new() })
     }
-    let mut message = format!(
-        "{}: there is no whole checkpoint; give the folder of a run, with `{DIR}` in it, or of one \
-         checkpoint",
-        dir.display()
-    );
-    refused.iter().for_each(|why| message += &format!("\n  {why}"));
-    Err(message)
+
+    /// Returns the next checkpoint with a manifest.
+    ///
+    /// # Errors
+    /// There is none; the message says what was found instead.
+    pub fn next(&mut self) -> Result<(PathBuf, Manifest), String> {
+        while let Some(folder) = self.left.pop_front() {
+            if names(&folder).is_some() && !watched(&folder, || folder.join(MANIFEST).exists()) {
+                continue; // a run has ended while it wrote this one
+            }
+            match Manifest::read(&folder) {
+                Ok(manifest) => return Ok((folder, manifest)),
+                Err(why) => self.refuse(why),
+            }
+        }
+        let mut message = format!(
+            "{}: there is no whole checkpoint; give the folder of a run, with `{DIR}` in it, or of \
+             one checkpoint",
+            self.dir.display()
+        );
+        self.refused.iter().for_each(|why| message += &format!("\n  {why}"));
+        Err(message)
+    }
+
+    /// Keeps the reason why a checkpoint cannot be used.
+    pub fn refuse(&mut self, why: String) {
+        self.refused.push(why);
+    }
+
+    /// Returns what a run needs to continue from a checkpoint: reads the state of the master.
+    ///
+    /// # Errors
+    /// It cannot be used; the message names the file.
+    pub fn take(&self, folder: &Path, manifest: &Manifest) -> Result<Resumption, String> {
+        let words = read(folder, &manifest.master)?;
+        let master = MasterState::from_words(&words, &manifest.captured)
+            .map_err(|why| format!("{}: {why}", folder.join(&manifest.master.name).display()))?;
+        Ok(Resumption {
+            run: run_folder(&self.dir)?,
+            lost: Vec::new(),
+            folder: folder.to_owned(),
+            manifest: manifest.clone(),
+            master,
+            changes: Changes::default(),
+            refused: self.refused.clone(),
+        })
+    }
+}
+
+impl Resumption {
+    /// Checks that all files are a state of the model, with which the run continues.
+    ///
+    /// # Errors
+    /// They are not; the message names the file.
+    pub fn fit(&self, model: &Model) -> Result<(), String> {
+        let (elements, nodes) = model.records();
+        let source =
+            Source { settings: &model.settings, elements: &elements, nodes: &nodes };
+        let deleted = &deleted(&self.manifest.stamp.job);
+        let is_there = |e: &&ElementRecord| {
+            !deleted.contains(&model.settings.parts[e.part as usize].id)
+        };
+        let wanted = elements.iter().filter(is_there).count();
+        let Manifest { captured, elements, common, pieces, .. } = &self.manifest;
+        if *elements != wanted {
+            return Err(format!(
+                "{}: it has {elements} of {wanted} elements",
+                self.folder.join(MANIFEST).display()
+            ));
+        }
+        let named = |why| {
+            format!("{}: {why}", self.folder.join(&self.manifest.master.name).display())
+        };
+        self.master.fit(model).map_err(named)?;
+        let expected = Expected { captured: *captured, elements: wanted };
+        verify(&self.folder, common, pieces, source, expected)
+    }
+
+    /// Lets histories begin again whose files were removed or shortened.
+    pub fn begin_lost_histories(&mut self) {
+        let (lengths, time) = (&mut self.master.lengths, self.manifest.captured.time);
+        self.lost = watched(&self.run, || Tables::take_lost(&self.run, lengths, time));
+    }
+}
+
+/// Returns the parts that a run had deleted when it continued with this job.
+fn deleted(job: &serde_json::Value) -> Vec<u32> {
+    let list = job.pointer("/restart/delete").cloned();
+    list.and_then(|list| serde_json::from_value(list).ok()).unwrap_or_default()
 }
 
 /// Returns the folder and the manifest of the newest checkpoint of a run that has a manifest.
 pub fn newest(run: &Path) -> Option<(PathBuf, Manifest)> {
     let with_manifest = |folder: PathBuf| Some((Manifest::read(&folder).ok()?, folder));
-    let found = folders(&run.join(DIR)).into_iter().find_map(with_manifest);
+    let listed = watched(run, || folders(&run.join(DIR)));
+    let found = listed.into_iter().find_map(with_manifest);
     found.map(|(manifest, folder)| (folder, manifest))
 }
 

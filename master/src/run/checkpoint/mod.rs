@@ -12,7 +12,9 @@ pub mod copies;
 pub mod find;
 pub mod manifest;
 
+use crate::input::job::Model;
 use crate::results::history::Course;
+use crate::results::table::Tables;
 use crate::results::summary::{CheckpointSummary, Restart};
 use crate::run::balance::Accounts;
 use copies::Copies;
@@ -69,6 +71,49 @@ pub struct MasterState {
     pub steering: Vec<Steered>,
     /// Orders that were planned at the start.
     pub planned: Vec<Planned>,
+}
+
+impl MasterState {
+    /// Reads the words of its file.
+    ///
+    /// # Errors
+    /// They are no state of this cycle: the reason.
+    pub fn from_words(words: &[u64], captured: &Captured) -> Result<Self, String> {
+        let state: Self = wire::decode_state(words).ok_or("it is no state of the master")?;
+        let times = [state.wall_s, state.history_interval, state.end_time, state.output.rows_from.1];
+        let others = [state.imbalance, state.output.field_interval];
+        let fields = state.field_times.iter().chain(&state.output.additional);
+        let fields = fields.chain(state.steps.iter().map(|(_, time)| time));
+        let planned = state.planned.iter().filter_map(|planned| planned.steer.value());
+        let is_number = others.into_iter().chain(planned).chain(fields.copied());
+        if !times.iter().all(|t| t.is_finite() && *t >= 0.0)
+            || !is_number.into_iter().all(f64::is_finite)
+        {
+            return Err("it has a time that is not a time".into());
+        }
+        if state.output.rows_from.0 > captured.rows || state.steps.len() as u64 > captured.fields {
+            return Err("it has another number of rows or fields than the manifest".into());
+        }
+        if let Some(name) = state.lengths.keys().find(|name| !Tables::is_one(name)) {
+            return Err(format!("it has the length of a file `{name}`, which is no history"));
+        }
+        if !state.course.is_possible() || !state.accounts.are_possible() {
+            return Err("it has a number of cycles that is not possible".into());
+        }
+        Ok(state)
+    }
+
+    /// Checks that it belongs to a model.
+    ///
+    /// # Errors
+    /// It does not: the reason.
+    pub fn fit(&self, model: &Model) -> Result<(), String> {
+        let walls = model.job.wall.len() - model.job.restart.wall.len();
+        if self.course.last.as_ref().is_some_and(|row| row.sum.wall_impulse.len() < walls) {
+            return Err("its last row has fewer walls than the job".into());
+        }
+        Ok(())
+    }
 }
 
 /// A checkpoint that is not complete.
@@ -419,7 +464,7 @@ impl Completion {
             sync(&path).map_err(|error| named(&path, error))?;
             count();
         }
-        let master = write(folder, MASTER, &wire::encode(&state), Default::default(), &count)
+        let master = write(folder, MASTER, &[&wire::encode(&state)], Default::default(), &count)
             .map_err(|error| named(folder, error))?;
         let manifest = Manifest {
             program: env!("CARGO_PKG_VERSION").into(),
@@ -485,7 +530,7 @@ mod tests {
         let mut all = checkpoints(run.path());
         let folder = all.dir().join(partial_name(1, 0));
         std::fs::create_dir_all(&folder).unwrap();
-        let common = write(&folder, COMMON, &[1], Default::default(), &|| ()).unwrap();
+        let common = write(&folder, COMMON, &[&[1]], Default::default(), &|| ()).unwrap();
         let piece = FileRecord { name: "piece_00000.bin".into(), ..common.clone() };
         save(&mut all, 1, Ok(vec![common, piece]));
         let ended = all.wait();

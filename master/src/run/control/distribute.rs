@@ -21,6 +21,8 @@ impl Control<'_> {
         for why in &from.refused {
             self.warn(&format!("a newer checkpoint cannot be used: {why}"));
         }
+        self.history.lost.extend(from.lost.iter().cloned());
+        self.watch_files();
         tracing::info!(cycle = captured.cycle, time = captured.time, "run continues");
         self.announce(&format!(
             "continues from T={:.4e}, cycle {}: {}",
