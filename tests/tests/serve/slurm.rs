@@ -102,12 +102,10 @@ fn a_job_that_waits_at_slurm_is_not_started_again() {
     let mut service = Service::start_with_path(&["--slurm"], Some(programs.path()));
     let id = service.submit(&by_slurm(bars(&[])));
     service.wait("slurm has the job", |_| programs.path().join("words").exists().then_some(()));
-    service.wait_for(id, "starting");
-    service.wait("its number is stored", |service| {
-        // The loop stores the number before it looks at the job again.
-        std::thread::sleep(std::time::Duration::from_millis(700));
-        Some(service.job(id))
-    });
+    // The loop stores the number of a job before it starts another one.
+    let next = service.submit(&bars(&[]));
+    service.wait_for(next, "completed");
+    assert_eq!(service.job(id)["state"], "starting");
     service.kill();
     service.again();
     assert_eq!(service.job(id)["attempt"], 1);
