@@ -586,8 +586,7 @@ impl RunArgs {
     }
 
     /// Returns the options that a supervised run gets, except for folders and workers. One that
-    /// continues after a loss gets no
-    /// changes of the job again: its checkpoint has them.
+    /// continues from its own checkpoint gets no changes of the job: the checkpoint has them.
     pub fn passed_on(&self, without_changes: bool) -> Vec<String> {
         let mut words = Vec::new();
         if !without_changes {

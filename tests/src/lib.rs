@@ -2,6 +2,7 @@
 //! binary with a deadline.
 
 pub mod client;
+pub mod fields;
 pub mod imports;
 pub mod manual;
 pub mod program;

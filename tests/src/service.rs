@@ -169,7 +169,8 @@ impl Service {
         let _ = stream.write_all(bytes); // the service may close early
         let mut all = Vec::new();
         let _ = stream.read_to_end(&mut all);
-        let split = all.windows(4).position(|four| four == b"\r\n\r\n").map_or(all.len(), |i| i + 4);
+        let split =
+            all.windows(4).position(|four| four == b"\r\n\r\n").map_or(all.len(), |i| i + 4);
         let head = String::from_utf8_lossy(&all[..split]).into_owned();
         let status = head.split(' ').nth(1).and_then(|code| code.parse().ok()).unwrap_or(0);
         Reply { status, head, body: all[split..].to_vec() }
@@ -278,7 +279,8 @@ impl Service {
 
 /// Returns true if a process runs `crumple`.
 fn is_crumple(pid: u32) -> bool {
-    fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| line.windows(9).any(|w| w == b"--attempt"))
+    fs::read(format!("/proc/{pid}/cmdline"))
+        .is_ok_and(|line| line.windows(9).any(|w| w == b"--attempt"))
 }
 
 /// Returns the child processes of a process.

@@ -3,8 +3,8 @@
 
 use crate::analysis::{cost, spectrum};
 use crate::cli::CheckArgs;
-use crate::input::confine;
 use crate::input::check::{describe, figure};
+use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::stdout;
 

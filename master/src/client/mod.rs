@@ -59,11 +59,21 @@ pub fn jobs(args: &JobsArgs) -> u8 {
             return Ok(COMPLETED);
         }
         let page: JobPage = server.get(&path)?;
-        say!("{:>6}  {:<10} {:>7}  {:<10} {:<12} name", "job", "state", "workers", "launcher", "owner");
+        say!(
+            "{:>6}  {:<10} {:>7}  {:<10} {:<12} name",
+            "job",
+            "state",
+            "workers",
+            "launcher",
+            "owner"
+        );
         for job in &page.jobs {
             let Job { id, name, owner, state, workers, launcher, reason, .. } = job;
             let why = if reason.is_empty() { String::new() } else { format!(" ({reason})") };
-            say!("{id:>6}  {:<10} {workers:>7}  {launcher:<10} {owner:<12} {name}{why}", state.name());
+            say!(
+                "{id:>6}  {:<10} {workers:>7}  {launcher:<10} {owner:<12} {name}{why}",
+                state.name()
+            );
         }
         if page.total > page.jobs.len() as i64 {
             say!("{} of {} jobs", page.jobs.len(), page.total);
@@ -107,7 +117,8 @@ pub fn resume(args: &ResumeArgs) -> u8 {
 pub fn fetch(args: &FetchArgs) -> u8 {
     let fetched = || -> Ended {
         let server = Server::find(&args.server)?;
-        let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("out/job-{}", args.job)));
+        let out =
+            args.out.clone().unwrap_or_else(|| PathBuf::from(format!("out/job-{}", args.job)));
         let files: Vec<FileEntry> = server.get(&format!("/api/jobs/{}/files", args.job))?;
         let mut count = 0;
         for file in files.iter().filter(|file| file.path.starts_with(&args.only)) {

@@ -63,7 +63,10 @@ impl Server {
         format!("Bearer {}", self.token)
     }
 
-    fn answered(&self, sent: Result<Response<Body>, ureq::Error>) -> Result<Response<Body>, String> {
+    fn answered(
+        &self,
+        sent: Result<Response<Body>, ureq::Error>,
+    ) -> Result<Response<Body>, String> {
         let mut response = sent.map_err(|error| format!("{}: {error}", self.address))?;
         let status = response.status();
         if status.is_success() {
@@ -91,7 +94,11 @@ impl Server {
     ///
     /// # Errors
     /// The service does not answer, or refuses.
-    pub fn post<T: DeserializeOwned>(&self, path: &str, body: &impl Serialize) -> Result<T, String> {
+    pub fn post<T: DeserializeOwned>(
+        &self,
+        path: &str,
+        body: &impl Serialize,
+    ) -> Result<T, String> {
         let request = self.agent.post(self.url(path)).header("Authorization", self.bearer());
         self.parsed(self.answered(request.send_json(body))?)
     }

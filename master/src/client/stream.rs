@@ -79,7 +79,8 @@ impl Shown {
     fn show(&mut self, kind: &str, data: &str) {
         if kind == "state" {
             let Ok(job) = serde_json::from_str::<Job>(data) else { return };
-            let why = if job.reason.is_empty() { String::new() } else { format!(": {}", job.reason) };
+            let why =
+                if job.reason.is_empty() { String::new() } else { format!(": {}", job.reason) };
             let state = format!("{}{why}", job.state.name());
             if self.state != state {
                 say!("job {}: {state}", job.id);

@@ -99,7 +99,10 @@ mod tests {
         std::fs::write(dir.path().join("other"), "").unwrap();
         let names = |files: &Files| files.all.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
         let whole = files(&folder, &[]).unwrap();
-        assert_eq!((names(&whole), &*whole.main), (vec!["job.toml".into(), "parts/a.k".into()], ""));
+        assert_eq!(
+            (names(&whole), &*whole.main),
+            (vec!["job.toml".into(), "parts/a.k".into()], "")
+        );
         let one = files(&folder.join("job.toml"), &[folder.join("parts/a.k")]).unwrap();
         assert_eq!((names(&one), &*one.main), (names(&whole), "job.toml"));
         let why = files(&folder, &[dir.path().join("other")]).unwrap_err();

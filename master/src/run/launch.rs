@@ -5,7 +5,7 @@ use crate::cli::RunArgs;
 use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::results::summary::{Status, Summary};
-use crate::results::{report, steering};
+use crate::results::{d3plot, exodus, fields, report, steering, vtkhdf};
 use crate::run::attempt::Attempt;
 use crate::run::checkpoint::manifest::Manifest;
 use crate::run::checkpoint::{compare, find};
@@ -101,7 +101,8 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
     let (from, lock) = match &args.resume {
         None => (None, None),
         Some(dir) => {
-            let found = find::run_folder(dir).and_then(|run| Ok((locked(&run)?, find::find(dir)?)));
+            let found = find::run_folder(dir);
+            let found = found.and_then(|run| Ok((locked(&run)?, find::find(dir)?)));
             match found {
                 Ok((lock, from)) => (Some(from), Some(lock)),
                 Err(why) => return bad(why),
@@ -132,7 +133,7 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
     let stamp = compare::stamp(&model, sets);
     let from = match from {
         None => None,
-        Some(mut from) => match compare::adapt(&mut model, &stamp, &mut from) {
+        Some(mut from) => match compare::adapt(&mut model, &stamp, &args.sets(), &mut from) {
             Ok(changes) => Some((from, changes)),
             Err(why) => return bad(format!("{}: {why}", from.folder.display())),
         },
@@ -175,8 +176,8 @@ fn run_threads(args: &RunArgs, service: &Service) -> u8 {
             std::thread::Builder::new().name(name).spawn(logged)
         })
         .collect();
-    let code = as_master(args, ready, &mut master, service);
-    drop(master);
+    let (code, _) = as_master(args, ready, &mut master, service);
+    drop(master); // workers that wait for a message end
     for worker in workers.into_iter().flatten() {
         // The worker has printed its panic, and the master reports it as a lost worker.
         let _ = worker.join();
@@ -236,9 +237,12 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
     match ready {
         Some(mut ready) => {
             let log = ready.logs.start_master(ready.origin.from.is_some());
-            let code = as_master(args, ready, &mut comm, &service());
+            let (code, ended) = as_master(args, ready, &mut comm, &service());
             drop(log);
-            if code == WORKER_LOST { comm.abort(i32::from(code)) } else { code }
+            match ended {
+                WorkersAre::Gone => code,
+                WorkersAre::Waiting => comm.abort(i32::from(code)),
+            }
         }
         None => {
             for rank in 1..=ranks {
@@ -257,7 +261,21 @@ fn log_of_worker(args: &RunArgs, rank: usize) -> Option<RankLog> {
     Logs::new(&out.ok()?, args.log.as_deref()).start_process(rank)
 }
 
-fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &Service) -> u8 {
+/// The workers when the master ends.
+enum WorkersAre {
+    /// They have ended, or end by themselves.
+    Gone,
+    /// They compute, or wait for the master.
+    Waiting,
+}
+
+/// Runs the job as the master. Returns the exit code of the process.
+fn as_master(
+    args: &RunArgs,
+    ready: Ready,
+    comm: &mut dyn Transport,
+    service: &Service,
+) -> (u8, WorkersAre) {
     let Ready { mut model, origin, out, _lock, .. } = ready;
     let model = &mut model;
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
@@ -279,42 +297,20 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &S
     let ended = control::run(model, comm, results, origin, guidance);
     let writable = !matches!(ended, Err(RunError::Output { .. }));
     let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
-    let code = match ended {
-        Ok(summary) => {
-            if !args.quiet {
-                print_summary(&summary, &out);
-            }
-            if model.job.output.d3plot
-                && let Err(why) =
-                    crate::results::d3plot::export(&out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)
-            {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-            if model.job.output.vtkhdf
-                && let Err(why) = crate::results::vtkhdf::export(&out)
-            {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-            if model.job.output.exodus
-                && let Err(why) = crate::results::exodus::export(&out)
-            {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-            if summary.status == Status::Failed {
-                eprintln!("error: {}", summary.reason);
-                name_last_state(&out, &summary);
-            }
-            summary.status.exit_code()
-        }
+    let (code, workers) = match &ended {
+        Ok(summary) => (conclude(args, model, summary, &out), WorkersAre::Gone),
         Err(error) => {
             eprintln!("error: {error}");
-            if find::newest_cycle(&out).is_some() {
-                eprintln!("  continue with: crumple run --resume {}", out.display());
-            }
-            error.exit_code()
+            let workers = match error {
+                RunError::Unusable(_) | RunError::Refused(_) => WorkersAre::Gone,
+                RunError::Lost(_) | RunError::Output { .. } | RunError::Trace { .. } => {
+                    if find::newest_cycle(&out).is_some() {
+                        eprintln!("  continue with: crumple run --resume {}", out.display());
+                    }
+                    WorkersAre::Waiting
+                }
+            };
+            (error.exit_code(), workers)
         }
     };
     match made.filter(|_| !args.quiet) {
@@ -322,7 +318,35 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &S
         Some(Err(why)) => eprintln!("warning: no report was written: {why}"),
         None => {}
     }
-    code
+    (code, workers)
+}
+
+/// Prints how a run ended and writes the exports that the job asks for. Returns the exit code.
+fn conclude(args: &RunArgs, model: &Model, summary: &Summary, out: &Path) -> u8 {
+    if !args.quiet {
+        print_summary(summary, out);
+    }
+    type Export = fn(&Path) -> Result<String, String>;
+    let output = &model.job.output;
+    let exports: [(bool, Export); 3] = [
+        (output.d3plot, |out| d3plot::export(out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)),
+        (output.vtkhdf, vtkhdf::export),
+        (output.exodus, exodus::export),
+    ];
+    for (_, export) in exports.iter().filter(|(is_asked, _)| *is_asked) {
+        if let Err(why) = export(out) {
+            eprintln!("error: {why}");
+            return Report::EXIT_CODE;
+        }
+    }
+    if summary.status == Status::Failed {
+        eprintln!("error: {}", summary.reason);
+        name_last_state(out, summary);
+    }
+    if summary.status == Status::Stopped && !args.quiet && find::newest_cycle(out).is_some() {
+        say!("continue with: crumple run --resume {}", out.display());
+    }
+    summary.status.exit_code()
 }
 
 /// Names the last state of a run that has failed, and the command that continues from it.
@@ -397,6 +421,6 @@ fn print_summary(s: &Summary, out: &Path) {
     say!(
         "results in {}; open {} in ParaView",
         out.display(),
-        out.join("fields").join("fields.pvd").display()
+        out.join(fields::DIR).join(fields::COLLECTION).display()
     );
 }

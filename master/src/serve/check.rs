@@ -8,6 +8,8 @@ use std::process::Stdio;
 use std::time::Duration;
 use tokio::process::Command;
 
+/// Memory that a check may always reserve, also where jobs get less [MB].
+const LEAST_MB: f64 = 2000.0;
 /// Longest duration of a check.
 const LONGEST: Duration = Duration::from_secs(300);
 /// Most bytes of text that are kept.
@@ -45,7 +47,7 @@ pub async fn check(
         Err(error) => return refused(format!("error: the check cannot be started: {error}\n")),
     };
     if let Some(pid) = child.id().and_then(|pid| Pid::from_raw(i32::try_from(pid).ok()?)) {
-        let bytes = Some((most_mb * 1e6) as u64);
+        let bytes = Some((most_mb.max(LEAST_MB) * 1e6) as u64);
         // Without the limit the check still ends by its time.
         let _ = prlimit(Some(pid), Resource::As, Rlimit { current: bytes, maximum: bytes });
     }

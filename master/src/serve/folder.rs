@@ -34,9 +34,8 @@ impl Root {
     /// # Errors
     /// It cannot be made.
     pub fn make(dir: &Path) -> io::Result<Self> {
-        let private = |path: &Path| {
-            std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path)
-        };
+        let private =
+            |path: &Path| std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path);
         private(dir)?;
         let root = Self(std::fs::canonicalize(dir)?);
         private(&root.0.join("jobs"))?;
@@ -178,8 +177,27 @@ mod tests {
         let long = "a".repeat(LONGEST + 1);
         let deep = "a/".repeat(DEEPEST) + "b";
         for name in [
-            "", "/", "/etc/passwd", "..", "../x", "a/../x", "a/..", "./a", "a/./b", "a//b", "a/",
-            ".ssh/x", "a/.x", "a\\b", "..\\x", "C:\\x", "a\0b", "a\nb", "a\rb", "\u{7f}", &long,
+            "",
+            "/",
+            "/etc/passwd",
+            "..",
+            "../x",
+            "a/../x",
+            "a/..",
+            "./a",
+            "a/./b",
+            "a//b",
+            "a/",
+            ".ssh/x",
+            "a/.x",
+            "a\\b",
+            "..\\x",
+            "C:\\x",
+            "a\0b",
+            "a\nb",
+            "a\rb",
+            "\u{7f}",
+            &long,
             &deep,
         ] {
             assert!(relative(name).is_err(), "{name:?}");

@@ -236,7 +236,7 @@ impl Keeper {
                 let asked = notes.asked.get(&job.id);
                 asked.is_none_or(|asked| asked.elapsed() > ASK_AGAIN)
             });
-        if is_due && seen == Seen::Running || is_due && !handle.is_empty() {
+        if is_due && (seen == Seen::Running || !handle.is_empty()) {
             self.notes(|notes| notes.asked.insert(job.id, Instant::now()));
             self.ask(job, move |launcher| launcher.stop(&order, &handle)).await?;
         }
@@ -248,8 +248,9 @@ impl Keeper {
     async fn wait(&self, stored: &Stored, order: &Order) -> Turn {
         let id = stored.job.id;
         let handle = stored.handle.clone();
-        let elsewhere =
-            self.ask(&stored.job, move |launcher| Ok(launcher.is_queued_elsewhere(&handle))).await?;
+        let elsewhere = self
+            .ask(&stored.job, move |launcher| Ok(launcher.is_queued_elsewhere(&handle)))
+            .await?;
         let ordered = self.notes(|notes| notes.ordered.get(&id).copied());
         let is_new = ordered.is_some_and(|at| at.elapsed() < CLAIM_WITHIN);
         if elsewhere || (is_new && !stored.job.stopping) {

@@ -39,10 +39,12 @@ struct Topic {
 impl Live {
     fn with<T>(&self, job: i64, body: impl FnOnce(&mut Topic) -> T) -> T {
         let mut topics = self.topics.lock().unwrap_or_else(PoisonError::into_inner);
-        body(topics.entry(job).or_insert_with(|| Topic {
-            lines: broadcast::channel(MOST_LINES).0,
-            progress: None,
-        }))
+        body(
+            topics.entry(job).or_insert_with(|| Topic {
+                lines: broadcast::channel(MOST_LINES).0,
+                progress: None,
+            }),
+        )
     }
 
     /// Returns the lines of a job from now on, and its last progress.
@@ -86,7 +88,8 @@ impl Live {
                     let line = Line { id: None, kind: "progress", data: line.into() };
                     self.publish(job, line);
                 }
-                Ok(Answer::Event { .. }) => match store.add_event(job, "event", line.clone()).await {
+                Ok(Answer::Event { .. }) => match store.add_event(job, "event", line.clone()).await
+                {
                     Ok(id) => {
                         self.publish(job, Line { id: Some(id), kind: "event", data: line.into() });
                     }

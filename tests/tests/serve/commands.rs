@@ -18,7 +18,11 @@ fn the_commands_submit_watch_list_stop_resume_and_fetch() {
     let bad = service.command(&["submit", job, "--watch", "--set", "end_time=-1"]);
     assert_eq!(bad.status.code(), Some(2), "{}", said(&bad));
     let listed = service.command(&["jobs"]);
-    assert!(said(&listed).contains("two bars") && said(&listed).contains("refused"), "{}", said(&listed));
+    assert!(
+        said(&listed).contains("two bars") && said(&listed).contains("refused"),
+        "{}",
+        said(&listed)
+    );
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let fetched = service.command(&["fetch", "1", "results/", "--out", out]);

@@ -65,5 +65,8 @@ fn a_list_of_ten_thousand_jobs_is_answered_a_page_at_a_time() {
     let page = service.get("/api/jobs?limit=50&name=job%2099").json();
     assert_eq!((page["total"].as_i64(), page["jobs"].as_array().unwrap().len()), (Some(111), 50));
     let whole = service.get("/api/jobs?limit=100000").json();
-    assert_eq!((whole["total"].as_i64(), whole["jobs"].as_array().unwrap().len()), (Some(10_000), 500));
+    assert_eq!(
+        (whole["total"].as_i64(), whole["jobs"].as_array().unwrap().len()),
+        (Some(10_000), 500)
+    );
 }

@@ -33,10 +33,14 @@ fn a_job_has_the_bits_of_a_run_and_its_files_and_events_can_be_fetched() {
     assert!(job["memory_mb"].as_f64().unwrap() > 0.0, "{job}");
     let file = |path: &str| service.get(&format!("/api/jobs/{id}/files/{path}"));
     let plain = run(crumple_with(&["run", "cases/bars", "--quiet", "--workers", "1"]));
-    assert_eq!(file("results/summary.json").json()["state_digest"], plain.summary()["state_digest"]);
+    assert_eq!(
+        file("results/summary.json").json()["state_digest"],
+        plain.summary()["state_digest"]
+    );
 
     let listed = service.get(&format!("/api/jobs/{id}/files")).json();
-    let names: Vec<_> = listed.as_array().unwrap().iter().map(|f| f["path"].as_str().unwrap()).collect();
+    let names: Vec<_> =
+        listed.as_array().unwrap().iter().map(|f| f["path"].as_str().unwrap()).collect();
     for name in ["input/job.toml", "results/history.csv", "results/report.html", "check.txt"] {
         assert!(names.contains(&name), "{names:?}");
     }
@@ -56,7 +60,8 @@ fn a_job_has_the_bits_of_a_run_and_its_files_and_events_can_be_fetched() {
     assert!(check["text"].as_str().unwrap().contains("no warnings"), "{check}");
 
     let all = events(&service, id, &[]);
-    let states: Vec<_> = all.iter().filter(|e| e.1 == "state").map(|e| e.2["state"].clone()).collect();
+    let states: Vec<_> =
+        all.iter().filter(|e| e.1 == "state").map(|e| e.2["state"].clone()).collect();
     assert_eq!(states.first(), Some(&json!("checking")));
     assert_eq!(states.last(), Some(&json!("completed")));
     assert_eq!(all.last().unwrap().1, "end");
@@ -76,8 +81,8 @@ fn jobs_start_by_priority_and_one_that_is_cancelled_never_starts() {
     };
     let first = with(endless(), 0);
     service.wait_for(first, "running");
-    let [low, high, cancelled] = [(bars(&[]), 0), (bars(&[]), 5), (bars(&[]), 9)]
-        .map(|(job, priority)| with(job, priority));
+    let [low, high, cancelled] =
+        [(bars(&[]), 0), (bars(&[]), 5), (bars(&[]), 9)].map(|(job, priority)| with(job, priority));
     for id in [low, high, cancelled] {
         service.wait_for(id, "queued");
     }
@@ -127,7 +132,8 @@ fn a_run_is_steered_stopped_and_resumed_with_another_end() {
     assert!(summary()["end_time"].as_f64().unwrap() >= reached + 0.49, "{}", summary());
     let audit = service.get("/api/audit").json();
     let audit = audit.as_array().unwrap();
-    let count = |what: &str| audit.iter().filter(|e| e["what"].as_str().unwrap().ends_with(what)).count();
+    let count =
+        |what: &str| audit.iter().filter(|e| e["what"].as_str().unwrap().ends_with(what)).count();
     assert!(count("/orders") >= 3 && count("/stop") == 1 && count("/resume") == 1, "{audit:?}");
 }
 
@@ -150,8 +156,8 @@ fn a_job_with_errors_is_refused_with_its_findings_and_one_that_is_only_checked_w
 
 #[test]
 fn a_job_that_needs_more_memory_than_there_is_is_refused() {
-    let service = Service::start(&["--memory", "600"]);
-    let large = service.submit(&bars(&["scene.elements=400000"]));
+    let service = Service::start(&["--memory", "0.5"]);
+    let large = service.submit(&bars(&["scene.elements=2000"]));
     let job = service.wait_for(large, "refused");
     let check = service.get(&format!("/api/jobs/{large}/check")).json();
     let why = [&job["reason"], &check["text"]].map(|text| text.as_str().unwrap().to_string());

@@ -70,7 +70,9 @@ fn a_run_that_ends_while_there_is_no_service_has_its_exit_code() {
     let _ = process(&service, id, 1);
     service.kill();
     let path = service.folder(id).join("attempt-1");
-    service.wait("the run has ended", |_| fs::read_to_string(&path).ok()?.contains("code 0").then_some(()));
+    service.wait("the run has ended", |_| {
+        fs::read_to_string(&path).ok()?.contains("code 0").then_some(())
+    });
     service.again();
     let job = service.wait_for(id, "completed");
     assert_eq!((job["code"].as_i64(), job["attempt"].as_i64()), (Some(0), Some(1)));
@@ -85,7 +87,7 @@ fn a_job_whose_processes_are_killed_continues_from_its_checkpoint() {
     let checkpoints = service.folder(id).join("results/checkpoints");
     service.wait("there is a checkpoint", |_| {
         let all = fs::read_dir(&checkpoints).ok()?.flatten();
-        all.into_iter().any(|c| c.path().join("manifest.json").exists()).then_some(())
+        all.into_iter().any(|c| c.path().join("MANIFEST").exists()).then_some(())
     });
     let supervisor = process(&service, id, 1);
     let runs = children(supervisor);

@@ -19,7 +19,7 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-"$@" > /dev/null 2>&1 &
+sh "$@" > /dev/null 2>&1 &
 echo $!
 "#;
 const SQUEUE: &str = r#"#!/bin/sh
@@ -66,10 +66,15 @@ fn a_job_goes_through_slurm_as_a_list_of_words() {
     let id = service.submit(&job);
     service.wait_for(id, "completed");
     let asked = words(&programs.path().join("words"));
-    for word in ["--parsable", "--partition=crash", "--ntasks=1", "--cpus-per-task=1", "input/job.toml"] {
+    for word in
+        ["--parsable", "--partition=crash", "--ntasks=1", "--cpus-per-task=1", "input/job.toml"]
+    {
         assert!(asked.iter().any(|w| w == word), "{asked:?}");
     }
-    assert!(!asked.iter().any(|word| word.contains("touch")), "names of users stay here: {asked:?}");
+    assert!(
+        !asked.iter().any(|word| word.contains("touch")),
+        "names of users stay here: {asked:?}"
+    );
 }
 
 #[test]
@@ -93,7 +98,7 @@ fn a_job_that_waits_at_slurm_is_not_started_again() {
     // `sbatch` keeps the job until it is released.
     let held = SBATCH
         .replace("$SPOOL", &programs.path().display().to_string())
-        .replace("\"$@\" >", "while [ -f SPOOL/pending ]; do sleep 0.05; done; \"$@\" >")
+        .replace("sh \"$@\" >", "while [ -f SPOOL/pending ]; do sleep 0.05; done; sh \"$@\" >")
         .replace("SPOOL/pending", &format!("{}/pending", programs.path().display()))
         .replace("while [ -f", "(while [ -f")
         .replace("2>&1 &", "2>&1) > /dev/null 2>&1 &");

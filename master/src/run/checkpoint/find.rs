@@ -11,6 +11,9 @@ use std::path::{Path, PathBuf};
 /// Name of the folder of all checkpoints in the folder of a run.
 pub const DIR: &str = "checkpoints";
 
+/// Advice for a wrong folder.
+const GIVE: &str = "give the folder of a run, with `checkpoints` in it, or of one checkpoint";
+
 /// Mark in the name of a checkpoint that another one of the same cycle replaces.
 const OLD: &str = ".old";
 
@@ -28,6 +31,8 @@ pub struct Resumption {
     pub changes: Changes,
     /// Newer checkpoints that could not be used, with the reasons.
     pub refused: Vec<String>,
+    /// Complete checkpoints of later cycles, removed when the run continued.
+    pub removed: Vec<PathBuf>,
 }
 
 /// Returns the folders of checkpoints in a folder, the newest first.
@@ -100,10 +105,19 @@ fn names(folder: &Path) -> Option<(PathBuf, PathBuf)> {
 /// Returns the folder of the run, for this folder or that of one of its checkpoints.
 ///
 /// # Errors
-/// The folder does not exist.
+/// The folder does not exist, or it has no checkpoints and is none.
 pub fn run_folder(dir: &Path) -> Result<PathBuf, String> {
-    let canonical = std::fs::canonicalize(dir).map_err(|e| format!("{}: {e}", dir.display()))?;
+    let named = |why: String| format!("{}: {why}", dir.display());
+    let canonical = std::fs::canonicalize(dir).map_err(|e| named(e.to_string()))?;
     let single = canonical.join(MANIFEST).exists();
+    if !canonical.is_dir() {
+        return Err(named(format!("a file; {GIVE}")));
+    }
+    if !single && folders(&canonical.join(DIR)).is_empty() {
+        let inside = canonical.ancestors().any(|a| a.file_name() == Some(DIR.as_ref()));
+        let what = if inside { "not a whole checkpoint" } else { "there are no checkpoints" };
+        return Err(named(format!("{what}; {GIVE}")));
+    }
     Ok(canonical.ancestors().nth(if single { 2 } else { 0 }).unwrap_or(&canonical).to_owned())
 }
 
@@ -122,17 +136,13 @@ pub fn find(dir: &Path) -> Result<Resumption, String> {
         }
         match check(&folder) {
             Ok((manifest, master)) => {
-                let (run, changes) = (run_folder(dir)?, Changes::default());
-                return Ok(Resumption { run, folder, manifest, master, changes, refused });
+                let (run, changes, removed) = (run_folder(dir)?, Changes::default(), Vec::new());
+                return Ok(Resumption { run, folder, manifest, master, changes, refused, removed });
             }
             Err(why) => refused.push(why),
         }
     }
-    let mut message = format!(
-        "{}: there is no whole checkpoint; give the folder of a run, with `{DIR}` in it, or of one \
-         checkpoint",
-        dir.display()
-    );
+    let mut message = format!("{}: there is no whole checkpoint; {GIVE}", dir.display());
     refused.iter().for_each(|why| message += &format!("\n  {why}"));
     Err(message)
 }
@@ -170,15 +180,22 @@ pub fn unfinished(run: &Path) -> Option<String> {
 }
 
 /// Removes what a run that has ended left after its checkpoint: folders without manifest, and
-/// checkpoints of later cycles.
-pub fn tidy(dir: &Path, kept: Option<&Path>) {
+/// checkpoints of later cycles; without a checkpoint from which the run continues, all. Returns the
+/// complete ones that were removed.
+pub fn tidy(dir: &Path, kept: Option<&Path>) -> Vec<PathBuf> {
+    let is_later = |folder: &Path| kept.is_none_or(|kept| folder.file_name() > kept.file_name());
+    let mut removed = Vec::new();
     for folder in folders(dir) {
-        let later = kept.is_some_and(|kept| folder.file_name() > kept.file_name());
-        if kept.is_none() || later || !folder.join(MANIFEST).exists() {
-            // If this fails, it stays, and the run goes on.
-            let _ = std::fs::remove_dir_all(folder);
+        let is_complete = folder.join(MANIFEST).exists();
+        if !is_later(&folder) && is_complete {
+            continue;
+        }
+        // If it cannot be removed, it stays, and the run goes on.
+        if std::fs::remove_dir_all(&folder).is_ok() && is_complete {
+            removed.push(folder);
         }
     }
+    removed
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::broadcast::{Receiver, error::RecvError};
 use tokio::sync::OwnedSemaphorePermit;
+use tokio::sync::broadcast::{Receiver, error::RecvError};
 use utoipa::IntoParams;
 
 /// Events that are read at once.
@@ -52,16 +52,22 @@ pub async fn events(
     })?;
     let last = headers.get("last-event-id").and_then(|value| value.to_str().ok());
     let last = match last.filter(|text| !text.is_empty()) {
-        Some(text) => {
-            Some(text.parse().map_err(|_| Problem::bad("Last-Event-ID: give a number"))?)
-        }
+        Some(text) => Some(text.parse().map_err(|_| Problem::bad("Last-Event-ID: give a number"))?),
         None => query.after,
     };
     let (lines, progress) = app.keeper.live.subscribe(id);
     let mut ready = VecDeque::new();
     ready.extend(progress.map(|data| Line { id: None, kind: "progress", data }));
-    let watcher =
-        Watcher { app, id, last: last.unwrap_or(0), lines, ready, behind: true, ended: false, _place: place };
+    let watcher = Watcher {
+        app,
+        id,
+        last: last.unwrap_or(0),
+        lines,
+        ready,
+        behind: true,
+        ended: false,
+        _place: place,
+    };
     Ok(Sse::new(watcher.stream()).keep_alive(KeepAlive::new().interval(ALIVE_EVERY)))
 }
 

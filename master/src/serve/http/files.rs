@@ -57,8 +57,9 @@ pub async fn file(
             None => {
                 let why = format!("Range: give one range of bytes below {size}");
                 let problem = Problem(StatusCode::RANGE_NOT_SATISFIABLE, why);
-                return Ok(([(header::CONTENT_RANGE, format!("bytes */{size}"))], problem)
-                    .into_response());
+                return Ok(
+                    ([(header::CONTENT_RANGE, format!("bytes */{size}"))], problem).into_response()
+                );
             }
         },
     };
@@ -116,7 +117,7 @@ impl Range {
             (from, "") => (number(from)?, size),
             (from, to) => (number(from)?, number(to)?.checked_add(1)?.min(size)),
         };
-        (from < end).then_some(Self { from, length: end - from })
+        (from < end).then(|| Self { from, length: end - from })
     }
 }
 

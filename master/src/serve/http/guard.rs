@@ -3,9 +3,9 @@
 
 use super::problem::Problem;
 use super::{App, Settings};
+use crate::cli::Role;
 use crate::serve::api::AuditEntry;
 use crate::serve::store::now;
-use crate::cli::Role;
 use crate::serve::tokens::{self, Identity};
 use axum::extract::{ConnectInfo, Request, State};
 use axum::http::header::{self, HeaderMap, HeaderName, HeaderValue};
@@ -105,9 +105,10 @@ impl Guard {
                 StatusCode::UNAUTHORIZED,
                 "give a valid token, as `Authorization: Bearer TOKEN`".into(),
             ),
-            Err(_) => {
-                Problem(StatusCode::TOO_MANY_REQUESTS, "too many wrong tokens; wait a minute".into())
-            }
+            Err(_) => Problem(
+                StatusCode::TOO_MANY_REQUESTS,
+                "too many wrong tokens; wait a minute".into(),
+            ),
         }
     }
 
@@ -160,9 +161,9 @@ pub async fn identify(
     let response = next.run(request).await;
     if is_order {
         let job = what.split("/api/jobs/").nth(1).and_then(|rest| rest.split('/').next());
-        let job = job.and_then(|id| id.parse().ok()).or_else(|| {
-            response.extensions().get::<Subject>().map(|subject| subject.0)
-        });
+        let job = job
+            .and_then(|id| id.parse().ok())
+            .or_else(|| response.extensions().get::<Subject>().map(|subject| subject.0));
         let detail = response.extensions().get::<Detail>().map(|d| d.0.clone()).unwrap_or_default();
         let status = response.status().as_u16();
         let entry = AuditEntry { at: now(), who, what, job, detail, status };
@@ -265,9 +266,7 @@ pub async fn headers(request: Request, next: Next) -> Response {
     let headers = response.headers_mut();
     let policy = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
                   img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
-    headers
-        .entry(header::CONTENT_SECURITY_POLICY)
-        .or_insert(HeaderValue::from_static(policy));
+    headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(policy));
     for (name, value) in [
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::REFERRER_POLICY, "no-referrer"),

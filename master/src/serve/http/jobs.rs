@@ -3,10 +3,10 @@
 use super::App;
 use super::guard::{Detail, may_order, require};
 use super::problem::{Answered, Problem};
+use crate::cli::Role;
 use crate::run::checkpoint::find::newest_cycle;
 use crate::serve::api::{AuditEntry, Findings, Job, JobPage, JobState, Refusal, Resumption};
 use crate::serve::store::{Filter, Stored};
-use crate::cli::Role;
 use crate::serve::tokens::Identity;
 use axum::Json;
 use axum::extract::{Extension, Path, Query, State};

@@ -5,11 +5,11 @@ use super::guard::{COOKIE, is_same_origin};
 use super::problem::{Answered, Problem};
 use crate::serve::api::About;
 use crate::serve::tokens::{self, Identity};
-use axum::extract::{ConnectInfo, Extension, State};
-use axum::http::header::{HeaderMap, SET_COOKIE};
-use axum::http::StatusCode;
-use axum::response::IntoResponse;
 use axum::Json;
+use axum::extract::{ConnectInfo, Extension, State};
+use axum::http::StatusCode;
+use axum::http::header::{HeaderMap, SET_COOKIE};
+use axum::response::IntoResponse;
 use serde::Deserialize;
 use std::net::SocketAddr;
 

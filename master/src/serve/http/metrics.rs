@@ -55,10 +55,8 @@ pub async fn metrics(State(app): State<App>) -> Answered<impl IntoResponse> {
     };
     let one = |value: i64| vec![(String::new(), value)];
     let counts = app.keeper.store.counts().await?;
-    let jobs: Vec<_> = counts
-        .iter()
-        .map(|(state, n)| (format!("{{state=\"{}\"}}", state.name()), *n))
-        .collect();
+    let jobs: Vec<_> =
+        counts.iter().map(|(state, n)| (format!("{{state=\"{}\"}}", state.name()), *n)).collect();
     family("crumple_jobs", "gauge", "Jobs by state.", &jobs);
     let watchers = MOST_WATCHERS - app.counters.places.available_permits();
     family("crumple_watchers", "gauge", "Open streams of events.", &one(watchers as i64));

@@ -53,12 +53,8 @@ pub struct Settings {
 /// Returns the service.
 pub fn router(keeper: Arc<Keeper>, settings: Settings) -> Router {
     let most_bytes = settings.most_bytes;
-    let app = App {
-        keeper,
-        guard: Arc::new(Guard::new(settings)),
-        counters: Arc::default(),
-        most_bytes,
-    };
+    let app =
+        App { keeper, guard: Arc::new(Guard::new(settings)), counters: Arc::default(), most_bytes };
     let largest = usize::try_from(most_bytes).unwrap_or(usize::MAX);
     let submit = Router::new()
         .route("/api/jobs", post(submit::submit))
@@ -91,6 +87,7 @@ pub fn router(keeper: Arc<Keeper>, settings: Settings) -> Router {
     guarded
         .merge(open)
         .fallback(guard::no_such_path)
+        .layer(from_fn(problem::explain))
         .layer(from_fn_with_state(app.clone(), guard::bound))
         .layer(from_fn(guard::headers))
         .with_state(app)

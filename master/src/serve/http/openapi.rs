@@ -7,16 +7,42 @@ use utoipa::OpenApi;
 
 #[derive(OpenApi)]
 #[openapi(
-    info(title = "Crumple service", description = "Every path but /health and /ready needs a \
-        token, as `Authorization: Bearer TOKEN`.", license(name = "MIT OR Apache-2.0")),
+    info(
+        title = "Crumple service",
+        description = "Every path but /health and /ready needs a \
+        token, as `Authorization: Bearer TOKEN`.",
+        license(name = "MIT OR Apache-2.0")
+    ),
     paths(
-        login::about, jobs::list, submit::submit, jobs::one, jobs::findings, jobs::stop,
-        jobs::resume, jobs::progress, events::events, orders::order, files::list, files::file,
-        jobs::audit, document, metrics::metrics, metrics::health, metrics::ready,
+        login::about,
+        jobs::list,
+        submit::submit,
+        jobs::one,
+        jobs::findings,
+        jobs::stop,
+        jobs::resume,
+        jobs::progress,
+        events::events,
+        orders::order,
+        files::list,
+        files::file,
+        jobs::audit,
+        document,
+        metrics::metrics,
+        metrics::health,
+        metrics::ready,
     ),
     components(schemas(
-        api::Job, api::JobState, api::JobPage, api::Submission, api::Resumption, api::FileEntry,
-        api::Findings, api::AuditEntry, api::About, api::Refusal,
+        api::Job,
+        api::JobState,
+        api::JobPage,
+        api::Submission,
+        api::Resumption,
+        api::FileEntry,
+        api::Findings,
+        api::AuditEntry,
+        api::About,
+        api::Refusal,
     ))
 )]
 struct Document;

@@ -2,7 +2,10 @@
 
 use crate::serve::api::Refusal;
 use axum::Json;
-use axum::http::StatusCode;
+use axum::body::to_bytes;
+use axum::extract::Request;
+use axum::http::{StatusCode, header};
+use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 /// A refusal: status code and reason.
@@ -51,4 +54,20 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         (self.0, Json(Refusal { error: self.1 })).into_response()
     }
+}
+
+/// Largest refusal of the framework that is read [byte].
+const LARGEST: usize = 64 * 1024;
+
+/// Gives refusals of the framework, which are plain text, the form of all others.
+pub async fn explain(request: Request, next: Next) -> Response {
+    let response = next.run(request).await;
+    let status = response.status();
+    let kind = response.headers().get(header::CONTENT_TYPE);
+    let is_text = kind.is_some_and(|kind| kind.as_bytes().starts_with(b"text/plain"));
+    if !is_text || !(status.is_client_error() || status.is_server_error()) {
+        return response;
+    }
+    let text = to_bytes(response.into_body(), LARGEST).await.unwrap_or_default();
+    Problem(status, String::from_utf8_lossy(&text).into_owned()).into_response()
 }

@@ -3,17 +3,17 @@
 use super::App;
 use super::guard::{Detail, Subject, require};
 use super::problem::{Answered, Problem};
+use crate::cli::Role;
 use crate::serve::api::{Job, Refusal, Submission};
 use crate::serve::folder::{JobFolder, create, relative};
 use crate::serve::store::NewJob;
-use crate::cli::Role;
 use crate::serve::tokens::Identity;
 use axum::Json;
 use axum::extract::multipart::{Field, Multipart, MultipartError};
 use axum::extract::{Extension, FromRequest, Request, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tokio::io::AsyncWriteExt;
 
@@ -47,7 +47,8 @@ pub async fn submit(
         return Err(Problem(StatusCode::SERVICE_UNAVAILABLE, why));
     }
     let id = app.keeper.store.reserve(identity.name.clone()).await?;
-    let mut arrival = Arrival { app: app.clone(), id, folder: app.keeper.root.job(id), kept: false };
+    let mut arrival =
+        Arrival { app: app.clone(), id, folder: app.keeper.root.job(id), kept: false };
     let (options, files) = arrival.receive(request).await?;
     let new = new_job(&app, &identity, options, &files)?;
     let detail = format!("{}: {} with {} files", new.name, new.main, files.len());
@@ -229,7 +230,9 @@ fn new_job(
         name => name.to_string(),
     };
     if name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
-        return Err(Problem::bad(format!("name: give at most {LONGEST_NAME} printable characters")));
+        return Err(Problem::bad(format!(
+            "name: give at most {LONGEST_NAME} printable characters"
+        )));
     }
     let priority = options.priority;
     if !(-100..=100).contains(&priority) {
@@ -268,7 +271,7 @@ fn main_file(given: &str, files: &[PathBuf]) -> Result<String, String> {
         };
         files.iter().filter(is).collect()
     };
-    if files.iter().any(|path| *path == PathBuf::from("job.toml")) {
+    if files.iter().any(|path| *path == Path::new("job.toml")) {
         return Ok("job.toml".into());
     }
     match (&of(&["toml"])[..], &of(&["k", "key", "dyn"])[..]) {

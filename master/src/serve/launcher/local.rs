@@ -55,7 +55,8 @@ impl Launcher for Local {
     }
 
     fn look(&self, order: &Order, _: &str) -> Result<Seen, String> {
-        let state = attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        let state =
+            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
         Ok(match state {
             State::Absent => Seen::Waiting,
             State::Running(_) => Seen::Running,
@@ -69,7 +70,8 @@ impl Launcher for Local {
     }
 
     fn stop(&self, order: &Order, _: &str) -> Result<(), String> {
-        let state = attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        let state =
+            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
         let pid = match state {
             State::Running(pid) => Some(pid),
             _ => owner(&order.folder.results()),

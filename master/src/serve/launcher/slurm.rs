@@ -92,7 +92,8 @@ impl Launcher for Slurm {
         if !is_number(handle) {
             return Ok(());
         }
-        let begun = attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        let begun =
+            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
         let mut command = Command::new("scancel");
         if matches!(begun, State::Running(_)) {
             // Only to the batch script, which is the supervisor of the run.
@@ -118,7 +119,8 @@ fn is_number(text: &str) -> bool {
 /// Runs a program and returns its output.
 fn output(mut command: Command) -> Result<String, String> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let ended = command.stdin(Stdio::null()).output().map_err(|error| format!("{name}: {error}"))?;
+    let ended =
+        command.stdin(Stdio::null()).output().map_err(|error| format!("{name}: {error}"))?;
     match ended.status.success() {
         true => Ok(String::from_utf8_lossy(&ended.stdout).into_owned()),
         false => Err(format!("{name}: {}", String::from_utf8_lossy(&ended.stderr).trim())),

@@ -130,8 +130,18 @@ impl Store {
             let NewJob { name, owner, priority, workers, launcher, main, sets, .. } = new;
             let sets = text(&sets);
             let values = params![
-                id, name, owner, state, priority, workers, launcher, main, sets, new.retries,
-                new.check_only, now()
+                id,
+                name,
+                owner,
+                state,
+                priority,
+                workers,
+                launcher,
+                main,
+                sets,
+                new.retries,
+                new.check_only,
+                now()
             ];
             db.execute(sql, values).map(drop)
         })
@@ -206,7 +216,8 @@ impl Store {
                 values.push(name.into());
             }
             let all = clauses.join(" AND ");
-            let total = db.prepare_cached(&format!("SELECT count(*) FROM job WHERE {all}"))?
+            let total = db
+                .prepare_cached(&format!("SELECT count(*) FROM job WHERE {all}"))?
                 .query_row(params_from_iter(values.iter()), |row| row.get(0))?;
             let mut page = all;
             if let Some(before) = filter.before {
@@ -214,8 +225,7 @@ impl Store {
                 values.push(before.into());
             }
             values.push(i64::from(filter.limit).into());
-            let sql =
-                format!("SELECT {COLUMNS} FROM job WHERE {page} ORDER BY id DESC LIMIT ?");
+            let sql = format!("SELECT {COLUMNS} FROM job WHERE {page} ORDER BY id DESC LIMIT ?");
             let mut query = db.prepare_cached(&sql)?;
             let rows = query.query_map(params_from_iter(values.iter()), stored)?;
             let jobs: Outcome<Vec<Job>> = rows.map(|row| row.map(|stored| stored.job)).collect();
@@ -255,7 +265,13 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn checked(&self, id: i64, state: JobState, memory: f64, why: String) -> Outcome<bool> {
+    pub async fn checked(
+        &self,
+        id: i64,
+        state: JobState,
+        memory: f64,
+        why: String,
+    ) -> Outcome<bool> {
         self.call(move |db| {
             let sql = "UPDATE job SET state = ?2, memory_mb = ?3, reason = ?4, code = ?5, ended = \
                        ?6 WHERE id = ?1 AND state = 'checking'";
@@ -332,8 +348,7 @@ impl Store {
         self.call(move |db| {
             let tx = db.transaction()?;
             let sql = "SELECT state FROM job WHERE id = ?1";
-            let state: Option<String> =
-                tx.query_row(sql, [id], |row| row.get(0)).optional()?;
+            let state: Option<String> = tx.query_row(sql, [id], |row| row.get(0)).optional()?;
             let state = state.and_then(|name| JobState::of_name(&name));
             let waits = matches!(state, Some(JobState::Checking | JobState::Queued));
             let open = state.filter(|state| !state.is_final());

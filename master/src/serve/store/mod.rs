@@ -57,8 +57,7 @@ impl Store {
 /// Makes a file that only its owner can read, if there is none.
 fn private(path: &Path) -> std::io::Result<()> {
     use std::os::unix::fs::OpenOptionsExt;
-    let file =
-        std::fs::OpenOptions::new().create(true).append(true).mode(0o600).open(path)?;
+    let file = std::fs::OpenOptions::new().create(true).append(true).mode(0o600).open(path)?;
     drop(file);
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! Events, tokens and the audit log in the database.
 
 use super::{Outcome, Store, now};
-use crate::serve::api::AuditEntry;
 use crate::cli::Role;
+use crate::serve::api::AuditEntry;
 use crate::serve::tokens::Identity;
 use rusqlite::{OptionalExtension, params};
 
@@ -63,7 +63,8 @@ impl Store {
     /// The database fails.
     pub async fn add_token(&self, name: String, role: Role, hash: String) -> Outcome<()> {
         let sql = "INSERT OR REPLACE INTO token (name, role, hash, made) VALUES (?1, ?2, ?3, ?4)";
-        self.call(move |db| db.execute(sql, params![name, role.name(), hash, now()]).map(drop)).await
+        self.call(move |db| db.execute(sql, params![name, role.name(), hash, now()]).map(drop))
+            .await
     }
 
     /// Removes a token. Returns false if there is none.
@@ -121,7 +122,8 @@ impl Store {
     /// The database fails.
     pub async fn audit_log(&self, limit: u32) -> Outcome<Vec<AuditEntry>> {
         self.call(move |db| {
-            let sql = "SELECT at, who, what, job, detail, status FROM audit ORDER BY id DESC LIMIT ?1";
+            let sql =
+                "SELECT at, who, what, job, detail, status FROM audit ORDER BY id DESC LIMIT ?1";
             let mut query = db.prepare_cached(sql)?;
             let entry = |row: &rusqlite::Row| {
                 Ok(AuditEntry {
