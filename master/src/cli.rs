@@ -327,7 +327,7 @@ pub struct ServeArgs {
     pub openapi: bool,
 }
 
-/// What a token of a service may do.
+/// Role of a token of a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// Sees all jobs and their files.

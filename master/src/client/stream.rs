@@ -44,7 +44,7 @@ pub fn watch(server: &Server, id: i64) -> Ended {
     }
 }
 
-/// What has been shown.
+/// Text that has been shown.
 #[derive(Default)]
 struct Shown {
     /// Number of the last event.
@@ -108,7 +108,8 @@ mod tests {
     #[test]
     fn a_stream_is_read_to_its_end_or_its_break() {
         let mut shown = Shown::default();
-        let cut = "id: 7\nevent: event\ndata: {\"answer\": \"event\", \"text\": \"hello\"}\n\n: alive\n\n";
+        let cut = "id: 7\nevent: event\ndata: {\"answer\": \"event\", \"text\": \"hello\"}\n\n\
+                   : alive\n\n";
         assert!(!shown.read(cut.as_bytes()));
         assert_eq!(shown.last, 7);
         assert!(shown.read("event: end\ndata: {}\n\nevent: event\n".as_bytes()));

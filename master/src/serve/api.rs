@@ -1,4 +1,4 @@
-//! What clients send to the service and get from it, as JSON.
+//! Messages between clients and the service, as JSON.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -186,7 +186,7 @@ pub struct FileEntry {
     pub size: u64,
 }
 
-/// What `crumple check` says of a job.
+/// Findings of `crumple check` on a job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Findings {
     /// True if the job can run.
@@ -219,7 +219,7 @@ pub struct Refusal {
     pub error: String,
 }
 
-/// What this token may do, and what the service offers.
+/// Rights of this token, and the offer of the service.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct About {
     /// Name of the token.

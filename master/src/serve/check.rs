@@ -20,7 +20,7 @@ const MOST_TEXT: usize = 1 << 20;
 pub struct Checked {
     /// True if the job can run.
     pub usable: bool,
-    /// What the check said.
+    /// Output of the check.
     pub text: String,
     /// Estimated memory [MB].
     pub memory_mb: f64,

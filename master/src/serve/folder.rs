@@ -92,7 +92,7 @@ impl JobFolder {
     /// Returns a file that clients may read, by its path in the folder.
     ///
     /// # Errors
-    /// The name is refused, or there is no such file; the kind tells them apart.
+    /// The name is refused, or there is no such file; the kind of the error says which.
     pub fn readable(&self, name: &str) -> io::Result<PathBuf> {
         let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
         let path = self.0.join(relative(name).map_err(refused)?);

@@ -32,7 +32,7 @@ const MOST_CHECKS: usize = 2;
 /// Longest reason that is stored [characters].
 const LONGEST_REASON: usize = 400;
 
-/// What the service needs for all jobs.
+/// State of the service for all jobs.
 pub struct Keeper {
     /// Database.
     pub store: Store,
@@ -50,7 +50,7 @@ pub struct Keeper {
     notes: Mutex<Notes>,
 }
 
-/// What is known only while the service runs.
+/// State that exists only while the service runs.
 #[derive(Default)]
 struct Notes {
     checking: HashSet<i64>,
@@ -184,7 +184,7 @@ impl Keeper {
         Ok(())
     }
 
-    /// Tells all watchers the present state of a job.
+    /// Sends the present state of a job to all watchers.
     ///
     /// # Errors
     /// The database fails.
@@ -244,7 +244,7 @@ impl Keeper {
     }
 
     /// Withdraws an attempt that no process has claimed in time, or that was ordered before the
-    /// service was killed: nobody knows if there is a process for it.
+    /// service was killed: a process for it may exist.
     async fn wait(&self, stored: &Stored, order: &Order) -> Turn {
         let id = stored.job.id;
         let handle = stored.handle.clone();

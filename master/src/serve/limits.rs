@@ -1,7 +1,7 @@
-//! Which of the jobs that wait start now.
+//! Choice of the waiting jobs that start now.
 //!
-//! Jobs start by priority, then in the order of submission. A job that does not fit holds back those
-//! after it, so that none waits for ever.
+//! Jobs start by priority, then in the order of submission. A job that does not fit holds back
+//! those after it, so that none waits for ever.
 
 /// Places and memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -470,7 +470,8 @@ fn requests_that_are_no_requests_are_refused() {
         b"GET /\x00 HTTP/1.1\r\nHost: x\r\n\r\n",
         b"GET / HTTP/1.1\r\nHost : x\r\n\r\n",
         b"POST /api/jobs HTTP/1.1\r\nContent-Length: 5\r\nContent-Length: 6\r\n\r\n",
-        b"POST /api/jobs HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 4\r\nConnection: close\r\n\r\nzz\r\n",
+        b"POST /api/jobs HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 4\r\n\
+          Connection: close\r\n\r\nzz\r\n",
     ] {
         let reply = service.raw(bytes);
         assert!(!(200..300).contains(&reply.status), "{bytes:?}: {}", reply.head);
@@ -494,7 +495,8 @@ fn submissions_that_are_too_large_or_cut_off_leave_nothing() {
     refused(&service, "many files", &service.post("/api/jobs", &json!({"files": many})), &[413]);
     let head = format!(
         "POST /api/jobs HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {}\r\nContent-Type: \
-         multipart/form-data; boundary=xyz\r\nContent-Length: 100000\r\n\r\n--xyz\r\nContent-Disposition: \
+         multipart/form-data; boundary=xyz\r\nContent-Length: 100000\r\n\r\n\
+         --xyz\r\nContent-Disposition: \
          form-data; name=\"file\"; filename=\"job.toml\"\r\n\r\nend_time",
         service.host, service.token
     );

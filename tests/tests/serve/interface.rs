@@ -55,10 +55,11 @@ fn a_list_of_ten_thousand_jobs_is_answered_a_page_at_a_time() {
     let service = Service::start(&[]);
     let path = service.dir().join("service.db");
     // Written by another program, as a backup would read it.
-    let script = "import sqlite3,sys\ndb=sqlite3.connect(sys.argv[1])\ndb.executemany(\"INSERT INTO job \
+    let script = "import sqlite3,sys\ndb=sqlite3.connect(sys.argv[1])\n\
+                  db.executemany(\"INSERT INTO job \
                   (name,owner,state,priority,workers,launcher,main,sets,retries,submitted) VALUES \
-                  (?,'a','completed',0,1,'threads','job.toml','[]',0,1.0)\",[('job %d'%i,) for i in \
-                  range(10000)])\ndb.commit()";
+                  (?,'a','completed',0,1,'threads','job.toml','[]',0,1.0)\",[('job %d'%i,) for i \
+                  in range(10000)])\ndb.commit()";
     let Some(python) = tools::python("sqlite3") else { return };
     let filled = Command::new(python).args(["-c", script]).arg(path).status().unwrap();
     assert!(filled.success());

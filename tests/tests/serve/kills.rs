@@ -31,7 +31,7 @@ fn a_service_that_is_killed_at_any_moment_loses_no_job_and_runs_none_twice() {
     }
     for id in &ids {
         let job = service.wait_for(*id, "completed");
-        // Of all attempts, one has run; the others were withdrawn before they began.
+        // One attempt has run; the others were withdrawn before they began.
         let attempts = job["attempt"].as_i64().unwrap();
         let texts: Vec<String> = (1..=attempts)
             .map(|n| fs::read_to_string(service.folder(*id).join(format!("attempt-{n}"))))

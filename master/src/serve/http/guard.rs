@@ -1,4 +1,4 @@
-//! What every request must pass: the name of the host, the token, the rate, the time. Every order
+//! Checks of every request: the name of the host, the token, the rate, the time. Every order
 //! goes into the audit log.
 
 use super::problem::Problem;
@@ -264,8 +264,9 @@ pub async fn bound(State(app): State<App>, request: Request, next: Next) -> Resp
 pub async fn headers(request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     let headers = response.headers_mut();
-    let policy = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
-                  img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'self'";
+    let policy = "default-src 'none'; script-src 'self'; style-src 'self'; \
+                  connect-src 'self'; img-src 'self' data:; frame-ancestors 'none'; \
+                  base-uri 'none'; form-action 'self'";
     headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(policy));
     for (name, value) in [
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),

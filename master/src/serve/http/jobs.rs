@@ -19,7 +19,7 @@ use utoipa::IntoParams;
 /// Largest page of a list.
 const LARGEST_PAGE: u32 = 500;
 
-/// Which jobs a list shows.
+/// Filters and page of a list.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 pub struct ListQuery {

@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// Largest body of a request other than a submission [byte].
 const SMALL_BODY: usize = 64 * 1024;
 
-/// What all handlers share.
+/// State that all handlers share.
 #[derive(Clone)]
 pub struct App {
     /// Jobs.

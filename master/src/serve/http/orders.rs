@@ -23,7 +23,8 @@ const EFFECT_WITHIN: Duration = Duration::from_secs(120);
     params(("id" = i64, Path, description = "job")),
     request_body(content = String, content_type = "application/json",
                  description = "a request as on the socket of a run"),
-    responses((status = 200, description = "the line of the run", content_type = "application/json"),
+    responses((status = 200, description = "the line of the run",
+               content_type = "application/json"),
               (status = 403, body = Refusal), (status = 404, body = Refusal),
               (status = 409, body = Refusal), (status = 422, body = Refusal)))]
 pub async fn order(

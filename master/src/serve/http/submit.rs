@@ -77,7 +77,7 @@ impl Drop for Arrival {
         }
         let (store, id, folder) = (self.app.keeper.store.clone(), self.id, self.folder.clone());
         tokio::spawn(async move {
-            // What stays is removed at the next start.
+            // Files that stay are removed at the next start.
             let _ = tokio::fs::remove_dir_all(folder.path()).await;
             let _ = store.forget(id).await;
         });

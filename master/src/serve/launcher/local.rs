@@ -15,7 +15,7 @@ const RUN_LOCK: &str = "run.lock";
 
 /// Processes of this machine.
 pub struct Local {
-    /// What may be in use at a time.
+    /// Limit of what is in use at a time.
     pub limit: Amount,
     /// The program.
     pub program: PathBuf,

@@ -22,7 +22,7 @@ pub struct Order {
     pub words: Vec<String>,
 }
 
-/// What became of an attempt.
+/// State of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seen {
     /// It has not begun.

@@ -12,7 +12,7 @@ pub const SCRIPT: &str = "#!/bin/sh\nexec \"$@\"\n";
 
 /// Jobs of Slurm.
 pub struct Slurm {
-    /// What may be submitted at a time.
+    /// Limit of what is submitted at a time.
     pub limit: Amount,
     /// The program, on all nodes.
     pub program: PathBuf,

@@ -14,7 +14,7 @@ const COLUMNS: &str = "id, name, owner, state, priority, workers, launcher, main
 /// A job with what only the service needs.
 #[derive(Clone, Debug)]
 pub struct Stored {
-    /// What clients see.
+    /// The job as clients see it.
     pub job: Job,
     /// Changes given when it was resumed.
     pub later_sets: Vec<String>,
