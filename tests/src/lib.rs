@@ -7,6 +7,7 @@ pub mod imports;
 pub mod manual;
 pub mod program;
 pub mod restart;
+pub mod service;
 pub mod sheets;
 pub mod tools;
 

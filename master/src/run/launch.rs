@@ -2,9 +2,11 @@
 //! process.
 
 use crate::cli::RunArgs;
+use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::results::summary::{Status, Summary};
 use crate::results::{d3plot, exodus, fields, report, steering, vtkhdf};
+use crate::run::attempt::Attempt;
 use crate::run::checkpoint::manifest::Manifest;
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Guidance, Origin, Results, RunError};
@@ -33,6 +35,27 @@ fn launched_by_mpi() -> bool {
 
 /// Runs a job and returns the exit code.
 pub fn run(args: &RunArgs) -> u8 {
+    if let Some(folder) = &args.options.within
+        && let Err(error) = confine::to(folder)
+    {
+        eprintln!("error: {}: {error}", folder.display());
+        return Report::EXIT_CODE;
+    }
+    let attempt = match args.attempt.as_deref().map(Attempt::claim).transpose() {
+        Ok(attempt) => attempt,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Report::EXIT_CODE;
+        }
+    };
+    let code = run_or_supervise(args);
+    if let Some(attempt) = attempt {
+        attempt.end(code);
+    }
+    code
+}
+
+fn run_or_supervise(args: &RunArgs) -> u8 {
     if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
         return supervise::run(args, retries);
     }
