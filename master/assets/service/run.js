@@ -4,6 +4,7 @@
 const MOST_POINTS = 4000;
 const MOST_LOG = 500;
 const DRAW_EVERY = 500;
+const HISTORY_EVERY = 3000;
 const FINAL = ["checked", "completed", "refused", "failed", "lost", "stopped"];
 const KEYS = ["end_time", "output.field_interval", "output.history_interval", "parallel.imbalance", "parallel.low_every_at_least"];
 
@@ -79,6 +80,7 @@ class RunPage {
   }
 
   async history() {
+    this.asked = Date.now();
     const response = await fetch(`/api/jobs/${this.id}/files/results/history.csv`).catch(() => null);
     if (!response || !response.ok) return;
     const { rows, time, energy } = historyRows(await response.text());
@@ -125,7 +127,9 @@ class RunPage {
     for (const button of byId("run-orders").querySelectorAll("button")) {
       button.disabled = !mine || !allowed[button.dataset.order];
     }
-    if (FINAL.includes(job.state) || job.state === "queued") this.files();
+    const rests = FINAL.includes(job.state) || job.state === "queued";
+    byId("run-report").hidden = true; // a run that continues removes its report
+    if (rests) this.files();
     if (job.state !== "checking") this.check();
   }
 
@@ -168,6 +172,8 @@ class RunPage {
       `cycle ${p.cycle}, time ${digits(p.time, 5)} ${this.units.time}, dt ${digits(p.dt, 3)}, energy error ` +
       `${(100 * e.error).toFixed(2)} %, ${p.pairs} pairs, ${low} low and ${high} high redecompositions, ${p.wall_s.toFixed(0)} s`;
     this.changed = true;
+    // The first rows of a run may not have been written when the page was opened.
+    if (!this.units.time && Date.now() > this.asked + HISTORY_EVERY) this.history();
   }
 
   draw() {
@@ -194,7 +200,8 @@ class RunPage {
   /** Updates the plots in place, or makes them if their lines have changed. */
   redraw() {
     if (!this.groups) return;
-    const shape = JSON.stringify([this.groups.map((g) => g.plots.map((p) => p.lines.length)), matchMedia("(prefers-color-scheme: dark)").matches]);
+    // Few points are drawn as circles, and the units come with the history.
+    const shape = JSON.stringify([this.groups.map((g) => [g.time.length < 3, g.plots.map((p) => p.lines.length)]), this.units, matchMedia("(prefers-color-scheme: dark)").matches]);
     if (shape !== this.shape || !this.plots) {
       this.shape = shape;
       const place = byId("plots");
