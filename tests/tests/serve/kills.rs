@@ -97,8 +97,10 @@ fn a_job_whose_processes_are_killed_continues_from_its_checkpoint() {
         let job = service.job(id);
         (job["state"] == "running" && job["attempt"] == 2).then_some(())
     });
-    let log = fs::read_to_string(service.folder(id).join("results/log.jsonl")).unwrap();
-    assert!(log.contains("checkpoint"), "{log}");
+    let log = service.folder(id).join("results/log.jsonl");
+    service.wait("the run continues from the checkpoint", |_| {
+        fs::read_to_string(&log).ok()?.contains("run continues").then_some(())
+    });
     assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &serde_json::json!({})).status, 202);
     service.wait_for(id, "stopped");
 }
