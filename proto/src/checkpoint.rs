@@ -14,7 +14,7 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 /// Version of the format of manifests and files. It changes with every change of their content.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 /// Largest count in a checkpoint, such as a number of cycles. A larger one was not counted but is
 /// wrong, and could overflow.
 pub const MOST: u64 = 1 << 53;
@@ -275,7 +275,8 @@ mod tests {
                 assert_eq!(decode(&encode(words, kind).unwrap()).unwrap(), words, "{kind:?}");
             }
             let dir = tempfile::tempdir().unwrap();
-            let record = write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
+            let record =
+                write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
             assert_eq!(read(dir.path(), &record).unwrap(), WORDS);
         }
     }
@@ -286,7 +287,8 @@ mod tests {
     fn no_changed_file_is_read() {
         let dir = tempfile::tempdir().unwrap();
         for kind in [Compression::None, Compression::Zstd] {
-            let record = write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
+            let record =
+                write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
             let path = dir.path().join("a.bin");
             let good = std::fs::read(&path).unwrap();
             for i in 0..good.len() {

@@ -1,5 +1,6 @@
 //! Runs that are interrupted and continue from files, on engines in this process.
 
+use crate::fields::assert_same_fields;
 use crumple::input::job::Model;
 use crumple::results::histories::NAMES;
 use crumple::results::summary::state_digest;
@@ -164,21 +165,13 @@ pub fn assert_same_histories(one: &Path, other: &Path) {
 }
 
 /// Checks the files of a run that continued against those of one that did not: histories as in
-/// [`assert_same_histories`], and the times of fields, whose files exist.
+/// [`assert_same_histories`], and fields as in [`assert_same_fields`].
 ///
 /// # Panics
 /// When they differ.
 pub fn assert_same_files(whole: &Path, continued: &Path) {
     assert_same_histories(whole, continued);
-    let steps = |folder: &Path| {
-        let text = fs::read_to_string(folder.join("fields/fields.pvd")).unwrap();
-        assert!(text.lines().all(|l| !l.contains("<DataSet") || {
-            let file = l.split("file=\"").nth(1).unwrap().split('"').next().unwrap();
-            folder.join("fields").join(file).exists()
-        }));
-        text
-    };
-    assert_eq!(steps(whole), steps(continued));
+    assert_same_fields(whole, continued);
 }
 
 /// Returns the names of the complete checkpoints of a run, ascending.

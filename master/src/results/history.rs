@@ -171,10 +171,7 @@ impl Labels {
 
 /// Returns the names of walls, or their numbers if they have no names.
 pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
-    let name = |(i, w): (usize, &crumple_proto::wall::Wall)| {
-        if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
-    };
-    walls.iter().enumerate().map(name).collect()
+    walls.iter().enumerate().map(|(i, wall)| wall.label(i)).collect()
 }
 
 /// Returns the names of the walls that the run had from its start. Only these have columns in

@@ -61,7 +61,8 @@ impl Table {
     /// The file cannot be made.
     pub(crate) fn check(&mut self) -> io::Result<Option<PathBuf>> {
         let own = self.writer.get_ref().metadata()?;
-        let is_own = |there: &std::fs::Metadata| (there.dev(), there.ino()) == (own.dev(), own.ino());
+        let is_own =
+            |there: &std::fs::Metadata| (there.dev(), there.ino()) == (own.dev(), own.ino());
         match std::fs::metadata(&self.path) {
             Ok(there) if is_own(&there) => return Ok(None),
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -137,7 +138,8 @@ impl Tables<'_> {
             }
             let kept = there.map(|_| dir.join(format!("{name}.{SHORT}")));
             let kept = kept.filter(|kept| std::fs::rename(&path, kept).is_ok());
-            let kept = kept.map_or(String::new(), |kept| format!("; {} has the rest", kept.display()));
+            let kept =
+                kept.map_or(String::new(), |kept| format!("; {} has the rest", kept.display()));
             warnings.push(format!(
                 "{} was removed or shortened after the checkpoint: its rows until time {time:.6e} \
                  are lost, and it begins again with its header{kept}",

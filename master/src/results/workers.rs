@@ -64,7 +64,12 @@ impl Workers {
     pub fn new(tables: Tables<'_>, workers: usize, model: &Model) -> Result<Self, Unwritten> {
         let labels = Labels::from_units(&model.job.units);
         let file = tables.open(FILE, columns(&labels.length, &labels.time))?;
-        Ok(Self { file, lost: None, waiting: vec![None; workers], end_time: model.settings.end_time })
+        Ok(Self {
+            file,
+            lost: None,
+            waiting: vec![None; workers],
+            end_time: model.settings.end_time,
+        })
     }
 
     /// Adds a report. `imbalance` is the maximum over mean load since the master last judged it.

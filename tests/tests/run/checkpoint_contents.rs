@@ -6,21 +6,30 @@ use crumple::run::checkpoint::MasterState;
 use crumple::run::checkpoint::manifest::Manifest;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::decode;
+use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::threads;
 use crumple_tests::program::{crumple_with, root, run};
 use crumple_tests::restart::checkpoints;
-use crumple_tests::{read, variable};
+use crumple_tests::{case, read, variable};
 use crumple_worker::checkpoint::fit::{Fit, Source, read_common};
 use crumple_worker::checkpoint::{Piece, ReadState};
 use crumple_worker::engine::Engine;
+use crumple_worker::fem::blocks::Block;
+use crumple_worker::fem::elements::build_block;
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
+use std::collections::BTreeMap;
 use std::fs;
 
-/// Small scenes with contact, rigid bodies, walls, ties, springs, solids and erosion.
-const SCENES: [&str; 4] =
-    ["cases/slide", "cases/bars", "tests/decks/scenes/bodies.toml", "cases/corner"];
+/// Small scenes with contact, rigid bodies, walls, ties, solids and subcycles, each with a setting.
+const SCENES: [[&str; 2]; 5] = [
+    ["cases/slide", "title=\"\""],
+    ["cases/bars", "title=\"\""],
+    ["tests/decks/scenes/bodies.toml", "title=\"\""],
+    ["cases/corner", "title=\"\""],
+    ["cases/graded", "time.subcycles=4"],
+];
 
 /// A checkpoint in memory, with its job.
 struct Known {
@@ -35,8 +44,8 @@ struct Known {
 
 impl Known {
     /// Runs a scene on two workers until half of its time.
-    fn of(scene: &str) -> Self {
-        let model = read(&root().join(scene), &[]);
+    fn of([scene, set]: [&str; 2]) -> Self {
+        let model = read(&root().join(scene), &[set]);
         let at = format!("checkpoint.at=[{:?}]", 0.5 * model.settings.end_time);
         let end = format!("end_time={:?}", 0.51 * model.settings.end_time);
         let ended = run(crumple_with(&[
@@ -45,6 +54,8 @@ impl Known {
             "--no-report",
             "--workers=2",
             "--set=output.field_interval=-1",
+            "--set",
+            set,
             "--set",
             &at,
             "--set",
@@ -104,10 +115,10 @@ impl Known {
 
 /// Changes of random kinds to the words of all files. `CRUMPLE_MUTATIONS` sets their number. A run
 /// of a few cycles follows where a change is accepted, but not more often than every
-/// hundredth time: it is slow.
+/// tenth time: it is slow.
 #[test]
 fn mutated_contents_are_refused_or_are_states() {
-    let known: Vec<Known> = SCENES.iter().map(|scene| Known::of(scene)).collect();
+    let known: Vec<Known> = SCENES.map(Known::of).into();
     for known in &known {
         known.check(&known.common, &known.pieces).unwrap();
         known.go_on(&known.common, &known.pieces);
@@ -131,7 +142,7 @@ fn mutated_contents_are_refused_or_are_states() {
         if known.check(&common, &pieces).is_ok() {
             accepted += 1;
             if number >= due {
-                due = number + 100;
+                due = number + 10;
                 known.go_on(&common, &pieces);
             }
         }
@@ -153,7 +164,8 @@ fn mutated(random: &mut fastrand::Rng, good: &[u64]) -> Vec<u64> {
             0..4 => words[a] ^= 1 << random.u8(..64),
             4 => words[a] = random.u64(..),
             5 => {
-                let odd = [0, 1, u64::MAX, 1 << 53, 1 << 63, 1e300f64.to_bits(), f64::NAN.to_bits()];
+                let odd =
+                    [0, 1, u64::MAX, 1 << 53, 1 << 63, 1e300f64.to_bits(), f64::NAN.to_bits()];
                 words[a] = odd[random.usize(..odd.len())];
             }
             6 => words.truncate(a),
@@ -166,4 +178,27 @@ fn mutated(random: &mut fastrand::Rng, good: &[u64]) -> Vec<u64> {
         }
     }
     words
+}
+
+/// Every column of every kind of element in the scenes has a name of its own.
+#[test]
+fn every_column_has_a_name() {
+    let scenes = fs::read_dir(case("")).unwrap().map(|e| e.unwrap().path());
+    let mut kinds = 0;
+    for scene in scenes.filter(|p| p.join("job.toml").exists()) {
+        let model = read(&scene, &[]);
+        let (elements, _) = model.records();
+        let all: BTreeMap<(u32, u8), Shape> =
+            elements.iter().map(|e| ((e.part, e.shape as u8), e.shape)).collect();
+        for ((part, _), shape) in all {
+            let element = build_block(&model.settings, part as usize, shape).unwrap();
+            let mut names = Block::names_of(&*element);
+            assert_eq!(names.len(), Block::columns_of(&*element), "{shape:?} {}", scene.display());
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), Block::columns_of(&*element), "{shape:?} {names:?}");
+            kinds += 1;
+        }
+    }
+    assert!(kinds > 20, "{kinds}");
 }

@@ -11,7 +11,7 @@ use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::wire;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The job and its mesh at time 0.
@@ -105,6 +105,12 @@ impl<'a> Fit<'a> {
         for node in &piece.share.nodes {
             self.fit_node(node)?;
         }
+        let means: BTreeSet<NodeId> = piece.share.means.iter().map(|mean| mean.id).collect();
+        let wanted = if self.source.settings.subcycles > 1 { piece.share.nodes.len() } else { 0 };
+        if means.len() != wanted || piece.share.means.len() != wanted {
+            let count = means.len();
+            return Err(format!("it has mean velocities of {count} nodes instead of {wanted}"));
+        }
         let knows = |id: NodeId| self.node(id).is_some();
         let is_face =
             |id: SegmentId| self.element(id.elem()).is_some_and(|e| has_face(e, id.0 % 8));
@@ -155,10 +161,11 @@ impl<'a> Fit<'a> {
             "another thickness or offset"
         } else if u32::from(e.free_faces & !known.free_faces) >> e.shape.faces().len() != 0 {
             "faces that do not exist"
+        } else if e.slow != known.slow {
+            "other subcycles"
         } else if e.mass_factor.to_bits() != known.mass_factor.to_bits()
-            || !(e.share > 0.0 && e.share <= 1.0)
-            || e.stable_dt.is_nan()
-            || e.stable_dt < 0.0
+            || e.share.to_bits() != known.share.to_bits()
+            || e.stable_dt.to_bits() != known.stable_dt.to_bits()
         {
             "another mass or stable step"
         } else {
@@ -178,7 +185,10 @@ impl<'a> Fit<'a> {
         let is_finite = all.as_flattened().iter().all(|a| a.is_finite());
         let masses = [n.mass, n.inertia];
         if !is_finite || masses.iter().any(|m| !m.is_finite() || *m < 0.0) {
-            return Err(format!("node {} has a state that is not finite, or a negative mass", n.id));
+            return Err(format!(
+                "node {} has a state that is not finite, or a negative mass",
+                n.id
+            ));
         }
         Ok(())
     }

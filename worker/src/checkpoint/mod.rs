@@ -1,6 +1,7 @@
 //! Checkpoints of a worker: copying the state, writing it on a thread, and reading it again.
 
 pub mod fit;
+pub mod layout;
 pub mod writer;
 
 use crate::engine::checkpoint::{CommonState, WorkerState};

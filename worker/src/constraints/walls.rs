@@ -23,6 +23,7 @@ use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
+pub(crate) use shape::Form as SurfaceForm;
 pub use shape::WallSurface;
 
 /// One wall.

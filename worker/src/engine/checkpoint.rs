@@ -55,9 +55,7 @@ impl CommonState {
         let interfaces = settings.contact.as_ref().map_or(0, |contact| contact.each().count());
         if self.started.len() != interfaces {
             let count = self.started.len();
-            return Err(format!(
-                "it has {count} contact interfaces, and the job has {interfaces}"
-            ));
+            return Err(format!("it has {count} contact interfaces, and the job has {interfaces}"));
         }
         if self.limits.iter().chain([&self.slow_dt]).any(|dt| dt.is_nan() || *dt < 0.0) {
             return Err("it has a limit of the step that is not a time".into());

@@ -9,7 +9,7 @@
 mod file;
 
 use crate::results::field_file::steps;
-use crate::results::fields::COLLECTION;
+use crate::results::fields::{COLLECTION, DIR};
 use crate::results::snapshot::Snapshot;
 use crumple_proto::disk::watched;
 use std::path::Path;
@@ -28,7 +28,7 @@ pub fn run(dir: &Path) -> u8 {
 /// There are no fields or they cannot be read, an id has more than 31 bits, or the file cannot be
 /// written.
 pub fn export(dir: &Path) -> Result<String, String> {
-    let collection = dir.join("fields").join(COLLECTION);
+    let collection = dir.join(DIR).join(COLLECTION);
     let steps = steps(&collection)?;
     let Some(first) = steps.first() else {
         return Err(format!("{} lists no step; run the job with fields", collection.display()));

@@ -36,8 +36,9 @@ pub fn export(_: &Path) -> Result<String, String> {
 /// There are no fields or they cannot be read, or the file cannot be written.
 #[cfg(feature = "vtkhdf")]
 pub fn export(dir: &Path) -> Result<String, String> {
-    let collection = dir.join("fields").join(crate::results::fields::COLLECTION);
-    let steps = crate::results::field_file::steps(&collection)?;
+    use crate::results::{field_file, fields};
+    let collection = dir.join(fields::DIR).join(fields::COLLECTION);
+    let steps = field_file::steps(&collection)?;
     if steps.is_empty() {
         return Err(format!("{} lists no step; run the job with fields", collection.display()));
     }

@@ -1,7 +1,7 @@
 //! Finds the newest checkpoint that is whole, and removes what a dead run has left.
 
 use super::MasterState;
-use super::manifest::{MANIFEST, Manifest, sync};
+use super::manifest::{MANIFEST, Manifest, Stamp, sync};
 use crate::input::job::Model;
 use crate::results::table::Tables;
 use crumple_proto::checkpoint::{PARTIAL, read};
@@ -9,11 +9,15 @@ use crumple_proto::disk::watched;
 use crumple_proto::message::Changes;
 use crumple_proto::partition::ElementRecord;
 use crumple_worker::checkpoint::fit::{Expected, Source, verify};
+use crumple_worker::checkpoint::layout::difference;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 /// Name of the folder of all checkpoints in the folder of a run.
 pub const DIR: &str = "checkpoints";
+
+/// Advice for a wrong folder.
+const GIVE: &str = "give the folder of a run, with `checkpoints` in it, or of one checkpoint";
 
 /// Mark in the name of a checkpoint that another one of the same cycle replaces.
 const OLD: &str = ".old";
@@ -34,6 +38,8 @@ pub struct Resumption {
     pub refused: Vec<String>,
     /// Messages about rows of histories that are lost.
     pub lost: Vec<String>,
+    /// Complete checkpoints of later cycles, removed when the run continued.
+    pub removed: Vec<PathBuf>,
 }
 
 /// Returns the folders of checkpoints in a folder, the newest first.
@@ -88,11 +94,20 @@ fn names(folder: &Path) -> Option<(PathBuf, PathBuf)> {
 /// Returns the folder of the run, for this folder or that of one of its checkpoints.
 ///
 /// # Errors
-/// The folder does not exist.
+/// The folder does not exist, or it has no checkpoints and is none.
 pub fn run_folder(dir: &Path) -> Result<PathBuf, String> {
+    let named = |why: String| format!("{}: {why}", dir.display());
     let canonical = watched(dir, || std::fs::canonicalize(dir));
-    let canonical = canonical.map_err(|e| format!("{}: {e}", dir.display()))?;
+    let canonical = canonical.map_err(|e| named(e.to_string()))?;
     let single = watched(dir, || canonical.join(MANIFEST).exists());
+    if !watched(dir, || canonical.is_dir()) {
+        return Err(named(format!("a file; {GIVE}")));
+    }
+    if !single && watched(dir, || folders(&canonical.join(DIR))).is_empty() {
+        let inside = canonical.ancestors().any(|a| a.file_name() == Some(DIR.as_ref()));
+        let what = if inside { "not a whole checkpoint" } else { "there are no checkpoints" };
+        return Err(named(format!("{what}; {GIVE}")));
+    }
     Ok(canonical.ancestors().nth(if single { 2 } else { 0 }).unwrap_or(&canonical).to_owned())
 }
 
@@ -129,16 +144,12 @@ impl Candidates {
             if names(&folder).is_some() && !watched(&folder, || folder.join(MANIFEST).exists()) {
                 continue; // a run has ended while it wrote this one
             }
-            match Manifest::read(&folder) {
+            match watched(&folder.join(MANIFEST), || Manifest::read(&folder)) {
                 Ok(manifest) => return Ok((folder, manifest)),
                 Err(why) => self.refuse(why),
             }
         }
-        let mut message = format!(
-            "{}: there is no whole checkpoint; give the folder of a run, with `{DIR}` in it, or of \
-             one checkpoint",
-            self.dir.display()
-        );
+        let mut message = format!("{}: there is no whole checkpoint; {GIVE}", self.dir.display());
         self.refused.iter().for_each(|why| message += &format!("\n  {why}"));
         Err(message)
     }
@@ -148,22 +159,36 @@ impl Candidates {
         self.refused.push(why);
     }
 
-    /// Returns what a run needs to continue from a checkpoint: reads the state of the master.
+    /// Returns what a run needs to continue from a checkpoint: reads the state of the master. `job`
+    /// has the names of the columns of this program.
     ///
     /// # Errors
     /// It cannot be used; the message names the file.
-    pub fn take(&self, folder: &Path, manifest: &Manifest) -> Result<Resumption, String> {
+    pub fn take(
+        &self,
+        folder: &Path,
+        manifest: &Manifest,
+        job: &Stamp,
+    ) -> Result<Resumption, String> {
+        if let Some(why) = difference(&manifest.stamp.layout, &job.layout) {
+            return Err(format!(
+                "{}: another version of the program ({}) wrote it: {why}",
+                folder.join(MANIFEST).display(),
+                manifest.program
+            ));
+        }
         let words = read(folder, &manifest.master)?;
         let master = MasterState::from_words(&words, &manifest.captured)
             .map_err(|why| format!("{}: {why}", folder.join(&manifest.master.name).display()))?;
         Ok(Resumption {
             run: run_folder(&self.dir)?,
-            lost: Vec::new(),
             folder: folder.to_owned(),
             manifest: manifest.clone(),
             master,
             changes: Changes::default(),
             refused: self.refused.clone(),
+            lost: Vec::new(),
+            removed: Vec::new(),
         })
     }
 }
@@ -175,12 +200,10 @@ impl Resumption {
     /// They are not; the message names the file.
     pub fn fit(&self, model: &Model) -> Result<(), String> {
         let (elements, nodes) = model.records();
-        let source =
-            Source { settings: &model.settings, elements: &elements, nodes: &nodes };
+        let source = Source { settings: &model.settings, elements: &elements, nodes: &nodes };
         let deleted = &deleted(&self.manifest.stamp.job);
-        let is_there = |e: &&ElementRecord| {
-            !deleted.contains(&model.settings.parts[e.part as usize].id)
-        };
+        let is_there =
+            |e: &&ElementRecord| !deleted.contains(&model.settings.parts[e.part as usize].id);
         let wanted = elements.iter().filter(is_there).count();
         let Manifest { captured, elements, common, pieces, .. } = &self.manifest;
         if *elements != wanted {
@@ -189,9 +212,8 @@ impl Resumption {
                 self.folder.join(MANIFEST).display()
             ));
         }
-        let named = |why| {
-            format!("{}: {why}", self.folder.join(&self.manifest.master.name).display())
-        };
+        let named =
+            |why| format!("{}: {why}", self.folder.join(&self.manifest.master.name).display());
         self.master.fit(model).map_err(named)?;
         let expected = Expected { captured: *captured, elements: wanted };
         verify(&self.folder, common, pieces, source, expected)
@@ -213,8 +235,7 @@ fn deleted(job: &serde_json::Value) -> Vec<u32> {
 /// Returns the folder and the manifest of the newest checkpoint of a run that has a manifest.
 pub fn newest(run: &Path) -> Option<(PathBuf, Manifest)> {
     let with_manifest = |folder: PathBuf| Some((Manifest::read(&folder).ok()?, folder));
-    let listed = watched(run, || folders(&run.join(DIR)));
-    let found = listed.into_iter().find_map(with_manifest);
+    let found = folders(&run.join(DIR)).into_iter().find_map(with_manifest);
     found.map(|(manifest, folder)| (folder, manifest))
 }
 
@@ -244,15 +265,22 @@ pub fn unfinished(run: &Path) -> Option<String> {
 }
 
 /// Removes what a run that has ended left after its checkpoint: folders without manifest, and
-/// checkpoints of later cycles.
-pub fn tidy(dir: &Path, kept: Option<&Path>) {
+/// checkpoints of later cycles; without a checkpoint from which the run continues, all. Returns the
+/// complete ones that were removed.
+pub fn tidy(dir: &Path, kept: Option<&Path>) -> Vec<PathBuf> {
+    let is_later = |folder: &Path| kept.is_none_or(|kept| folder.file_name() > kept.file_name());
+    let mut removed = Vec::new();
     for folder in folders(dir) {
-        let later = kept.is_some_and(|kept| folder.file_name() > kept.file_name());
-        if kept.is_none() || later || !folder.join(MANIFEST).exists() {
-            // If this fails, it stays, and the run goes on.
-            let _ = std::fs::remove_dir_all(folder);
+        let is_complete = folder.join(MANIFEST).exists();
+        if !is_later(&folder) && is_complete {
+            continue;
+        }
+        // If it cannot be removed, it stays, and the run goes on.
+        if std::fs::remove_dir_all(&folder).is_ok() && is_complete {
+            removed.push(folder);
         }
     }
+    removed
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 //! The first line has the format version and the blake3 sum of the rest, which is JSON. The file is
 //! renamed into place after all others are on disk: a folder without it is no checkpoint.
 
-use crumple_proto::disk::watched;
 use crumple_proto::checkpoint::{Captured, FORMAT, FileRecord};
+use crumple_worker::checkpoint::layout::Layout;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, Write};
@@ -29,6 +29,8 @@ pub struct Stamp {
     pub job: serde_json::Value,
     /// Blake3 sum of the model at time 0: nodes and elements.
     pub mesh: String,
+    /// Names of all columns and fields in the files.
+    pub layout: Layout,
 }
 
 /// Contents of a manifest.
@@ -95,12 +97,11 @@ impl Manifest {
     pub fn read(folder: &Path) -> Result<Self, String> {
         let path = folder.join(MANIFEST);
         let named = |why: String| format!("{}: {why}", path.display());
-        let size = watched(&path, || std::fs::metadata(&path));
-        let size = size.map_err(|e| named(e.to_string()))?.len();
+        let size = std::fs::metadata(&path).map_err(|e| named(e.to_string()))?.len();
         if size > LARGEST {
             return Err(named(format!("a manifest does not have {size} bytes")));
         }
-        let bytes = watched(&path, || std::fs::read(&path)).map_err(|e| named(e.to_string()))?;
+        let bytes = std::fs::read(&path).map_err(|e| named(e.to_string()))?;
         Self::from_bytes(&bytes).map_err(named)
     }
 

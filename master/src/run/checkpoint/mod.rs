@@ -14,8 +14,8 @@ pub mod manifest;
 
 use crate::input::job::Model;
 use crate::results::history::Course;
-use crate::results::table::Tables;
 use crate::results::summary::{CheckpointSummary, Restart};
+use crate::results::table::Tables;
 use crate::run::balance::Accounts;
 use copies::Copies;
 use crumple_proto::checkpoint::{
@@ -80,7 +80,8 @@ impl MasterState {
     /// They are no state of this cycle: the reason.
     pub fn from_words(words: &[u64], captured: &Captured) -> Result<Self, String> {
         let state: Self = wire::decode_state(words).ok_or("it is no state of the master")?;
-        let times = [state.wall_s, state.history_interval, state.end_time, state.output.rows_from.1];
+        let times =
+            [state.wall_s, state.history_interval, state.end_time, state.output.rows_from.1];
         let others = [state.imbalance, state.output.field_interval];
         let fields = state.field_times.iter().chain(&state.output.additional);
         let fields = fields.chain(state.steps.iter().map(|(_, time)| time));
@@ -157,6 +158,8 @@ pub struct Checkpoints {
     stamp: Stamp,
     /// Time of the last order, or of the start.
     last: Instant,
+    /// Time from the order of the last complete checkpoint to its end.
+    took: Duration,
     /// Time since which a checkpoint is being written.
     since: Instant,
     ordered: bool,
@@ -166,6 +169,8 @@ pub struct Checkpoints {
     /// without progress of a file after which a checkpoint is given up.
     patience: Duration,
     complained: bool,
+    /// True when the run has ended and waits for its files.
+    is_over: bool,
     /// By cycle and number of earlier captures in it.
     pending: BTreeMap<[u64; 2], Pending>,
     /// Checkpoints with the files of all workers, until the thread is free.
@@ -191,11 +196,13 @@ impl Checkpoints {
             elements,
             stamp: Stamp::default(),
             last: Instant::now(),
+            took: Duration::ZERO,
             since: Instant::now(),
             ordered: false,
             requested: false,
             patience: asked.patience().expect("the job is checked when it is read"),
             complained: false,
+            is_over: false,
             pending: BTreeMap::new(),
             queue: VecDeque::new(),
             finishing: None,
@@ -215,11 +222,12 @@ impl Checkpoints {
         &self.dir
     }
 
-    /// Returns true if a checkpoint should be ordered now: the interval is over and the run is not
-    /// `paused`, or one is `asked` for. It is then counted as ordered. While another is being
-    /// written, the request waits.
+    /// Returns true if a checkpoint should be ordered now: the interval is nearly over and the run
+    /// is not `paused`, or one is `asked` for. It is then counted as ordered. While another is
+    /// being written, the request waits.
     pub fn take_due(&mut self, asked: bool, paused: bool) -> bool {
-        let over = !paused && self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
+        let wait = self.interval.map(|interval| interval - self.ahead(interval));
+        let over = !paused && wait.is_some_and(|wait| self.last.elapsed() >= wait);
         self.requested |= asked;
         let due = (self.requested || over) && !self.is_busy();
         if due {
@@ -227,6 +235,14 @@ impl Checkpoints {
             self.last = Instant::now();
         }
         due
+    }
+
+    /// Returns the time before the end of the interval at which a checkpoint is ordered, so that it
+    /// is complete when the interval is over: at any moment the work since the last complete one is
+    /// that of one interval. It is twice the time that the last one took, at most half the
+    /// interval.
+    fn ahead(&self, interval: Duration) -> Duration {
+        (2 * self.took).min(interval / 2)
     }
 
     /// Returns true if some workers have copied their states for a checkpoint or in memory, and
@@ -347,6 +363,7 @@ impl Checkpoints {
         (self.ordered, self.complained) = (false, false);
         Some(match ended.unwrap_or_else(|_| Err("the thread that writes ended early".into())) {
             Ok(bytes) => {
+                self.took = self.last.elapsed();
                 self.summary.written += 1;
                 self.summary.bytes = bytes;
                 self.summary.copy_s += copy_s;
@@ -369,6 +386,7 @@ impl Checkpoints {
     /// which a run waits for a file system.
     pub fn wait(&mut self) -> Vec<Result<String, String>> {
         let mut all = Vec::new();
+        self.is_over = true;
         while self.finishing.is_some() || !self.queue.is_empty() {
             all.extend(self.poll());
             if let Some(cycle) = self.hanging() {
@@ -402,9 +420,10 @@ impl Checkpoints {
         let kept = self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
             format!("the one of cycle {cycle} is kept")
         });
+        let continues = if self.is_over { "" } else { ", and the run continues" };
         format!(
-            "the checkpoint of cycle {cycle} could not be written: {why}; {kept}, and the run \
-             continues. Free space or make the folder writable"
+            "the checkpoint of cycle {cycle} could not be written: {why}; {kept}{continues}. Free \
+             space or make the folder writable"
         )
     }
 }
@@ -521,6 +540,25 @@ mod tests {
         assert!(matches!(&ended[..], [Err(why)] if why.contains("no space")), "{ended:?}");
         assert!(all.take_due(false, false), "the request has waited");
         assert!(!all.take_due(false, false), "it is served");
+    }
+
+    /// The time that the last checkpoint took is that of the order of the next one before the end
+    /// of its interval.
+    #[test]
+    fn a_checkpoint_is_complete_when_its_interval_is_over() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        let interval = Duration::from_secs(1000);
+        all.interval = Some(interval);
+        for (took, ahead) in [(0, 0), (3, 6), (400, 500)] {
+            all.took = Duration::from_secs(took);
+            let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+            all.last = ago(1000 - ahead - 1);
+            assert!(!all.take_due(false, false), "{took}");
+            all.last = ago(1000 - ahead);
+            assert!(all.take_due(false, false), "{took}");
+            all.ordered = false;
+        }
     }
 
     /// The folder was removed after a worker wrote into it, and made again by another one.

@@ -23,7 +23,7 @@ pub struct WallSurface {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Form {
+pub(crate) enum Form {
     Plane,
     /// Directions and lengths of the sides; unlimited lengths are infinite.
     Rectangle([(V3, f64); 2]),
