@@ -196,7 +196,8 @@ impl Write for Summed<'_> {
 }
 
 /// Writes a file under its name in `folder`, and waits until the disk has it. Its words come in
-/// several pieces; beyond them the memory of a portion is used. Calls `progress` after each portion.
+/// several pieces; beyond them the memory of a portion is used. Calls `progress` after each
+/// portion.
 ///
 /// # Errors
 /// The file cannot be written.

@@ -327,8 +327,8 @@ impl History {
     pub fn add_lost(&mut self, path: &Path) {
         let until = self.course.last.as_ref().map_or(0.0, |row| row.sum.time);
         self.lost.push(format!(
-            "{} was removed during the run: its rows until time {until:.6e} are lost, and it begins \
-             again with its header",
+            "{} was removed during the run: its rows until time {until:.6e} are lost, and it \
+             begins again with its header",
             path.display()
         ));
     }

@@ -191,8 +191,8 @@ fn set_patience(args: &RunArgs) {
     }
 }
 
-/// Reads the job, with the `key=value` of a checkpoint before those of the command line. Returns the
-/// model, all `key=value`, and the number of workers.
+/// Reads the job, with the `key=value` of a checkpoint before those of the command line. Returns
+/// the model, all `key=value`, and the number of workers.
 fn read_job(
     args: &RunArgs,
     workers: impl Fn(&Model) -> Result<usize, Report>,

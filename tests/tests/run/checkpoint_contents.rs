@@ -1,5 +1,5 @@
-//! Checkpoints with right sums and wrong contents: each is refused with a reason, or is a state from
-//! which a run continues. None causes a panic.
+//! Checkpoints with right sums and wrong contents: each is refused with a reason, or is a state
+//! from which a run continues. None causes a panic.
 
 use crumple::input::job::Model;
 use crumple::run::checkpoint::MasterState;
