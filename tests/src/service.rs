@@ -126,6 +126,11 @@ impl Service {
         self.token = access["token"].as_str().unwrap().into();
     }
 
+    /// Sets the options of the next start.
+    pub fn set_options(&mut self, options: &[&str]) {
+        self.options = options.iter().map(ToString::to_string).collect();
+    }
+
     /// Returns what the service has printed.
     pub fn said(&self) -> String {
         fs::read_to_string(self.folder.path().join("said")).unwrap_or_default()

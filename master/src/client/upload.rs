@@ -60,7 +60,8 @@ pub fn files(job: &Path, further: &[PathBuf]) -> Result<Files, String> {
     Ok(Files { main, all })
 }
 
-/// Submits a job.
+/// Submits a job as `multipart/form-data`. `ureq` has such a form too, but writes names of files as
+/// they are: a quotation mark would end the header.
 ///
 /// # Errors
 /// The service refuses, or a file cannot be read.

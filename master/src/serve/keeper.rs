@@ -1,4 +1,4 @@
-//! THE LOOP of the service: it checks, starts, watches and ends jobs. All it knows is in the
+//! The loop of the service: it checks, starts, watches and ends jobs. Its whole state is in the
 //! database and in the folders of the jobs, so that it can be killed at any moment.
 
 use super::api::{Job, JobState};
@@ -10,7 +10,7 @@ use super::live::{Line, Live};
 use super::store::{Store, Stored};
 use crate::run::attempt::{self, State};
 use crate::run::checkpoint::find::newest_cycle;
-use crumple_proto::exit_code::{STOPPED, WORKER_LOST};
+use crumple_proto::exit_code::{BAD_INPUT, STOPPED, WORKER_LOST};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -314,6 +314,12 @@ impl Keeper {
     /// Starts jobs that wait, as far as they fit.
     async fn start_those_that_fit(self: &Arc<Self>) -> Turn {
         let queued = self.store.in_state(JobState::Queued).await.map_err(failed)?;
+        let (queued, never) = self.without_those_that_never_fit(queued);
+        for (id, reason) in never {
+            let ended = self.store.end(id, JobState::Refused, BAD_INPUT, reason).await;
+            ended.map_err(failed)?;
+            self.announce(id).await?;
+        }
         if queued.is_empty() {
             return Ok(());
         }
@@ -331,6 +337,36 @@ impl Keeper {
             }
         }
         Ok(())
+    }
+
+    /// Takes out the jobs that would hold back all others for ever, with the reasons: the service
+    /// was started again without their launcher, or with lower limits.
+    fn without_those_that_never_fit(
+        &self,
+        queued: Vec<Stored>,
+    ) -> (Vec<Stored>, Vec<(i64, String)>) {
+        let mut never = Vec::new();
+        let reason = |stored: &Stored| {
+            let name = &stored.job.launcher;
+            let Some(launcher) = self.launchers.get(name.as_str()) else {
+                return Some(format!("this service has no launcher {name}"));
+            };
+            let (need, limit) = (need(stored), launcher.limit());
+            (!need.fits(limit)).then(|| {
+                format!(
+                    "the job needs {} workers and about {:.0} MB; {name} has {} workers and \
+                     {:.0} MB",
+                    need.workers, need.memory_mb, limit.workers, limit.memory_mb
+                )
+            })
+        };
+        let fitting = queued.into_iter().filter(|stored| {
+            let why = reason(stored).map(|why| (stored.job.id, why));
+            let fits = why.is_none();
+            never.extend(why);
+            fits
+        });
+        (fitting.collect(), never)
     }
 
     async fn start(self: &Arc<Self>, stored: &Stored) -> Turn {
@@ -375,8 +411,10 @@ impl Keeper {
         words.extend(["--retries".into(), job.retries.to_string()]);
         words.extend(["--attempt".into(), JobFolder::attempt_name(job.attempt)]);
         words.extend(sets.into_iter().map(|set| format!("--set={set}")));
-        let options = self.launchers.get(job.launcher.as_str());
-        words.extend(options.iter().flat_map(|launcher| launcher.options(job.workers)));
+        let launcher = self.launchers.get(job.launcher.as_str());
+        if let Some(command) = launcher.and_then(|launcher| launcher.ranks()) {
+            words.extend(["--launcher".into(), command.into()]);
+        }
         Order { id: job.id, folder, attempt: job.attempt, workers: job.workers, words }
     }
 }

@@ -165,3 +165,23 @@ fn a_job_that_needs_more_memory_than_there_is_is_refused() {
     let small = service.submit(&bars(&[]));
     service.wait_for(small, "completed");
 }
+
+/// A job that waits while the service starts again with fewer places would hold back all others.
+#[test]
+fn a_job_that_no_longer_fits_is_refused_and_others_start() {
+    let mut service = Service::start(&["--slots", "2"]);
+    let first = service.submit(&endless());
+    service.wait_for(first, "running");
+    let mut large = bars(&[]);
+    large["workers"] = json!(2);
+    let large = service.submit(&large);
+    service.wait_for(large, "queued");
+    service.kill();
+    service.set_options(&["--slots", "1"]);
+    service.again();
+    let reason = service.wait_for(large, "refused")["reason"].to_string();
+    assert!(reason.contains("2 workers") && reason.contains("1 workers"), "{reason}");
+    let small = service.submit(&bars(&[]));
+    assert_eq!(service.post(&format!("/api/jobs/{first}/stop"), &json!({})).status, 202);
+    service.wait_for(small, "completed");
+}

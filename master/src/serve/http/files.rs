@@ -6,13 +6,12 @@ use super::problem::{Answered, Problem};
 use crate::serve::api::{FileEntry, Refusal};
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Path, State};
-use axum::http::header::{self, HeaderMap, HeaderName};
+use axum::extract::{Path, Request, State};
+use axum::http::header::{self, HeaderName};
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
-use std::io::{ErrorKind, SeekFrom};
-use tokio::io::{AsyncReadExt, AsyncSeekExt};
-use tokio_util::io::ReaderStream;
+use std::io::ErrorKind;
+use tower_http::services::ServeFile;
 
 /// Policy of the report page, which has its scripts in itself: it cannot reach the service.
 const REPORT_POLICY: &str = "sandbox allow-scripts allow-downloads; default-src 'none'; script-src \
@@ -41,39 +40,27 @@ pub async fn list(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<
 pub async fn file(
     State(app): State<App>,
     Path((id, name)): Path<(i64, String)>,
-    headers: HeaderMap,
+    request: Request,
 ) -> Answered<Response> {
     found(&app, id).await?;
     let path = app.keeper.root.job(id).readable(&name).map_err(|error| match error.kind() {
         ErrorKind::InvalidInput => Problem::bad(error.to_string()),
         _ => Problem::absent("the job has no such file"),
     })?;
-    let mut file = tokio::fs::File::open(&path).await?;
-    let size = file.metadata().await?.len();
-    let part = match headers.get(header::RANGE) {
-        None => None,
-        Some(range) => match range.to_str().ok().and_then(|text| Range::parse(text, size)) {
-            Some(range) => Some(range),
-            None => {
-                let why = format!("Range: give one range of bytes below {size}");
-                let problem = Problem(StatusCode::RANGE_NOT_SATISFIABLE, why);
-                return Ok(
-                    ([(header::CONTENT_RANGE, format!("bytes */{size}"))], problem).into_response()
-                );
-            }
-        },
-    };
-    let Range { from, length } = part.unwrap_or(Range { from: 0, length: size });
-    file.seek(SeekFrom::Start(from)).await?;
-    let body = Body::from_stream(ReaderStream::with_capacity(file.take(length), 64 * 1024));
-    let mut response = body.into_response();
+    let served = ServeFile::new(&path).try_call(request).await?;
+    let mut response = served.map(Body::new);
+    if response.status() == StatusCode::RANGE_NOT_SATISFIABLE {
+        let size = response.headers().get(header::CONTENT_RANGE).cloned();
+        let why = "Range: give one range of bytes within the file".to_string();
+        let mut refusal = Problem(StatusCode::RANGE_NOT_SATISFIABLE, why).into_response();
+        refusal.headers_mut().extend(size.map(|size| (header::CONTENT_RANGE, size)));
+        return Ok(refusal);
+    }
     let mut set = |name: HeaderName, value: String| {
         if let Ok(value) = HeaderValue::from_str(&value) {
             response.headers_mut().insert(name, value);
         }
     };
-    set(header::ACCEPT_RANGES, "bytes".into());
-    set(header::CONTENT_LENGTH, length.to_string());
     let is_report = name == "results/report.html";
     let (kind, shown) = match name.rsplit('.').next() {
         _ if is_report => ("text/html; charset=utf-8", true),
@@ -89,63 +76,5 @@ pub async fn file(
     if !shown {
         set(header::CONTENT_DISPOSITION, "attachment".into());
     }
-    if part.is_some() {
-        set(header::CONTENT_RANGE, format!("bytes {from}-{}/{size}", from + length - 1));
-        *response.status_mut() = StatusCode::PARTIAL_CONTENT;
-    }
     Ok(response)
-}
-
-/// Part of a file [byte].
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Range {
-    from: u64,
-    length: u64,
-}
-
-impl Range {
-    /// Reads `bytes=from-to`, `bytes=from-` or `bytes=-last`; none if it is no single range within
-    /// the file.
-    fn parse(text: &str, size: u64) -> Option<Self> {
-        let (from, to) = text.strip_prefix("bytes=")?.split_once('-')?;
-        let number = |text: &str| match text.bytes().all(|b| b.is_ascii_digit()) {
-            true => text.parse::<u64>().ok(),
-            false => None,
-        };
-        let (from, end) = match (from, to) {
-            ("", last) => (size.saturating_sub(number(last)?), size),
-            (from, "") => (number(from)?, size),
-            (from, to) => (number(from)?, number(to)?.checked_add(1)?.min(size)),
-        };
-        (from < end).then(|| Self { from, length: end - from })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranges_are_single_and_within_the_file() {
-        for (text, part) in [
-            ("bytes=0-9", Some((0, 10))),
-            ("bytes=5-", Some((5, 95))),
-            ("bytes=-10", Some((90, 10))),
-            ("bytes=-1000", Some((0, 100))),
-            ("bytes=90-1000", Some((90, 10))),
-            ("bytes=100-", None),
-            ("bytes=9-8", None),
-            ("bytes=-0", None),
-            ("bytes=-", None),
-            ("bytes=0-1,5-6", None),
-            ("bytes=+1-2", None),
-            ("bytes=0-18446744073709551615", None),
-            ("lines=0-1", None),
-            ("", None),
-        ] {
-            let found = Range::parse(text, 100).map(|range| (range.from, range.length));
-            assert_eq!(found, part, "{text}");
-        }
-        assert_eq!(Range::parse("bytes=0-", 0), None);
-    }
 }

@@ -3,15 +3,13 @@
 
 use super::{Launcher, Order, Seen};
 use crate::run::attempt::{self, State};
+use crate::run::lock::owner;
 use crate::serve::limits::Amount;
 use rustix::process::{Pid, Signal, kill_process};
-use std::fs::{File, TryLockError};
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::path::PathBuf;
 use std::process::Stdio;
 use tokio::process::Command;
-
-/// Lock of a folder of results, see `run/lock.rs`.
-const RUN_LOCK: &str = "run.lock";
 
 /// Processes of this machine.
 pub struct Local {
@@ -28,8 +26,8 @@ impl Launcher for Local {
         self.limit
     }
 
-    fn options(&self, _: u32) -> Vec<String> {
-        self.ranks.iter().flat_map(|command| ["--launcher".into(), command.clone()]).collect()
+    fn ranks(&self) -> Option<&str> {
+        self.ranks.as_deref()
     }
 
     fn start(&self, order: &Order) -> Result<String, String> {
@@ -85,15 +83,5 @@ impl Launcher for Local {
 
     fn is_queued_elsewhere(&self, _: &str) -> bool {
         false
-    }
-}
-
-/// Returns the process that holds the lock of a folder of results.
-fn owner(results: &Path) -> Option<u32> {
-    let path = results.join(RUN_LOCK);
-    let file = File::open(&path).ok()?;
-    match file.try_lock_shared() {
-        Err(TryLockError::WouldBlock) => std::fs::read_to_string(&path).ok()?.trim().parse().ok(),
-        _ => None,
     }
 }

@@ -40,8 +40,8 @@ pub trait Launcher: Send + Sync {
     /// Returns what may be in use at a time.
     fn limit(&self) -> Amount;
 
-    /// Returns the options of `crumple run` that this launcher needs.
-    fn options(&self, workers: u32) -> Vec<String>;
+    /// Returns the command that starts ranks (`crumple run --launcher`); none for threads.
+    fn ranks(&self) -> Option<&str>;
 
     /// Starts an attempt, and returns the name by which it is found later.
     ///

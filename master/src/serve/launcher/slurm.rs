@@ -29,8 +29,8 @@ impl Launcher for Slurm {
         self.limit
     }
 
-    fn options(&self, _: u32) -> Vec<String> {
-        self.ranks.iter().flat_map(|command| ["--launcher".into(), command.clone()]).collect()
+    fn ranks(&self) -> Option<&str> {
+        self.ranks.as_deref()
     }
 
     fn start(&self, order: &Order) -> Result<String, String> {

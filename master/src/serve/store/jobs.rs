@@ -251,7 +251,7 @@ impl Store {
         .await
     }
 
-    /// Returns the workers of an owner's jobs that wait or run, and their number.
+    /// Returns the number of jobs that arrive, wait or run.
     ///
     /// # Errors
     /// The database fails.
