@@ -148,7 +148,7 @@ fn go_on(
     let lock = locked(&out)?;
     let mut candidates = find::Candidates::new(dir)?;
     loop {
-        let (folder, manifest) = candidates.next()?;
+        let (folder, manifest) = candidates.next_candidate()?;
         let (mut model, sets, workers) = read_job(args, &workers, Some(&manifest.stamp))?;
         let stamp = compare::stamp(&model, sets);
         compare::changes(&manifest.stamp, &stamp)

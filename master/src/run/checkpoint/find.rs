@@ -139,7 +139,7 @@ impl Candidates {
     ///
     /// # Errors
     /// There is none; the message says what was found instead.
-    pub fn next(&mut self) -> Result<(PathBuf, Manifest), String> {
+    pub fn next_candidate(&mut self) -> Result<(PathBuf, Manifest), String> {
         while let Some(folder) = self.left.pop_front() {
             if names(&folder).is_some() && !watched(&folder, || folder.join(MANIFEST).exists()) {
                 continue; // a run has ended while it wrote this one
