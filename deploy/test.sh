@@ -72,13 +72,15 @@ if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
 fi
 has_chromium || crumple_install chromium || missing "no Chromium"
 
-cargo build --workspace --features "$features"
+# Compiles the binary too, with the features of the tests: `cargo build` would compile the libraries
+# a second time.
+cargo test --workspace --features "$features" --no-run
 target=$(cargo metadata --format-version 1 --no-deps |
     sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 export CRUMPLE_BIN=$target/debug/crumple
 
 cargo test --workspace --features "$features" --no-fail-fast "$@"
 # Every kernel of the benchmark once, to check that it still works. Times have no meaning here.
-cargo test --quiet --benches -p crumple-master --features "${features//crumple\//}"
+cargo test --quiet --workspace --features "$features" --bench kernels
 # The scenes of the benchmark at a very small size, for the same reason.
 "$CRUMPLE_BIN" bench --tiny --rounds 1

@@ -13,5 +13,5 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source deploy/setup.sh
 export CRUMPLE_TORTURE_ROUNDS=${1:-300} CRUMPLE_TORTURE_SEED=${2:-1} CRUMPLE_TEST_LIMIT=900
 export OMPI_MCA_odls_base_sigkill_timeout=1
-cargo build --workspace --features crumple/mpi,crumple/vtkhdf
+cargo test --workspace --features crumple/mpi,crumple/vtkhdf --no-run
 exec cargo test --workspace --features crumple/mpi,crumple/vtkhdf --test mpi torture -- --nocapture

@@ -14,6 +14,7 @@ use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use strum::IntoEnumIterator;
 use utoipa::IntoParams;
 
 /// Largest page of a list.
@@ -44,8 +45,8 @@ pub async fn list(
 ) -> Answered<Json<JobPage>> {
     let state = match query.state.as_deref() {
         None => None,
-        Some(name) => Some(JobState::of_name(name).ok_or_else(|| {
-            let names: Vec<_> = JobState::ALL.iter().map(|state| state.name()).collect();
+        Some(name) => Some(name.parse().map_err(|_| {
+            let names: Vec<_> = JobState::iter().map(JobState::name).collect();
             Problem::bad(format!("there is no such state; these are: {}", names.join(", ")))
         })?),
     };
@@ -79,6 +80,7 @@ pub async fn findings(State(app): State<App>, Path(id): Path<i64>) -> Answered<J
     let job = found(&app, id).await?.job;
     let path = app.keeper.root.job(id).findings();
     match tokio::fs::read_to_string(&path).await {
+        // The check estimates the memory only if it finds no error.
         Ok(text) => Ok(Json(Findings { usable: job.memory_mb > 0.0, text })),
         Err(_) => Err(Problem::absent("the job has not been checked yet")),
     }

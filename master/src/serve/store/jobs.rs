@@ -4,6 +4,7 @@ use super::{Outcome, Store, now};
 use crate::serve::api::{Job, JobState};
 use rusqlite::types::Value;
 use rusqlite::{OptionalExtension, Row, params, params_from_iter};
+use strum::IntoEnumIterator;
 
 /// State of a job whose files are still arriving. Clients do not see it.
 const INCOMING: &str = "incoming";
@@ -79,7 +80,7 @@ fn stored(row: &Row) -> Outcome<Stored> {
             id: row.get(0)?,
             name: row.get(1)?,
             owner: row.get(2)?,
-            state: JobState::of_name(&state).unwrap_or(JobState::Lost),
+            state: state.parse().unwrap_or(JobState::Lost),
             priority: row.get(4)?,
             workers: row.get(5)?,
             launcher: row.get(6)?,
@@ -246,7 +247,7 @@ impl Store {
             let count = |state: JobState| {
                 found.iter().find(|(name, _)| name == state.name()).map_or(0, |(_, n)| *n)
             };
-            Ok(JobState::ALL.map(|state| (state, count(state))).to_vec())
+            Ok(JobState::iter().map(|state| (state, count(state))).collect())
         })
         .await
     }
@@ -349,7 +350,7 @@ impl Store {
             let tx = db.transaction()?;
             let sql = "SELECT state FROM job WHERE id = ?1";
             let state: Option<String> = tx.query_row(sql, [id], |row| row.get(0)).optional()?;
-            let state = state.and_then(|name| JobState::of_name(&name));
+            let state = state.and_then(|name| name.parse().ok());
             let waits = matches!(state, Some(JobState::Checking | JobState::Queued));
             let open = state.filter(|state| !state.is_final());
             if waits {
