@@ -17,6 +17,7 @@ import tempfile
 from pathlib import Path
 
 QUIET = ["output.field_interval=-1", "output.field_times=[]"]
+NO_COPIES = ["checkpoint.every=off", "checkpoint.in_memory=off"]
 # Scene, cycles, name of the absent feature, settings without it, settings with it.
 PAIRS = [
     ("plate", 2000, "contact", [], ["contact.friction=0.0"]),
@@ -28,6 +29,11 @@ PAIRS = [
         [],
         ["material.mild steel.cowper_symonds=[3.2, 5.0]"],
     ),
+    ("tumble", 10000, "checkpoints and copies in memory", NO_COPIES, []),
+    ("can-crush", 1000, "checkpoints and copies in memory", NO_COPIES, []),
+    ("tube-crush", 3000, "checkpoints and copies in memory", NO_COPIES, []),
+    ("pipe-whip", 6000, "checkpoints and copies in memory", NO_COPIES, []),
+    ("jeep-frame", 2000, "checkpoints and copies in memory", NO_COPIES, []),
 ]
 # Scenes of solids alone, for --against. They are long enough that elements at rest, which cost
 # less, do not matter.

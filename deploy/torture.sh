@@ -11,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=deploy/setup.sh
 source deploy/setup.sh
-export CRUMPLE_TORTURE_ROUNDS=${1:-300} CRUMPLE_TORTURE_SEED=${2:-1}
-export OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_odls_base_sigkill_timeout=1
+export CRUMPLE_TORTURE_ROUNDS=${1:-300} CRUMPLE_TORTURE_SEED=${2:-1} CRUMPLE_TEST_LIMIT=900
+export OMPI_MCA_odls_base_sigkill_timeout=1
 cargo build --workspace --features crumple/mpi,crumple/vtkhdf
 exec cargo test --workspace --features crumple/mpi,crumple/vtkhdf --test mpi torture -- --nocapture

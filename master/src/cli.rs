@@ -2,6 +2,8 @@
 
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use tracing::level_filters::LevelFilter;
+use tracing_subscriber::EnvFilter;
 
 /// Parallel explicit finite element solver for crash and impact.
 #[derive(Debug, Parser)]
@@ -31,6 +33,12 @@ pub enum Command {
     /// Workers are threads of this process. Under mpirun, rank 0 is the master and all other ranks
     /// are workers.
     Run(RunArgs),
+    /// Watch a run in progress, or give it an order.
+    ///
+    /// Without an option, prints the state of the run and then its progress, redecompositions,
+    /// warnings and orders until it ends; the exit code is then that of the run. An order takes
+    /// effect in a cycle on which all workers agree; the command waits for it and prints the cycle.
+    Attach(AttachArgs),
     /// Check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
     Check(CheckArgs),
     /// Run the catalogue of verification cases against exact, published and computed references.
@@ -75,6 +83,11 @@ pub enum Command {
     /// Write the fields of a run as one temporal VTKHDF file; needs a build with `--features
     /// vtkhdf`.
     ExportVtkhdf {
+        /// Folder of results of a run with fields.
+        dir: PathBuf,
+    },
+    /// Write the fields of a run as an EXODUS II file, for ParaView and other post-processors.
+    ExportExodus {
         /// Folder of results of a run with fields.
         dir: PathBuf,
     },
@@ -162,12 +175,61 @@ pub struct RunArgs {
     /// Print only errors.
     #[arg(long)]
     pub quiet: bool,
+    /// Repeat the orders of this file in their cycles: a summary.json of a run that was steered by
+    /// `crumple attach`, or a list of orders. With the job of that run, the results have the same
+    /// bits.
+    #[arg(long, value_name = "FILE")]
+    pub steering: Option<PathBuf>,
     /// Write a time line of all workers, by phase, for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// Write spans and events of each rank to logs/rank_0000.log (the master), logs/rank_0001.log
+    /// and so on. LEVEL is error, warn, info, debug (orders and renewals) or trace (phases of each
+    /// step), or a list as in RUST_LOG, such as info,crumple_worker=debug [default: RUST_LOG; none
+    /// without it].
+    #[arg(long, value_name = "LEVEL", value_parser = directives)]
+    pub log: Option<String>,
     /// Do not make report.html at the end.
     #[arg(long)]
     pub no_report: bool,
+}
+
+/// `crumple attach`.
+#[derive(Args, Clone, Debug)]
+pub struct AttachArgs {
+    /// Folder of results of the run.
+    pub dir: PathBuf,
+    /// The order.
+    #[command(flatten)]
+    pub order: Order,
+    /// Print the answers of the run as they are, one line of JSON each.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Order of `crumple attach`.
+#[derive(Args, Clone, Debug, Default)]
+#[group(multiple = false)]
+pub struct Order {
+    /// Print the state of the run and of its workers.
+    #[arg(long)]
+    pub status: bool,
+    /// Write a checkpoint. The run continues.
+    #[arg(long)]
+    pub checkpoint: bool,
+    /// Hold the run between two cycles.
+    #[arg(long)]
+    pub pause: bool,
+    /// Go on with a run that is paused.
+    #[arg(long = "continue")]
+    pub go_on: bool,
+    /// Stop the run with complete output and a checkpoint, as SIGTERM does.
+    #[arg(long)]
+    pub stop: bool,
+    /// Change a setting of the run: end_time, output.field_interval, output.history_interval,
+    /// parallel.imbalance or parallel.low_every_at_least. May be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 /// `crumple schema`.
@@ -303,6 +365,12 @@ impl RunArgs {
         if let Some(trace) = &self.trace {
             words.extend(["--trace".to_string(), trace.to_string_lossy().into_owned()]);
         }
+        if let Some(plan) = &self.steering {
+            words.extend(["--steering".to_string(), plan.to_string_lossy().into_owned()]);
+        }
+        if let Some(level) = &self.log {
+            words.extend(["--log".to_string(), level.clone()]);
+        }
         let flags = [("--quiet", self.quiet), ("--no-report", self.no_report)];
         words.extend(flags.iter().filter(|f| f.1).map(|f| f.0.to_string()));
         words
@@ -328,6 +396,24 @@ fn name_of(job: &Path) -> PathBuf {
         false => job.file_stem(),
     };
     PathBuf::from(name.unwrap_or("job".as_ref()))
+}
+
+/// Checks the directives of `--log`: a level, or targets with levels as in `RUST_LOG`.
+///
+/// # Errors
+/// A directive is wrong; the message names the levels.
+fn directives(text: &str) -> Result<String, String> {
+    let hint = "give off, error, warn, info, debug or trace, or targets with levels, such as \
+                info,crumple_worker=debug";
+    // `EnvFilter` takes an unknown level for the name of a target.
+    let known = text.split(',').all(|directive| {
+        directive.contains(['=', '[', ':', '_']) || directive.parse::<LevelFilter>().is_ok()
+    });
+    match EnvFilter::try_new(text) {
+        Ok(_) if known && !text.is_empty() => Ok(text.into()),
+        Ok(_) => Err(hint.into()),
+        Err(error) => Err(format!("{error}; {hint}")),
+    }
 }
 
 fn workers(text: &str) -> Result<usize, String> {
@@ -387,6 +473,19 @@ fn time(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_and_targets_are_accepted_and_misspelt_ones_are_not() {
+        for good in
+            ["off", "error", "trace", "DEBUG", "info,crumple_worker=debug", "warn,[run]=info"]
+        {
+            assert_eq!(directives(good), Ok(good.into()));
+        }
+        for bad in ["", "debgu", "info,tracee", "crumple_worker=loud"] {
+            let why = directives(bad).unwrap_err();
+            assert!(why.contains("trace"), "{bad}: {why}");
+        }
+    }
     use clap::CommandFactory;
 
     #[test]

@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Version of the format of manifests and files. It changes with every change of their content.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 /// First bytes of a file.
 const MAGIC: [u8; 4] = *b"CRCK";
 /// Bytes of the header: magic bytes, version, compression, number of words.

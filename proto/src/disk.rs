@@ -3,7 +3,8 @@
 //! long. That is also the end of a program that embeds the engine and uses this watch.
 
 use crate::exit_code;
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
@@ -47,6 +48,34 @@ pub fn watched<T>(path: &Path, operation: impl FnOnce() -> T) -> T {
     });
     let _ticket = Ticket::new(path);
     operation()
+}
+
+/// A file on which every operation is under watch, as by [`watched`].
+#[derive(Debug)]
+pub struct WatchedFile {
+    path: PathBuf,
+    file: File,
+}
+
+impl WatchedFile {
+    /// Opens a file by `open`, which gets the path.
+    ///
+    /// # Errors
+    /// Those of `open`.
+    pub fn open(path: &Path, open: impl FnOnce(&Path) -> io::Result<File>) -> io::Result<Self> {
+        let file = watched(path, || open(path))?;
+        Ok(Self { path: path.to_owned(), file })
+    }
+}
+
+impl Write for WatchedFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        watched(&self.path, || self.file.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        watched(&self.path, || self.file.flush())
+    }
 }
 
 /// Counts an operation as ended when it is dropped, also if it panics.
@@ -101,8 +130,8 @@ fn next_message(patience: Duration) -> Option<(String, bool)> {
             format!("{path}: no answer of the file system for {:.0} s", waited.as_secs_f64());
         if waited > limit {
             let error = format!(
-                "error: {what}: it hangs, and the run ends; continue with --resume, or choose \
-                 another folder with --out"
+                "error: {what}: it hangs, and the program ends; a run that is not complete \
+                 continues with --resume, or starts again in another folder with --out"
             );
             return Some((error, true));
         }

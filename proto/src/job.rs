@@ -40,8 +40,8 @@ pub struct Job {
     pub units: String,
     /// Simulated time at which the run ends [time].
     pub end_time: f64,
-    /// Source of the mesh: exactly one of `generator`, `file`, `deck`, or `nodes` with `shells`,
-    /// `solids`, `beams` or `springs`.
+    /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
+    /// `shells`, `solids`, `beams` or `springs`.
     pub mesh: MeshSource,
     /// Options of the mesh generator.
     #[serde(default)]
@@ -122,8 +122,8 @@ impl Job {
     }
 }
 
-/// Source of the mesh: exactly one of `generator`, `file`, `deck`, or `nodes` with `shells`,
-/// `solids`, `beams` or `springs`.
+/// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
+/// `shells`, `solids`, `beams` or `springs`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
@@ -140,6 +140,11 @@ pub struct MeshSource {
     /// added.
     #[serde(default)]
     pub deck: Option<String>,
+    /// GENESIS or EXODUS II file in the folder of the job: nodes, element blocks, node sets and
+    /// side sets. A block is a part: its id is that of `[[part]]`. A side set becomes the set of
+    /// its nodes. Sets without a name are `nodeset_ID` and `sideset_ID`.
+    #[serde(default)]
+    pub exodus: Option<String>,
     /// Keywords of the deck that are not read, such as `DEFORMABLE_TO_RIGID`.
     #[serde(default)]
     pub leave_out: Vec<String>,

@@ -29,6 +29,7 @@ pub mod problem;
 pub mod quality;
 pub mod report;
 pub mod rigid;
+pub mod steering;
 pub mod tie;
 pub mod trace;
 pub mod transport;

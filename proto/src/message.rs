@@ -6,7 +6,8 @@
 //! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
 //! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
 //! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
-//! follows. At the end each worker sends `Closing` with the states of its nodes.
+//! follows. An order of a user is answered by `Steered`. At the end each worker sends `Closing`
+//! with the states of its nodes.
 //!
 //! A run that continues from a checkpoint begins with `Resume` instead of `Start`. A worker answers
 //! with `Ready`, or with `Trouble` if it cannot read its files. The first boxes come from requests
@@ -17,6 +18,7 @@ use crate::checkpoint::{Captured, FileRecord, Saved};
 use crate::exact_sum::ExactSum;
 use crate::partition::{ElementRecord, NodeRecord, Settings};
 use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
+use crate::steering::{Steer, Steered};
 use crate::trace::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -106,11 +108,36 @@ pub enum Action {
     Checkpoint,
     /// A copy of the present state in memory, in place of the one before. The run continues.
     Copy,
-    /// End of the run with complete output, and a checkpoint before it if the job has checkpoints.
-    Stop,
-    /// As `Stop`, but the run has failed: the checkpoint is that of the copy in memory, if there is
-    /// one.
+    /// An order of the user, or the end of the run by [`Steer::Stop`]. It takes effect when the
+    /// next outer step begins.
+    Steer(Steer),
+    /// As [`Steer::Stop`], but the run has failed: the checkpoint is that of the copy in memory, if
+    /// there is one.
     Fail,
+}
+
+impl Action {
+    /// Returns true if no worker lacks ghosts after the action, or no step follows it.
+    pub fn renews_or_ends(&self) -> bool {
+        use Steer::Stop;
+        matches!(self, Self::Renew(_) | Self::Recut | Self::Steer(Stop) | Self::Fail)
+    }
+
+    /// Returns the name of the action.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Renew(_) => "high redecomposition",
+            Self::Recut => "low redecomposition",
+            Self::Checkpoint => "checkpoint",
+            Self::Copy => "copy",
+            Self::Steer(Steer::Pause) => "pause",
+            Self::Steer(Steer::Continue) => "continue",
+            Self::Steer(Steer::Checkpoint) => "checkpoint",
+            Self::Steer(Steer::Stop) => "stop",
+            Self::Steer(Steer::Set(_)) => "change",
+            Self::Fail => "fail",
+        }
+    }
 }
 
 /// Message from a worker to the master.
@@ -143,6 +170,9 @@ pub enum ToMaster {
     Extents(Vec<Aabb>),
     /// Answer to `Histograms`: load per bin, per entry.
     Histograms(Vec<Vec<f64>>),
+    /// An order of the user has taken effect; sent by the first worker for all. The number is that
+    /// of the order, 0 for one that was planned.
+    Steered(u64, Steered),
     /// The worker cannot continue; all workers stop at this state.
     Trouble(Failure),
     /// Recorded trace, if requested; sent before `Closing`, and also when another worker was

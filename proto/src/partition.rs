@@ -7,6 +7,7 @@ use crate::job::{Compression, Contact, Part, Precision};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, OwnSection, Shape};
 use crate::rigid::RigidBody;
+use crate::steering::{Change, OutputTimes, Planned, Steered};
 use crate::tie::Tie;
 use crate::wall::Wall;
 use bytemuck::{Pod, Zeroable};
@@ -29,6 +30,10 @@ pub struct Settings {
     pub history_interval: f64,
     /// Times of field files, ascending [time].
     pub field_times: Vec<f64>,
+    /// From what these times follow, and where the history interval was changed.
+    pub output: OutputTimes,
+    /// Orders with their cycles, ascending; without a pause.
+    pub planned: Vec<Planned>,
     /// Histories that are recorded in addition to the sums, at every history interval.
     pub histories: HistoryRequests,
     /// Folder for field files.
@@ -134,6 +139,22 @@ mod parts_text {
 const IDLE_COST: f64 = 0.25;
 
 impl Settings {
+    /// Changes a setting in a run, at the place where the order takes effect. Limits of the master
+    /// are no settings of workers.
+    pub fn change(&mut self, change: Change, at: &Steered) {
+        match change {
+            Change::EndTime(end) => self.end_time = end,
+            Change::FieldInterval(interval) => self.output.field_interval = interval,
+            Change::HistoryInterval(interval) => {
+                self.history_interval = interval;
+                self.output.change_rows(interval, at);
+                return;
+            }
+            Change::Imbalance(_) | Change::LowEveryAtLeast(_) => return,
+        }
+        self.field_times = self.output.renewed(&self.field_times, at, self.end_time);
+    }
+
     /// Returns true if the elements of a part carry no force: it is rigid or has a null material.
     pub fn is_inactive(&self, part: u32) -> bool {
         self.parts[part as usize].skin || self.rigid.iter().any(|r| r.parts.contains(&part))

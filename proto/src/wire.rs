@@ -70,10 +70,11 @@ mod tests {
     use crate::boxes::CutTree;
     use crate::message::{Action, ToMaster, ToWorker};
     use crate::report::{Failure, FinalReport, StepReport};
+    use crate::steering::Steer;
 
     #[test]
     fn messages_make_the_round_trip() {
-        let orders = [Action::Renew(CutTree::single()), Action::Recut, Action::Stop];
+        let orders = [Action::Renew(CutTree::single()), Action::Recut, Action::Steer(Steer::Stop)];
         for (number, action) in (1..).zip(orders) {
             let back = decode(&encode(&ToWorker::Order { number, action: action.clone() }));
             assert!(matches!(

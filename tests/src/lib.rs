@@ -1,6 +1,7 @@
 //! Harness of the tests across crates: engines side by side without a master, step by step; the
 //! binary with a deadline.
 
+pub mod client;
 pub mod imports;
 pub mod manual;
 pub mod program;
@@ -15,6 +16,11 @@ use crumple::run::embedded;
 use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+
+/// Returns the number in an environment variable, or a default.
+pub fn variable(name: &str, default: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
 
 /// Returns the path of a folder of `cases/`.
 pub fn case(name: &str) -> PathBuf {

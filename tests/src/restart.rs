@@ -204,8 +204,8 @@ pub fn copy_folder(from: &Path, to: &Path) {
         let target = to.join(path.file_name().unwrap());
         if path.is_dir() {
             copy_folder(&path, &target);
-        } else {
-            fs::copy(&path, &target).unwrap();
+        } else if path.is_file() {
+            fs::copy(&path, &target).unwrap(); // not the socket of a run that was killed
         }
     }
 }

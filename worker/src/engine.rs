@@ -168,7 +168,9 @@ impl Engine {
         }
         self.constraints.bind_local(comm, &mut self.nodes)?;
         self.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
-        self.timer.lap(Phase::Renewal);
+        let took = self.timer.lap(Phase::Renewal);
+        let ClassCounts { interior, interface, exterior, .. } = self.classes;
+        tracing::debug!(interior, interface, exterior, ?took, "members renewed");
         self.record_classes();
         Ok(())
     }
@@ -197,6 +199,8 @@ impl Engine {
     /// # Errors
     /// A worker is gone.
     pub fn erode(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let cycle = self.clock.cycle;
+        let _span = tracing::debug_span!("redecomposition", kind = "erosion", cycle).entered();
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
         let failed = erode(comm, &mut self.blocks, &self.nodes)?;
         self.inverted.extend(failed.iter().filter(|&&id| self.blocks.is_deleted(id)));

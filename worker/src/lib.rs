@@ -6,7 +6,7 @@
 //! - [`engine`]: owns all parts of a worker; [`nodes`]: nodal columns
 //! - [`fem`]: elements, materials, blocks of elements, assembly
 //! - [`contact`]: search, then enforcement
-//! - [`checkpoint`]: state on disk, and back from there
+//! - [`checkpoint`]: state on disk, and back from there; `stateless`: types without any
 //! - [`constraints`]: prescribed motion, rigid bodies, ties, rigid walls
 //! - [`coupling`]: the constraints and the other workers, as contact sees them
 //! - [`parallel`]: partition, ghosts, migration, the reduction of each step
@@ -16,6 +16,9 @@
 //!   elements
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records,
 //!   files; [`timer`], [`trace`]: time by phase, time line of a worker
+
+#[macro_use]
+mod stateless;
 
 pub mod checkpoint;
 pub mod constraints;

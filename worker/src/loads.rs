@@ -33,6 +33,10 @@ pub struct Loads {
     cycles: Vec<f64>,
 }
 
+stateless!(Loads { curves, gravity, forces, pressures, faces, damping, falling, cycles });
+stateless!(NodalForce { job, nodes, factor });
+stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, force });
+
 /// A force on some local nodes.
 #[derive(Debug)]
 struct NodalForce {

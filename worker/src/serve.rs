@@ -1,5 +1,6 @@
 //! One worker: takes orders, runs the engine, sends reports.
 
+mod steering;
 mod warnings;
 
 use crate::checkpoint::{
@@ -19,6 +20,7 @@ use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
 use crumple_proto::report::{Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepReport};
+use crumple_proto::steering::Steer;
 use crumple_proto::trace::{Event, OrderKind};
 use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
@@ -56,6 +58,9 @@ pub struct Worker {
     /// True if a checkpoint is ordered, and if a copy in memory is.
     checkpoint_due: bool,
     copy_due: bool,
+    /// Orders of the user, with their numbers, until an outer step begins.
+    steering: VecDeque<(u64, Steer)>,
+    paused: bool,
     /// The last copy, if it is newer than the last checkpoint; all workers have it of one cycle.
     kept: Option<Task>,
     /// True if the run has failed.
@@ -93,6 +98,9 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         }
         _ => return Ok(()), // the job is invalid; the master reports why
     };
+    let Clock { cycle, time, .. } = worker.engine.clock;
+    let _run = tracing::info_span!("run", rank = comm.rank()).entered();
+    tracing::info!(cycle, time, elements = worker.engine.blocks.elements.len(), "worker starts");
     disk::set_patience(Duration::from_secs_f64(worker.engine.settings.checkpoint.patience));
     if trace {
         worker.engine.timer.record(comm)?;
@@ -203,6 +211,8 @@ impl Worker {
             named: 0,
             checkpoint_due: false,
             copy_due: false,
+            steering: VecDeque::new(),
+            paused: false,
             kept: None,
             failed: false,
             writer: Writer::default(),
@@ -217,7 +227,7 @@ impl Worker {
     pub fn run(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         while !self.engine.clock.is_over(&self.engine.settings) {
             if self.starts_outer_step() {
-                self.save_if_due(comm)?;
+                self.steer(comm)?;
                 if self.stopped {
                     break;
                 }
@@ -287,6 +297,8 @@ impl Worker {
         if self.stopped {
             self.finish_writing(comm)?;
         }
+        let cycle = self.engine.clock.cycle;
+        let _span = tracing::debug_span!("checkpoint", cycle, writes).entered();
         let began = Instant::now();
         self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
@@ -307,6 +319,8 @@ impl Worker {
             stopped: _,
             checkpoint_due: _,
             copy_due: _,
+            steering: _,
+            paused: _,
             kept: _,
             failed: _,
             writer: _,
@@ -371,10 +385,10 @@ impl Worker {
         }
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
+        let _span = tracing::debug_span!("output", cycle = e.clock.cycle, time, index).entered();
         e.halo.refresh_ghosts_for_output(comm, &mut e.nodes)?;
         let several = comm.size() > 2;
-        let write = || output::write_fields(e, index, several);
-        match disk::watched(Path::new(&e.settings.field_dir), write) {
+        match output::write_fields(e, index, several) {
             Ok(()) => post(comm, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
                 let warning = format!(
@@ -422,6 +436,7 @@ impl Worker {
     }
 
     fn send_report(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let _span = tracing::trace_span!("report", cycle = self.engine.clock.cycle).entered();
         let phase_cpu = self.take_phase_cpu();
         let (e, traffic) = (&self.engine, comm.traffic());
         let report = StepReport {
@@ -458,30 +473,39 @@ impl Worker {
         while let Some(order) = poll_message(comm, 0, Tag::Order)? {
             self.enqueue(order);
         }
-        let must = if agreed.margin_used >= 1.0 && agreed.order == self.done {
-            self.done + 1
-        } else {
-            agreed.order
-        };
-        while self.done < must {
-            if self.orders.is_empty() {
-                let order = await_message(comm, 0, Tag::Order)?;
-                self.enqueue(order);
-            }
-            if let Some((number, action)) = self.orders.pop_front() {
-                self.record(Event::Begun(number, kind(&action)));
-                self.execute(comm, action)?;
-                self.done = number;
-                self.report.displacement = Displacement::default(); // this motion is over
-            }
+        let mut covered = agreed.margin_used < 1.0;
+        while self.done < agreed.order || !covered {
+            covered |= self.take_order(comm)?;
         }
         self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);
         Ok(())
     }
 
+    /// Waits for the next order, if none has arrived, and carries it out. Returns true if the
+    /// ghosts cover the motion after it, or if it ends the run.
+    fn take_order(&mut self, comm: &mut dyn Transport) -> Result<bool, RankLost> {
+        let (number, action) = loop {
+            if let Some(order) = self.orders.pop_front() {
+                break order;
+            }
+            let order = await_message(comm, 0, Tag::Order)?;
+            self.enqueue(order);
+        };
+        let (kind, covers) = (kind(&action), action.renews_or_ends());
+        self.record(Event::Begun(number, kind));
+        tracing::debug!(number, ?kind, cycle = self.engine.clock.cycle, "order begins");
+        self.execute(comm, number, action)?;
+        self.done = number;
+        if covers {
+            self.report.displacement = Displacement::default(); // this motion is over
+        }
+        Ok(covers)
+    }
+
     fn enqueue(&mut self, message: ToWorker) {
         if let ToWorker::Order { number, action } = message {
             self.record(Event::Arrived(number, kind(&action)));
+            tracing::debug!(number, kind = ?kind(&action), "order arrives");
             self.orders.push_back((number, action));
         }
     }
@@ -501,14 +525,24 @@ impl Worker {
         }
     }
 
-    fn execute(&mut self, comm: &mut dyn Transport, action: Action) -> Result<(), RankLost> {
+    fn execute(
+        &mut self,
+        comm: &mut dyn Transport,
+        number: u64,
+        action: Action,
+    ) -> Result<(), RankLost> {
+        let cycle = self.engine.clock.cycle;
         match action {
-            Action::Stop => self.stopped = true,
+            Action::Steer(steer) => self.steering.push_back((number, steer)),
             Action::Fail => (self.stopped, self.failed) = (true, true),
             Action::Copy => self.copy_due = true,
             Action::Checkpoint => self.checkpoint_due = true,
-            Action::Renew(tree) => self.engine.renew(comm, tree)?,
+            Action::Renew(tree) => {
+                let _span = tracing::debug_span!("redecomposition", kind = "high", cycle).entered();
+                self.engine.renew(comm, tree)?;
+            }
             Action::Recut => {
+                let _span = tracing::debug_span!("redecomposition", kind = "low", cycle).entered();
                 post(comm, 0, Tag::Report, &ToMaster::Ready)?;
                 let tree = self.answer_requests(comm)?;
                 self.engine.renew(comm, tree)?;
@@ -543,6 +577,8 @@ impl Worker {
     /// # Errors
     /// Another rank is gone.
     pub fn finalize(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let Clock { cycle, time, .. } = self.engine.clock;
+        tracing::info!(cycle, time, stopped = self.stopped, failed = self.failed, "worker ends");
         self.engine.send_row(comm, true)?;
         self.warn_of_crossings(comm)?;
         self.write_fields_if_due(comm, true)?;
@@ -588,6 +624,7 @@ fn kind(action: &Action) -> OrderKind {
         Action::Renew(_) => OrderKind::High,
         Action::Recut => OrderKind::Low,
         Action::Checkpoint | Action::Copy => OrderKind::Checkpoint,
-        Action::Stop | Action::Fail => OrderKind::Stop,
+        Action::Steer(Steer::Stop) | Action::Fail => OrderKind::Stop,
+        Action::Steer(_) => OrderKind::Steering,
     }
 }

@@ -13,8 +13,9 @@ use crate::math::rigid_motion::RigidMotion;
 use crate::parallel::reduction::{Limits, StepContribution};
 use crate::time::ElementSet;
 use crate::time::StepSizes;
-use crumple_proto::report::Phase;
+use crumple_proto::report::{PHASES, Phase};
 use crumple_proto::transport::{RankLost, Transport};
+use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
 const STAGES: [Stage; 14] = [
@@ -45,9 +46,14 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     // A single worker has no load to share out.
     engine.blocks.timed = engine.timer.is_sampled() && comm.size() > 2;
     let has_contact = engine.contact.is_some();
+    let logged = tracing::enabled!(Level::TRACE);
+    let _step = logged.then(|| tracing::trace_span!("step", cycle = engine.clock.cycle).entered());
     for stage in STAGES.iter().filter(|stage| has_contact || !stage.needs_contact) {
         (stage.run)(engine, comm, &mut cycle)?;
-        engine.timer.lap_of_stage(stage.phase, comm);
+        let took = engine.timer.lap_of_stage(stage.phase, comm);
+        if logged {
+            tracing::trace!(phase = PHASES[stage.phase as usize], ?took);
+        }
     }
     if cycle.agreed.eroded && cycle.agreed.failure.is_none() {
         engine.erode(comm)?; // new surfaces without failed elements

@@ -31,6 +31,8 @@ pub fn settings() -> Settings {
         dt_min_ratio: 1e-3,
         history_interval: 0.1,
         field_times: Vec::new(),
+        output: Default::default(),
+        planned: Vec::new(),
         histories: Default::default(),
         field_dir: String::new(),
         checkpoint: Default::default(),

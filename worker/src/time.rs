@@ -182,8 +182,9 @@ impl Clock {
     /// Returns true if a history row is due at the present time. Rows are due only when an outer
     /// step begins, since all stresses are known then.
     pub fn is_history_due(&self, settings: &Settings) -> bool {
-        self.starts_outer_step(settings)
-            && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
+        let (row, from) = settings.output.rows_from;
+        let due = from + (self.rows - row) as f64 * settings.history_interval;
+        self.starts_outer_step(settings) && self.time >= due * (1.0 - SLACK)
     }
 
     /// Returns true if a time at which the job requests a checkpoint has passed since the last call

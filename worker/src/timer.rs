@@ -63,14 +63,14 @@ impl Timer {
     }
 
     /// Books the time since the last lap for `phase`, and in a sampled cycle the CPU time since
-    /// the last stage.
-    pub fn lap_of_stage(&mut self, phase: Phase, comm: &dyn Transport) {
+    /// the last stage. Returns the time since the last lap.
+    pub fn lap_of_stage(&mut self, phase: Phase, comm: &dyn Transport) -> Duration {
         if let Some(before) = &mut self.sampled {
             let now = busy(comm);
             self.cpu[phase as usize] += now.saturating_sub(*before).as_secs_f64();
             *before = now;
         }
-        self.lap(phase);
+        self.lap(phase)
     }
 
     /// Returns the CPU time by phase of the cycles sampled since the last call [s].
@@ -78,14 +78,31 @@ impl Timer {
         std::mem::replace(&mut self.cpu, [0.0; PHASES.len()])
     }
 
-    /// Books the time since the last lap for `phase`.
-    pub fn lap(&mut self, phase: Phase) {
+    /// Books the time since the last lap for `phase`, and returns it.
+    pub fn lap(&mut self, phase: Phase) -> Duration {
         let now = Instant::now();
-        self.seconds[phase as usize] += (now - self.last).as_secs_f64();
+        let lap = now - self.last;
+        self.seconds[phase as usize] += lap.as_secs_f64();
         if let Some(recorder) = &mut self.recorder {
             recorder.span(phase, self.last, now);
         }
         self.last = now;
+        lap
+    }
+
+    /// Returns the time that a checkpoint contains: wall-clock time so far by phase [s].
+    pub fn saved(&self) -> PhaseSeconds {
+        // A new field is an error here: it has to be added to a checkpoint, or to the last list.
+        let Self {
+            seconds,
+            // Since the last report, or for one cycle only.
+            cpu: _,
+            sampled: _,
+            last: _,
+            // It belongs to this process.
+            recorder: _,
+        } = self;
+        *seconds
     }
 
     /// Records all laps from now on. All workers call this together.

@@ -6,6 +6,7 @@
 //! A file is written under a temporary name and then renamed, so that a run that is killed leaves
 //! no incomplete file.
 
+use crumple_proto::disk::{WatchedFile, watched};
 use crumple_proto::mesh::Shape;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -381,7 +382,8 @@ impl<'a> Appended<'a> {
 }
 
 /// Writes a file under the name `PATH.partial` and renames it when it is complete. Creates the
-/// folder if necessary. Errors name the file.
+/// folder if necessary. Errors name the file. Each operation is under watch (`proto/src/disk.rs`),
+/// not the time that `fill` needs besides.
 pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -389,12 +391,13 @@ pub fn write_whole(
     let partial = PathBuf::from(format!("{}.partial", path.display()));
     let write = || {
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
+            watched(folder, || fs::create_dir_all(folder))?;
         }
-        let mut file = BufWriter::with_capacity(1 << 20, File::create(&partial)?);
+        let file = WatchedFile::open(&partial, |path| File::create(path))?;
+        let mut file = BufWriter::with_capacity(1 << 20, file);
         fill(&mut file)?;
         file.into_inner().map_err(|e| e.into_error())?;
-        fs::rename(&partial, path)
+        watched(path, || fs::rename(&partial, path))
     };
     write().map_err(|error| {
         let _ = fs::remove_file(&partial); // report the first error

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
         Command::Check(args) => crumple::analysis::check::run(&args),
+        Command::Attach(args) => crumple::run::attach::run(&args),
         Command::Run(args) => crumple::run::launch::run(&args),
         Command::Verify(args) => crumple_verification::run(&args),
         Command::Advise { dir } => crumple::analysis::advise::run(&dir),
@@ -17,6 +18,7 @@ fn main() -> ExitCode {
         Command::Scale(args) => crumple::analysis::scale::run(&args),
         Command::ExportD3plot { dir, file_size } => crumple::results::d3plot::run(&dir, file_size),
         Command::ExportVtkhdf { dir } => crumple::results::vtkhdf::run(&dir),
+        Command::ExportExodus { dir } => crumple::results::exodus::run(&dir),
         Command::Schema(args) => crumple::input::reference::run(&args),
         Command::Study(args) => crumple::analysis::study::run(&args),
     })

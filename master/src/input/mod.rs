@@ -3,5 +3,6 @@
 pub mod check;
 pub mod connectivity;
 pub mod deck;
+pub mod exodus;
 pub mod job;
 pub mod reference;

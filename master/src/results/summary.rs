@@ -1,6 +1,8 @@
 //! `summary.json`: the outcome of a run.
 
 use crate::input::connectivity::{Piece, pieces};
+use crate::results::steering::Record;
+use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED};
 use crumple_proto::job::{Job, Part, Wall};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
@@ -20,6 +22,17 @@ pub enum Status {
     Stopped,
     /// The run could not continue.
     Failed,
+}
+
+impl Status {
+    /// Returns the exit code of a run that ended in this way.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Completed => COMPLETED,
+            Self::Stopped => STOPPED,
+            Self::Failed => FAILED,
+        }
+    }
 }
 
 /// Mean and maximum over workers [s].
@@ -352,6 +365,9 @@ pub struct Summary {
     pub walls: Vec<Wall>,
     /// Continuations from checkpoints.
     pub restarts: Vec<Restart>,
+    /// Orders of users, with the cycles in which they took effect; `crumple run --steering` repeats
+    /// them.
+    pub steering: Vec<Record>,
     /// Checkpoints of the process that ended the run.
     pub checkpoints: CheckpointSummary,
     /// blake3 hash of the state; see [`state_digest`].

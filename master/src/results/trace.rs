@@ -5,6 +5,7 @@
 //! worker, phases as complete events (`X`), orders and redecompositions as instant events (`i`).
 //! Times are in microseconds since a common start.
 
+use crumple_proto::disk::{WatchedFile, watched};
 use crumple_proto::report::PHASES;
 use crumple_proto::trace::{Event, MAX_EVENTS, OrderKind, Recording};
 use std::fs::File;
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub struct Trace {
     /// Path of the file.
     pub path: PathBuf,
-    file: File,
+    file: WatchedFile,
     recordings: Vec<Option<Recording>>,
 }
 
@@ -27,11 +28,11 @@ impl Trace {
     /// The file cannot be created.
     pub fn new(path: &Path, workers: usize) -> Result<Self> {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
+            watched(folder, || std::fs::create_dir_all(folder))?;
         }
         Ok(Self {
             path: path.to_owned(),
-            file: File::create(path)?,
+            file: WatchedFile::open(path, |path| File::create(path))?,
             recordings: vec![None; workers],
         })
     }
@@ -51,12 +52,12 @@ impl Trace {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(&self, one_clock: bool) -> Result<String> {
+    pub fn write(&mut self, one_clock: bool) -> Result<String> {
         let all =
             || self.recordings.iter().enumerate().filter_map(|(w, r)| r.as_ref().map(|r| (w, r)));
         let first = all().map(|(_, r)| r.origin).min().unwrap_or(0);
         let doubt = if one_clock { 0 } else { all().map(|(_, r)| r.doubt).max().unwrap_or(0) };
-        let mut out = BufWriter::new(&self.file);
+        let mut out = BufWriter::new(&mut self.file);
         let clocks = match one_clock {
             true => "one clock for all workers".to_string(),
             false => format!("clocks of workers agree within {:.1} us", 1e-3 * doubt as f64),
@@ -153,6 +154,7 @@ fn words(event: &Event) -> String {
         OrderKind::High => "high redecomposition",
         OrderKind::Low => "low redecomposition",
         OrderKind::Checkpoint => "checkpoint",
+        OrderKind::Steering => "steering",
         OrderKind::Stop => "stop",
     };
     match event {

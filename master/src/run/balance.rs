@@ -106,13 +106,40 @@ pub struct Accounts {
 impl Balance {
     /// Returns the sums so far.
     pub fn accounts(&self) -> Accounts {
+        // A new field is an error here: sums have to be added, all else to the last lists.
+        let Self {
+            critical_s,
+            total_s,
+            renewal_s,
+            worst,
+            low,
+            high,
+            // From the job.
+            limits: _,
+            // Belongs to one partition. The first low redecomposition of the run that continues
+            // starts from the same values as that of a new run.
+            last: _,
+            waiting: _,
+            window: _,
+            cycles: _,
+            last_imbalance: _,
+            contact: _,
+            lost: _,
+            last_low: _,
+            low_cost: _,
+            unproven: _,
+            judged_imbalance: _,
+            patience: _,
+            orders_due: _,
+            flip: _,
+        } = self;
         Accounts {
-            critical_s: self.critical_s,
-            total_s: self.total_s,
-            renewal_s: self.renewal_s.iter().copied().fold(0.0, f64::max),
-            worst: self.worst,
-            low: self.low,
-            high: self.high,
+            critical_s: *critical_s,
+            total_s: *total_s,
+            renewal_s: renewal_s.iter().copied().fold(0.0, f64::max),
+            worst: *worst,
+            low: *low,
+            high: *high,
         }
     }
 
@@ -276,6 +303,11 @@ impl Balance {
             )
         };
         (urgency >= URGENT).then(|| Due::High { why: why() })
+    }
+
+    /// Changes the limits of low redecompositions.
+    pub fn set_limits(&mut self, imbalance: f64, low_every_at_least: u64) {
+        (self.limits.imbalance, self.limits.low_every_at_least) = (imbalance, low_every_at_least);
     }
 
     /// Records an order that was sent. A low redecomposition begins a new window.

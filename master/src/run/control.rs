@@ -1,33 +1,36 @@
 //! The run on one page: distribute the model, receive reports, decide, write results, stop.
 
+mod distribute;
+mod finish;
+mod steer;
 mod watch;
 
 use crate::input::job::Model;
 use crate::results::fields::Series;
 use crate::results::history::{Course, Extras, History, Tables};
-use crate::results::summary::{self, Outline, Restart, Status, Summary};
+use crate::results::summary::{Outline, Restart, Summary};
 use crate::results::trace::Trace;
 use crate::results::workers;
-use crate::run::balance::{Balance, Due, Limits, URGENT};
+use crate::run::balance::{Balance, Limits};
 use crate::run::checkpoint::find::{Resumption, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
-use crate::run::decompose::{Loads, Workers, bisect, drifted};
 use crate::run::progress::{Progress, RunState};
-use crate::run::stop::StopFlag;
+use crate::run::service::Desk;
+use crate::run::service::signals::StopFlag;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::Captured;
 use crumple_proto::disk;
-use crumple_proto::ids::NodeId;
+use crumple_proto::exit_code::{BAD_INPUT, WORKER_LOST};
 use crumple_proto::message::{Action, ToMaster, ToWorker};
-use crumple_proto::partition::{NodeRecord, Settings};
+use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{Failure, FinalReport};
 use crumple_proto::transport::{RankLost, Tag, Transport};
-use crumple_proto::wire::{await_message, poll_message, post};
-use crumple_worker::vtu;
-use std::collections::{BTreeMap, HashMap};
+use crumple_proto::wire::{poll_message, post};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use steer::Steering;
 
 /// Sleep of the master when there is nothing to do, so that it does not occupy a core that
 /// workers need.
@@ -58,6 +61,16 @@ pub enum RunError {
         /// Error of the operating system.
         error: std::io::Error,
     },
+}
+
+impl RunError {
+    /// Returns the exit code of the run.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Lost(_) => WORKER_LOST,
+            Self::Output { .. } | Self::Unusable(_) | Self::Trace { .. } => BAD_INPUT,
+        }
+    }
 }
 
 /// State of a run on the master.
@@ -102,6 +115,8 @@ pub struct Control<'a> {
     restarts: Vec<Restart>,
     /// Wall time before the checkpoint [s].
     wall_before: f64,
+    /// Orders of users and their clients.
+    steering: Steering,
 }
 
 /// Output locations of a run.
@@ -132,32 +147,45 @@ pub fn run(
     comm: &mut dyn Transport,
     results: Results<'_>,
     origin: Origin,
-    (quiet, stop): (bool, &StopFlag),
+    guidance: Guidance<'_>,
 ) -> Result<Summary, RunError> {
+    let _run = tracing::info_span!("run", rank = 0).entered();
     let patience = model.job.checkpoint.patience().expect("the job is checked when it is read");
     disk::set_patience(patience);
-    let new = || Control::new(model, comm, results, origin, quiet);
+    let Guidance { quiet, stop, desk } = guidance;
+    let new = || Control::new(model, comm, results, origin, (quiet, desk));
     let mut control = disk::watched(results.out, new)?;
-    let ended = control.supervise(stop);
-    // Also after a loss: a checkpoint may lack its manifest only.
-    for finished in control.checkpoints.wait() {
-        control.show_checkpoint(finished);
+    let ended = control.conclude(stop);
+    match &ended {
+        Ok(summary) => control.steering.end(summary.status.exit_code(), &summary.reason),
+        Err(error) => control.steering.end(error.exit_code(), &error.to_string()),
     }
-    let traced = control.write_trace();
-    ended?;
-    control.progress.finish();
-    let summary = control.finish()?;
-    traced?; // after the messages of the run itself
-    Ok(summary)
+    ended
 }
 
+/// How a run is shown and who may steer it.
+pub struct Guidance<'a> {
+    /// True if only errors are printed.
+    pub quiet: bool,
+    /// Requests by signals.
+    pub stop: &'a StopFlag,
+    /// Requests by clients; without a socket `None`.
+    pub desk: Option<Desk>,
+}
+
+impl<'a> Guidance<'a> {
+    /// Returns that of a quiet run without clients.
+    pub fn quiet(stop: &'a StopFlag) -> Self {
+        Self { quiet: true, stop, desk: None }
+    }
+}
 impl<'a> Control<'a> {
     fn new(
         model: &'a mut Model,
         comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
         Origin { stamp, from }: Origin,
-        quiet: bool,
+        (quiet, desk): (bool, Option<Desk>),
     ) -> Result<Self, RunError> {
         let workers = comm.size() - 1;
         let (job, settings) = (&model.job, &model.settings);
@@ -237,6 +265,7 @@ impl<'a> Control<'a> {
             from,
             restarts,
             wall_before: known.wall_s,
+            steering: Steering::new(desk, known.steering),
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
@@ -249,6 +278,21 @@ impl<'a> Control<'a> {
         })
     }
 
+    /// Supervises the run and writes its results.
+    fn conclude(&mut self, stop: &StopFlag) -> Result<Summary, RunError> {
+        let ended = self.supervise(stop);
+        // Also after a loss: a checkpoint may lack its manifest only.
+        for finished in self.checkpoints.wait() {
+            self.show_checkpoint(finished);
+        }
+        let traced = self.write_trace();
+        ended?;
+        self.progress.finish();
+        let summary = self.finish()?;
+        traced?; // after the messages of the run itself
+        Ok(summary)
+    }
+
     /// Distributes the model and supervises the run until all workers have sent their final
     /// reports.
     fn supervise(&mut self, stop: &StopFlag) -> Result<(), RunError> {
@@ -258,14 +302,12 @@ impl<'a> Control<'a> {
         }
         while self.closings.iter().any(Option::is_none) {
             let heard = self.listen()?;
+            self.serve_clients();
+            let is_paused = self.steering.is_paused();
             if stop.is_raised() && !self.stop_ordered {
-                self.stop_ordered = true;
-                self.progress
-                    .println("stopping: the workers finish their cycle and write their state");
-                self.order(Action::Stop);
-            } else if !self.stop_ordered && self.checkpoints.take_due(stop.take_request()) {
-                self.order(Action::Checkpoint);
-            } else if !self.stop_ordered && self.checkpoints.copies.take_due() {
+                self.stop();
+            } else if !self.stop_ordered && self.order_checkpoint_if_due(stop.take_request()) {
+            } else if !self.stop_ordered && !is_paused && self.checkpoints.copies.take_due() {
                 self.order(Action::Copy);
             } else if let Some(due) = self.balance.due().filter(|_| !self.stop_ordered) {
                 self.redecompose(&due);
@@ -307,108 +349,72 @@ impl<'a> Control<'a> {
         let path = trace.path.clone();
         let said =
             trace.write(self.comm.one_clock()).map_err(|error| RunError::Trace { path, error })?;
-        self.progress.println(&format!("trace: {said}"));
+        self.announce(&format!("trace: {said}"));
         Ok(())
-    }
-
-    /// Sends the checkpoint to the workers, which read it, and computes boxes with them.
-    fn continue_from(&mut self, from: &Resumption) -> Result<(), RunError> {
-        let captured = &from.manifest.captured;
-        for why in &from.refused {
-            self.warn(&format!("a newer checkpoint cannot be used: {why}"));
-        }
-        tracing::info!(cycle = captured.cycle, time = captured.time, "run continues");
-        self.progress.println(&format!(
-            "continues from T={:.4e}, cycle {}: {}",
-            captured.time,
-            captured.cycle,
-            from.folder.display()
-        ));
-        self.model.forget_mesh();
-        let resume = ToWorker::Resume {
-            settings: Box::new(self.settings()),
-            folder: from.folder.to_string_lossy().into_owned(),
-            common: from.manifest.common.clone(),
-            pieces: from.manifest.pieces.clone(),
-            changes: from.changes.clone(),
-            trace: self.trace.is_some(),
-        };
-        for rank in 1..=self.workers {
-            post(self.comm, rank, Tag::Order, &resume)?;
-        }
-        let mut refused = None;
-        for rank in 1..=self.workers {
-            if let ToMaster::Trouble(trouble) = await_message(self.comm, rank, Tag::Report)? {
-                refused = Some(trouble.why);
-            }
-        }
-        let Some(why) = refused else { return self.recut() };
-        for rank in 1..=self.workers {
-            let _ = post(self.comm, rank, Tag::Order, &ToWorker::Quit); // it may have ended
-        }
-        Err(RunError::Unusable(why))
-    }
-
-    /// Returns the settings of the workers.
-    fn settings(&self) -> Settings {
-        let mut settings = self.model.settings.clone();
-        settings.field_dir = self.series.dir().to_string_lossy().into_owned();
-        settings.checkpoint.dir = self.checkpoints.dir().to_string_lossy().into_owned();
-        settings
     }
 
     /// Returns the state of the master for a checkpoint.
     fn state(&self) -> MasterState {
+        // A new field is an error here: state has to be added, all else to the last lists.
+        let Self {
+            history,
+            series,
+            balance,
+            penetration_warned,
+            energy_warned,
+            step_warned,
+            restarts,
+            wall_before,
+            began,
+            out,
+            steering,
+            // From the job.
+            model,
+            outline: _,
+            // Its rows are on disk: `lengths`.
+            of_workers: _,
+            // They belong to this process.
+            comm: _,
+            workers: _,
+            tree: _,
+            progress: _,
+            orders: _,
+            stop_ordered: _,
+            ready: _,
+            ready_since: _,
+            trace: _,
+            checkpoints: _,
+            from: _,
+            // Complete when the last worker has captured its state.
+            pieces: _,
+            // They belong to a run that ends.
+            trouble: _,
+            closings: _,
+            states: _,
+        } = self;
+        let (settings, parallel) = (&model.settings, &model.job.parallel);
         MasterState {
-            course: self.history.course.clone(),
-            lengths: Tables::present(&self.out),
-            steps: self.series.steps().to_vec(),
-            accounts: self.balance.accounts(),
-            wall_s: self.wall(),
-            warned: [self.penetration_warned, self.energy_warned, self.step_warned],
-            restarts: self.restarts.clone(),
-            history_interval: self.model.settings.history_interval,
-            field_times: self.model.settings.field_times.clone(),
+            course: history.course.clone(),
+            lengths: Tables::present(out),
+            steps: series.steps().to_vec(),
+            accounts: balance.accounts(),
+            wall_s: wall_before + began.elapsed().as_secs_f64(),
+            warned: [*penetration_warned, *energy_warned, *step_warned],
+            restarts: restarts.clone(),
+            history_interval: settings.history_interval,
+            field_times: settings.field_times.clone(),
+            end_time: settings.end_time,
+            output: settings.output.clone(),
+            imbalance: parallel.imbalance,
+            low_every_at_least: parallel.low_every_at_least,
+            steering: steering.done_without_stop(),
+            planned: settings.planned.clone(),
         }
     }
 
     /// Returns the wall time of the run so far, with that before the checkpoint [s].
     fn wall(&self) -> f64 {
         self.wall_before + self.began.elapsed().as_secs_f64()
-    }
-
-    /// Cuts space into boxes and sends to every worker the elements and nodes of its box.
-    fn deal_out(&mut self) -> Result<(), RankLost> {
-        let (elements, nodes) = self.model.records();
-        let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
-        let centre = |e: &crumple_proto::partition::ElementRecord| {
-            let corners = &e.nodes[..e.shape.corners()];
-            std::array::from_fn(|c| {
-                corners.iter().map(|n| of_id[n].x[c]).sum::<f64>() / corners.len() as f64
-            })
-        };
-        let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
-        let load = |e| self.model.settings.load(e);
-        let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
-        self.tree = bisect(&mut Loads(loads), self.workers)?;
-        let mut shares = vec![Vec::new(); self.workers];
-        for (e, &c) in elements.iter().zip(&centres) {
-            shares[self.tree.worker_of(c)].push(*e);
-        }
-        let settings = self.settings();
-        for (worker, elements) in shares.into_iter().enumerate() {
-            let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
-            ids.sort_unstable();
-            ids.dedup();
-            tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "partition sent");
-            let nodes = ids.iter().map(|id| *of_id[id]).collect();
-            let trace = self.trace.is_some();
-            let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
-            let start = ToWorker::Start { settings, tree, elements, nodes, trace };
-            post(self.comm, worker + 1, Tag::Order, &start)?;
-        }
-        self.model.forget_mesh();
-        Ok(())
     }
 
     /// Receives all messages that have arrived from workers. Returns true if there was one.
@@ -429,6 +435,7 @@ impl<'a> Control<'a> {
     fn receive(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
         match message {
             ToMaster::Report(report) => {
+                let _span = tracing::trace_span!("report", worker, cycle = report.cycle).entered();
                 let imbalance = self.balance.imbalance();
                 let path = self.out.join(workers::FILE);
                 disk::watched(&path, || self.of_workers.add(worker, &report, imbalance))
@@ -459,21 +466,26 @@ impl<'a> Control<'a> {
                 let pieces = self.pieces.entry(index).or_default();
                 *pieces += 1;
                 if *pieces == self.workers {
+                    let _span = tracing::debug_span!("output", index, time).entered();
                     let path = self.series.dir().to_owned();
-                    disk::watched(&path, || self.series.add(index, time, self.workers))
+                    self.series
+                        .add(index, time, self.workers)
                         .map_err(|error| RunError::Output { path, error })?;
                     tracing::info!(index, time, "fields written");
                 }
             }
             ToMaster::Warning(warning) => {
                 tracing::warn!(worker, warning);
-                self.progress.println(&format!("warning: worker {worker}: {warning}"));
+                self.announce(&format!("warning: worker {worker}: {warning}"));
             }
             ToMaster::Captured(captured) => {
                 if self.checkpoints.add_captured(captured) {
+                    let cycle = captured.cycle;
+                    let _span = tracing::debug_span!("checkpoint", cycle).entered();
                     self.finish_reports()?;
                     let state = self.state();
                     self.checkpoints.add_master(captured.cycle, state);
+                    self.take_deferred();
                 }
             }
             ToMaster::Copied(captured, seconds) => {
@@ -481,11 +493,13 @@ impl<'a> Control<'a> {
                     self.finish_reports()?;
                     let state = self.state();
                     self.checkpoints.copies.set(captured, state);
+                    self.take_deferred();
                 }
             }
             ToMaster::Saved(saved) => {
                 self.checkpoints.add_saved(saved);
             }
+            ToMaster::Steered(number, at) => self.take_steered(number, at),
             ToMaster::Ready => {
                 self.ready.push(worker);
                 self.ready_since.get_or_insert_with(Instant::now);
@@ -512,10 +526,11 @@ impl<'a> Control<'a> {
 
     /// Reports the end of a checkpoint.
     fn show_checkpoint(&mut self, ended: Result<String, String>) {
+        self.answer_checkpoint(&ended);
         match ended {
             Ok(message) => {
                 tracing::info!(message);
-                self.progress.println(&message);
+                self.announce(&message);
             }
             Err(warning) => self.warn(&warning),
         }
@@ -524,7 +539,7 @@ impl<'a> Control<'a> {
     /// Reports a warning.
     fn warn(&mut self, warning: &str) {
         tracing::warn!(warning);
-        self.progress.println(&format!("warning: {warning}"));
+        self.announce(&format!("warning: {warning}"));
     }
 
     /// Writes the rows of `workers.csv` that wait.
@@ -540,6 +555,7 @@ impl<'a> Control<'a> {
 
     fn order(&mut self, action: Action) {
         self.orders += 1;
+        tracing::debug!(number = self.orders, action = action.name(), "order sent");
         for rank in 1..=self.workers {
             // A worker that cannot be reached has ended or is lost. The next receive finds out.
             let _ = post(
@@ -549,49 +565,6 @@ impl<'a> Control<'a> {
                 &ToWorker::Order { number: self.orders, action: action.clone() },
             );
         }
-    }
-
-    fn redecompose(&mut self, due: &Due) {
-        let last = self.balance.last.iter().max_by_key(|r| r.cycle).cloned().unwrap_or_default();
-        let (kind, why) = match due {
-            Due::High { why } => ("high", why),
-            Due::Low { why } => ("low", why),
-        };
-        tracing::info!(kind, why, cycle = last.cycle, time = last.time, "redecomposition ordered");
-        match due {
-            Due::High { .. } => {
-                let drift: Vec<[f64; 3]> = self.balance.last.iter().map(|r| r.drift).collect();
-                let elements: Vec<u64> = self.balance.last.iter().map(|r| r.elements).collect();
-                self.tree = drifted(&self.tree, &drift, &elements);
-                self.order(Action::Renew(self.tree.clone()));
-            }
-            Due::Low { .. } => self.order(Action::Recut),
-        }
-        self.balance.ordered(self.orders, due);
-        if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
-            self.progress.println(&format!(
-                "{kind} redecomposition at T={:.4e}, cycle {}: {why}",
-                last.time, last.cycle
-            ));
-        }
-    }
-
-    /// Repartitions while all workers wait: measures the load on the workers, computes new boxes,
-    /// and lets the workers migrate elements.
-    fn recut(&mut self) -> Result<(), RunError> {
-        let pair_s = self.balance.pair_seconds();
-        let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
-        self.tree = bisect(&mut load, self.workers)?;
-        let aside = load.aside;
-        for rank in 1..=self.workers {
-            post(self.comm, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
-        }
-        self.ready.clear();
-        if let Some(since) = self.ready_since.take() {
-            // Migration takes about as long as the measurement and the new boxes.
-            self.balance.low_took(2.0 * since.elapsed().as_secs_f64());
-        }
-        aside.into_iter().try_for_each(|(worker, message)| self.receive(worker, message))
     }
 
     fn show(&mut self) {
@@ -607,117 +580,6 @@ impl<'a> Control<'a> {
             imbalance,
         });
     }
-
-    /// Writes the summary after all final reports have arrived.
-    fn finish(mut self) -> Result<Summary, RunError> {
-        self.finish_reports()?;
-        let wall_s = self.wall();
-        let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
-        let end = closings[0].clone();
-        let (status, reason) = match &self.trouble {
-            Some(t) => {
-                (Status::Failed, format!("cycle {}, time {:.6e}: {}", t.cycle, t.time, t.why))
-            }
-            None if end.stopped => (Status::Stopped, "stopped by the user".into()),
-            None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => {
-                (Status::Completed, "max_cycles".into())
-            }
-            None => (Status::Completed, "end_time".into()),
-        };
-        let count: usize = self.outline.elements.values().sum();
-        let mean = |f: fn(&FinalReport) -> u64| {
-            closings.iter().map(f).sum::<u64>() as f64 / closings.len() as f64
-        };
-        let cycles = end.cycles.max(1) as f64;
-        let (first, last) = (
-            self.history.course.first.unwrap_or_default().sum,
-            self.history.course.last.unwrap_or_default(),
-        );
-        let (e, i) = (last.sum.energies, first.energies);
-        let summary = Summary {
-            title: self.model.job.title.clone(),
-            units: self.model.job.units.clone(),
-            status,
-            reason,
-            end_time: end.time,
-            cycles: end.cycles,
-            nodes: self.outline.nodes,
-            workers: self.workers,
-            transport: self.comm.name().into(),
-            wall_s,
-            grind_ns: 1e9 * wall_s * self.workers as f64 / (count as f64 * cycles),
-            phase_s: summary::phases(&closings),
-            cpu_s: summary::Cpu {
-                total: self.balance.total_s,
-                critical_path: self.balance.critical_s,
-                renewal: self.balance.renewal_s.iter().copied().fold(0.0, f64::max),
-                messages_per_cycle: mean(|c| c.messages) / cycles,
-                bytes_per_cycle: mean(|c| c.bytes) / cycles,
-            },
-            energy: summary::Energy {
-                kinetic: e.kinetic,
-                internal: e.internal,
-                contact: e.contact,
-                friction: e.friction,
-                contact_starting: e.starting,
-                wall: e.wall,
-                hourglass: e.hourglass,
-                external: e.external,
-                total_initial: i.kinetic + i.internal + i.hourglass,
-                error: last.error,
-                error_max: self.history.course.worst_error,
-                contact_created: self.history.course.worst_created,
-            },
-            momentum: summary::Momentum {
-                start: first.momentum,
-                end: last.sum.momentum,
-                wall_impulse: std::array::from_fn(|c| {
-                    last.sum.wall_impulse.iter().map(|p| p[c]).sum()
-                }),
-            },
-            dt: summary::Steps { first: end.dt[0], min: end.dt[1], last: end.dt[2] },
-            redecompositions: summary::Redecompositions {
-                low: self.balance.low,
-                high: self.balance.high,
-                erosion: end.erosions,
-            },
-            thresholds: summary::Thresholds {
-                margin: URGENT,
-                imbalance: self.model.job.parallel.imbalance,
-            },
-            classes: summary::classes(&closings),
-            imbalance: summary::MeanMax {
-                mean: self.balance.mean_imbalance(),
-                max: self.balance.worst,
-            },
-            contact: summary::ContactSummary {
-                pairs_max: self.history.course.pairs,
-                penetration_max: self.history.course.penetration,
-                searches: mean(|c| c.searches),
-                sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
-                accelerated_steps: closings.iter().map(|c| c.unsettled[0]).max().unwrap_or(0),
-                unsettled_steps: closings.iter().map(|c| c.unsettled[1]).max().unwrap_or(0),
-                capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
-            },
-            unsupported: self.model.unsupported.clone(),
-            parts: summary::parts(
-                &self.model.job,
-                &self.outline,
-                &self.model.settings.parts,
-                &closings,
-            ),
-            walls: self.model.job.wall.clone(),
-            elements: self.outline.elements,
-            restarts: self.restarts,
-            checkpoints: self.checkpoints.summary,
-            state_digest: summary::state_digest(&mut self.states),
-        };
-        let path = self.out.join("summary.json");
-        let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
-        let write = || vtu::write_whole(&path, |out| out.write_all(text.as_bytes()));
-        disk::watched(&path, write).map_err(|error| RunError::Output { path, error })?;
-        Ok(summary)
-    }
 }
 
 /// Removes a file if it exists.
@@ -732,5 +594,3 @@ fn remove_file(path: &Path) -> Result<(), RunError> {
 
 /// Time for which the master waits for recordings after the loss of a worker.
 const LAST_WORDS: Duration = Duration::from_secs(2);
-/// Number of high redecompositions that are printed. All are in `log.jsonl`.
-const MOST_SAID: u64 = 10;

@@ -3,23 +3,25 @@
 
 use crate::cli::RunArgs;
 use crate::input::job::{self, Model, Report};
-use crate::results::report;
 use crate::results::summary::{Status, Summary};
+use crate::results::{report, steering};
 use crate::run::checkpoint::manifest::Manifest;
 use crate::run::checkpoint::{compare, find};
-use crate::run::control::{self, Origin, Results, RunError};
+use crate::run::control::{self, Guidance, Origin, Results, RunError};
 use crate::run::lock::Lock;
-use crate::run::stop::{Manner, StopFlag};
+use crate::run::log::Logs;
+#[cfg(feature = "mpi")]
+use crate::run::log::RankLog;
+use crate::run::service::Service;
+use crate::run::service::signals::{self, Manner};
 use crate::run::supervise;
 use crate::stdout::say;
 use crumple_proto::disk;
-use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED, WORKER_LOST};
+#[cfg(feature = "mpi")]
+use crumple_proto::exit_code::{COMPLETED, WORKER_LOST};
 use crumple_proto::job::Restart;
 use crumple_proto::transport::{Transport, threads};
-use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 /// Returns true if an MPI launcher has started this process. Launchers set these
 /// environment variables.
@@ -34,8 +36,24 @@ pub fn run(args: &RunArgs) -> u8 {
     if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
         return supervise::run(args, retries);
     }
-    let stop = StopFlag::listen(Manner::AtOnce);
-    if launched_by_mpi() { run_under_mpi(args, &stop) } else { run_threads(args, &stop) }
+    #[cfg(feature = "mpi")]
+    if launched_by_mpi() {
+        // SAFETY: this is the only thread; the calls below start others.
+        unsafe { crumple_proto::transport::mpi::Mpi::configure() };
+    }
+    if launched_by_mpi() {
+        run_under_mpi(args)
+    } else {
+        run_threads(args, &Service::start(Manner::AtOnce))
+    }
+}
+
+/// Returns true if the launcher says that this process is a worker.
+#[cfg(feature = "mpi")]
+fn is_worker_rank() -> bool {
+    let rank = |name| std::env::var(name).ok()?.parse::<usize>().ok();
+    let names = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"];
+    names.into_iter().find_map(rank).is_some_and(|rank| rank > 0)
 }
 
 /// A job that is ready to run.
@@ -44,6 +62,7 @@ struct Ready {
     workers: usize,
     origin: Origin,
     out: PathBuf,
+    logs: Logs,
     _lock: Lock,
 }
 
@@ -81,6 +100,12 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
     if from.is_none() && model.job.restart != Restart::default() {
         return bad("`restart` changes a run that continues: give --resume too".into());
     }
+    if let Some(path) = &args.steering {
+        match steering::read(path) {
+            Ok(plan) => model.settings.planned = plan,
+            Err(why) => return bad(why),
+        }
+    }
     let stamp = compare::stamp(&model, sets);
     let from = match from {
         None => None,
@@ -100,13 +125,15 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
     {
         return bad(why);
     }
-    Some(Ready { model, workers, origin: Origin { stamp, from }, out, _lock: lock })
+    let logs = Logs::new(&out, args.log.as_deref());
+    Some(Ready { model, workers, origin: Origin { stamp, from }, out, logs, _lock: lock })
 }
 
-fn run_threads(args: &RunArgs, stop: &StopFlag) -> u8 {
+fn run_threads(args: &RunArgs, service: &Service) -> u8 {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let ready = prepare(args, |m| m.workers(args.options.workers, cores));
-    let Some(ready) = ready else { return Report::EXIT_CODE };
+    let Some(mut ready) = ready else { return Report::EXIT_CODE };
+    let _log = ready.logs.start_master(ready.origin.from.is_some());
     let workers = ready.workers;
     let mut ends = threads::connect(workers + 1);
     let mut master = ends.remove(0);
@@ -115,15 +142,17 @@ fn run_threads(args: &RunArgs, stop: &StopFlag) -> u8 {
         .map(|mut end| {
             let rank = end.rank();
             let name = format!("worker {}", rank - 1);
+            let logs = ready.logs.clone();
             let body = move || {
                 if let Err(lost) = crumple_worker::serve::serve(&mut end) {
                     tracing::error!(worker = rank - 1, %lost, "worker ends");
                 }
             };
-            std::thread::Builder::new().name(name).spawn(body)
+            let logged = move || logs.with_thread(rank, body);
+            std::thread::Builder::new().name(name).spawn(logged)
         })
         .collect();
-    let code = as_master(args, ready, &mut master, stop);
+    let code = as_master(args, ready, &mut master, service);
     drop(master);
     for worker in workers.into_iter().flatten() {
         // The worker has printed its panic, and the master reports it as a lost worker.
@@ -133,7 +162,7 @@ fn run_threads(args: &RunArgs, stop: &StopFlag) -> u8 {
 }
 
 #[cfg(not(feature = "mpi"))]
-fn run_under_mpi(_: &RunArgs, _: &StopFlag) -> u8 {
+fn run_under_mpi(_: &RunArgs) -> u8 {
     eprintln!(
         "error: this crumple was built without MPI; build it with \
          `cargo build --release --features mpi`,"
@@ -143,23 +172,30 @@ fn run_under_mpi(_: &RunArgs, _: &StopFlag) -> u8 {
 }
 
 #[cfg(feature = "mpi")]
-fn run_under_mpi(args: &RunArgs, stop: &StopFlag) -> u8 {
+fn run_under_mpi(args: &RunArgs) -> u8 {
     use crumple_proto::{message::ToWorker, transport::Tag, transport::mpi::Mpi, wire::post};
+    // Before MPI starts, which takes a while.
+    let service = if is_worker_rank() {
+        signals::leave_to_master();
+        None
+    } else {
+        Some(Service::start(Manner::AtOnce))
+    };
+    let service = || service.unwrap_or_else(|| Service::start(Manner::AtOnce));
     let Some(mut comm) = Mpi::start() else {
         eprintln!("error: MPI could not be started");
         return WORKER_LOST;
     };
     if comm.size() == 1 {
         drop(comm);
-        return run_threads(args, stop);
+        return run_threads(args, &service());
     }
     if comm.rank() > 0 {
-        // The master decides when to stop. A signal that the launcher sends to all ranks must not
-        // end this one early.
-        stop.set_manner(Manner::Patient);
+        let log = log_of_worker(args, comm.rank());
         // The panic of a worker is printed by then; the run ends as if the worker were lost.
         let served = std::panic::AssertUnwindSafe(|| crumple_worker::serve::serve(&mut comm));
         let served = std::panic::catch_unwind(served);
+        drop(log); // its last lines are written
         return match served {
             Ok(Ok(())) => COMPLETED,
             Ok(Err(lost)) => {
@@ -175,8 +211,10 @@ fn run_under_mpi(args: &RunArgs, stop: &StopFlag) -> u8 {
         Ok(ranks)
     });
     match ready {
-        Some(ready) => {
-            let code = as_master(args, ready, &mut comm, stop);
+        Some(mut ready) => {
+            let log = ready.logs.start_master(ready.origin.from.is_some());
+            let code = as_master(args, ready, &mut comm, &service());
+            drop(log);
             if code == WORKER_LOST { comm.abort(i32::from(code)) } else { code }
         }
         None => {
@@ -189,7 +227,14 @@ fn run_under_mpi(args: &RunArgs, stop: &StopFlag) -> u8 {
     }
 }
 
-fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, stop: &StopFlag) -> u8 {
+/// Starts the log of a worker process. Without a folder of results the master refuses the run.
+#[cfg(feature = "mpi")]
+fn log_of_worker(args: &RunArgs, rank: usize) -> Option<RankLog> {
+    let out = args.resume.as_ref().map_or_else(|| Ok(args.out_dir()), |dir| find::run_folder(dir));
+    Logs::new(&out.ok()?, args.log.as_deref()).start_process(rank)
+}
+
+fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &Service) -> u8 {
     let Ready { mut model, origin, out, _lock, .. } = ready;
     let model = &mut model;
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
@@ -198,12 +243,17 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, stop: &Stop
     if !args.quiet {
         crate::stdout::write(format_args!("{}", crate::input::check::mapping(model)));
     }
-    log_to(&out, origin.from.is_some());
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
     report::forget(&out); // from an earlier run
+    let stop = service.stop();
     stop.set_manner(Manner::Orderly);
+    let desk = service.open(&out);
+    if let Err(why) = &desk {
+        tracing::warn!(why, "no client can attach to this run");
+    }
+    let guidance = Guidance { quiet: args.quiet, stop, desk: desk.ok() };
     let results = Results { out: &out, trace: args.trace.as_deref() };
-    let ended = control::run(model, comm, results, origin, (args.quiet, stop));
+    let ended = control::run(model, comm, results, origin, guidance);
     let writable = !matches!(ended, Err(RunError::Output { .. }));
     let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
     let code = match ended {
@@ -224,22 +274,24 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, stop: &Stop
                 eprintln!("error: {why}");
                 return Report::EXIT_CODE;
             }
-            match summary.status {
-                Status::Completed => COMPLETED,
-                Status::Stopped => STOPPED,
-                Status::Failed => {
-                    eprintln!("error: {}", summary.reason);
-                    name_last_state(&out, &summary);
-                    FAILED
-                }
+            if model.job.output.exodus
+                && let Err(why) = crate::results::exodus::export(&out)
+            {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
             }
+            if summary.status == Status::Failed {
+                eprintln!("error: {}", summary.reason);
+                name_last_state(&out, &summary);
+            }
+            summary.status.exit_code()
         }
         Err(error) => {
             eprintln!("error: {error}");
             if find::newest_cycle(&out).is_some() {
                 eprintln!("  continue with: crumple run --resume {}", out.display());
             }
-            if matches!(error, RunError::Lost(_)) { WORKER_LOST } else { Report::EXIT_CODE }
+            error.exit_code()
         }
     };
     match made.filter(|_| !args.quiet) {
@@ -274,38 +326,6 @@ fn name_last_state(out: &Path, summary: &Summary) {
             }
         }
         None => eprintln!("  there is no checkpoint: the run starts again from time 0"),
-    }
-}
-
-/// Writes events of the master and of threads to `log.jsonl`. If the folder cannot be written,
-/// the run itself reports it. A run that `continues` appends to the file.
-fn log_to(out: &Path, continues: bool) {
-    let path = out.join("log.jsonl");
-    let open = || match continues {
-        true => std::fs::File::options().create(true).append(true).open(&path),
-        false => std::fs::File::create(&path),
-    };
-    let file = std::fs::create_dir_all(out).and_then(|()| open());
-    if let Ok(file) = file {
-        // A second run in the same process continues with the first log.
-        let log = Mutex::new(Log { path, file });
-        let _ = tracing_subscriber::fmt().json().with_writer(log).try_init();
-    }
-}
-
-/// The file of events.
-struct Log {
-    path: PathBuf,
-    file: File,
-}
-
-impl Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        disk::watched(&self.path, || self.file.write(bytes))
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        disk::watched(&self.path, || self.file.flush())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The run on the master: start, control, balance, decomposition, progress and stop.
 
+pub mod attach;
 pub mod balance;
 pub mod checkpoint;
 pub mod control;
@@ -7,6 +8,8 @@ pub mod decompose;
 pub mod embedded;
 pub mod launch;
 pub mod lock;
+pub mod log;
 pub mod progress;
-pub mod stop;
+pub mod request;
+pub mod service;
 pub mod supervise;

@@ -48,6 +48,11 @@ impl Progress {
         Self { end_time, began: Instant::now(), last: Instant::now(), bar, quiet }
     }
 
+    /// Changes the end of the run.
+    pub fn set_end_time(&mut self, end_time: f64) {
+        self.end_time = end_time;
+    }
+
     /// Shows the state, if the interval has passed.
     pub fn show(&mut self, s: &RunState) {
         let every = if self.bar.is_some() { DRAW_EVERY } else { LINE_EVERY };

@@ -4,7 +4,8 @@
 use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::checkpoint::find::{newest_cycle, run_folder};
-use crate::run::stop::{Manner, StopFlag};
+use crate::run::service::Service;
+use crate::run::service::signals::{Manner, StopFlag};
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, WORKER_LOST};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -36,7 +37,8 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             }
         },
     };
-    let stop = StopFlag::listen(Manner::Patient);
+    let service = Service::start(Manner::Patient);
+    let stop = service.stop();
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut workers = args.options.workers.unwrap_or_else(cores);
     let mut reached = if args.resume.is_some() { newest_cycle(&out) } else { None };
@@ -51,7 +53,9 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         let child = start(args, folder, continues, workers);
         // Launchers of MPI end their ranks at TERM, but pass on USR2.
         let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
-        let ended = child.and_then(|child| wait(child, &stop, to_stop));
+        let log = out.join("log.jsonl");
+        let has_begun = || modified(&log).is_some_and(|written| written >= began);
+        let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun));
         let status = match ended {
             Ok(status) => status,
             Err(error) => {
@@ -76,7 +80,7 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             (None, signal) => format!("signal {}", signal.unwrap_or_default()),
         };
         if stop.is_raised() {
-            if modified(&out.join("log.jsonl")).is_none_or(|written| written < began) {
+            if !has_begun() {
                 return STOPPED; // before its first cycle it has nothing to keep
             }
             eprintln!("error: the run was lost ({what}) while it stopped");
@@ -164,8 +168,15 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
 
 /// Waits for the end of the run. Passes on requests to stop: the first as the signal `to_stop`,
 /// the second as TERM, at which launchers of MPI end their ranks, all others as KILL to the group
-/// of the process.
-fn wait(mut child: Child, stop: &StopFlag, to_stop: Signal) -> std::io::Result<ExitStatus> {
+/// of the process. In its first moments a launcher does not pass on signals: they would end it, and
+/// leave its ranks behind. So before the run `has_begun`, the first request is TERM too, and a
+/// request for a checkpoint waits.
+fn wait(
+    mut child: Child,
+    stop: &StopFlag,
+    to_stop: Signal,
+    has_begun: impl Fn() -> bool,
+) -> std::io::Result<ExitStatus> {
     let (mut seen, mut passed_on, mut last) = (0, 0, None::<Instant>);
     let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
     let send = |signal| {
@@ -185,13 +196,13 @@ fn wait(mut child: Child, stop: &StopFlag, to_stop: Signal) -> std::io::Result<E
             last = Some(Instant::now());
             passed_on += 1;
             match (passed_on, pid) {
-                (1, _) => send(to_stop),
-                (2, _) => send(Signal::TERM),
+                (1, _) if has_begun() => send(to_stop),
+                (1 | 2, _) => send(Signal::TERM),
                 (_, Some(pid)) => drop(kill_process_group(pid, Signal::KILL)),
                 _ => {}
             }
         }
-        if stop.take_request() {
+        if stop.is_requested() && has_begun() && stop.take_request() {
             send(Signal::USR1);
         }
         std::thread::sleep(LOOK_EVERY);

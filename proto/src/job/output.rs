@@ -25,6 +25,8 @@ pub struct Output {
     /// Also write the fields as one temporal VTKHDF file, at the end of the run. Needs a build with
     /// the feature `vtkhdf`.
     pub vtkhdf: bool,
+    /// Also write the fields as an EXODUS II file, at the end of the run.
+    pub exodus: bool,
     /// Nodes whose motion is written to `nodes.csv`.
     pub node: Vec<NodeHistory>,
     /// Sections whose force and moment are written to `sections.csv`.
@@ -44,6 +46,7 @@ impl Default for Output {
             contacts: true,
             d3plot: false,
             vtkhdf: false,
+            exodus: false,
             node: Vec::new(),
             section: Vec::new(),
             transducer: Vec::new(),

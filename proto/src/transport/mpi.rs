@@ -1,12 +1,15 @@
 //! Ranks as MPI processes. All calls come from the thread that initialised MPI.
 
-use super::wait::Patience;
+use super::wait::{Patience, Rest};
 use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use ::mpi::environment::Universe;
-use ::mpi::request::{Request, StaticScope};
+use ::mpi::request::{Request, StaticScope, scope};
 use ::mpi::topology::SimpleCommunicator;
 use ::mpi::traits::*;
 use std::time::{Duration, Instant};
+
+/// Environment variable by which Open MPI decides whether ranks yield their core.
+const YIELD: &str = "OMPI_MCA_mpi_yield_when_idle";
 
 /// Message in transit: MPI reads the buffer until the request is complete.
 struct Flying {
@@ -21,23 +24,28 @@ pub struct Mpi {
     flying: Vec<Flying>,
     wait_cpu: Duration,
     traffic: Traffic,
-    /// Time for which a waiting rank polls before it yields its core.
+    /// Time for which a waiting rank polls before it leaves its core to others.
     patience: Patience,
-    /// Time of waiting after which it sleeps between polls, since other processes may need the
-    /// core for longer.
-    alert: Duration,
+    rest: Rest,
 }
 
-/// See [`Mpi::alert`], for a rank that has a core and for ranks that share cores.
-const ALERT: [Duration; 2] = [Duration::from_millis(2), Duration::from_micros(100)];
-/// Longest sleep between two polls, and its part of the time of waiting: a message is received
-/// late by at most this part.
-const LONGEST_SLEEP: Duration = Duration::from_micros(500);
-const LATE: u32 = 16;
-
 impl Mpi {
+    /// Sets MPI not to yield the core in its own calls, unless the environment sets it. A rank
+    /// that yields to a process outside the run gets the core back some milliseconds later; this
+    /// transport knows better when to yield ([`Rest`]). Open MPI yields where ranks share cores.
+    ///
+    /// # Safety
+    /// No other thread of this process may exist: it changes the environment.
+    pub unsafe fn configure() {
+        if std::env::var_os(YIELD).is_none() {
+            // SAFETY: there is no other thread that could read the environment.
+            unsafe { std::env::set_var(YIELD, "0") };
+        }
+    }
+
     /// Initialises MPI; returns `None` if it is initialised already. From here on a panic ends
-    /// all ranks: MPI would otherwise leave the others waiting for ever.
+    /// all ranks: MPI would otherwise leave the others waiting for ever. Call
+    /// [`Self::configure`] first.
     pub fn start() -> Option<Self> {
         let (universe, _) = ::mpi::initialize_with_threading(::mpi::Threading::Funneled)?;
         let world = universe.world();
@@ -59,7 +67,7 @@ impl Mpi {
             wait_cpu: Duration::ZERO,
             traffic: Traffic::default(),
             patience: Patience::new(has_core),
-            alert: ALERT[usize::from(!has_core)],
+            rest: Rest::new(),
         })
     }
 
@@ -121,7 +129,17 @@ impl Transport for Mpi {
             return Ok(false);
         };
         words.resize(status.count(u64::equivalent_datatype()) as usize, 0);
-        from.receive_into_with_tag(&mut words[..], tag as i32);
+        // The rest of a long message is sent only now. A receive that blocks would occupy the core
+        // that the sender may need.
+        let (start, rest) = (Instant::now(), &mut self.rest);
+        scope(|scope| {
+            let mut request =
+                from.immediate_receive_into_with_tag(scope, &mut words[..], tag as i32);
+            while let Err(pending) = request.test() {
+                request = pending;
+                rest.pause(start.elapsed());
+            }
+        });
         Ok(true)
     }
 
@@ -134,15 +152,11 @@ impl Transport for Mpi {
         let mut polls = true;
         while !self.try_recv(from, tag, words)? {
             let waited = start.elapsed();
-            if waited < patience {
+            polls = waited < patience;
+            if polls {
                 std::hint::spin_loop();
-                continue;
-            }
-            polls = false;
-            if waited < self.alert {
-                std::thread::yield_now();
             } else {
-                std::thread::sleep((waited / LATE).min(LONGEST_SLEEP));
+                self.rest.pause(waited);
             }
         }
         if polls {

@@ -4,5 +4,6 @@
 
 mod processes;
 mod redecomposition;
+mod steering;
 mod supervisor;
 mod torture;

@@ -2,7 +2,7 @@
 
 use crumple::run::checkpoint::find::newest_cycle;
 use crumple_tests::program::{
-    Running, crumple, crumple_with, mpi_or_skip, mpirun, run, send, start,
+    Running, crumple, crumple_with, mpi_or_skip, mpirun, root, run, send, start,
 };
 use crumple_tests::restart::{assert_same_files, checkpoints};
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -29,12 +29,17 @@ fn script(folder: &Path, text: &str) -> PathBuf {
     path
 }
 
-/// Returns a supervised run with the environment that `mpirun` needs.
-fn supervised(launcher: &str, more: &[&str]) -> Command {
-    let mut command = crumple_with(&TUMBLE);
+/// Sets the environment that `mpirun` needs.
+fn set_environment_of_mpirun(command: &mut Command) {
     for (name, value) in mpirun(1, &[]).get_envs() {
         command.env(name, value.unwrap_or_default());
     }
+}
+
+/// Returns a supervised run.
+fn supervised(launcher: &str, more: &[&str]) -> Command {
+    let mut command = crumple_with(&TUMBLE);
+    set_environment_of_mpirun(&mut command);
     command.args(["--retries", "5", "--launcher", launcher]).args(more);
     command
 }
@@ -108,16 +113,26 @@ fn a_run_that_makes_no_progress_is_given_up() {
 }
 
 /// A launcher that hangs gets USR2 at the first request to stop, TERM at the second and KILL at the
-/// third.
+/// third. Before the run has begun, it gets TERM at once.
 #[test]
 fn a_launcher_that_does_not_stop_is_ended_by_further_signals() {
     let folder = tempfile::tempdir().unwrap();
-    for (traps, requests) in [("trap '' USR2; trap 'exit 9' TERM", 2), ("trap '' USR2 TERM", 3)] {
-        let text =
-            format!("{traps}; touch {}/up; while :; do sleep 0.1; done", folder.path().display());
+    let up = folder.path().join("up");
+    for (traps, begins, requests, code) in [
+        ("trap '' USR2; trap 'exit 9' TERM", true, 2, 4),
+        ("trap '' USR2 TERM", true, 3, 4),
+        ("trap '' USR2; trap 'exit 9' TERM", false, 1, 130),
+    ] {
+        let log = if begins { "out/log.jsonl" } else { "other" };
+        let text = format!(
+            "{traps}; mkdir -p {0}/out; touch {0}/{log} {0}/up; while :; do sleep 0.1; done",
+            folder.path().display()
+        );
         let launcher = script(folder.path(), &text);
-        let mut running = start(supervised(launcher.to_str().unwrap(), &[]));
-        running.wait_for("the launcher runs", |_| folder.path().join("up").exists().then_some(()));
+        let out = folder.path().join("out");
+        let place = ["--out", out.to_str().unwrap()];
+        let mut running = start(supervised(launcher.to_str().unwrap(), &place));
+        running.wait_for("the launcher runs", |_| up.exists().then_some(()));
         for request in 1..=requests {
             running.signal(Signal::INT);
             // Requests within a second count as one.
@@ -125,8 +140,9 @@ fn a_launcher_that_does_not_stop_is_ended_by_further_signals() {
             let launchers = running.children();
             assert_eq!(launchers.is_empty(), request == requests, "{traps}: {request}");
         }
-        running.end().with_code(130);
-        fs::remove_file(folder.path().join("up")).unwrap();
+        running.end().with_code(code);
+        fs::remove_file(&up).unwrap();
+        fs::remove_dir_all(&out).unwrap();
     }
 }
 
@@ -212,4 +228,112 @@ fn an_interrupted_mpirun_below_the_script_stops_the_run_with_code_130() {
         let supervisor = script.children()[0];
         send(children_of(supervisor)[0], Signal::INT);
     });
+}
+
+/// Returns the processes whose command line names a folder.
+fn processes_with(folder: &Path) -> Vec<String> {
+    let name = folder.to_string_lossy().into_owned();
+    let all = fs::read_dir("/proc").unwrap().filter_map(|entry| {
+        let words = fs::read(entry.ok()?.path().join("cmdline")).ok()?;
+        Some(String::from_utf8_lossy(&words).replace('\0', " "))
+    });
+    all.filter(|words| words.contains(&name)).collect()
+}
+
+/// In its first moments, a launcher does not pass on signals. The script ends with code 130, or by
+/// the signal if it has not begun itself, and leaves no process.
+#[test]
+fn a_signal_in_the_first_moments_ends_the_script_and_all_ranks() {
+    let Some(()) = mpi_or_skip() else { return };
+    for delay in [30, 100, 150, 200, 300, 500] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = run_script(&folder.path().join("out"));
+        command.env("OMPI_MCA_odls_base_sigkill_timeout", "1");
+        let running = start(command);
+        std::thread::sleep(Duration::from_millis(delay));
+        running.signal(Signal::TERM);
+        let ended = running.end();
+        let code = ended.code.unwrap_or(130);
+        assert_eq!(code, 130, "{delay} ms: {}", ended.said());
+        let left = (0..100).find_map(|_| {
+            std::thread::sleep(Duration::from_millis(50));
+            processes_with(folder.path()).is_empty().then_some(())
+        });
+        assert!(left.is_some(), "{delay} ms: {:?}", processes_with(folder.path()));
+    }
+}
+
+/// A request for a checkpoint as soon as the launcher has started: it waits until the run has
+/// begun, and the run goes on to its end.
+#[test]
+fn a_request_in_the_first_moments_gives_a_checkpoint() {
+    let Some(()) = mpi_or_skip() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut command = run_script(&out);
+    command.args(["--set=time.max_cycles=100", "--set=checkpoint.every=\"1 h\""]);
+    let mut running = start(command);
+    running.wait_for("the launcher has started", |script| {
+        script.children().into_iter().find(|&child| !children_of(child).is_empty())
+    });
+    running.signal(Signal::USR1);
+    let ended = running.end().with_code(0);
+    assert!(newest_cycle(&out).is_some_and(|cycle| cycle < 100), "{}", ended.said());
+}
+
+/// Starts the script of Slurm as Slurm does, in a folder with the scenes and with a `scontrol` that
+/// writes its arguments to a file.
+fn slurm_script(folder: &Path) -> Command {
+    let tools = folder.join("tools");
+    if !tools.exists() {
+        fs::create_dir(&tools).unwrap();
+        std::os::unix::fs::symlink(root().join("cases"), folder.join("cases")).unwrap();
+        let path = script(&tools, "echo \"$@\" >> \"$SLURM_SUBMIT_DIR/orders\"");
+        fs::rename(path, tools.join("scontrol")).unwrap();
+    }
+    let mut command = Command::new("bash");
+    set_environment_of_mpirun(&mut command);
+    let path = std::env::var("PATH").unwrap();
+    command.env("PATH", format!("{}:{path}", tools.display()));
+    command.env("SLURM_SUBMIT_DIR", folder).env("SLURM_JOB_ID", "7").env("SLURM_NTASKS", "3");
+    command.env("LAUNCHER", "mpirun -n {ranks}").env("CRUMPLE", crumple());
+    command.arg(root().join("deploy/slurm.sbatch"));
+    command.args(["cases/jeep-frame", "--no-report", "--set=time.max_cycles=900"]);
+    command
+}
+
+/// Runs the script of Slurm until the history has rows, and sends it a signal. Returns the requests
+/// to `scontrol`.
+fn interrupted_slurm_script(folder: &Path, signal: Signal) -> String {
+    let mut running = start(slurm_script(folder));
+    let history = folder.join("out/jeep-frame-7/history.csv");
+    running.wait_for("the history has rows", |_| {
+        (fs::read_to_string(&history).ok()?.lines().count() > 3).then_some(())
+    });
+    running.signal(signal);
+    running.end().with_code(130);
+    fs::read_to_string(folder.join("orders")).unwrap_or_default()
+}
+
+/// USR1, which Slurm sends before the time limit: the job requeues itself and then continues. TERM
+/// is that of `scancel`: it is not requeued.
+#[test]
+fn a_slurm_job_continues_after_its_time_limit_and_not_after_its_cancellation() {
+    let Some(()) = mpi_or_skip() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let cancelled = tempfile::tempdir().unwrap();
+    assert_eq!(interrupted_slurm_script(cancelled.path(), Signal::TERM), "");
+    assert_eq!(interrupted_slurm_script(folder.path(), Signal::USR1), "requeue 7\n");
+    let out = folder.path().join("out/jeep-frame-7");
+    assert!(newest_cycle(&out).is_some_and(|cycle| cycle < 900));
+    let mut again = slurm_script(folder.path());
+    again.env("SLURM_RESTART_COUNT", "1");
+    let again = run(again).with_code(0);
+    assert!(again.said().contains("continues from"), "{}", again.said());
+    let whole = ["run", "cases/jeep-frame", "--no-report", "--set=time.max_cycles=900"];
+    let whole = run(crumple_with(&whole)).with_code(0);
+    assert_same_files(&whole.out(), &out);
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["state_digest"], whole.digest());
 }

@@ -1,8 +1,8 @@
 //! The time line of a run: its contents, and their agreement with the summary.
 
 use crumple::results::summary::Summary;
-use crumple::run::control::{self, Origin, Results};
-use crumple::run::stop::StopFlag;
+use crumple::run::control::{self, Guidance, Origin, Results};
+use crumple::run::service::signals::StopFlag;
 use crumple_proto::report::PHASES;
 use crumple_proto::transport::threads::connect;
 use crumple_tests::{case, read};
@@ -23,7 +23,7 @@ fn traced(sets: &[&str]) -> (Summary, Vec<Value>) {
         }
         let results = Results { out: out.path(), trace: Some(&path) };
         let (origin, stop) = (Origin::default(), StopFlag::default());
-        control::run(&mut model, &mut master, results, origin, (true, &stop)).unwrap()
+        control::run(&mut model, &mut master, results, origin, Guidance::quiet(&stop)).unwrap()
     });
     let trace: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     assert!(trace["otherData"]["clocks"].as_str().unwrap().contains("one clock"));

@@ -6,21 +6,26 @@ use crumple_proto::checkpoint::{FORMAT, FileRecord, decode};
 use crumple_proto::job::Job;
 use crumple_tests::program::{Ended, crumple_with, mpi_or_skip, mpirun, root, run, send, start};
 use crumple_tests::restart::{Plan, assert_same_files, checkpoints, copy_folder, run_interrupted};
-use crumple_tests::{case, read, run_side_by_side};
+use crumple_tests::{case, read, run_side_by_side, variable};
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use rustix::process::Signal;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Interrupts a job in an early cycle that varies from job to job, and compares the digests.
+/// Interrupts a job in a random cycle, and compares the digests. `CRUMPLE_INTERRUPT_CYCLES` sets
+/// the length of the run, `CRUMPLE_INTERRUPT_SEED` the random numbers.
 fn assert_survives(path: &Path, sets: &[&str], cycles: u64) {
     let model = read(path, sets);
+    let cycles = variable("CRUMPLE_INTERRUPT_CYCLES", cycles);
     let whole = run_side_by_side(&model, 1, cycles, 0);
     let ended = whole.pairs.len() as u64;
-    let seed = path.to_string_lossy().bytes().fold(7, |s: u64, b| (31 * s + u64::from(b)) % 97);
-    for (number, workers) in (0..).zip([[3, 2], [1, 4], [2, 1]]) {
+    let name = path.file_name().unwrap().to_string_lossy();
+    let seed = variable("CRUMPLE_INTERRUPT_SEED", 1);
+    let seed = name.bytes().fold(seed, |s, b| s.wrapping_mul(31).wrapping_add(u64::from(b)));
+    let mut random = fastrand::Rng::with_seed(seed);
+    for workers in [[3, 2], [1, 4], [2, 1]] {
         // At the latest one cycle before the end.
-        let at = (ended.saturating_sub(2) * (20 + seed * 70 / 97) / 100 + number).max(1);
+        let at = random.u64(1..=ended.saturating_sub(2).max(1));
         let plan = Plan { at, cycles, workers };
         let digest = run_interrupted(&model, plan);
         assert_eq!(digest, whole.digest(), "{} {sets:?} {plan:?}", path.display());
@@ -323,9 +328,8 @@ fn mutated_manifests_and_files_are_refused() {
     let known = Manifest::from_bytes(&manifest).unwrap();
     let files: Vec<(FileRecord, Vec<u8>)> =
         known.files().map(|f| (f.clone(), fs::read(folder.join(&f.name)).unwrap())).collect();
-    let count = std::env::var("CRUMPLE_MUTATIONS").ok().and_then(|text| text.parse().ok());
     let mut random = fastrand::Rng::with_seed(20);
-    for number in 0..count.unwrap_or(3000u64) {
+    for number in 0..variable("CRUMPLE_MUTATIONS", 3000) {
         let bad = mutated(&mut random, &manifest);
         assert!(bad == manifest || Manifest::from_bytes(&bad).is_err(), "mutation {number}");
         // With a right sum only the meaning is wrong. It may be read, or refused with a reason.

@@ -1,6 +1,7 @@
 //! Runs that fail or are stopped, through the binary: exit codes, and the files that remain.
 
-use crumple::run::stop::StopFlag;
+use crumple::run::control::Guidance;
+use crumple::run::service::signals::StopFlag;
 use crumple_proto::transport::threads::{Threads, connect};
 use crumple_proto::transport::{RankLost, Tag, Traffic, Transport};
 use crumple_tests::program::{Ended, assert_finite, crumple_with, run, start};
@@ -280,7 +281,7 @@ fn a_worker_that_panics_is_a_lost_worker() {
                 &mut master,
                 results,
                 crumple::run::control::Origin::default(),
-                (true, &StopFlag::default()),
+                Guidance::quiet(&StopFlag::default()),
             );
             let text = fs::read_to_string(&trace).unwrap();
             serde_json::from_str::<serde_json::Value>(&text).expect("the trace is valid JSON");

@@ -101,39 +101,25 @@ fn a_folder_that_is_removed_during_the_run_is_made_again() {
     assert_eq!(digest_of(&out), digest);
 }
 
-/// A pipe without a reader, in place of a file, blocks whoever opens it: like a file system that
-/// hangs. The run goes on, and does not wait for it at its end.
+/// A pipe without a reader, in place of a file of a worker or of the master, blocks whoever opens
+/// it: like a file system that hangs. The run goes on, and does not wait for it at its end.
 #[test]
-fn a_file_system_that_hangs_does_not_stop_the_run() {
+fn a_file_system_that_hangs_costs_the_checkpoint_only() {
     let (known, digest) = whole();
     let second = checkpoints(&known.out()).pop().unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let mut running = start(with(&out, &[]));
-    running.wait_for("the first checkpoint is there", |_| {
-        (checkpoints(&out).len() == 1).then_some(())
-    });
-    fs::create_dir_all(out.join("checkpoints").join(&second)).unwrap();
-    let Some(()) = fifo(&out.join("checkpoints").join(&second).join(piece_name(1))) else { return };
-    let ended = running.end().with_code(0);
-    assert_first_is_kept(&out, &ended, "the file system hangs", &digest);
-}
-
-/// A pipe in place of the master's own file of a checkpoint: the run goes on without it.
-#[test]
-fn a_file_of_the_master_that_hangs_costs_the_checkpoint_only() {
-    let (known, digest) = whole();
-    let second = checkpoints(&known.out()).pop().unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let mut running = start(with(&out, &[]));
-    running.wait_for("the first checkpoint is there", |_| {
-        (checkpoints(&out).len() == 1).then_some(())
-    });
-    fs::create_dir_all(out.join("checkpoints").join(&second)).unwrap();
-    let Some(()) = fifo(&out.join("checkpoints").join(&second).join("master.bin")) else { return };
-    let ended = running.end().with_code(0);
-    assert_first_is_kept(&out, &ended, "the file system hangs", &digest);
+    for name in [&piece_name(1), "master.bin"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let mut running = start(with(&out, &[]));
+        running.wait_for("the first checkpoint is there", |_| {
+            (checkpoints(&out).len() == 1).then_some(())
+        });
+        let second = out.join("checkpoints").join(&second);
+        fs::create_dir_all(&second).unwrap();
+        let Some(()) = fifo(&second.join(name)) else { return };
+        let ended = running.end().with_code(0);
+        assert_first_is_kept(&out, &ended, "the file system hangs", &digest);
+    }
 }
 
 /// Runs a job on a folder in which `prepare` puts a pipe, so that a file of the results blocks: it
@@ -144,11 +130,14 @@ fn assert_ends(file: &str, more: &[&str], prepare: impl FnOnce(&Path, &mut Runni
     fs::create_dir_all(&out).unwrap();
     let short = "--set=checkpoint.patience=0.3 s";
     let long = "--set=time.max_cycles=3000";
-    let mut running = start(with(&out, &[&[short, long][..], more].concat()));
+    let words = TWICE.into_iter().filter(|&w| w != "--no-report" || file != "report.html");
+    let place = ["--out", out.to_str().unwrap(), short, long];
+    let words: Vec<&str> = words.chain(place).chain(more.iter().copied()).collect();
+    let mut running = start(crumple_with(&words));
     prepare(&out, &mut running);
     let ended = running.end().with_code(2);
     let said = ended.said();
-    for text in [file, "warning", "the run waits for it", "it hangs, and the run ends"] {
+    for text in [file, "warning", "the run waits for it", "it hangs, and the program ends"] {
         assert!(said.contains(text), "{file}: {text}: {said}");
     }
     assert!(ended.took < Duration::from_secs(120), "{:?}", ended.took);
@@ -188,6 +177,18 @@ fn fields_on_a_disk_that_hangs_end_the_run_with_a_message() {
     });
 }
 
+/// Files that are written after the run: the report and the database of the fields.
+#[test]
+fn exports_on_a_disk_that_hangs_end_the_program_with_a_message() {
+    for (name, set) in [("report.html", None), ("d3plot", Some("--set=output.d3plot=true"))] {
+        let sets = ["--set=time.max_cycles=800"].into_iter().chain(set);
+        assert_ends(name, &sets.collect::<Vec<_>>(), |out, running| {
+            wait_for_first(out, running);
+            fifo(&out.join(format!("{name}.partial")));
+        });
+    }
+}
+
 /// A pipe that is never emptied takes 64 kB and blocks then.
 #[test]
 fn a_history_on_a_disk_that_hangs_ends_the_run_with_a_message() {
@@ -207,7 +208,7 @@ fn a_history_on_a_disk_that_hangs_ends_the_run_with_a_message() {
     let ended = run(with(&out, &more)).with_code(2);
     let said = ended.said();
     assert!(said.contains("history.csv: no answer"), "{said}");
-    assert!(said.contains("it hangs, and the run ends"), "{said}");
+    assert!(said.contains("it hangs, and the program ends"), "{said}");
 }
 
 /// Files with right sums and wrong contents: an error with the file, or the checkpoint before; no

@@ -21,6 +21,8 @@ pub struct Prescribed {
     motions: Vec<Motion>,
 }
 
+stateless!(Prescribed { motions });
+
 /// Displacement or rotation of a motion as a function of time.
 #[derive(Debug)]
 pub struct MotionCurve {

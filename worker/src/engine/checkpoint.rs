@@ -159,7 +159,7 @@ impl Engine {
                 wall_impulses: constraints.walls.sums(),
                 contact: contact.as_ref().map(Contact::state).unwrap_or_default(),
                 contact_sums: histories.contact_sums(),
-                seconds: timer.seconds,
+                seconds: timer.saved(),
                 sent: [traffic.messages, traffic.bytes],
                 crossed: false,
                 named: 0,

@@ -86,6 +86,8 @@ pub struct MotionTracker {
     drift: RigidMotion,
 }
 
+stateless!(MotionTracker { reference, sample, slack, drift });
+
 impl MotionTracker {
     /// Starts at the positions `x`.
     pub fn since(x: &[Row]) -> Self {

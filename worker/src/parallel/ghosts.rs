@@ -102,6 +102,8 @@ pub struct Ghosts {
     pub max_approach: [f64; 2],
 }
 
+stateless!(Ghosts { links, user_start, users, mail, sync_distant, max_approach });
+
 /// Fraction of the margin by which nodes may approach each other before distant workers
 /// exchange their motion.
 const SYNC_FRACTION: f64 = 0.1;

@@ -33,6 +33,8 @@ pub struct PairExchange {
     mail: Mailbox,
 }
 
+stateless!(PairExchange { shared, convergence, mail });
+
 impl PairExchange {
     /// Sends own pairs to other workers and adds theirs to the table. Before the call, the table
     /// has the own pairs, ascending.

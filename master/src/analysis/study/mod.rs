@@ -17,7 +17,7 @@ pub mod runs;
 pub mod spec;
 
 use crate::cli::StudyArgs;
-use crate::run::stop::{Manner, StopFlag};
+use crate::run::service::{Service, signals::Manner};
 use crate::stdout::say;
 use grid::Plan;
 use results::Table;
@@ -57,7 +57,7 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
         plan.points.len(),
         runs::open(&plan, &out)
     );
-    if runs::run_all(&study, &plan, &out, args.jobs, &StopFlag::listen(Manner::Orderly))?
+    if runs::run_all(&study, &plan, &out, args.jobs, Service::start(Manner::Orderly).stop())?
         == Ending::Stopped
     {
         eprintln!("stopped: repeat the command to continue");

@@ -4,7 +4,7 @@
 use super::grid::{Plan, Point};
 use super::quantity::Run;
 use super::spec::Study;
-use crate::run::stop::StopFlag;
+use crate::run::service::signals::StopFlag;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashSet, VecDeque};

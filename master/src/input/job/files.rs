@@ -25,6 +25,7 @@ pub(super) fn read_mesh(
     let MeshSource {
         generator,
         file,
+        exodus,
         nodes,
         shells,
         solids,
@@ -47,53 +48,63 @@ pub(super) fn read_mesh(
     if findings.any_faulty_below("mesh") {
         return None;
     }
-    if let Some(deck) = deck.filter(|_| generator.is_none() && file.is_none() && !rows) {
+    let own_sets = || {
+        let own = node_sets.iter();
+        own.map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()))
+    };
+    let in_folder = |name: &String| path.parent().unwrap_or(Path::new("")).join(name);
+    let others = [generator.is_some(), file.is_some(), exodus.is_some(), rows];
+    let count = others.iter().filter(|&&given| given).count();
+    if let Some(deck) = deck.filter(|_| count == 0) {
         let mut mesh = deck.mesh;
-        let own = node_sets
-            .iter()
-            .map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
-        mesh.node_sets.extend(own);
+        mesh.node_sets.extend(own_sets());
         let read = mesh::Read::of_deck(mesh, deck.lists);
         return Some(mesh::with_own_sections(read, [thicknesses, offsets], findings));
     }
-    match (generator, file, rows) {
-        (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
-            let help = "remove them: a generator or a mesh file defines its own node sets";
-            findings.add(Problem::error(
-                "mesh.node_sets",
-                "mesh.node_sets is for mesh.nodes or a deck only",
-                help,
-            ));
-            None
-        }
-        (None, Some(_), false) if !thicknesses.is_empty() || !offsets.is_empty() => {
-            let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
-            let message = format!("{key} is for mesh.nodes, a generator or a deck only");
-            findings.add(Problem::error(key, message, "write them in the mesh file"));
-            None
-        }
-        (Some(generator), None, false) => {
-            let read = mesh::generate(generator, job, findings)?;
-            Some(mesh::with_own_sections(read, [thicknesses, offsets], findings))
-        }
-        (None, Some(file), false) => {
-            let file = path.parent().unwrap_or(Path::new("")).join(file);
-            read_mesh_file(&file, sources, findings)
-        }
-        (None, None, true) => mesh::from_rows(&job.mesh, findings),
-        (None, None, false) => {
-            let help = "give mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells \
-                        or mesh.solids";
-            findings.add(Problem::error("mesh", "the job has no mesh", help));
-            None
-        }
-        _ => {
-            let help = "give one of mesh.generator, mesh.file, mesh.deck, or mesh.nodes with \
-                        mesh.shells or mesh.solids";
-            findings.add(Problem::error("mesh", "the job has more than one mesh", help));
-            None
-        }
+    if count != 1 {
+        let (message, one) = match count {
+            0 => ("the job has no mesh", "give"),
+            _ => ("the job has more than one mesh", "give one of"),
+        };
+        let help = format!(
+            "{one} mesh.generator, mesh.file, mesh.deck, mesh.exodus, or mesh.nodes with \
+             mesh.shells or mesh.solids"
+        );
+        findings.add(Problem::error("mesh", message, help));
+        return None;
     }
+    if (generator.is_some() || file.is_some()) && !node_sets.is_empty() {
+        findings.add(Problem::error(
+            "mesh.node_sets",
+            "mesh.node_sets is for mesh.nodes, mesh.exodus or a deck only",
+            "remove them: a generator or a mesh file defines its own node sets",
+        ));
+        return None;
+    }
+    if file.is_some() && !(thicknesses.is_empty() && offsets.is_empty()) {
+        let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
+        let message = format!("{key} is not for a mesh file");
+        findings.add(Problem::error(key, message, "write them in the mesh file"));
+        return None;
+    }
+    if let Some(file) = file {
+        return read_mesh_file(&in_folder(file), sources, findings);
+    }
+    let read = match (generator, exodus) {
+        (Some(generator), _) => mesh::generate(generator, job, findings)?,
+        (_, Some(exodus)) => match crate::input::exodus::read(&in_folder(exodus)) {
+            Ok(mut mesh) => {
+                mesh.node_sets.extend(own_sets());
+                mesh::Read::elsewhere(mesh, "mesh.exodus")
+            }
+            Err(problems) => {
+                problems.into_iter().for_each(|problem| findings.add(problem));
+                return None;
+            }
+        },
+        _ => return mesh::from_rows(&job.mesh, findings),
+    };
+    Some(mesh::with_own_sections(read, [thicknesses, offsets], findings))
 }
 
 fn read_mesh_file(

@@ -20,36 +20,55 @@ const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
-    /// Names and lengths of the lists of its elements, if the mesh is written as rows.
-    written: Option<Lists>,
+    /// Where its entities are written.
+    written: Written,
+}
+
+/// Where the entities of a mesh are written.
+enum Written {
+    /// In rows: names and lengths of the lists of elements.
+    Rows(Lists),
+    /// Not in the job: the key that names the source.
+    Elsewhere(&'static str),
 }
 
 impl Read {
     /// Creates it from the mesh of a deck, whose elements are ordered by `lists`.
     pub fn of_deck(mesh: Mesh, lists: Lists) -> Self {
-        Read { mesh, written: Some(lists) }
+        Read { mesh, written: Written::Rows(lists) }
+    }
+
+    /// Creates it from a mesh that a key of the job names.
+    pub fn elsewhere(mesh: Mesh, key: &'static str) -> Self {
+        Read { mesh, written: Written::Elsewhere(key) }
     }
 
     fn node_path(&self, index: usize) -> String {
-        if self.written.is_some() { format!("mesh.nodes.{index}") } else { "mesh.generator".into() }
+        match self.written {
+            Written::Rows(_) => format!("mesh.nodes.{index}"),
+            Written::Elsewhere(key) => key.into(),
+        }
     }
 
     fn element_path(&self, index: usize) -> String {
+        let lists = match &self.written {
+            Written::Rows(lists) => lists,
+            Written::Elsewhere(key) => return (*key).into(),
+        };
         let mut place = index;
-        for (list, length) in self.written.iter().flatten() {
+        for (list, length) in lists {
             match place.checked_sub(*length) {
                 None => return format!("mesh.{list}.{place}"),
                 Some(beyond) => place = beyond,
             }
         }
-        "mesh.generator".into()
+        "mesh".into()
     }
 
     fn set_path(&self, name: &str) -> String {
-        if self.written.is_some() {
-            format!("mesh.node_sets.{name}")
-        } else {
-            "mesh.generator".into()
+        match self.written {
+            Written::Rows(_) => format!("mesh.node_sets.{name}"),
+            Written::Elsewhere(key) => key.into(),
         }
     }
 }
@@ -58,7 +77,7 @@ impl Read {
 /// fails.
 pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> {
     match crumple_cases::generate(name, &job.scene) {
-        Ok(mesh) => Some(Read { mesh, written: None }),
+        Ok(mesh) => Some(Read::elsewhere(mesh, "mesh.generator")),
         Err(problems) => {
             problems.into_iter().for_each(|p| findings.add(p));
             None
@@ -130,7 +149,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     ];
     let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
-    whole.then_some(Read { mesh, written: Some(lists) })
+    whole.then_some(Read { mesh, written: Written::Rows(lists) })
 }
 
 /// Assigns thicknesses and offsets of their own to shells, from the `thicknesses` and `offsets`

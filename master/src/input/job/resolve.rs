@@ -8,11 +8,9 @@ use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
+use crumple_proto::steering::{MOST_FIELDS, OutputTimes};
 use crumple_worker::contact::beams;
 use std::collections::{BTreeMap, HashMap};
-
-/// Maximum number of field files of a run.
-const MOST_FIELDS: f64 = 100_000.0;
 
 /// Checks everything of a job except its mesh. `workers_given` is true if the job sets the number
 /// of workers.
@@ -279,7 +277,9 @@ pub fn settings(
         max_cycles: job.time.max_cycles,
         dt_min_ratio: job.time.dt_min_ratio,
         history_interval: or(job.output.history_interval, job.end_time / 200.0),
-        field_times: field_times(job),
+        field_times: output_times(job).fields_until(job.end_time),
+        output: output_times(job),
+        planned: Vec::new(),
         histories: HistoryRequests::default(),
         field_dir: String::new(),
         checkpoint: checkpoint_settings(job),
@@ -339,24 +339,14 @@ fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
     }
 }
 
-/// Returns the times of field output: start, end, multiples of the interval and the additional
-/// times of the job; ascending, each once.
-fn field_times(job: &Job) -> Vec<f64> {
-    let end = job.end_time;
-    let interval = match job.output.field_interval {
-        0.0 => end / 20.0,
+/// Returns the field outputs that a job asks for.
+fn output_times(job: &Job) -> OutputTimes {
+    let field_interval = match job.output.field_interval {
+        0.0 => job.end_time / 20.0,
         given => given,
     };
-    let count = end / interval;
-    let mut times: Vec<f64> =
-        job.output.field_times.iter().copied().filter(|t| (0.0..=end).contains(t)).collect();
-    if interval > 0.0 && count <= MOST_FIELDS {
-        times.extend((0..=count.floor() as u64).map(|i| i as f64 * interval).filter(|&t| t <= end));
-        times.push(end);
-    }
-    times.sort_by(f64::total_cmp);
-    times.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * end);
-    times
+    let additional = job.output.field_times.clone();
+    OutputTimes { field_interval, additional, ..OutputTimes::default() }
 }
 
 #[cfg(test)]
@@ -367,18 +357,19 @@ mod tests {
         toml::from_str(&format!("end_time = 1.0\n[mesh]\n{text}")).unwrap()
     }
 
+    fn fields(job: &Job) -> Vec<f64> {
+        output_times(job).fields_until(job.end_time)
+    }
+
     #[test]
     fn field_times_are_regular_and_end_with_the_run() {
-        assert_eq!(field_times(&job("[output]\nfield_interval = 0.4")), [0.0, 0.4, 0.8, 1.0]);
+        assert_eq!(fields(&job("[output]\nfield_interval = 0.4")), [0.0, 0.4, 0.8, 1.0]);
         assert_eq!(
-            field_times(&job("[output]\nfield_interval = 0.5\nfield_times = [0.5, 0.25]")),
+            fields(&job("[output]\nfield_interval = 0.5\nfield_times = [0.5, 0.25]")),
             [0.0, 0.25, 0.5, 1.0]
         );
-        assert_eq!(field_times(&job("")).len(), 21);
-        assert_eq!(
-            field_times(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")),
-            [0.3]
-        );
+        assert_eq!(fields(&job("")).len(), 21);
+        assert_eq!(fields(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")), [0.3]);
     }
 
     #[test]

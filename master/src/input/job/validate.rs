@@ -68,7 +68,7 @@ pub fn job(tree: &mut Node, findings: &mut Findings) {
 pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
     findings.in_mesh_file = true;
     walk(tree, &SCHEMA["$defs"]["MeshSource"], "mesh", findings);
-    for key in ["file", "generator"].into_iter().filter(|key| tree.get(key).is_some()) {
+    for key in ["file", "generator", "exodus"].into_iter().filter(|key| tree.get(key).is_some()) {
         let message = format!("a mesh file cannot have a `{key}`");
         findings.add_faulty(
             Problem::error(

@@ -1,7 +1,7 @@
 //! Appends steps to a VTKHDF file. A topology that is the same as in the step before is written
 //! once.
 
-use super::snapshot::{Column, Snapshot, Topology};
+use crate::results::snapshot::{Column, Snapshot, Topology};
 use crumple_worker::vtu::{Array, CELL_ARRAYS, NumberType, POINT_ARRAYS};
 use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group, H5Type, Hdf5Error};
 use std::path::Path;

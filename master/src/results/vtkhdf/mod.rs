@@ -1,15 +1,15 @@
 //! `crumple export-vtkhdf`: exports the fields of a run as one temporal VTKHDF file, with the
 //! cargo feature `vtkhdf`.
 //!
-//! The export uses the field files after the run: `snapshot.rs` joins the workers' pieces of a
-//! step, `file.rs` appends steps to the file. Format: VTK File Formats, VTKHDF, version 2.0,
-//! unstructured grids with `Steps`.
+//! The export uses the field files after the run: `master/src/results/snapshot.rs` joins the
+//! workers' pieces of a step, `file.rs` appends steps to the file. Format: VTK File Formats,
+//! VTKHDF, version 2.0, unstructured grids with `Steps`.
 
 #[cfg(feature = "vtkhdf")]
 mod file;
-#[cfg(feature = "vtkhdf")]
-mod snapshot;
 
+#[cfg(feature = "vtkhdf")]
+use crumple_proto::disk::watched;
 use std::path::Path;
 
 /// Name of the file.
@@ -52,13 +52,15 @@ pub fn export(dir: &Path) -> Result<String, String> {
     }
     let path = dir.join(NAME);
     let unfinished = dir.join(format!("{NAME}.part"));
-    let mut file =
-        file::Writer::create(&unfinished).map_err(|e| format!("{}: {e}", unfinished.display()))?;
+    let failed = |e: rust_hdf5::Hdf5Error| format!("{}: {e}", unfinished.display());
+    let create = || file::Writer::create(&unfinished);
+    let mut file = watched(&unfinished, create).map_err(failed)?;
     for step in &steps {
-        file.append(snapshot::Snapshot::read(step)?)
-            .map_err(|e| format!("{}: {e}", unfinished.display()))?;
+        let snapshot = crate::results::snapshot::Snapshot::read(step)?;
+        watched(&unfinished, || file.append(snapshot)).map_err(failed)?;
     }
-    file.finish().map_err(|e| format!("{}: {e}", unfinished.display()))?;
-    std::fs::rename(&unfinished, &path).map_err(|e| format!("{}: {e}", path.display()))?;
+    watched(&unfinished, || file.finish()).map_err(failed)?;
+    let rename = || std::fs::rename(&unfinished, &path);
+    watched(&path, rename).map_err(|e| format!("{}: {e}", path.display()))?;
     Ok(format!("VTKHDF: {} steps; open {}", steps.len(), path.display()))
 }

@@ -138,6 +138,27 @@ pub fn adapt(model: &mut Model, new: &Stamp, from: &mut Resumption) -> Result<Ve
     from.changes = additional(&before, &model.job.restart, &model.settings.parts)?;
     check_ties(model, &from.changes)?;
     let (captured, settings) = (&from.manifest.captured, &mut model.settings);
+    // Values that orders of users have changed, unless they are changed again.
+    let known = &from.master;
+    let is_new = |key: &str| changes.iter().any(|change| change.starts_with(key));
+    if !is_new("end_time=") {
+        settings.end_time = known.end_time;
+    }
+    let parallel = &mut model.job.parallel;
+    if !is_new("parallel.imbalance=") {
+        parallel.imbalance = known.imbalance;
+    }
+    if !is_new("parallel.low_every_at_least=") {
+        parallel.low_every_at_least = known.low_every_at_least;
+    }
+    if !is_new("output.") {
+        settings.output = known.output.clone();
+    }
+    settings.output.rows_from = known.output.rows_from;
+    if settings.planned.is_empty() {
+        settings.planned = known.planned.clone();
+    }
+    settings.planned.retain(|p| p.cycle > captured.cycle);
     if settings.end_time <= captured.time {
         return Err(format!(
             "end_time = {:?} is not after the time of the checkpoint, {:?}",
@@ -149,9 +170,9 @@ pub fn adapt(model: &mut Model, new: &Stamp, from: &mut Resumption) -> Result<Ve
     let done = (captured.fields as usize).min(from.master.field_times.len());
     let old = &from.master.field_times[..done];
     let later = settings.field_times.iter().filter(|&&t| t > captured.time);
-    settings.field_times = match changes.is_empty() {
-        true => from.master.field_times.clone(),
-        false => old.iter().chain(later).copied().collect(),
+    settings.field_times = match is_new("end_time=") || is_new("output.") {
+        false => from.master.field_times.clone(),
+        true => old.iter().chain(later).copied().collect(),
     };
     Ok(changes)
 }

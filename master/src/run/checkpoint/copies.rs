@@ -46,6 +46,11 @@ impl Copies {
         due
     }
 
+    /// Returns true if some workers have made the copy, and others have not.
+    pub fn is_partial(&self) -> bool {
+        self.arrived.is_some_and(|arrived| arrived > 0)
+    }
+
     /// Counts a worker that has copied its state in a time of `seconds`. Returns true if it is the
     /// last one; [`Self::set`] has to follow at once.
     pub fn add(&mut self, seconds: f64) -> bool {

@@ -18,6 +18,7 @@ use crate::run::balance::Accounts;
 use copies::Copies;
 use crumple_proto::checkpoint::{COMMON, Captured, FileRecord, Saved, folder_name, write};
 use crumple_proto::job::Checkpoint;
+use crumple_proto::steering::{OutputTimes, Planned, Steered};
 use crumple_proto::wire;
 use manifest::{Manifest, Stamp, sync};
 use serde::{Deserialize, Serialize};
@@ -53,6 +54,19 @@ pub struct MasterState {
     pub history_interval: f64,
     /// See `history_interval`.
     pub field_times: Vec<f64>,
+    /// Values that orders of users may have changed: end of the run [time], outputs, limits of
+    /// redecompositions.
+    pub end_time: f64,
+    /// See `end_time`.
+    pub output: OutputTimes,
+    /// See `end_time`.
+    pub imbalance: f64,
+    /// See `end_time` [cycles].
+    pub low_every_at_least: u64,
+    /// Orders of users that have taken effect.
+    pub steering: Vec<Steered>,
+    /// Orders that were planned at the start.
+    pub planned: Vec<Planned>,
 }
 
 /// A checkpoint that is not complete.
@@ -148,11 +162,11 @@ impl Checkpoints {
         &self.dir
     }
 
-    /// Returns true if a checkpoint should be ordered now: the interval is over, or one is
-    /// `asked` for. It is then counted as ordered. While another is being written, the request
-    /// waits.
-    pub fn take_due(&mut self, asked: bool) -> bool {
-        let over = self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
+    /// Returns true if a checkpoint should be ordered now: the interval is over and the run is not
+    /// `paused`, or one is `asked` for. It is then counted as ordered. While another is being
+    /// written, the request waits.
+    pub fn take_due(&mut self, asked: bool, paused: bool) -> bool {
+        let over = !paused && self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
         let idle = self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none();
         self.requested |= asked;
         let due = (self.requested || over) && !self.ordered && idle;
@@ -161,6 +175,13 @@ impl Checkpoints {
             self.last = Instant::now();
         }
         due
+    }
+
+    /// Returns true if some workers have copied their states for a checkpoint or in memory, and
+    /// others have not.
+    pub fn is_capturing(&self) -> bool {
+        let is_partial = |p: &Pending| (1..self.workers).contains(&p.copies);
+        self.copies.is_partial() || self.pending.values().any(is_partial)
     }
 
     /// Counts a worker that has captured its state. Returns true if it is the last one; the state
@@ -199,7 +220,10 @@ impl Checkpoints {
     /// Adds the files of a worker. After the last worker, [`Self::poll`] makes the checkpoint
     /// complete.
     pub fn add_saved(&mut self, saved: Saved) {
-        if let Some((captured, state)) = self.copies.take(saved.cycle) {
+        // A run that is paused may copy its state and then write a checkpoint in the same cycle.
+        if !self.pending.contains_key(&saved.cycle)
+            && let Some((captured, state)) = self.copies.take(saved.cycle)
+        {
             let copied = Pending { captured, copies: self.workers, ..Pending::default() };
             self.pending.insert(saved.cycle, Pending { master: Some(state), ..copied });
         }
@@ -419,14 +443,14 @@ mod tests {
     fn a_request_during_a_checkpoint_is_served_after_it() {
         let run = tempfile::tempdir().unwrap();
         let mut all = checkpoints(run.path());
-        assert!(all.take_due(true));
-        assert!(!all.take_due(true), "another is ordered");
+        assert!(all.take_due(true, false));
+        assert!(!all.take_due(true, false), "another is ordered");
         save(&mut all, 7, Err("no space".into()));
-        assert!(!all.take_due(false), "another is being written");
+        assert!(!all.take_due(false, false), "another is being written");
         let ended = all.wait();
         assert!(matches!(&ended[..], [Err(why)] if why.contains("no space")), "{ended:?}");
-        assert!(all.take_due(false), "the request has waited");
-        assert!(!all.take_due(false), "it is served");
+        assert!(all.take_due(false, false), "the request has waited");
+        assert!(!all.take_due(false, false), "it is served");
     }
 
     /// A pipe without a reader in place of a file blocks the thread, as a disk that hangs.

@@ -31,7 +31,7 @@ impl Control<'_> {
                  contact.iteration, or reduce time.dt_max"
             );
             tracing::warn!(depth, time, message);
-            self.progress.println(&format!("warning: {message}"));
+            self.announce(&format!("warning: {message}"));
         }
         let steps =
             self.history.course.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
@@ -47,7 +47,7 @@ impl Control<'_> {
                  contact"
             );
             tracing::warn!(contact, elements, time, message);
-            self.progress.println(&format!("warning: {message}"));
+            self.announce(&format!("warning: {message}"));
         }
     }
 
@@ -108,7 +108,7 @@ impl Control<'_> {
                 100.0 * MOST_CREATED
             );
             tracing::warn!(created, time, message);
-            self.progress.println(&format!("warning: {message}"));
+            self.announce(&format!("warning: {message}"));
         }
     }
 

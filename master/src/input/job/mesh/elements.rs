@@ -1,6 +1,6 @@
 //! Checks of the elements of a mesh: ids, parts, corners, shapes.
 
-use super::{Few, Read};
+use super::{Few, Read, Written};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
@@ -20,7 +20,10 @@ pub(super) fn check(
 ) {
     let mesh = &read.mesh;
     if mesh.elements.is_empty() {
-        let path = if read.written.is_some() { "mesh" } else { "mesh.generator" };
+        let path = match read.written {
+            Written::Rows(_) => "mesh",
+            Written::Elsewhere(key) => key,
+        };
         few.error(
             "empty",
             path.into(),

@@ -1,0 +1,142 @@
+//! Distribution of the model over the workers: at the start, from a checkpoint, and again.
+
+use super::{Control, RunError};
+use crate::run::balance::Due;
+use crate::run::checkpoint::find::Resumption;
+use crate::run::decompose::{Loads, Workers, bisect, drifted};
+use crumple_proto::ids::NodeId;
+use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::partition::{NodeRecord, Settings};
+use crumple_proto::transport::{RankLost, Tag};
+use crumple_proto::wire::{await_message, post};
+use std::collections::HashMap;
+
+/// Number of high redecompositions that are printed. All are in `log.jsonl`.
+const MOST_SAID: u64 = 10;
+
+impl Control<'_> {
+    /// Sends the checkpoint to the workers, which read it, and computes boxes with them.
+    pub(super) fn continue_from(&mut self, from: &Resumption) -> Result<(), RunError> {
+        let captured = &from.manifest.captured;
+        for why in &from.refused {
+            self.warn(&format!("a newer checkpoint cannot be used: {why}"));
+        }
+        tracing::info!(cycle = captured.cycle, time = captured.time, "run continues");
+        self.announce(&format!(
+            "continues from T={:.4e}, cycle {}: {}",
+            captured.time,
+            captured.cycle,
+            from.folder.display()
+        ));
+        self.model.forget_mesh();
+        let resume = ToWorker::Resume {
+            settings: Box::new(self.settings()),
+            folder: from.folder.to_string_lossy().into_owned(),
+            common: from.manifest.common.clone(),
+            pieces: from.manifest.pieces.clone(),
+            changes: from.changes.clone(),
+            trace: self.trace.is_some(),
+        };
+        for rank in 1..=self.workers {
+            post(self.comm, rank, Tag::Order, &resume)?;
+        }
+        let mut refused = None;
+        for rank in 1..=self.workers {
+            if let ToMaster::Trouble(trouble) = await_message(self.comm, rank, Tag::Report)? {
+                refused = Some(trouble.why);
+            }
+        }
+        let Some(why) = refused else { return self.recut() };
+        for rank in 1..=self.workers {
+            let _ = post(self.comm, rank, Tag::Order, &ToWorker::Quit); // it may have ended
+        }
+        Err(RunError::Unusable(why))
+    }
+
+    /// Cuts space into boxes and sends to every worker the elements and nodes of its box.
+    pub(super) fn deal_out(&mut self) -> Result<(), RankLost> {
+        let (elements, nodes) = self.model.records();
+        let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
+        let centre = |e: &crumple_proto::partition::ElementRecord| {
+            let corners = &e.nodes[..e.shape.corners()];
+            std::array::from_fn(|c| {
+                corners.iter().map(|n| of_id[n].x[c]).sum::<f64>() / corners.len() as f64
+            })
+        };
+        let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
+        let load = |e| self.model.settings.load(e);
+        let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
+        self.tree = bisect(&mut Loads(loads), self.workers)?;
+        let mut shares = vec![Vec::new(); self.workers];
+        for (e, &c) in elements.iter().zip(&centres) {
+            shares[self.tree.worker_of(c)].push(*e);
+        }
+        let settings = self.settings();
+        for (worker, elements) in shares.into_iter().enumerate() {
+            let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "partition sent");
+            let nodes = ids.iter().map(|id| *of_id[id]).collect();
+            let trace = self.trace.is_some();
+            let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
+            let start = ToWorker::Start { settings, tree, elements, nodes, trace };
+            post(self.comm, worker + 1, Tag::Order, &start)?;
+        }
+        self.model.forget_mesh();
+        Ok(())
+    }
+
+    /// Returns the settings of the workers.
+    fn settings(&self) -> Settings {
+        let mut settings = self.model.settings.clone();
+        settings.field_dir = self.series.dir().to_string_lossy().into_owned();
+        settings.checkpoint.dir = self.checkpoints.dir().to_string_lossy().into_owned();
+        settings
+    }
+
+    pub(super) fn redecompose(&mut self, due: &Due) {
+        let last = self.balance.last.iter().max_by_key(|r| r.cycle).cloned().unwrap_or_default();
+        let (kind, why) = match due {
+            Due::High { why } => ("high", why),
+            Due::Low { why } => ("low", why),
+        };
+        let _span = tracing::debug_span!("redecomposition", kind).entered();
+        tracing::info!(kind, why, cycle = last.cycle, time = last.time, "redecomposition ordered");
+        match due {
+            Due::High { .. } => {
+                let drift: Vec<[f64; 3]> = self.balance.last.iter().map(|r| r.drift).collect();
+                let elements: Vec<u64> = self.balance.last.iter().map(|r| r.elements).collect();
+                self.tree = drifted(&self.tree, &drift, &elements);
+                self.order(Action::Renew(self.tree.clone()));
+            }
+            Due::Low { .. } => self.order(Action::Recut),
+        }
+        self.balance.ordered(self.orders, due);
+        if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
+            self.announce(&format!(
+                "{kind} redecomposition at T={:.4e}, cycle {}: {why}",
+                last.time, last.cycle
+            ));
+        }
+    }
+
+    /// Repartitions while all workers wait: measures the load on the workers, computes new boxes,
+    /// and lets the workers migrate elements.
+    pub(super) fn recut(&mut self) -> Result<(), RunError> {
+        let _span = tracing::debug_span!("redecomposition", kind = "low").entered();
+        let pair_s = self.balance.pair_seconds();
+        let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
+        self.tree = bisect(&mut load, self.workers)?;
+        let aside = load.aside;
+        for rank in 1..=self.workers {
+            post(self.comm, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
+        }
+        self.ready.clear();
+        if let Some(since) = self.ready_since.take() {
+            // Migration takes about as long as the measurement and the new boxes.
+            self.balance.low_took(2.0 * since.elapsed().as_secs_f64());
+        }
+        aside.into_iter().try_for_each(|(worker, message)| self.receive(worker, message))
+    }
+}

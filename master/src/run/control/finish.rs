@@ -1,0 +1,142 @@
+//! The end of a run: its summary.
+
+use super::{Control, RunError};
+use crate::results::summary::{self, Status, Summary};
+use crate::run::balance::URGENT;
+use crumple_proto::report::FinalReport;
+use crumple_worker::vtu;
+
+impl Control<'_> {
+    /// Writes the summary after all final reports have arrived.
+    pub(super) fn finish(&mut self) -> Result<Summary, RunError> {
+        self.finish_reports()?;
+        let summary = self.summary();
+        let path = self.out.join("summary.json");
+        let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
+        vtu::write_whole(&path, |out| out.write_all(text.as_bytes()))
+            .map_err(|error| RunError::Output { path, error })?;
+        Ok(summary)
+    }
+
+    /// Returns how the run ended, and why.
+    fn ending(&self, end: &FinalReport) -> (Status, String) {
+        match &self.trouble {
+            Some(t) => {
+                (Status::Failed, format!("cycle {}, time {:.6e}: {}", t.cycle, t.time, t.why))
+            }
+            None if end.stopped => (Status::Stopped, "stopped by the user".into()),
+            None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => {
+                (Status::Completed, "max_cycles".into())
+            }
+            None => (Status::Completed, "end_time".into()),
+        }
+    }
+
+    fn summary(&mut self) -> Summary {
+        let wall_s = self.wall();
+        let closings: Vec<FinalReport> =
+            std::mem::take(&mut self.closings).into_iter().flatten().collect();
+        let end = closings[0].clone();
+        let (status, reason) = self.ending(&end);
+        let count: usize = self.outline.elements.values().sum();
+        let cycles = end.cycles.max(1) as f64;
+        let (job, balance) = (&self.model.job, &self.balance);
+        Summary {
+            title: job.title.clone(),
+            units: job.units.clone(),
+            status,
+            reason,
+            end_time: end.time,
+            cycles: end.cycles,
+            nodes: self.outline.nodes,
+            workers: self.workers,
+            transport: self.comm.name().into(),
+            wall_s,
+            grind_ns: 1e9 * wall_s * self.workers as f64 / (count as f64 * cycles),
+            phase_s: summary::phases(&closings),
+            cpu_s: self.cpu(&closings),
+            energy: self.energy(),
+            momentum: self.momentum(),
+            dt: summary::Steps { first: end.dt[0], min: end.dt[1], last: end.dt[2] },
+            redecompositions: summary::Redecompositions {
+                low: balance.low,
+                high: balance.high,
+                erosion: end.erosions,
+            },
+            thresholds: summary::Thresholds { margin: URGENT, imbalance: job.parallel.imbalance },
+            classes: summary::classes(&closings),
+            imbalance: summary::MeanMax { mean: balance.mean_imbalance(), max: balance.worst },
+            contact: self.contact(&closings),
+            unsupported: self.model.unsupported.clone(),
+            parts: summary::parts(job, &self.outline, &self.model.settings.parts, &closings),
+            walls: job.wall.clone(),
+            elements: self.outline.elements.clone(),
+            restarts: self.restarts.clone(),
+            steering: self.steering.records(),
+            checkpoints: self.checkpoints.summary,
+            state_digest: summary::state_digest(&mut self.states),
+        }
+    }
+
+    fn cpu(&self, closings: &[FinalReport]) -> summary::Cpu {
+        let cycles = closings[0].cycles.max(1) as f64;
+        summary::Cpu {
+            total: self.balance.total_s,
+            critical_path: self.balance.critical_s,
+            renewal: self.balance.renewal_s.iter().copied().fold(0.0, f64::max),
+            messages_per_cycle: mean(closings, |c| c.messages) / cycles,
+            bytes_per_cycle: mean(closings, |c| c.bytes) / cycles,
+        }
+    }
+
+    fn energy(&self) -> summary::Energy {
+        let course = &self.history.course;
+        let initial = course.first.clone().unwrap_or_default().sum.energies;
+        let last = course.last.clone().unwrap_or_default();
+        let energies = last.sum.energies;
+        summary::Energy {
+            kinetic: energies.kinetic,
+            internal: energies.internal,
+            contact: energies.contact,
+            friction: energies.friction,
+            contact_starting: energies.starting,
+            wall: energies.wall,
+            hourglass: energies.hourglass,
+            external: energies.external,
+            total_initial: initial.kinetic + initial.internal + initial.hourglass,
+            error: last.error,
+            error_max: course.worst_error,
+            contact_created: course.worst_created,
+        }
+    }
+
+    fn momentum(&self) -> summary::Momentum {
+        let course = &self.history.course;
+        let first = course.first.clone().unwrap_or_default().sum;
+        let last = course.last.clone().unwrap_or_default().sum;
+        summary::Momentum {
+            start: first.momentum,
+            end: last.momentum,
+            wall_impulse: std::array::from_fn(|c| last.wall_impulse.iter().map(|p| p[c]).sum()),
+        }
+    }
+
+    fn contact(&self, closings: &[FinalReport]) -> summary::ContactSummary {
+        let cycles = closings[0].cycles.max(1) as f64;
+        let most = |which: usize| closings.iter().map(|c| c.unsettled[which]).max().unwrap_or(0);
+        summary::ContactSummary {
+            pairs_max: self.history.course.pairs,
+            penetration_max: self.history.course.penetration,
+            searches: mean(closings, |c| c.searches),
+            sweeps_per_cycle: mean(closings, |c| c.sweeps) / cycles,
+            accelerated_steps: most(0),
+            unsettled_steps: most(1),
+            capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
+        }
+    }
+}
+
+/// Returns the mean of a number over workers.
+fn mean(closings: &[FinalReport], of: fn(&FinalReport) -> u64) -> f64 {
+    closings.iter().map(of).sum::<u64>() as f64 / closings.len() as f64
+}
