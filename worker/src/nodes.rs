@@ -159,7 +159,7 @@ impl Nodes {
             w_next: _,
             force: _,
             moment: _,
-            // Of the last step only: what follows a new partition does not need them.
+            // After a new partition contact searches again and does not need them.
             displacements: _,
         } = self;
         NodeRecord {
