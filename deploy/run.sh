@@ -6,9 +6,10 @@
 #   WORKERS=4 deploy/run.sh                           four workers; the default is one per core
 #   RETRIES=3 deploy/run.sh                           starts again when a worker is lost
 #   CRUMPLE=target/debug/crumple deploy/run.sh        a binary with MPI that is there already
+#   deploy/run.sh serve                               a service for jobs; prints its address
 set -euo pipefail
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
-    sed -n '2,8s/^# \{0,1\}//p' "$0"
+    sed -n '2,9s/^# \{0,1\}//p' "$0"
     exit 0
 fi
 
@@ -16,9 +17,15 @@ caller=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root=$PWD
 
+serve=
+if [[ ${1:-} == serve ]]; then
+    serve=1
+    shift
+fi
+
 # The path of a job is relative to the folder of the caller, or else to the root of the repository.
 job=$root/cases/jeep-frame
-if [[ $# -gt 0 && $1 != -* ]]; then
+if [[ -z $serve && $# -gt 0 && $1 != -* ]]; then
     job=$1
     shift
     [[ $job != /* && -e $caller/$job ]] && job=$caller/$job
@@ -35,7 +42,7 @@ for ((i = 0; i < $#; i++)); do
         --out=*) out=${arguments[i]#--out=} ;;
     esac
 done
-if [[ -z $out ]]; then
+if [[ -z $serve && -z $out ]]; then
     out=out/$name
     arguments+=(--out "$out")
 fi
@@ -57,6 +64,7 @@ if [[ -z $program ]]; then
     program=$target/release/crumple
 fi
 
+[[ -z $serve ]] || exec "$program" serve "${arguments[@]}"
 echo "run: a master and $workers workers on $job"
 # A supervisor starts the ranks. It lets them stop in order when this script is interrupted, and
 # starts them again from the newest checkpoint when one is lost, as often as RETRIES allows.

@@ -1,5 +1,11 @@
 //! Command line: commands and options.
 
+mod service;
+
+pub use service::{
+    FetchArgs, JobsArgs, OneJobArgs, ResumeArgs, Role, ServeArgs, ServerArgs, SubmitArgs,
+};
+
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use tracing::level_filters::LevelFilter;
@@ -39,6 +45,25 @@ pub enum Command {
     /// warnings and orders until it ends; the exit code is then that of the run. An order takes
     /// effect in a cycle on which all workers agree; the command waits for it and prints the cycle.
     Attach(AttachArgs),
+    /// Serve jobs to a browser and to the commands submit, jobs, watch, stop, resume and fetch.
+    ///
+    /// Keeps a queue of jobs in a folder and starts them on this machine, by mpirun or by Slurm.
+    /// Prints its address with a token. When it ends, in whatever way, jobs that run go on; the
+    /// next start finds them.
+    Serve(ServeArgs),
+    /// Submit a job to a service, and print its number.
+    Submit(SubmitArgs),
+    /// List the jobs of a service, the newest first.
+    Jobs(JobsArgs),
+    /// Show the progress of a job of a service until it ends; the exit code is then that of the
+    /// run.
+    Watch(OneJobArgs),
+    /// Stop a job of a service. One that runs writes a checkpoint.
+    Stop(OneJobArgs),
+    /// Continue a job of a service from its newest checkpoint, or start one that was only checked.
+    Resume(ResumeArgs),
+    /// Copy files of a job from a service.
+    Fetch(FetchArgs),
     /// Check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
     Check(CheckArgs),
     /// Run the catalogue of verification cases against exact, published and computed references.
@@ -122,6 +147,9 @@ pub struct JobOptions {
     /// Ignore unsupported content of a deck instead of failing; summary.json lists it.
     #[arg(long)]
     pub allow_unsupported: bool,
+    /// Refuse to read files of the job outside this folder: meshes, decks and what they include.
+    #[arg(long, value_name = "DIR")]
+    pub within: Option<PathBuf>,
 }
 
 /// `crumple check`.
@@ -192,6 +220,10 @@ pub struct RunArgs {
     /// Do not make report.html at the end.
     #[arg(long)]
     pub no_report: bool,
+    /// Create this file with the number of the process, hold its lock, and add the exit code at the
+    /// end. If the file exists, nothing is run: `crumple serve` starts no job twice.
+    #[arg(long, value_name = "FILE")]
+    pub attempt: Option<PathBuf>,
 }
 
 /// `crumple attach`.
@@ -355,12 +387,14 @@ impl RunArgs {
     }
 
     /// Returns the options that a supervised run gets, except for folders and workers. One that
-    /// continues after a loss gets no
-    /// changes of the job again: its checkpoint has them.
+    /// continues from its own checkpoint gets no changes of the job: the checkpoint has them.
     pub fn passed_on(&self, without_changes: bool) -> Vec<String> {
         let mut words = Vec::new();
         if !without_changes {
             words.extend(self.sets().into_iter().flat_map(|set| ["--set".to_string(), set]));
+        }
+        if let Some(folder) = &self.options.within {
+            words.extend(["--within".to_string(), folder.to_string_lossy().into_owned()]);
         }
         if let Some(trace) = &self.trace {
             words.extend(["--trace".to_string(), trace.to_string_lossy().into_owned()]);

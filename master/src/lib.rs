@@ -7,6 +7,7 @@
 //!   `crumple run` on threads or under MPI; [`run::embedded`]: engines in this process without a
 //!   master
 //! - [`results`]: fields, histories, summary, report page, exports
+//! - [`serve`]: `crumple serve`, jobs in a queue; [`client`]: commands that ask a service
 //! - [`analysis`]: `crumple study`, `advise`, `scale`, `bench`, `cost`
 //!
 //! `crumple verify` is the crate `crumple-verification` in `tests/verification/`.
@@ -90,8 +91,10 @@
 
 pub mod analysis;
 pub mod cli;
+pub mod client;
 pub mod features;
 pub mod input;
 pub mod results;
 pub mod run;
+pub mod serve;
 pub mod stdout;

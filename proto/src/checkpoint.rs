@@ -6,14 +6,18 @@
 //! manifest of the master names every file with its size and its blake3 sum, so that a truncated
 //! or changed file is never used.
 
+use crate::disk::{WatchedFile, watched};
 use crate::job::Compression;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 /// Version of the format of manifests and files. It changes with every change of their content.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
+/// Largest count in a checkpoint, such as a number of cycles. A larger one was not counted but is
+/// wrong, and could overflow.
+pub const MOST: u64 = 1 << 53;
 /// First bytes of a file.
 const MAGIC: [u8; 4] = *b"CRCK";
 /// Bytes of the header: magic bytes, version, compression, number of words.
@@ -22,6 +26,9 @@ const HEADER: usize = 4 + 4 + 8 + 8;
 const LEVEL: i32 = 1;
 /// Name of the file with the state that all workers have in common.
 pub const COMMON: &str = "common.bin";
+
+/// Mark in the name of a folder in which a checkpoint is being written.
+pub const PARTIAL: &str = ".part";
 
 /// Returns the name of the file of a worker.
 pub fn piece_name(worker: usize) -> String {
@@ -59,6 +66,8 @@ pub struct Captured {
 pub struct Saved {
     /// Cycles completed at the checkpoint.
     pub cycle: u64,
+    /// Number of earlier captures in the same cycle.
+    pub repeat: u64,
     /// The files, or the reason why they could not be written.
     pub files: Result<Vec<FileRecord>, String>,
     /// Time of the copy, during which the worker did not advance [s].
@@ -72,24 +81,49 @@ pub fn folder_name(cycle: u64) -> String {
     format!("cycle_{cycle:010}")
 }
 
+/// Returns the name of the folder in which a checkpoint is written. When it is complete, it gets
+/// the name of [`folder_name`]. `repeat` is the number of earlier captures in the same cycle: a run
+/// that is paused or stopped may have several, and none writes into the files of another.
+pub fn partial_name(cycle: u64, repeat: u64) -> String {
+    format!("{}{PARTIAL}{repeat}", folder_name(cycle))
+}
+
 /// Returns the bytes of a file with these words.
 ///
 /// # Errors
 /// The compressor reports an error.
 pub fn encode(words: &[u64], compression: Compression) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(HEADER + 8 * words.len());
-    bytes.extend(MAGIC);
-    bytes.extend(FORMAT.to_le_bytes());
-    bytes.extend((compression as u64).to_le_bytes());
-    bytes.extend((words.len() as u64).to_le_bytes());
+    stream(&mut bytes, &[words], compression)?;
+    Ok(bytes)
+}
+
+/// Writes the bytes of a file with these words, which come in several pieces.
+fn stream(out: &mut impl Write, words: &[&[u64]], compression: Compression) -> io::Result<()> {
+    let count: usize = words.iter().map(|piece| piece.len()).sum();
+    out.write_all(&MAGIC)?;
+    out.write_all(&FORMAT.to_le_bytes())?;
+    out.write_all(&(compression as u64).to_le_bytes())?;
+    out.write_all(&(count as u64).to_le_bytes())?;
     match compression {
-        Compression::None => words.iter().for_each(|w| bytes.extend(w.to_le_bytes())),
+        Compression::None => stream_words(out, words),
         Compression::Zstd => {
-            let raw: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
-            bytes.extend(zstd::bulk::compress(&raw, LEVEL)?);
+            let mut encoder = zstd::Encoder::new(out, LEVEL)?;
+            stream_words(&mut encoder, words)?;
+            encoder.finish().map(|_| ())
         }
     }
-    Ok(bytes)
+}
+
+/// Writes words as bytes, in portions.
+fn stream_words(out: &mut impl Write, words: &[&[u64]]) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(PORTION);
+    for portion in words.iter().flat_map(|piece| piece.chunks(PORTION / 8)) {
+        bytes.clear();
+        portion.iter().for_each(|w| bytes.extend(w.to_le_bytes()));
+        out.write_all(&bytes)?;
+    }
+    Ok(())
 }
 
 /// Returns the words of a file.
@@ -126,35 +160,64 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<u64>, String> {
     Ok(raw.chunks_exact(8).map(word).collect())
 }
 
-/// Bytes that are written at once, and bytes after which the disk must have them.
+/// Bytes that are written or read at once, and bytes after which the disk must have them.
 const PORTION: usize = 4 << 20;
 const SYNC_EVERY: usize = 64 << 20;
 
-/// Writes a file under its name in `folder`, and waits until the disk has it. Calls `progress`
-/// after each portion.
+/// A file that is being written, with the sum of its bytes so far.
+struct Summed<'a> {
+    file: File,
+    sum: blake3::Hasher,
+    bytes: u64,
+    /// Bytes that the disk may not have.
+    unsure: usize,
+    progress: &'a dyn Fn(),
+}
+
+impl Write for Summed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(&bytes[..bytes.len().min(PORTION)])?;
+        self.sum.update(&bytes[..written]);
+        self.bytes += written as u64;
+        self.unsure += written;
+        (self.progress)();
+        if self.unsure >= SYNC_EVERY {
+            self.flush()?;
+        }
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.sync_data()?;
+        self.unsure = 0;
+        (self.progress)();
+        Ok(())
+    }
+}
+
+/// Writes a file under its name in `folder`, and waits until the disk has it. Its words come in
+/// several pieces; beyond them the memory of a portion is used. Calls `progress` after each
+/// portion.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(
     folder: &Path,
     name: &str,
-    words: &[u64],
+    words: &[&[u64]],
     compression: Compression,
     progress: &dyn Fn(),
 ) -> io::Result<FileRecord> {
-    let bytes = encode(words, compression)?;
-    let mut file = File::create(folder.join(name))?;
-    for part in bytes.chunks(SYNC_EVERY) {
-        for portion in part.chunks(PORTION) {
-            file.write_all(portion)?;
-            progress();
-        }
-        file.sync_data()?;
-        progress();
-    }
-    file.sync_all()?;
-    let blake3 = blake3::hash(&bytes).to_hex().to_string();
-    Ok(FileRecord { name: name.into(), bytes: bytes.len() as u64, blake3 })
+    let file = File::create(folder.join(name))?;
+    let sum = blake3::Hasher::new();
+    let mut out = Summed { file, sum, bytes: 0, unsure: 0, progress };
+    // The compressor writes small portions.
+    let mut buffered = BufWriter::with_capacity(PORTION, &mut out);
+    stream(&mut buffered, words, compression)?;
+    buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+    out.file.sync_all()?;
+    let blake3 = out.sum.finalize().to_hex().to_string();
+    Ok(FileRecord { name: name.into(), bytes: out.bytes, blake3 })
 }
 
 /// Reads a file of the folder and checks its size and its sum.
@@ -164,25 +227,37 @@ pub fn write(
 pub fn read(folder: &Path, record: &FileRecord) -> Result<Vec<u64>, String> {
     let path = folder.join(&record.name);
     let named = |why: String| format!("{}: {why}", path.display());
-    decode(&checked(&path, record)?).map_err(named)
+    decode(&checked(folder, record)?).map_err(named)
 }
 
-/// Checks size and sum of a file of the folder.
+/// Checks the size of a file of the folder.
 ///
 /// # Errors
-/// As [`read`].
-pub fn verify(folder: &Path, record: &FileRecord) -> Result<(), String> {
-    checked(&folder.join(&record.name), record).map(|_| ())
+/// It does not exist or has another size; the message names it.
+pub fn verify_size(folder: &Path, record: &FileRecord) -> Result<(), String> {
+    let path = folder.join(&record.name);
+    let named = |why: String| format!("{}: {why}", path.display());
+    let size = std::fs::metadata(&path).map_err(|e| named(e.to_string()))?.len();
+    if size == record.bytes {
+        return Ok(());
+    }
+    Err(named(format!("it has {size} bytes instead of {}", record.bytes)))
 }
 
-fn checked(path: &Path, record: &FileRecord) -> Result<Vec<u8>, String> {
+fn checked(folder: &Path, record: &FileRecord) -> Result<Vec<u8>, String> {
+    let path = folder.join(&record.name);
     let named = |why: String| format!("{}: {why}", path.display());
-    let size = std::fs::metadata(path).map_err(|e| named(e.to_string()))?.len();
-    if size != record.bytes {
-        return Err(named(format!("it has {size} bytes instead of {}", record.bytes)));
+    watched(&path, || verify_size(folder, record))?;
+    let size = usize::try_from(record.bytes).map_err(|e| named(e.to_string()))?;
+    let mut bytes = vec![0; size];
+    let mut sum = blake3::Hasher::new();
+    let mut file =
+        WatchedFile::open(&path, |path| File::open(path)).map_err(|e| named(e.to_string()))?;
+    for portion in bytes.chunks_mut(PORTION) {
+        file.read_exact(portion).map_err(|e| named(e.to_string()))?;
+        sum.update(portion);
     }
-    let bytes = std::fs::read(path).map_err(|e| named(e.to_string()))?;
-    if blake3::hash(&bytes).to_hex().as_str() != record.blake3 {
+    if sum.finalize().to_hex().as_str() != record.blake3 {
         return Err(named("its content has changed: the blake3 sum differs".into()));
     }
     Ok(bytes)
@@ -201,9 +276,9 @@ mod tests {
                 assert_eq!(decode(&encode(words, kind).unwrap()).unwrap(), words, "{kind:?}");
             }
             let dir = tempfile::tempdir().unwrap();
-            let record = write(dir.path(), "a.bin", &WORDS, kind, &|| ()).unwrap();
+            let record =
+                write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
             assert_eq!(read(dir.path(), &record).unwrap(), WORDS);
-            verify(dir.path(), &record).unwrap();
         }
     }
 
@@ -213,7 +288,8 @@ mod tests {
     fn no_changed_file_is_read() {
         let dir = tempfile::tempdir().unwrap();
         for kind in [Compression::None, Compression::Zstd] {
-            let record = write(dir.path(), "a.bin", &WORDS, kind, &|| ()).unwrap();
+            let record =
+                write(dir.path(), "a.bin", &[&WORDS[..2], &WORDS[2..]], kind, &|| ()).unwrap();
             let path = dir.path().join("a.bin");
             let good = std::fs::read(&path).unwrap();
             for i in 0..good.len() {

@@ -4,7 +4,7 @@
 
 use crate::exit_code;
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
@@ -68,13 +68,30 @@ impl WatchedFile {
     }
 }
 
-impl Write for WatchedFile {
+/// Several threads may write to the same file.
+impl Write for &WatchedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        watched(&self.path, || self.file.write(bytes))
+        watched(&self.path, || (&self.file).write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        watched(&self.path, || self.file.flush())
+        watched(&self.path, || (&self.file).flush())
+    }
+}
+
+impl Read for WatchedFile {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        watched(&self.path, || (&self.file).read(bytes))
+    }
+}
+
+impl Write for WatchedFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        (&*self).write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        (&*self).flush()
     }
 }
 

@@ -147,7 +147,9 @@ impl<'a> Deserialize<'a> for ExactSum {
         for (word, digit) in words.iter_mut().zip(digits) {
             *word = if negative { -i64::from(digit) } else { i64::from(digit) };
         }
-        sum.words[DIGITS] = others as i64;
+        // More terms were never added; such a number could overflow.
+        let others = i64::try_from(others).ok().filter(|&others| others < 1 << 53);
+        sum.words[DIGITS] = others.ok_or_else(|| D::Error::custom("a sum has too many terms"))?;
         Ok(sum)
     }
 }

@@ -156,10 +156,10 @@ pub enum ToMaster {
     },
     /// The worker has copied its state for a checkpoint. All rows and fields that `Captured`
     /// counts were sent before.
-    Captured(Captured),
+    Captured(Captured, u64),
     /// The worker has copied its state in memory, in this time [s]. All rows and fields that
     /// `Captured` counts were sent before.
-    Copied(Captured, f64),
+    Copied(Captured, u64, f64),
     /// The files of a checkpoint are on disk, or could not be written.
     Saved(Saved),
     /// Warning that does not end the run.

@@ -97,6 +97,16 @@ pub enum Steer {
     Set(Change),
 }
 
+impl Steer {
+    /// Returns the new value, if it changes a setting.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Set(change) => Some(change.key_and_value().1),
+            Self::Pause | Self::Continue | Self::Checkpoint | Self::Stop => None,
+        }
+    }
+}
+
 impl Display for Steer {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match self {

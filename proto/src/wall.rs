@@ -64,6 +64,11 @@ pub enum WallMotion {
 }
 
 impl Wall {
+    /// Returns the name in histories: its own, or its number in the list of all walls.
+    pub fn label(&self, number: usize) -> String {
+        if self.name.is_empty() { format!("wall {number}") } else { self.name.clone() }
+    }
+
     /// Returns a plane at rest that acts on all nodes.
     pub fn plane(point: [f64; 3], normal: [f64; 3], friction: f64) -> Self {
         Self {

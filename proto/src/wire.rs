@@ -16,9 +16,27 @@ pub fn encode<T: Serialize>(message: &T) -> Vec<u64> {
 
 /// Decodes a message from [`encode`]; returns `None` if the words are no such message.
 pub fn decode<T: DeserializeOwned>(words: &[u64]) -> Option<T> {
+    let bytes = bytes_of(words)?;
+    let decoded = bincode::serde::decode_from_slice(bytes, bincode::config::standard()).ok();
+    decoded.filter(|(_, read)| *read == bytes.len()).map(|(m, _)| m)
+}
+
+/// Largest memory for the numbers and texts of a state in [`decode_state`] [byte].
+const MOST: usize = 1 << 30;
+
+/// Decodes what [`encode`] has written, from a file: no memory is reserved for a wrong length of a
+/// text. Returns `None` if the words are no such state.
+pub fn decode_state<T: DeserializeOwned>(words: &[u64]) -> Option<T> {
+    let bytes = bytes_of(words)?;
+    let config = bincode::config::standard().with_limit::<MOST>();
+    let decoded = bincode::serde::decode_from_slice(bytes, config).ok();
+    decoded.filter(|(_, read)| *read == bytes.len()).map(|(m, _)| m)
+}
+
+/// Returns the bytes of an encoded message.
+fn bytes_of(words: &[u64]) -> Option<&[u8]> {
     let (&len, body) = words.split_first()?;
-    let bytes = bytemuck::cast_slice::<u64, u8>(body).get(..len as usize)?;
-    bincode::serde::decode_from_slice(bytes, bincode::config::standard()).ok().map(|(m, _)| m)
+    bytemuck::cast_slice::<u64, u8>(body).get(..usize::try_from(len).ok()?)
 }
 
 /// Sends a control message.

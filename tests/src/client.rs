@@ -43,7 +43,7 @@ impl Client {
     ///
     /// # Panics
     /// When the line is no answer, or none comes in time.
-    pub fn next(&mut self) -> Option<Answer> {
+    pub fn next_line(&mut self) -> Option<Answer> {
         let mut line = String::new();
         match self.lines.read_line(&mut line) {
             Ok(0) => None,
@@ -56,7 +56,7 @@ impl Client {
     /// Sends a request and returns the answer.
     pub fn ask(&mut self, request: &Request) -> Answer {
         self.send(&request.to_line());
-        self.next().expect("the run answers")
+        self.next_line().expect("the run answers")
     }
 
     /// Gives an order and returns where it has taken effect.
@@ -92,7 +92,7 @@ impl Client {
     /// When it is not.
     pub fn refusal(&mut self, line: &str) -> String {
         self.send(line);
-        match self.next() {
+        match self.next_line() {
             Some(Answer::Refused { why }) => why,
             other => panic!("{line}: {other:?}"),
         }

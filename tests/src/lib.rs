@@ -2,10 +2,12 @@
 //! binary with a deadline.
 
 pub mod client;
+pub mod fields;
 pub mod imports;
 pub mod manual;
 pub mod program;
 pub mod restart;
+pub mod service;
 pub mod sheets;
 pub mod tools;
 

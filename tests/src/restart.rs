@@ -1,11 +1,12 @@
 //! Runs that are interrupted and continue from files, on engines in this process.
 
+use crate::fields::assert_same_fields;
 use crumple::input::job::Model;
 use crumple::results::histories::NAMES;
 use crumple::results::summary::state_digest;
 use crumple::run::decompose::{Centres, bisect};
 use crumple_proto::boxes::CutTree;
-use crumple_proto::checkpoint::{FileRecord, folder_name};
+use crumple_proto::checkpoint::{FileRecord, partial_name};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Compression;
 use crumple_proto::partition::NodeRecord;
@@ -51,6 +52,7 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
             copied: engine.copy_state(comm).unwrap(),
             dir: dir.path().to_owned(),
             cycle: plan.at,
+            repeat: 0,
             worker: comm.rank() - 1,
             compression: Compression::Zstd,
             copy: Duration::ZERO,
@@ -60,7 +62,7 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
     });
     let common = files[0][1].clone();
     let pieces: Vec<FileRecord> = files.into_iter().map(|f| f[0].clone()).collect();
-    let folder = dir.path().join(folder_name(plan.at));
+    let folder = dir.path().join(partial_name(plan.at, 0));
     let nodes = side_by_side(plan.workers[1], |comm| {
         let place = (comm.rank() - 1, comm.size() - 1);
         let mut engine = restored(comm, model, &second, (&folder, &common, &pieces), place);
@@ -163,21 +165,13 @@ pub fn assert_same_histories(one: &Path, other: &Path) {
 }
 
 /// Checks the files of a run that continued against those of one that did not: histories as in
-/// [`assert_same_histories`], and the times of fields, whose files exist.
+/// [`assert_same_histories`], and fields as in [`assert_same_fields`].
 ///
 /// # Panics
 /// When they differ.
 pub fn assert_same_files(whole: &Path, continued: &Path) {
     assert_same_histories(whole, continued);
-    let steps = |folder: &Path| {
-        let text = fs::read_to_string(folder.join("fields/fields.pvd")).unwrap();
-        assert!(text.lines().all(|l| !l.contains("<DataSet") || {
-            let file = l.split("file=\"").nth(1).unwrap().split('"').next().unwrap();
-            folder.join("fields").join(file).exists()
-        }));
-        text
-    };
-    assert_eq!(steps(whole), steps(continued));
+    assert_same_fields(whole, continued);
 }
 
 /// Returns the names of the complete checkpoints of a run, ascending.

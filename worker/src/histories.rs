@@ -90,6 +90,24 @@ struct LocalSection {
 pub struct ContactSums(SurfaceForces);
 
 impl ContactSums {
+    /// Checks that the forces are those of a job with these numbers of parts and transducers.
+    ///
+    /// # Errors
+    /// They are not: the reason.
+    pub fn fit(&self, parts: usize, transducers: usize) -> Result<(), String> {
+        let known = |pair: &[u32; 2]| pair.iter().all(|&part| (part as usize) < parts);
+        if !self.0.between_parts.keys().all(known) {
+            return Err("it has contact forces of a part that the job does not have".into());
+        }
+        let count = self.0.on_transducers.len();
+        if count > transducers {
+            return Err(format!(
+                "it has forces of {count} transducers, and the job has {transducers}"
+            ));
+        }
+        Ok(())
+    }
+
     /// Adds the forces of another worker.
     pub fn add(&mut self, o: &Self) {
         for (&parts, force) in &o.0.between_parts {

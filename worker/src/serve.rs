@@ -16,7 +16,7 @@ use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::{Captured, FileRecord};
 use crumple_proto::disk;
 use crumple_proto::ids::ElemId;
-use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::message::{Action, Changes, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
 use crumple_proto::report::{Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepReport};
@@ -61,6 +61,8 @@ pub struct Worker {
     /// Orders of the user, with their numbers, until an outer step begins.
     steering: VecDeque<(u64, Steer)>,
     paused: bool,
+    /// Cycle of the last capture, and number of captures in it.
+    captures: (u64, u64),
     /// The last copy, if it is newer than the last checkpoint; all workers have it of one cycle.
     kept: Option<Task>,
     /// True if the run has failed.
@@ -79,7 +81,6 @@ const NEWEST: f64 = 0.05;
 /// # Errors
 /// Another rank is gone.
 pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
-    let mut refused = None;
     let (mut worker, trace) = match await_message(comm, 0, Tag::Order)? {
         ToWorker::Start { settings, tree, elements, nodes, trace } => {
             let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
@@ -88,13 +89,9 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         }
         ToWorker::Resume { settings, folder, common, pieces, changes, trace } => {
             let from = (Path::new(&folder), &common, &pieces[..]);
-            match resume(comm, *settings, from)? {
-                Some(mut worker) => {
-                    refused = worker.engine.apply(comm, &changes)?;
-                    (worker, trace)
-                }
-                None => return Ok(()), // the master reports why
-            }
+            let resumed = resume(comm, *settings, from, &changes)?;
+            let Some(worker) = resumed else { return Ok(()) }; // the master reports why
+            (worker, trace)
         }
         _ => return Ok(()), // the job is invalid; the master reports why
     };
@@ -106,12 +103,6 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
     }
-    if let Some(why) = refused {
-        worker.failed = true;
-        let Clock { cycle, time, .. } = worker.engine.clock;
-        post(comm, 0, Tag::Report, &ToMaster::Trouble(Failure { elem: None, cycle, time, why }))?;
-        return worker.finalize(comm);
-    }
     let ran = worker.run(comm);
     if ran.is_err() {
         worker.send_recording(comm)?;
@@ -120,22 +111,20 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     worker.finalize(comm)
 }
 
-/// Reads the files of a checkpoint and builds a worker that continues from there. Returns `None` if
-/// a worker cannot read its files.
+/// Reads the files of a checkpoint and builds a worker that continues from there, with changes of
+/// the model. Returns `None` if a worker cannot read its files, or the changes do not fit the
+/// state.
 fn resume(
     comm: &mut dyn Transport,
     settings: Settings,
     (folder, common, pieces): (&Path, &FileRecord, &[FileRecord]),
+    changes: &Changes,
 ) -> Result<Option<Worker>, RankLost> {
     let (me, workers) = (comm.rank() - 1, comm.size() - 1);
+    disk::set_patience(Duration::from_secs_f64(settings.checkpoint.patience));
     let state = match checkpoint::read_state(folder, &settings, common, pieces, (me, workers)) {
         Ok(state) => state,
-        Err(why) => {
-            let trouble = Failure { elem: None, cycle: 0, time: 0.0, why };
-            post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))?;
-            await_message::<ToWorker>(comm, 0, Tag::Order)?; // `Quit`
-            return Ok(None);
-        }
+        Err(why) => return refuse(comm, why),
     };
     post(comm, 0, Tag::Report, &ToMaster::Ready)?;
     let loads: Vec<_> = checkpoint::loads(&settings, &state.share).collect();
@@ -149,8 +138,20 @@ fn resume(
     };
     let (sent, crossed, named) = (state.own.sent, state.own.crossed, state.own.named);
     let restored = (state.common, state.own);
-    let engine = Engine::restore(comm, settings, tree, state.share, restored)?;
+    let mut engine = Engine::restore(comm, settings, tree, state.share, restored)?;
+    if let Some(why) = engine.apply(comm, changes)? {
+        return refuse(comm, why);
+    }
+    post(comm, 0, Tag::Report, &ToMaster::Ready)?;
     Ok(Some(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) }))
+}
+
+/// Sends the reason why this worker cannot continue, and waits until the master has it.
+fn refuse(comm: &mut dyn Transport, why: String) -> Result<Option<Worker>, RankLost> {
+    let trouble = Failure { elem: None, cycle: 0, time: 0.0, why };
+    post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))?;
+    await_message::<ToWorker>(comm, 0, Tag::Order)?; // `Quit`
+    Ok(None)
 }
 
 /// Calls a function with the centre and the load of every own element. The number is the CPU time
@@ -213,6 +214,7 @@ impl Worker {
             copy_due: false,
             steering: VecDeque::new(),
             paused: false,
+            captures: (0, 0),
             kept: None,
             failed: false,
             writer: Writer::default(),
@@ -300,6 +302,8 @@ impl Worker {
         let cycle = self.engine.clock.cycle;
         let _span = tracing::debug_span!("checkpoint", cycle, writes).entered();
         let began = Instant::now();
+        let earlier = if self.captures.0 == cycle { self.captures.1 } else { 0 };
+        self.captures = (cycle, earlier + 1);
         self.kept = None; // before the memory for the next one is needed
         let mut copied = self.engine.copy_state(comm)?;
         // A new field is an error here: state has to be added, all else to the last lists.
@@ -321,6 +325,7 @@ impl Worker {
             copy_due: _,
             steering: _,
             paused: _,
+            captures: _,
             kept: _,
             failed: _,
             writer: _,
@@ -340,17 +345,18 @@ impl Worker {
             copied,
             dir: settings.checkpoint.dir.clone().into(),
             cycle: clock.cycle,
+            repeat: earlier,
             worker: comm.rank() - 1,
             compression: settings.checkpoint.compression,
             copy: began.elapsed(),
             progress: Arc::default(),
         };
         if writes {
-            post(comm, 0, Tag::Report, &ToMaster::Captured(captured))?;
+            post(comm, 0, Tag::Report, &ToMaster::Captured(captured, earlier))?;
             self.write(comm, task)?;
         } else {
             let seconds = task.copy.as_secs_f64();
-            post(comm, 0, Tag::Report, &ToMaster::Copied(captured, seconds))?;
+            post(comm, 0, Tag::Report, &ToMaster::Copied(captured, earlier, seconds))?;
             self.kept = Some(task);
         }
         self.engine.timer.lap(Phase::Output);

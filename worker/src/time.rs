@@ -1,6 +1,7 @@
 //! Time of a run: step sizes of the central-difference scheme with mid-step velocities, and the
 //! times at which output is due.
 
+use crumple_proto::checkpoint::{Captured, MOST};
 use crumple_proto::partition::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +78,36 @@ const LAST_STEPS: f64 = 1000.0;
 const HELD: u64 = 256;
 
 impl Clock {
+    /// Checks that the clock of a checkpoint shows what its manifest says.
+    ///
+    /// # Errors
+    /// It does not, or it has a step that is no time: the reason.
+    pub fn fit(&self, captured: &Captured) -> Result<(), String> {
+        let Captured { cycle, time, rows, fields } = *captured;
+        let same = self.cycle == cycle
+            && self.time.to_bits() == time.to_bits()
+            && self.rows == rows
+            && self.fields as u64 == fields;
+        if !same {
+            return Err(format!(
+                "its clock shows cycle {}, time {:?}, and the manifest has cycle {cycle}, time \
+                 {time:?}",
+                self.cycle, self.time
+            ));
+        }
+        let steps = [self.dt, self.whole_dt, self.last_dt, self.last_mid, self.first_dt, time];
+        let is_time = |t: &f64| t.is_finite() && *t >= 0.0;
+        let limits = [self.least_dt, self.min_dt];
+        if !steps.iter().all(is_time)
+            || limits.iter().any(|t| t.is_nan() || *t < 0.0)
+            || !self.passed.is_finite()
+            || [cycle, rows, fields].iter().any(|&count| count > MOST)
+        {
+            return Err("its clock has a step that is not a time".into());
+        }
+        Ok(())
+    }
+
     /// Returns true if an outer step begins: slow elements are computed, and the step may change.
     pub fn starts_outer_step(&self, settings: &Settings) -> bool {
         self.cycle.is_multiple_of(settings.subcycles)

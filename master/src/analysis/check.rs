@@ -4,12 +4,19 @@
 use crate::analysis::{cost, spectrum};
 use crate::cli::CheckArgs;
 use crate::input::check::{describe, figure};
+use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::stdout;
 
 /// Runs `crumple check`: prints the description to standard output, or all problems to standard
 /// error. Returns the exit code.
 pub fn run(args: &CheckArgs) -> u8 {
+    if let Some(folder) = &args.job.options.within
+        && let Err(error) = confine::to(folder)
+    {
+        eprintln!("error: {}: {error}", folder.display());
+        return Report::EXIT_CODE;
+    }
     let read = || -> Result<(Model, String), Report> {
         let model = job::read(&args.job.job, &args.job.options.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());

@@ -5,6 +5,7 @@
 //! set becomes the set of the nodes of its sides. Attributes of shells named `thickness`, or the
 //! only attribute of a block of shells, are thicknesses of single shells.
 
+use crate::input::confine;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
@@ -64,6 +65,7 @@ const KINDS: [Kind; 6] = [
 /// The file cannot be read, is no EXODUS II model, or has elements that are not supported: all
 /// problems.
 pub fn read(path: &Path) -> Result<Mesh, Vec<Problem>> {
+    confine::check(path).map_err(|error| vec![refused(path, &error)])?;
     let file = NcFile::open(path).map_err(|error| vec![unreadable(path, &error)])?;
     let mut reader = Reader { file, path, problems: Vec::new() };
     let mesh = reader.mesh();
@@ -71,6 +73,10 @@ pub fn read(path: &Path) -> Result<Mesh, Vec<Problem>> {
         Some(mesh) if reader.problems.is_empty() => Ok(mesh),
         _ => Err(reader.problems),
     }
+}
+
+fn refused(path: &Path, error: &std::io::Error) -> Problem {
+    Problem::error(KEY, format!("{} cannot be read: {error}", path.display()), "correct the path")
 }
 
 fn unreadable(path: &Path, error: &netcdf_reader::Error) -> Problem {

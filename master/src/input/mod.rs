@@ -1,6 +1,7 @@
 //! Input: jobs, keyword decks, their checks and their reference pages.
 
 pub mod check;
+pub mod confine;
 pub mod connectivity;
 pub mod deck;
 pub mod exodus;

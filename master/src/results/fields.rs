@@ -10,6 +10,8 @@ use crumple_worker::vtu::{self, Array};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// Name of the folder of fields in that of a run.
+pub const DIR: &str = "fields";
 /// The main collection.
 pub const COLLECTION: &str = "fields.pvd";
 /// The collection of ghosts; only written with more than one worker.

@@ -4,15 +4,12 @@
 //! times of `history.csv` and refer to the same instants.
 
 use crate::input::job::Model;
-use crate::results::history::{self, Labels, Tables, Unwritten};
+use crate::results::history::{self, Labels};
+use crate::results::table::{Table, Tables, Unwritten};
 use crumple_proto::ids::NodeId;
 use crumple_proto::report::HistoryPart;
 use std::collections::HashMap;
-use std::fs::File;
 use std::io;
-
-/// A file of one kind.
-type Table = csv::Writer<File>;
 
 /// The files of a run. Files of kinds that the scene does not have, or that the job does not
 /// request, are absent.
@@ -138,6 +135,19 @@ impl Histories {
                 (time, impulses)
             },
         })
+    }
+
+    /// Returns all files.
+    pub(crate) fn tables(&mut self) -> impl Iterator<Item = &mut Table> {
+        let contacts = self.of_contacts.iter_mut().flat_map(|(parts, pairs)| [parts, pairs]);
+        let single = [
+            &mut self.of_parts,
+            &mut self.of_walls,
+            &mut self.of_nodes,
+            &mut self.of_sections,
+            &mut self.of_transducers,
+        ];
+        single.into_iter().flatten().chain(contacts)
     }
 
     /// Writes the rows of one time, from the sums over workers.

@@ -1,19 +1,19 @@
 //! `history.csv`: one row per history interval, summed over the workers' contributions.
 
 use crate::input::job::{Model, fastest_wave};
-use crate::results::histories::{Histories, NAMES};
-use crate::results::workers;
+use crate::results::histories::Histories;
+use crate::results::table::{Table, Tables, Unwritten};
+use crumple_proto::checkpoint::MOST;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::report::HistoryPart;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::fs::File;
-use std::io::{Seek, SeekFrom};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Name of the file.
-const FILE: &str = "history.csv";
+pub(crate) const FILE: &str = "history.csv";
 
 /// A complete row, summed over workers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -77,9 +77,17 @@ pub struct Course {
     pub worst_created: f64,
 }
 
+impl Course {
+    /// Returns true if the cycles of its rows are possible ones.
+    pub fn is_possible(&self) -> bool {
+        let last = self.last.as_ref().map_or(0, |row| row.sum.cycle);
+        last <= MOST && self.swings_from.is_none_or(|from| from <= last)
+    }
+}
+
 /// The history of a run.
 pub struct History {
-    file: csv::Writer<File>,
+    file: Table,
     workers: usize,
     walls: Vec<String>,
     kinds: Histories,
@@ -87,6 +95,10 @@ pub struct History {
     parts: BTreeMap<u64, (usize, HistoryPart<ExactSum>)>,
     /// The rows so far.
     pub course: Course,
+    /// Messages about rows that are lost because a file was removed.
+    pub lost: Vec<String>,
+    /// Number of these that the user knows.
+    said: usize,
     /// True with subcycles. The energy then oscillates about its balance by a fraction of the
     /// largest energy supplied so far, even if part of that energy has left the model.
     subcycled: bool,
@@ -159,10 +171,7 @@ impl Labels {
 
 /// Returns the names of walls, or their numbers if they have no names.
 pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
-    let name = |(i, w): (usize, &crumple_proto::wall::Wall)| {
-        if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
-    };
-    walls.iter().enumerate().map(name).collect()
+    walls.iter().enumerate().map(|(i, wall)| wall.label(i)).collect()
 }
 
 /// Returns the names of the walls that the run had from its start. Only these have columns in
@@ -171,52 +180,6 @@ fn first_walls(model: &Model) -> Vec<String> {
     let mut names = wall_names(&model.settings.walls);
     names.truncate(names.len() - model.job.restart.wall.len());
     names
-}
-
-/// A file that cannot be written, and the reason.
-pub(crate) type Unwritten = (PathBuf, std::io::Error);
-
-/// The files of the histories, and the rows that they keep.
-#[derive(Clone, Copy)]
-pub struct Tables<'a> {
-    /// Folder of the files.
-    pub dir: &'a Path,
-    /// Length to keep of each file, if the run continues from a checkpoint [byte].
-    pub lengths: Option<&'a BTreeMap<String, u64>>,
-}
-
-impl Tables<'_> {
-    /// Opens a file: a new one with this header, or the one of the run that continues, without the
-    /// rows after the checkpoint.
-    pub(crate) fn open<H: AsRef<[u8]>>(
-        &self,
-        name: &str,
-        header: impl IntoIterator<Item = H>,
-    ) -> Result<csv::Writer<File>, Unwritten> {
-        let path = self.dir.join(name);
-        let failed = |error: std::io::Error| (path.clone(), error);
-        if let Some(&length) = self.lengths.and_then(|lengths| lengths.get(name)) {
-            let mut file = File::options().write(true).open(&path).map_err(failed)?;
-            if file.metadata().map_err(failed)?.len() < length {
-                let why = "the file is shorter than at the checkpoint: it was changed meanwhile";
-                return Err(failed(std::io::Error::other(why)));
-            }
-            file.set_len(length).map_err(failed)?;
-            file.seek(SeekFrom::End(0)).map_err(failed)?;
-            return Ok(csv::Writer::from_writer(file));
-        }
-        let mut file = csv::Writer::from_path(&path).map_err(|error| failed(error.into()))?;
-        file.write_record(header).map_err(|error| failed(error.into()))?;
-        file.flush().map_err(failed)?;
-        Ok(file)
-    }
-
-    /// Returns the present length of each file.
-    pub(crate) fn present(dir: &Path) -> BTreeMap<String, u64> {
-        let names = NAMES.iter().copied().chain([FILE, workers::FILE]);
-        let length = |name: &str| std::fs::metadata(dir.join(name)).ok().map(|m| m.len());
-        names.filter_map(|name| Some((name.to_string(), length(name)?))).collect()
-    }
 }
 
 /// Returns the names of the columns of a job's `history.csv`, with their units.
@@ -281,6 +244,8 @@ impl History {
             walls,
             parts: BTreeMap::new(),
             course,
+            lost: Vec::new(),
+            said: 0,
             subcycled: model.settings.subcycles > 1,
             round_off: 0.5 * model.total_mass() * (STILL * fastest_wave(&model.job)).powi(2),
         })
@@ -331,11 +296,41 @@ impl History {
         let row = HistoryRow { sum, error, swing, created };
         let swings_from = self.course.swings_from.unwrap_or(row.sum.cycle);
         self.course.swings_from = (swing > MUCH_SWING).then_some(swings_from);
+        self.check_files()?;
         self.write(&row, extras)?;
         self.kinds.write(&row.sum)?;
         self.course.first.get_or_insert_with(|| row.clone());
         self.course.last = Some(row);
         Ok(())
+    }
+
+    /// Makes files again that were removed, and keeps a message about each.
+    ///
+    /// # Errors
+    /// A file cannot be made.
+    pub fn check_files(&mut self) -> io::Result<()> {
+        let mut lost: Vec<PathBuf> = Vec::new();
+        for table in self.kinds.tables().chain([&mut self.file]) {
+            lost.extend(table.check()?);
+        }
+        lost.iter().for_each(|path| self.add_lost(path));
+        Ok(())
+    }
+
+    /// Returns the messages about lost rows that are new since the last call.
+    pub fn take_unsaid(&mut self) -> Vec<String> {
+        let from = std::mem::replace(&mut self.said, self.lost.len());
+        self.lost[from..].to_vec()
+    }
+
+    /// Keeps a message about a file that was removed and made again.
+    pub fn add_lost(&mut self, path: &Path) {
+        let until = self.course.last.as_ref().map_or(0.0, |row| row.sum.time);
+        self.lost.push(format!(
+            "{} was removed during the run: its rows until time {until:.6e} are lost, and it \
+             begins again with its header",
+            path.display()
+        ));
     }
 
     fn write(&mut self, row: &HistoryRow, extras: Extras) -> csv::Result<()> {

@@ -10,6 +10,7 @@ pub mod report;
 pub mod snapshot;
 pub mod steering;
 pub mod summary;
+pub mod table;
 pub mod trace;
 pub mod vtkhdf;
 pub mod workers;

@@ -370,6 +370,8 @@ pub struct Summary {
     pub steering: Vec<Record>,
     /// Checkpoints of the process that ended the run.
     pub checkpoints: CheckpointSummary,
+    /// Rows of histories that are lost because a file was removed.
+    pub lost: Vec<String>,
     /// blake3 hash of the state; see [`state_digest`].
     pub state_digest: String,
 }

@@ -4,9 +4,10 @@
 //! many consecutive reports make one row as keep the file below that number.
 
 use crate::input::job::Model;
-use crate::results::history::{Labels, Tables, Unwritten};
+use crate::results::history::Labels;
+use crate::results::table::{Table, Tables, Unwritten};
 use crumple_proto::report::{PHASES, Phase, StepReport};
-use std::fs::File;
+use std::path::PathBuf;
 
 /// Name of the file.
 pub const FILE: &str = "workers.csv";
@@ -17,7 +18,9 @@ const TIMED: usize = Phase::Renewal as usize;
 
 /// The file, and the reports that are not in it yet.
 pub struct Workers {
-    file: csv::Writer<File>,
+    file: Table,
+    /// Set when the file was removed and made again; all rows until then are lost.
+    pub lost: Option<PathBuf>,
     waiting: Vec<Option<StepReport>>,
     end_time: f64,
 }
@@ -61,7 +64,12 @@ impl Workers {
     pub fn new(tables: Tables<'_>, workers: usize, model: &Model) -> Result<Self, Unwritten> {
         let labels = Labels::from_units(&model.job.units);
         let file = tables.open(FILE, columns(&labels.length, &labels.time))?;
-        Ok(Self { file, waiting: vec![None; workers], end_time: model.settings.end_time })
+        Ok(Self {
+            file,
+            lost: None,
+            waiting: vec![None; workers],
+            end_time: model.settings.end_time,
+        })
     }
 
     /// Adds a report. `imbalance` is the maximum over mean load since the master last judged it.
@@ -93,6 +101,9 @@ impl Workers {
 
     fn write(&mut self, worker: usize, imbalance: f64) -> csv::Result<()> {
         let Some(r) = self.waiting[worker].take() else { return Ok(()) };
+        if let Some(path) = self.file.check()? {
+            self.lost = Some(path);
+        }
         let number = |a: f64| format!("{a:.6e}");
         let cycles = r.cpu.len();
         let load = r.cpu.iter().map(|&s| f64::from(s)).sum::<f64>() / cycles.max(1) as f64;

@@ -187,7 +187,8 @@ fn show_status(status: &Status) {
     show_progress(progress);
 }
 
-fn show_progress(p: &Progress) {
+/// Prints a line of progress.
+pub fn show_progress(p: &Progress) {
     let share = p.workers.iter().map(|w| w.share).fold(0.0, f64::max);
     let [low, high] = p.redecompositions;
     say!(

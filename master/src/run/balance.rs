@@ -1,6 +1,7 @@
 //! Decides when to redecompose, from measured costs. Has no side effects, so it is tested without
 //! workers.
 
+use crumple_proto::checkpoint::MOST;
 use crumple_proto::report::{Displacement, Phase, StepReport};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -101,6 +102,15 @@ pub struct Accounts {
     worst: f64,
     low: u64,
     high: u64,
+}
+
+impl Accounts {
+    /// Returns true if no sum is too large or no number.
+    pub fn are_possible(&self) -> bool {
+        let seconds = [self.critical_s, self.total_s, self.renewal_s, self.worst];
+        let counts = [self.low, self.high];
+        seconds.iter().all(|s| s.is_finite()) && counts.iter().all(|&count| count <= MOST)
+    }
 }
 
 impl Balance {

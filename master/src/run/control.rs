@@ -6,9 +6,10 @@ mod steer;
 mod watch;
 
 use crate::input::job::Model;
-use crate::results::fields::Series;
-use crate::results::history::{Course, Extras, History, Tables};
+use crate::results::fields::{self, Series};
+use crate::results::history::{Course, Extras, History};
 use crate::results::summary::{Outline, Restart, Summary};
+use crate::results::table::Tables;
 use crate::results::trace::Trace;
 use crate::results::workers;
 use crate::run::balance::{Balance, Limits};
@@ -53,6 +54,9 @@ pub enum RunError {
     /// A checkpoint with the right sums cannot be used.
     #[error("{0}; continue from another checkpoint: give its folder with --resume")]
     Unusable(String),
+    /// A change of the model does not fit the state of the checkpoint.
+    #[error("{0}; nothing in the folder was changed")]
+    Refused(String),
     /// The trace cannot be written.
     #[error("{path}: {error}; choose another file with --trace", path = .path.display())]
     Trace {
@@ -68,7 +72,9 @@ impl RunError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Lost(_) => WORKER_LOST,
-            Self::Output { .. } | Self::Unusable(_) | Self::Trace { .. } => BAD_INPUT,
+            Self::Output { .. } | Self::Unusable(_) | Self::Refused(_) | Self::Trace { .. } => {
+                BAD_INPUT
+            }
         }
     }
 }
@@ -109,7 +115,7 @@ pub struct Control<'a> {
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
     checkpoints: Checkpoints,
-    /// The checkpoint from which the run continues, until the workers have it.
+    /// The checkpoint from which the run continues, until the user knows.
     from: Option<Resumption>,
     /// Continuations so far.
     restarts: Vec<Restart>,
@@ -146,14 +152,19 @@ pub fn run(
     model: &mut Model,
     comm: &mut dyn Transport,
     results: Results<'_>,
-    origin: Origin,
+    mut origin: Origin,
     guidance: Guidance<'_>,
 ) -> Result<Summary, RunError> {
     let _run = tracing::info_span!("run", rank = 0).entered();
     let patience = model.job.checkpoint.patience().expect("the job is checked when it is read");
     disk::set_patience(patience);
     let Guidance { quiet, stop, desk } = guidance;
-    let new = || Control::new(model, comm, results, origin, (quiet, desk));
+    // The files of the run are changed only when all workers have the state of the checkpoint.
+    let tree = match &mut origin.from {
+        None => CutTree::single(),
+        Some((from, _)) => distribute::restore(model, comm, results, from)?,
+    };
+    let new = || Control::new(model, comm, results, (origin, tree), (quiet, desk));
     let mut control = disk::watched(results.out, new)?;
     let ended = control.conclude(stop);
     match &ended {
@@ -184,12 +195,12 @@ impl<'a> Control<'a> {
         model: &'a mut Model,
         comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
-        Origin { stamp, from }: Origin,
+        (Origin { stamp, mut from }, tree): (Origin, CutTree),
         (quiet, desk): (bool, Option<Desk>),
     ) -> Result<Self, RunError> {
         let workers = comm.size() - 1;
         let (job, settings) = (&model.job, &model.settings);
-        let fields = out.join("fields");
+        let folder = out.join(fields::DIR);
         let failed = |path: &Path| {
             let path = path.to_owned();
             move |error| RunError::Output { path, error }
@@ -199,20 +210,23 @@ impl<'a> Control<'a> {
         let elements = model.mesh.elements.iter().filter(|e| !deleted.contains(&e.part)).count();
         let mut checkpoints = Checkpoints::new(out, &job.checkpoint, workers, elements);
         checkpoints.set_stamp(stamp);
-        let mut series = Series::new(&fields);
+        let mut series = Series::new(&folder);
+        if let Some((from, _)) = &mut from {
+            from.begin_lost_histories();
+        }
         let known = from.as_ref().map(|(from, _)| from.master.clone());
-        match &from {
+        match &mut from {
             Some((from, _)) => {
-                tidy(checkpoints.dir(), Some(&from.folder));
+                from.removed = tidy(checkpoints.dir(), Some(&from.folder));
                 checkpoints.newest =
                     Some((from.manifest.captured.cycle, from.manifest.captured.time));
-                series.restore(&from.master.steps).map_err(failed(&fields))?;
+                series.restore(&from.master.steps).map_err(failed(&folder))?;
                 remove_file(&out.join("summary.json"))?; // of the run before
             }
             None => {
                 tidy(checkpoints.dir(), None);
-                if fields.exists() {
-                    std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an earlier run
+                if folder.exists() {
+                    std::fs::remove_dir_all(&folder).map_err(failed(&folder))?; // of an earlier run
                 }
             }
         }
@@ -247,7 +261,7 @@ impl<'a> Control<'a> {
         let [penetration_warned, energy_warned, step_warned] = known.warned;
         Ok(Self {
             began: Instant::now(),
-            tree: CutTree::single(),
+            tree,
             balance,
             series,
             progress: Progress::new(settings.end_time, quiet),
@@ -298,7 +312,7 @@ impl<'a> Control<'a> {
     fn supervise(&mut self, stop: &StopFlag) -> Result<(), RunError> {
         match self.from.take() {
             None => self.deal_out()?,
-            Some(from) => self.continue_from(&from)?,
+            Some(from) => self.continue_from(&from),
         }
         while self.closings.iter().any(Option::is_none) {
             let heard = self.listen()?;
@@ -461,6 +475,7 @@ impl<'a> Control<'a> {
                 self.watch_energy();
                 self.watch_contact();
                 self.watch_work();
+                self.watch_files();
             }
             ToMaster::Fields { index, time } => {
                 let pieces = self.pieces.entry(index).or_default();
@@ -478,21 +493,21 @@ impl<'a> Control<'a> {
                 tracing::warn!(worker, warning);
                 self.announce(&format!("warning: worker {worker}: {warning}"));
             }
-            ToMaster::Captured(captured) => {
-                if self.checkpoints.add_captured(captured) {
+            ToMaster::Captured(captured, repeat) => {
+                if self.checkpoints.add_captured(captured, repeat) {
                     let cycle = captured.cycle;
                     let _span = tracing::debug_span!("checkpoint", cycle).entered();
                     self.finish_reports()?;
                     let state = self.state();
-                    self.checkpoints.add_master(captured.cycle, state);
+                    self.checkpoints.add_master([cycle, repeat], state);
                     self.take_deferred();
                 }
             }
-            ToMaster::Copied(captured, seconds) => {
+            ToMaster::Copied(captured, repeat, seconds) => {
                 if self.checkpoints.copies.add(seconds) {
                     self.finish_reports()?;
                     let state = self.state();
-                    self.checkpoints.copies.set(captured, state);
+                    self.checkpoints.copies.set(captured, repeat, state);
                     self.take_deferred();
                 }
             }

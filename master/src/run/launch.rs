@@ -2,10 +2,12 @@
 //! process.
 
 use crate::cli::RunArgs;
+use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::results::summary::{Status, Summary};
-use crate::results::{report, steering};
-use crate::run::checkpoint::manifest::Manifest;
+use crate::results::{d3plot, exodus, fields, report, steering, vtkhdf};
+use crate::run::attempt::Attempt;
+use crate::run::checkpoint::manifest::{Manifest, Stamp};
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Guidance, Origin, Results, RunError};
 use crate::run::lock::Lock;
@@ -19,7 +21,7 @@ use crate::stdout::say;
 use crumple_proto::disk;
 #[cfg(feature = "mpi")]
 use crumple_proto::exit_code::{COMPLETED, WORKER_LOST};
-use crumple_proto::job::Restart;
+use crumple_proto::job::{Checkpoint, Restart};
 use crumple_proto::transport::{Transport, threads};
 use std::path::{Path, PathBuf};
 
@@ -33,6 +35,27 @@ fn launched_by_mpi() -> bool {
 
 /// Runs a job and returns the exit code.
 pub fn run(args: &RunArgs) -> u8 {
+    if let Some(folder) = &args.options.within
+        && let Err(error) = confine::to(folder)
+    {
+        eprintln!("error: {}: {error}", folder.display());
+        return Report::EXIT_CODE;
+    }
+    let attempt = match args.attempt.as_deref().map(Attempt::claim).transpose() {
+        Ok(attempt) => attempt,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Report::EXIT_CODE;
+        }
+    };
+    let code = run_or_supervise(args);
+    if let Some(attempt) = attempt {
+        attempt.end(code);
+    }
+    code
+}
+
+fn run_or_supervise(args: &RunArgs) -> u8 {
     if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
         return supervise::run(args, retries);
     }
@@ -66,67 +89,127 @@ struct Ready {
     _lock: Lock,
 }
 
+/// Problems that end the program before the run, as they are printed.
+struct Refusal(String);
+
+impl From<String> for Refusal {
+    fn from(why: String) -> Self {
+        Self(format!("error: {why}\n"))
+    }
+}
+
+impl From<Report> for Refusal {
+    fn from(report: Report) -> Self {
+        Self(report.to_string())
+    }
+}
+
 /// Reads the job and, if the run continues, its checkpoint; locks the folder of results. Prints all
 /// problems.
 fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) -> Option<Ready> {
-    let bad = |why: String| {
-        eprintln!("error: {why}");
-        None
+    set_patience(args);
+    let ready = match &args.resume {
+        None => begin(args, workers),
+        Some(dir) => go_on(args, workers, dir),
     };
+    ready.map_err(|Refusal(text)| eprint!("{text}")).ok()
+}
+
+/// Prepares a run from time 0.
+fn begin(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+) -> Result<Ready, Refusal> {
+    let (model, sets, workers) = read_job(args, workers, None)?;
+    if model.job.restart != Restart::default() {
+        let why = "`restart` changes a run that continues: give --resume too";
+        return Err(why.to_string().into());
+    }
+    let origin = Origin { stamp: compare::stamp(&model, sets), from: None };
+    let out = args.out_dir();
+    let lock = locked(&out)?;
+    if !args.overwrite
+        && let Some(why) = disk::watched(&out, || find::unfinished(&out))
+    {
+        return Err(why.into());
+    }
+    let logs = Logs::new(&out, args.log.as_deref());
+    Ok(Ready { model, workers, origin, out, logs, _lock: lock })
+}
+
+/// Prepares a run that continues from the newest checkpoint that is a state of its job.
+fn go_on(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+    dir: &Path,
+) -> Result<Ready, Refusal> {
+    let out = find::run_folder(dir)?;
     // The folder is locked first: another run may be changing its checkpoints.
-    let locked = |out: &Path| disk::watched(out, || Lock::acquire(out));
-    let (from, lock) = match &args.resume {
-        None => (None, None),
-        Some(dir) => {
-            let found = find::run_folder(dir).and_then(|run| Ok((locked(&run)?, find::find(dir)?)));
-            match found {
-                Ok((lock, from)) => (Some(from), Some(lock)),
-                Err(why) => return bad(why),
+    let lock = locked(&out)?;
+    let mut candidates = find::Candidates::new(dir)?;
+    loop {
+        let (folder, manifest) = candidates.next()?;
+        let (mut model, sets, workers) = read_job(args, &workers, Some(&manifest.stamp))?;
+        let stamp = compare::stamp(&model, sets);
+        compare::changes(&manifest.stamp, &stamp)
+            .map_err(|why| format!("{}: {why}", folder.display()))?;
+        let mut from = match candidates.take(&folder, &manifest, &stamp) {
+            Ok(from) => from,
+            Err(why) => {
+                candidates.refuse(why);
+                continue;
             }
+        };
+        let changes = compare::adapt(&mut model, &stamp, &args.sets(), &mut from)
+            .map_err(|why| format!("{}: {why}", folder.display()))?;
+        if let Err(why) = from.fit(&model) {
+            candidates.refuse(why);
+            continue;
         }
-    };
-    let known = from.as_ref().map(|from| &from.manifest.stamp);
+        let logs = Logs::new(&out, args.log.as_deref());
+        let origin = Origin { stamp, from: Some((from, changes)) };
+        return Ok(Ready { model, workers, origin, out, logs, _lock: lock });
+    }
+}
+
+fn locked(out: &Path) -> Result<Lock, String> {
+    disk::watched(out, || Lock::acquire(out))
+}
+
+/// Sets the time for which reading waits for a file system to that of the command line: that of the
+/// job is not known yet.
+fn set_patience(args: &RunArgs) {
+    let sets = args.sets();
+    let given = sets.iter().rev().find_map(|set| set.strip_prefix("checkpoint.patience="));
+    let asked = given.map(|text| Checkpoint {
+        patience: text.trim_matches('"').into(),
+        ..Checkpoint::default()
+    });
+    // A value that is not valid is reported with the job.
+    if let Some(patience) = asked.and_then(|asked| asked.patience().ok()) {
+        disk::set_patience(patience);
+    }
+}
+
+/// Reads the job, with the `key=value` of a checkpoint before those of the command line. Returns
+/// the model, all `key=value`, and the number of workers.
+fn read_job(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+    known: Option<&Stamp>,
+) -> Result<(Model, Vec<String>, usize), Refusal> {
     let file = args.job.clone().or_else(|| known.map(|stamp| PathBuf::from(&stamp.file)));
     let sets: Vec<String> =
         known.iter().flat_map(|stamp| stamp.set.clone()).chain(args.sets()).collect();
-    let read = job::read(&file.unwrap_or_default(), &sets).and_then(|m| Ok((workers(&m)?, m)));
-    let (workers, mut model) = match read {
-        Ok(both) => both,
-        Err(report) => {
-            eprint!("{report}");
-            return None;
-        }
-    };
-    if from.is_none() && model.job.restart != Restart::default() {
-        return bad("`restart` changes a run that continues: give --resume too".into());
+    let mut model = job::read(&file.unwrap_or_default(), &sets)?;
+    let workers = workers(&model)?;
+    if let Ok(patience) = model.job.checkpoint.patience() {
+        disk::set_patience(patience);
     }
     if let Some(path) = &args.steering {
-        match steering::read(path) {
-            Ok(plan) => model.settings.planned = plan,
-            Err(why) => return bad(why),
-        }
+        model.settings.planned = steering::read(path)?;
     }
-    let stamp = compare::stamp(&model, sets);
-    let from = match from {
-        None => None,
-        Some(mut from) => match compare::adapt(&mut model, &stamp, &mut from) {
-            Ok(changes) => Some((from, changes)),
-            Err(why) => return bad(format!("{}: {why}", from.folder.display())),
-        },
-    };
-    let out = from.as_ref().map_or_else(|| args.out_dir(), |(from, _)| from.run.clone());
-    let lock = match lock.map_or_else(|| locked(&out), Ok) {
-        Ok(lock) => lock,
-        Err(why) => return bad(why),
-    };
-    if from.is_none()
-        && !args.overwrite
-        && let Some(why) = find::unfinished(&out)
-    {
-        return bad(why);
-    }
-    let logs = Logs::new(&out, args.log.as_deref());
-    Some(Ready { model, workers, origin: Origin { stamp, from }, out, logs, _lock: lock })
+    Ok((model, sets, workers))
 }
 
 fn run_threads(args: &RunArgs, service: &Service) -> u8 {
@@ -152,8 +235,8 @@ fn run_threads(args: &RunArgs, service: &Service) -> u8 {
             std::thread::Builder::new().name(name).spawn(logged)
         })
         .collect();
-    let code = as_master(args, ready, &mut master, service);
-    drop(master);
+    let (code, _) = as_master(args, ready, &mut master, service);
+    drop(master); // workers that wait for a message end
     for worker in workers.into_iter().flatten() {
         // The worker has printed its panic, and the master reports it as a lost worker.
         let _ = worker.join();
@@ -213,9 +296,12 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
     match ready {
         Some(mut ready) => {
             let log = ready.logs.start_master(ready.origin.from.is_some());
-            let code = as_master(args, ready, &mut comm, &service());
+            let (code, ended) = as_master(args, ready, &mut comm, &service());
             drop(log);
-            if code == WORKER_LOST { comm.abort(i32::from(code)) } else { code }
+            match ended {
+                WorkersAre::Gone => code,
+                WorkersAre::Waiting => comm.abort(i32::from(code)),
+            }
         }
         None => {
             for rank in 1..=ranks {
@@ -234,7 +320,21 @@ fn log_of_worker(args: &RunArgs, rank: usize) -> Option<RankLog> {
     Logs::new(&out.ok()?, args.log.as_deref()).start_process(rank)
 }
 
-fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &Service) -> u8 {
+/// The workers when the master ends.
+enum WorkersAre {
+    /// They have ended, or end by themselves.
+    Gone,
+    /// They compute, or wait for the master.
+    Waiting,
+}
+
+/// Runs the job as the master. Returns the exit code of the process.
+fn as_master(
+    args: &RunArgs,
+    ready: Ready,
+    comm: &mut dyn Transport,
+    service: &Service,
+) -> (u8, WorkersAre) {
     let Ready { mut model, origin, out, _lock, .. } = ready;
     let model = &mut model;
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
@@ -256,42 +356,20 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &S
     let ended = control::run(model, comm, results, origin, guidance);
     let writable = !matches!(ended, Err(RunError::Output { .. }));
     let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
-    let code = match ended {
-        Ok(summary) => {
-            if !args.quiet {
-                print_summary(&summary, &out);
-            }
-            if model.job.output.d3plot
-                && let Err(why) =
-                    crate::results::d3plot::export(&out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)
-            {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-            if model.job.output.vtkhdf
-                && let Err(why) = crate::results::vtkhdf::export(&out)
-            {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-            if model.job.output.exodus
-                && let Err(why) = crate::results::exodus::export(&out)
-            {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-            if summary.status == Status::Failed {
-                eprintln!("error: {}", summary.reason);
-                name_last_state(&out, &summary);
-            }
-            summary.status.exit_code()
-        }
+    let (code, workers) = match &ended {
+        Ok(summary) => (conclude(args, model, summary, &out), WorkersAre::Gone),
         Err(error) => {
             eprintln!("error: {error}");
-            if find::newest_cycle(&out).is_some() {
-                eprintln!("  continue with: crumple run --resume {}", out.display());
-            }
-            error.exit_code()
+            let workers = match error {
+                RunError::Unusable(_) | RunError::Refused(_) => WorkersAre::Gone,
+                RunError::Lost(_) | RunError::Output { .. } | RunError::Trace { .. } => {
+                    if disk::watched(&out, || find::newest_cycle(&out)).is_some() {
+                        eprintln!("  continue with: crumple run --resume {}", out.display());
+                    }
+                    WorkersAre::Waiting
+                }
+            };
+            (error.exit_code(), workers)
         }
     };
     match made.filter(|_| !args.quiet) {
@@ -299,12 +377,40 @@ fn as_master(args: &RunArgs, ready: Ready, comm: &mut dyn Transport, service: &S
         Some(Err(why)) => eprintln!("warning: no report was written: {why}"),
         None => {}
     }
-    code
+    (code, workers)
+}
+
+/// Prints how a run ended and writes the exports that the job asks for. Returns the exit code.
+fn conclude(args: &RunArgs, model: &Model, summary: &Summary, out: &Path) -> u8 {
+    if !args.quiet {
+        print_summary(summary, out);
+    }
+    type Export = fn(&Path) -> Result<String, String>;
+    let output = &model.job.output;
+    let exports: [(bool, Export); 3] = [
+        (output.d3plot, |out| d3plot::export(out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)),
+        (output.vtkhdf, vtkhdf::export),
+        (output.exodus, exodus::export),
+    ];
+    for (_, export) in exports.iter().filter(|(is_asked, _)| *is_asked) {
+        if let Err(why) = export(out) {
+            eprintln!("error: {why}");
+            return Report::EXIT_CODE;
+        }
+    }
+    if summary.status == Status::Failed {
+        eprintln!("error: {}", summary.reason);
+        name_last_state(out, summary);
+    }
+    if summary.status == Status::Stopped && !args.quiet && find::newest_cycle(out).is_some() {
+        say!("continue with: crumple run --resume {}", out.display());
+    }
+    summary.status.exit_code()
 }
 
 /// Names the last state of a run that has failed, and the command that continues from it.
 fn name_last_state(out: &Path, summary: &Summary) {
-    match find::newest(out) {
+    match disk::watched(out, || find::newest(out)) {
         Some((folder, manifest)) => {
             let at = manifest.captured;
             eprintln!(
@@ -374,6 +480,6 @@ fn print_summary(s: &Summary, out: &Path) {
     say!(
         "results in {}; open {} in ParaView",
         out.display(),
-        out.join("fields").join("fields.pvd").display()
+        out.join(fields::DIR).join(fields::COLLECTION).display()
     );
 }

@@ -5,9 +5,15 @@ use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Name of the file.
 const NAME: &str = "run.lock";
+
+/// Number of further tries to lock a folder, and the time between them. [`owner`] holds the lock
+/// for some microseconds.
+const TRIES: u32 = 5;
+const WAIT: Duration = Duration::from_millis(10);
 
 /// A lock that is held.
 pub struct Lock {
@@ -26,6 +32,7 @@ impl Lock {
             format!("{}: {error}; choose another folder with --out", path.display())
         };
         std::fs::create_dir_all(folder).map_err(named)?;
+        let mut tries = 0;
         loop {
             let mut file = File::options()
                 .create(true)
@@ -36,6 +43,12 @@ impl Lock {
                 .map_err(named)?;
             match file.try_lock() {
                 Ok(()) => {}
+                // A process may just ask for the owner.
+                Err(TryLockError::WouldBlock) if tries < TRIES => {
+                    tries += 1;
+                    std::thread::sleep(WAIT);
+                    continue;
+                }
                 Err(TryLockError::WouldBlock) => {
                     let owner = std::fs::read_to_string(&path).unwrap_or_default();
                     return Err(format!(
@@ -61,6 +74,16 @@ impl Lock {
     }
 }
 
+/// Returns the process that holds the lock of a folder.
+pub fn owner(folder: &Path) -> Option<u32> {
+    let path = folder.join(NAME);
+    let file = File::open(&path).ok()?;
+    match file.try_lock_shared() {
+        Err(TryLockError::WouldBlock) => std::fs::read_to_string(&path).ok()?.trim().parse().ok(),
+        _ => None,
+    }
+}
+
 impl Drop for Lock {
     fn drop(&mut self) {
         // A file that stays is harmless: it is not locked.
@@ -73,13 +96,31 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_question_for_the_owner_does_not_prevent_a_run() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join(NAME), "1").unwrap();
+        let asked = File::open(dir.path().join(NAME)).unwrap();
+        asked.try_lock_shared().unwrap();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(WAIT / 2);
+                asked.unlock().unwrap();
+            });
+            Lock::acquire(dir.path()).unwrap();
+        });
+    }
+
+    #[test]
     fn a_folder_has_one_owner_and_a_file_that_stayed_locks_nothing() {
         let dir = tempfile::tempdir().unwrap();
         let first = Lock::acquire(dir.path()).unwrap();
         let refused = Lock::acquire(dir.path()).err().unwrap();
         assert!(refused.contains(&std::process::id().to_string()), "{refused}");
+        assert_eq!(owner(dir.path()), Some(std::process::id()));
         drop(first);
+        assert_eq!(owner(dir.path()), None);
         std::fs::write(dir.path().join(NAME), "99999").unwrap();
+        assert_eq!(owner(dir.path()), None, "the file without its lock");
         let second = Lock::acquire(dir.path()).unwrap();
         drop(second);
         assert!(!dir.path().join(NAME).exists());

@@ -1,7 +1,7 @@
 //! Events of a run, by `tracing`: `log.jsonl` with those of the master, and on request (`--log`,
 //! `RUST_LOG`) `logs/rank_NNNN.log` with spans and events of each rank.
 
-use crumple_proto::disk;
+use crumple_proto::disk::{self, WatchedFile};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,8 @@ pub struct Logs {
     out: PathBuf,
     /// Directives for the files of the ranks, if they are requested.
     directives: Option<String>,
-    events: Option<Arc<Events>>,
+    /// `log.jsonl`.
+    events: Option<Arc<WatchedFile>>,
 }
 
 /// The log of a rank. Its last lines are written when it is dropped.
@@ -49,14 +50,16 @@ impl Logs {
     /// be written, the run itself reports it.
     pub fn start_master(&mut self, continues: bool) -> Option<RankLog> {
         let path = self.out.join("log.jsonl");
-        let file = std::fs::create_dir_all(&self.out).and_then(|()| match continues {
-            true => File::options().create(true).append(true).open(&path),
-            false => File::create(&path),
-        });
+        let open = |path: &Path| match continues {
+            true => File::options().create(true).append(true).open(path),
+            false => File::create(path),
+        };
+        let file = disk::watched(&self.out, || std::fs::create_dir_all(&self.out))
+            .and_then(|()| WatchedFile::open(&path, open));
         if !continues {
             let _ = std::fs::remove_dir_all(self.out.join(DIR));
         }
-        self.events = file.ok().map(|file| Arc::new(Events { path, file }));
+        self.events = file.ok().map(Arc::new);
         let (dispatch, log) = self.dispatch(0);
         // A second run in the same process continues with the first log.
         let _ = tracing::dispatcher::set_global_default(dispatch);
@@ -118,22 +121,6 @@ impl Drop for RankLog {
         if lost > 0 {
             eprintln!("warning: {}: the disk was too slow for {lost} lines", self.path.display());
         }
-    }
-}
-
-/// `log.jsonl`.
-struct Events {
-    path: PathBuf,
-    file: File,
-}
-
-impl Write for &Events {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        disk::watched(&self.path, || (&self.file).write(bytes))
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        disk::watched(&self.path, || (&self.file).flush())
     }
 }
 

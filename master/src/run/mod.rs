@@ -1,6 +1,7 @@
 //! The run on the master: start, control, balance, decomposition, progress and stop.
 
 pub mod attach;
+pub mod attempt;
 pub mod balance;
 pub mod checkpoint;
 pub mod control;

@@ -3,13 +3,15 @@
 
 use crate::cli::RunArgs;
 use crate::input::job::Report;
-use crate::run::checkpoint::find::{newest_cycle, run_folder};
+use crate::run::checkpoint::find::{DIR, folders, run_folder};
+use crate::run::checkpoint::manifest::{MANIFEST, Manifest};
 use crate::run::service::Service;
 use crate::run::service::signals::{Manner, StopFlag};
+use crumple_proto::disk::watched;
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, WORKER_LOST};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -24,9 +26,32 @@ const ENDED: [u8; 4] = [COMPLETED, BAD_INPUT, FAILED, STOPPED];
 /// Word of a launcher that stands for the number of ranks.
 const RANKS: &str = "{ranks}";
 
+/// The checkpoints that were there before a supervised run: files, with the times at which they
+/// were written. They may be of another run, or later than the one from which this run continues.
+struct Earlier(Vec<(PathBuf, Option<SystemTime>)>);
+
+impl Earlier {
+    fn new(out: &Path) -> Self {
+        let all = || folders(&out.join(DIR)).iter().map(|folder| manifest_of(folder)).collect();
+        Self(watched(out, all))
+    }
+
+    /// Returns the cycle of the newest checkpoint that the run itself has written.
+    fn newest_other(&self, out: &Path) -> Option<u64> {
+        let is_own = |folder: &PathBuf| !self.0.contains(&manifest_of(folder));
+        let cycle = |folder: PathBuf| Some(Manifest::read(&folder).ok()?.captured.cycle);
+        watched(out, || folders(&out.join(DIR)).into_iter().filter(is_own).find_map(cycle))
+    }
+}
+
+fn manifest_of(folder: &Path) -> (PathBuf, Option<SystemTime>) {
+    let path = folder.join(MANIFEST);
+    let written = modified(&path);
+    (path, written)
+}
+
 /// Runs the job, at most `retries` times more than once. Returns the exit code of the last run.
 pub fn run(args: &RunArgs, retries: u32) -> u8 {
-    // Later runs continue from the newest checkpoint of the run, also if a single one is given.
     let out = match &args.resume {
         None => args.out_dir(),
         Some(dir) => match run_folder(dir) {
@@ -41,20 +66,20 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
     let stop = service.stop();
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut workers = args.options.workers.unwrap_or_else(cores);
-    let mut reached = if args.resume.is_some() { newest_cycle(&out) } else { None };
-    let mut continues = args.resume.is_some();
+    let earlier = Earlier::new(&out);
+    // Until the run has written a checkpoint, it starts again as at first, with all changes.
+    let mut own = None;
     // Losses in a row without a new checkpoint.
     let mut in_vain = 0;
     for lost in 0..=retries {
-        let from = args.resume.as_ref().filter(|_| lost == 0).unwrap_or(&out);
-        let folder = if continues { from } else { &out };
         let before = summary_of(&out).map(|(written, _)| written);
-        let began = SystemTime::now();
-        let child = start(args, folder, continues, workers);
+        // Times of the file system alone: its clock may differ from that of this machine.
+        let log = out.join("log.jsonl");
+        let logged = modified(&log);
+        let has_begun = || modified(&log) != logged;
+        let child = start(args, &out, own.is_some(), workers);
         // Launchers of MPI end their ranks at TERM, but pass on USR2.
         let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
-        let log = out.join("log.jsonl");
-        let has_begun = || modified(&log).is_some_and(|written| written >= began);
         let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun));
         let status = match ended {
             Ok(status) => status,
@@ -84,17 +109,22 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
                 return STOPPED; // before its first cycle it has nothing to keep
             }
             eprintln!("error: the run was lost ({what}) while it stopped");
-            show_way_on(&out);
+            show_way_on(args, &out, earlier.newest_other(&out));
             return WORKER_LOST;
         }
-        let newest = newest_cycle(&out);
-        in_vain = if newest > reached { 0 } else { in_vain + 1 };
-        let cycle = newest.map_or("the start".to_string(), |cycle| format!("cycle {cycle}"));
+        let newest = earlier.newest_other(&out);
+        in_vain = if newest > own { 0 } else { in_vain + 1 };
+        own = newest;
+        let cycle = match (own, &args.resume) {
+            (Some(cycle), _) => format!("cycle {cycle}"),
+            (None, Some(dir)) => dir.display().to_string(),
+            (None, None) => "the start".to_string(),
+        };
         let fewer = in_vain > 1 && workers > 1 && has_ranks(args);
         if lost == retries {
             let times = if lost == 0 { "once".to_string() } else { format!("{} times", lost + 1) };
             eprintln!("error: the run was lost ({what}) {times}; no retry is left");
-            show_way_on(&out);
+            show_way_on(args, &out, own);
         } else if in_vain > 1 && !fewer {
             eprintln!(
                 "error: the run was lost again ({what}) without a new checkpoint after {cycle}"
@@ -108,15 +138,15 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
             }
             eprintln!("warning: the run was lost ({what}); {next}");
         }
-        (reached, continues) = (newest, newest.is_some());
     }
     WORKER_LOST
 }
 
-/// Prints the command that continues the run from its newest checkpoint, if it has one.
-fn show_way_on(out: &Path) {
-    if newest_cycle(out).is_some() {
-        eprintln!("  continue with: crumple run --resume {}", out.display());
+/// Prints the command that continues the run: from its own newest checkpoint, or as it began.
+fn show_way_on(args: &RunArgs, out: &Path, own: Option<u64>) {
+    let own = own.map(|_| out);
+    if let Some(from) = own.or(args.resume.as_deref()) {
+        eprintln!("  continue with: crumple run --resume {}", from.display());
     }
 }
 
@@ -136,7 +166,8 @@ fn has_ranks(args: &RunArgs) -> bool {
     args.launcher.as_ref().is_some_and(|launcher| launcher.contains(RANKS))
 }
 
-/// Starts the run by the launcher, if one is given.
+/// Starts the run by the launcher, if one is given: from its own newest checkpoint if `continues`,
+/// otherwise as the user asked for it.
 fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io::Result<Child> {
     let program = std::env::current_exe()?;
     let ranks = (workers + 1).to_string();
@@ -151,8 +182,8 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
     };
     command.arg("run");
     command.args(args.job.iter());
-    if continues {
-        command.arg("--resume").arg(out);
+    if let Some(from) = if continues { Some(out) } else { args.resume.as_deref() } {
+        command.arg("--resume").arg(from);
     } else {
         command.arg("--out").arg(out);
         command.args(args.overwrite.then_some("--overwrite"));
@@ -160,7 +191,7 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
     if let Some(workers) = args.options.workers.filter(|_| !has_ranks(args)) {
         command.args(["--workers", &workers.to_string()]);
     }
-    command.args(args.passed_on(continues && args.resume.is_none()));
+    command.args(args.passed_on(continues));
     // In a group of its own: Ctrl-C would reach it directly too, and a launcher that gets two
     // signals ends its ranks at once.
     command.stdin(Stdio::null()).process_group(0).spawn()

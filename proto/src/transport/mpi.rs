@@ -1,6 +1,7 @@
 //! Ranks as MPI processes. All calls come from the thread that initialised MPI.
 
-use super::wait::{Patience, Rest};
+use super::rest::Rest;
+use super::wait::Patience;
 use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use ::mpi::environment::Universe;
 use ::mpi::request::{Request, StaticScope, scope};

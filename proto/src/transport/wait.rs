@@ -5,7 +5,7 @@
 //! twice the longest wait that has ended while polling, and becomes shorter with each wait that has
 //! not.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Shortest and longest polling time.
 const SHORTEST: Duration = Duration::from_micros(4);
@@ -49,70 +49,6 @@ impl Patience {
     }
 }
 
-/// How a rank that cannot block waits for a message after it has polled: it yields its core, or
-/// sleeps.
-///
-/// To yield costs less than a microsecond if only ranks of the run want the core. But a process
-/// outside the run keeps the core for a slice of some milliseconds, even one of low priority. A
-/// thread that wakes from a sleep gets the core back at once. So after a yield that took long, the
-/// rank sleeps in the next pauses: in twice as many each time, until yields are short again.
-#[derive(Debug)]
-pub struct Rest {
-    /// Number of pauses left in which the rank sleeps.
-    sleeps: u32,
-    /// Number of such pauses after the next long yield.
-    next: u32,
-    /// Number of short yields since the last long one.
-    short: u32,
-}
-
-/// Duration of a yield from which another process is assumed to occupy the core.
-const SLICE: Duration = Duration::from_millis(2);
-/// Smallest and largest number of pauses with sleep after such a yield.
-const SLEEPS: [u32; 2] = [200, 100_000];
-/// Number of short yields in a row after which the core counts as free again.
-const FREE: u32 = 2000;
-/// Time of waiting up to which a rank yields.
-const YIELDS: Duration = Duration::from_millis(2);
-/// Shortest and longest sleep. A sleep is also this part of the time of waiting: a message is
-/// received late by at most this part.
-const SLEEP: [Duration; 2] = [Duration::from_micros(20), Duration::from_micros(500)];
-const LATE: u32 = 4;
-
-impl Rest {
-    /// Creates it for the calling thread, and makes the sleeps of this thread as short as they are
-    /// asked for; the default of Linux adds up to 50 us.
-    pub fn new() -> Self {
-        // Without it, sleeps are longer.
-        let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
-        Self { sleeps: 0, next: SLEEPS[0], short: 0 }
-    }
-
-    /// Leaves the core to others for a short time, in a wait that lasts since `waited`.
-    pub fn pause(&mut self, waited: Duration) {
-        if self.sleeps > 0 || waited > YIELDS {
-            self.sleeps = self.sleeps.saturating_sub(1);
-            std::thread::sleep((waited / LATE).clamp(SLEEP[0], SLEEP[1]));
-            return;
-        }
-        let start = Instant::now();
-        std::thread::yield_now();
-        self.record_yield(start.elapsed());
-    }
-
-    fn record_yield(&mut self, took: Duration) {
-        if took > SLICE {
-            (self.sleeps, self.short) = (self.next, 0);
-            self.next = (2 * self.next).min(SLEEPS[1]);
-        } else {
-            self.short += 1;
-            if self.short >= FREE {
-                (self.next, self.short) = (SLEEPS[0], 0);
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,21 +71,5 @@ mod tests {
         let mut shared = Patience::new(false);
         shared.record_success(waited);
         assert!((0..PROBE_EVERY).all(|_| shared.start() == Duration::ZERO));
-    }
-
-    #[test]
-    fn a_rank_sleeps_longer_each_time_that_others_keep_its_core() {
-        let mut rest = Rest::new();
-        rest.record_yield(Duration::from_micros(1));
-        assert_eq!(rest.sleeps, 0);
-        for number in 0..20 {
-            rest.record_yield(2 * SLICE);
-            assert_eq!(rest.sleeps, (SLEEPS[0] << number).min(SLEEPS[1]));
-        }
-        rest.pause(Duration::ZERO);
-        assert_eq!(rest.sleeps, SLEEPS[1] - 1, "it sleeps");
-        (0..FREE).for_each(|_| rest.record_yield(Duration::ZERO));
-        rest.record_yield(2 * SLICE);
-        assert_eq!(rest.sleeps, SLEEPS[0], "the core was free meanwhile");
     }
 }

@@ -62,6 +62,36 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
     }
 }
 
+/// The disk of a history is full: the master ends, and so do the workers.
+#[test]
+fn a_history_that_cannot_be_written_ends_all_ranks_with_code_2() {
+    let Some(()) = mpi_or_skip() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    std::os::unix::fs::symlink("/dev/full", out.join("history.csv")).unwrap();
+    let words = [&TUMBLE[..], &["--no-report", "--out", out.to_str().unwrap()]].concat();
+    let ended = run(mpirun(3, &words)).with_code(2);
+    assert!(ended.said().contains("No space left on device"), "{}", ended.said());
+}
+
+/// A change that the workers refuse: all ranks end in order, and the run continues without it.
+#[test]
+fn a_change_that_workers_refuse_ends_all_ranks_with_code_2() {
+    let Some(()) = mpi_or_skip() else { return };
+    let few = [&TUMBLE[..], &["--set=time.max_cycles=300", "--set=checkpoint.at=[0.4]"]].concat();
+    let whole = run(mpirun(3, &few)).with_code(0);
+    let out = whole.out();
+    let digest = whole.digest();
+    let resume = ["run", "--resume", out.to_str().unwrap(), "--no-report"];
+    let wall = "--set=restart.wall=[{point=[0.0, 0.0, 20.0], normal=[0.0, 0.0, 1.0]}]";
+    let refused = run(mpirun(4, &[&resume[..], &[wall]].concat())).with_code(2);
+    assert!(refused.said().contains("nothing in the folder was changed"), "{}", refused.said());
+    run(mpirun(4, &resume)).with_code(0);
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains(&digest), "{summary}");
+}
+
 /// MPI cannot report to ranks that one of them is lost, but mpirun can, and ends them: 128 + 9
 /// is its code for SIGKILL.
 #[test]

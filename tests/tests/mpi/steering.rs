@@ -10,6 +10,8 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+/// Enough cycles for a change of the end to take effect first.
+const LONG: [&str; 2] = ["--set", "time.max_cycles=9000"];
 /// Long enough for a client to attach.
 const TUMBLE: [&str; 6] =
     ["run", "cases/tumble", "--quiet", "--no-report", "--set", "time.max_cycles=900"];
@@ -24,6 +26,11 @@ fn start_on(transport: &str, workers: usize, more: &[&str]) -> Running {
         "mpi" => mpirun(workers + 1, &args),
         _ => crumple_with(&[&args[..], &["--workers", &number]].concat()),
     })
+}
+
+/// Returns options that repeat the orders in a file.
+fn steered_by(plan: &Path) -> [&str; 4] {
+    [LONG[0], LONG[1], "--steering", plan.to_str().expect("a name in UTF-8")]
 }
 
 fn undisturbed() -> Ended {
@@ -81,7 +88,7 @@ fn a_paused_run_waits_and_goes_on_with_the_same_bits() {
 fn a_steered_run_is_repeated_bit_for_bit() {
     let whole = undisturbed();
     for transport in transports() {
-        let mut running = start_on(transport, 2, &[]);
+        let mut running = start_on(transport, 2, &LONG);
         let mut client = Client::of(&mut running);
         client.order(&Request::Pause);
         let status = client.status();
@@ -108,7 +115,7 @@ fn a_steered_run_is_repeated_bit_for_bit() {
         assert!(orders.iter().all(|(cycle, _)| *cycle == changed.cycle));
         let plan = steered.out().join("summary.json");
         for workers in [1, 3] {
-            let again = start_on(transport, workers, &["--steering", plan.to_str().unwrap()]);
+            let again = start_on(transport, workers, &steered_by(&plan));
             let again = again.end().with_code(0);
             assert_eq!(again.digest(), steered.digest(), "{transport}, {workers} workers");
             assert_eq!(steering(&again.summary()), orders);
@@ -129,11 +136,14 @@ fn a_steered_run_is_repeated_bit_for_bit() {
 #[test]
 fn a_stopped_run_continues_with_what_was_changed() {
     for transport in transports() {
-        let mut running = start_on(transport, 2, &[]);
+        let mut running = start_on(transport, 2, &LONG);
         let mut client = Client::of(&mut running);
         client.order(&Request::Pause);
+        client.order(&Request::Checkpoint);
         let end = client.status().progress.time + 0.1;
         let changed = client.set("end_time", end);
+        // The checkpoint before lacks the change.
+        assert!(!client.order(&Request::Checkpoint).note.contains("is complete"));
         let stopped = client.order(&Request::Stop);
         assert_eq!(stopped.cycle, changed.cycle);
         let ended = running.end().with_code(130);
@@ -147,9 +157,10 @@ fn a_stopped_run_continues_with_what_was_changed() {
             serde_json::from_str(&std::fs::read_to_string(out.join("summary.json")).unwrap())
                 .unwrap();
         assert_eq!(summary["reason"], "end_time");
-        assert_eq!(steering(&summary), [(changed.cycle, changed.order.clone())]);
+        let orders = ["checkpoint", &changed.order, "checkpoint"];
+        assert_eq!(steering(&summary), orders.map(|order| (changed.cycle, order.to_string())));
         let plan = out.join("summary.json");
-        let whole = start_on(transport, 1, &["--steering", plan.to_str().unwrap()]);
+        let whole = start_on(transport, 1, &steered_by(&plan));
         assert_eq!(whole.end().with_code(0).digest(), summary["state_digest"], "{transport}");
     }
 }
@@ -183,7 +194,7 @@ fn rude_clients_do_not_disturb_a_run() {
     let zero = "{\"request\": \"set\", \"key\": \"end_time\", \"value\": 0}\n";
     assert!(rude.refusal(zero).contains("above 0"));
     assert!(rude.refusal(&("x".repeat(100_000) + "\n")).contains("at most"));
-    assert!(rude.next().is_none(), "the connection is closed");
+    assert!(rude.next_line().is_none(), "the connection is closed");
     let mut binary = Client::of(&mut running);
     let mut deaf = Client::of(&mut running);
     deaf.send(&Request::Watch.to_line());
@@ -193,11 +204,11 @@ fn rude_clients_do_not_disturb_a_run() {
     assert!(began.elapsed() < Duration::from_secs(3), "{:?}", began.elapsed());
     polite.order(&Request::Continue);
     binary.send(&Request::Watch.to_line());
-    assert!(matches!(binary.next(), Some(Answer::Status(_))));
+    assert!(matches!(binary.next_line(), Some(Answer::Status(_))));
     let ended = running.end().with_code(0);
     assert_eq!(ended.digest(), whole);
     let mut last = None;
-    while let Some(line) = binary.next() {
+    while let Some(line) = binary.next_line() {
         last = Some(line);
     }
     assert!(

@@ -171,6 +171,60 @@ fn a_supervised_run_from_one_checkpoint_continues_from_newer_ones() {
     assert_eq!(whole.digest(), digest);
 }
 
+/// Reads `summary.json` of a folder.
+fn summary_in(out: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()
+}
+
+/// A launcher that ends at once without a run, the first time.
+fn fails_once(folder: &Path) -> PathBuf {
+    let mark = folder.join("failed").display().to_string();
+    script(folder, &format!("[ -e {mark} ] || {{ touch {mark}; exit 9; }}\nexec \"$@\""))
+}
+
+/// The folder has the checkpoint of another run that is complete. The new run is lost before it
+/// begins: it starts again from time 0, not from that checkpoint.
+#[test]
+fn a_lost_new_run_does_not_continue_the_run_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let place = ["--out", out.to_str().unwrap(), "--workers=1", "--set=checkpoint.every=\"off\""];
+    let other = [&TUMBLE[..2], &place, &["--set=time.max_cycles=300", "--set=time.damping=5.0"]];
+    let kept = "--set=checkpoint.at=[0.3]";
+    run(crumple_with(&[&other.concat()[..], &[kept, "--no-report"]].concat())).with_code(0);
+    assert_eq!(checkpoints(&out).len(), 1);
+    let job = [&TUMBLE[..2], &["--no-report", "--set=time.max_cycles=300"]].concat();
+    let whole = run(crumple_with(&[&job[..], &["--workers=1"]].concat())).with_code(0);
+    let launcher = fails_once(folder.path());
+    let words = ["--retries=2", "--launcher", launcher.to_str().unwrap()];
+    let ended = run(crumple_with(&[&job[..], &place, &words].concat())).with_code(0);
+    assert!(ended.said().contains("from the start"), "{}", ended.said());
+    let summary = summary_in(&out);
+    assert_eq!(summary["state_digest"], whole.summary()["state_digest"]);
+    let restarts = &summary["restarts"];
+    assert_eq!(restarts.as_array().map_or(0, Vec::len), 0, "{restarts}");
+}
+
+/// A run from an older checkpoint, with a change, is lost before it has removed the newer one: it
+/// starts again from the older one, and with the change.
+#[test]
+fn a_lost_run_starts_again_from_its_own_checkpoint_and_with_its_changes() {
+    let words = [&TUMBLE[..2], &["--no-report", "--workers=1", "--set=time.max_cycles=500"]];
+    let at = "--set=checkpoint.at=[0.2, 0.4]";
+    let begun = run(crumple_with(&[&words.concat()[..], &[at]].concat())).with_code(0);
+    let out = begun.out();
+    let older = out.join("checkpoints").join(&checkpoints(&out)[0]);
+    let folder = tempfile::tempdir().unwrap();
+    let launcher = fails_once(folder.path());
+    let resume = ["run", "--resume", older.to_str().unwrap(), "--no-report", "--workers=1"];
+    let more = ["--set=time.damping=2.0", "--retries=2", "--launcher", launcher.to_str().unwrap()];
+    run(crumple_with(&[&resume[..], &more].concat())).with_code(0);
+    let summary = summary_in(&out);
+    let restart = &summary["restarts"][0];
+    assert!((restart["time"].as_f64().unwrap() - 0.2).abs() < 0.05, "{restart}");
+    assert!(restart["changes"].to_string().contains("time.damping"), "{restart}");
+}
+
 /// Returns `deploy/run.sh` on a job that takes long, with the binary of the tests.
 fn run_script(out: &Path) -> Command {
     let mut command = Command::new("deploy/run.sh");
@@ -190,8 +244,7 @@ fn assert_stops(interrupt: impl Fn(&Running)) {
     });
     interrupt(&running);
     let ended = running.end().with_code(130);
-    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let summary = summary_in(&out);
     assert_eq!(summary["status"], "stopped", "{}", ended.said());
     let cycle = summary["cycles"].as_u64();
     assert_eq!(newest_cycle(&out), cycle, "{}", ended.said());
@@ -333,7 +386,6 @@ fn a_slurm_job_continues_after_its_time_limit_and_not_after_its_cancellation() {
     let whole = ["run", "cases/jeep-frame", "--no-report", "--set=time.max_cycles=900"];
     let whole = run(crumple_with(&whole)).with_code(0);
     assert_same_files(&whole.out(), &out);
-    let summary: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+    let summary = summary_in(&out);
     assert_eq!(summary["state_digest"], whole.digest());
 }

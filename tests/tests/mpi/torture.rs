@@ -31,12 +31,15 @@ const SCENES: [(&str, u64); 6] = [
 ];
 /// Most kills in a round.
 const KILLS: u32 = 3;
-/// Interval between two checkpoints [s].
-const INTERVAL: f64 = 0.2;
-
-/// Time in which the master orders a checkpoint and the workers agree on its cycle, on a machine
-/// with more ranks than cores [s].
-const SLACK: f64 = 0.1;
+/// Intervals between two checkpoints, one of them for each round [s]. In the first, kills meet many
+/// checkpoints; in the second, the time in which the workers agree on the cycle of a checkpoint is
+/// small against the interval, also on a machine with more ranks than cores.
+const INTERVALS: [f64; 2] = [0.2, 1.0];
+/// Largest share of the kills after which more work is lost than that of the second interval.
+/// Another process may keep a core for longer.
+const LATE: f64 = 0.02;
+/// Number of such kills from which the share is checked.
+const ENOUGH: usize = 100;
 
 /// Counts of all rounds.
 #[derive(Default)]
@@ -49,10 +52,9 @@ struct Record {
     while_writing: u64,
     /// Kills of processes that had not written a checkpoint yet.
     before_any: u64,
-    /// Times from the first file of the last checkpoint to a kill [s].
-    losses: Vec<f64>,
-    /// The same, without the time in which the next checkpoint was being written [s].
-    gaps: Vec<f64>,
+    /// Times from the first file of the last checkpoint, or from the begin of the process if it has
+    /// written none, to a kill [s]; for each of `INTERVALS`.
+    losses: [Vec<f64>; 2],
     orphans: u64,
     temporary: u64,
 }
@@ -65,45 +67,50 @@ impl Record {
         println!("  of the master or of all workers  {of_master}");
         println!("  while a checkpoint was written   {while_writing}");
         println!("  before a first checkpoint        {before_any}");
-        show_times("loss of work", &self.losses);
-        show_times("before the next was written", &self.gaps);
-        let late = self.gaps.iter().filter(|&&gap| gap > INTERVAL + SLACK).count();
-        println!("  longer than the interval by {SLACK} s {late:5}");
+        for (losses, interval) in self.losses.iter().zip(INTERVALS) {
+            show_losses(interval, losses);
+        }
         println!("  orphan processes found           {}", self.orphans);
         println!("  temporary files left             {}", self.temporary);
     }
 
     /// Records the state of a run's folder right after a kill at the time `now`. `known` is the
-    /// newest checkpoint when the process was started.
-    fn add_kill(&mut self, out: &Path, known: Option<u64>, now: SystemTime) {
+    /// newest checkpoint when the process began.
+    fn add_kill(
+        &mut self,
+        out: &Path,
+        (known, begun): (Option<u64>, SystemTime),
+        now: SystemTime,
+        which: usize,
+    ) {
         self.kills += 1;
         let all = folders(&out.join("checkpoints"));
         let (whole, parts): (Vec<_>, Vec<_>) =
             all.into_iter().partition(|f| f.join("MANIFEST").exists());
         self.while_writing += u64::from(!parts.is_empty());
         let newest = whole.first().filter(|_| newest_cycle(out) > known);
-        let Some(newest) = newest else {
-            self.before_any += 1;
-            return;
-        };
-        let Some(copied) = began(newest) else { return };
-        let next = parts.first().and_then(|folder| began(folder)).unwrap_or(now).min(now);
-        let until = |end: SystemTime| end.duration_since(copied).map_or(0.0, |d| d.as_secs_f64());
-        self.losses.push(until(now));
-        self.gaps.push(until(next));
+        self.before_any += u64::from(newest.is_none());
+        let kept = newest.and_then(|folder| began(folder)).unwrap_or(begun);
+        self.losses[which].push(now.duration_since(kept).map_or(0.0, |d| d.as_secs_f64()));
+    }
+
+    /// Returns the number of kills after which more work was lost than that of the second interval.
+    fn late(&self) -> usize {
+        self.losses[1].iter().filter(|&&loss| loss > INTERVALS[1]).count()
     }
 }
 
-/// Prints the median, the 90th percentile and the largest of some times.
-fn show_times(what: &str, times: &[f64]) {
-    let mut sorted = times.to_vec();
+/// Prints the median, the 90th percentile and the largest loss of work.
+fn show_losses(interval: f64, losses: &[f64]) {
+    let mut sorted = losses.to_vec();
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).or(sorted.last());
     let [middle, most, worst] = [0.5, 0.9, 1.0].map(|share| at(share).copied().unwrap_or(0.0));
+    let late = losses.iter().filter(|&&loss| loss > interval).count();
     println!(
-        "  {what:32} median {middle:.2} s, 90 % below {most:.2} s, worst {worst:.2} s, of {} \
-         kills; interval {INTERVAL} s",
-        times.len()
+        "  loss of work, interval {interval:.1} s      median {middle:.2} s, 90 % below \
+         {most:.2} s, worst {worst:.2} s; above the interval {late} of {} kills",
+        losses.len()
     );
 }
 
@@ -144,6 +151,8 @@ fn killed_runs_give_the_results_of_undisturbed_ones() {
     }
     record.show(began.elapsed());
     assert!(record.kills > 0, "no run was killed before its end");
+    let (late, kills) = (record.late(), record.losses[1].len());
+    assert!(kills < ENOUGH || (late as f64) < LATE * kills as f64, "{late} of {kills} lost more");
 }
 
 /// A run that nothing disturbs.
@@ -200,6 +209,7 @@ fn one_round(
     with_mpi: bool,
     record: &mut Record,
 ) {
+    let which = random.usize(..INTERVALS.len());
     for attempt in 0..=KILLS {
         let folder = out.to_string_lossy().into_owned();
         // Before the first checkpoint, a run starts again.
@@ -207,7 +217,7 @@ fn one_round(
         let words = if known.is_some() {
             ["run", "--resume", &folder, "--no-report"].map(String::from).to_vec()
         } else {
-            words(whole.scene, whole.cycles, out, &format!("{INTERVAL} s"))
+            words(whole.scene, whole.cycles, out, &format!("{} s", INTERVALS[which]))
         };
         let (workers, mpi) = (random.usize(1..=4), with_mpi && random.bool());
         let log = || fs::metadata(out.join("log.jsonl")).map_or(0, |m| m.len());
@@ -222,10 +232,11 @@ fn one_round(
             let now = log();
             (now > 0 && now != before).then_some(())
         });
+        let begun = SystemTime::now();
         std::thread::sleep(whole.took.mul_f64(random.f64()));
         let ranks = if mpi { running.ranks() } else { Vec::new() };
         let victim = random.usize(..=workers);
-        let now = SystemTime::now();
+        let killed = SystemTime::now();
         match ranks.get(victim) {
             Some(&rank) => send(rank, Signal::KILL),
             None => running.signal(Signal::KILL),
@@ -238,7 +249,7 @@ fn one_round(
             return;
         }
         record.of_master += u64::from(ranks.is_empty() || victim == 0);
-        record.add_kill(out, known, now);
+        record.add_kill(out, (known, begun), killed, which);
     }
 }
 

@@ -7,6 +7,7 @@ use crumple_proto::job::Compression;
 use crumple_tests::program::{Ended, Running, crumple_with, run, start};
 use crumple_tests::restart::{checkpoints, copy_folder};
 use crumple_tests::tools::{fifo, tmpfs};
+use rustix::process::Signal;
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
@@ -87,16 +88,23 @@ fn a_disk_that_becomes_read_only_keeps_the_checkpoint_before() {
 /// The next checkpoint makes the folder again.
 #[test]
 fn a_folder_that_is_removed_during_the_run_is_made_again() {
-    let (_, digest) = whole();
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let mut running = start(with(&out, &[]));
+    let mut running = start(crumple_with(&[
+        "run",
+        "cases/tumble",
+        "--no-report",
+        "--workers=2",
+        "--set=time.max_cycles=4000",
+        "--set=checkpoint.at=[0.2]",
+    ]));
+    let out = running.out();
     running.wait_for("the first checkpoint is there", |_| {
         (checkpoints(&out).len() == 1).then_some(())
     });
     fs::remove_dir_all(out.join("checkpoints")).unwrap();
-    running.end().with_code(0);
-    assert_eq!(checkpoints(&out).len(), 1, "the second one");
+    running.signal(Signal::USR1);
+    let ended = running.end().with_code(0);
+    assert_eq!(checkpoints(&out).len(), 1, "{}", ended.said());
+    let digest = ended.digest();
     resume(&out).with_code(0);
     assert_eq!(digest_of(&out), digest);
 }
@@ -114,7 +122,7 @@ fn a_file_system_that_hangs_costs_the_checkpoint_only() {
         running.wait_for("the first checkpoint is there", |_| {
             (checkpoints(&out).len() == 1).then_some(())
         });
-        let second = out.join("checkpoints").join(&second);
+        let second = out.join("checkpoints").join(format!("{second}.part0"));
         fs::create_dir_all(&second).unwrap();
         let Some(()) = fifo(&second.join(name)) else { return };
         let ended = running.end().with_code(0);
@@ -238,16 +246,136 @@ fn wrong_contents_with_right_sums_are_refused() {
         assert!(said.contains(&piece_name(1)) && !said.contains("panicked"), "{what}: {said}");
         assert_eq!(digest_of(&out), digest, "{what}");
     }
-    // The common state is read by the workers only.
+    let changes: [(&str, Change); 2] = [
+        ("half of the words", |words| words.truncate(words.len() / 2)),
+        ("a byte of the time", |words| words[1] ^= 1 << 8),
+    ];
+    for (what, change) in changes {
+        let copy = tempfile::tempdir().unwrap();
+        let out = copy.path().join("out");
+        copy_folder(&known.out(), &out);
+        let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+        rewrite(&newest, "common.bin", change);
+        let ended = resume(&out).with_code(0);
+        let said = ended.said();
+        assert!(said.contains("a newer checkpoint cannot be used"), "{what}: {said}");
+        assert!(said.contains("common.bin") && !said.contains("panicked"), "{what}: {said}");
+        assert_eq!(digest_of(&out), digest, "{what}");
+        // Without another one there is nothing to continue from.
+        let single = run(crumple_with(&["run", "--resume", newest.to_str().unwrap()]));
+        assert!(single.code == Some(0) || single.said().contains("common.bin"), "{what}");
+    }
+}
+
+/// The clock of the common state and the manifest show the same cycle; a manifest of another one is
+/// refused also with a right sum.
+#[test]
+fn a_manifest_of_another_cycle_is_refused() {
+    let (known, digest) = whole();
     let copy = tempfile::tempdir().unwrap();
     let out = copy.path().join("out");
     copy_folder(&known.out(), &out);
     let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
-    rewrite(&newest, "common.bin", |words| words.truncate(words.len() / 2));
-    let refused = resume(&out).with_code(2);
-    let said = refused.said();
-    assert!(said.contains("common.bin") && said.contains("another checkpoint"), "{said}");
-    assert!(!said.contains("panicked"), "{said}");
+    let mut manifest = Manifest::read(&newest).unwrap();
+    manifest.captured.cycle += 1;
+    manifest.write(&newest).unwrap();
+    let refused = run(crumple_with(&["run", "--resume", newest.to_str().unwrap()])).with_code(2);
+    assert!(refused.said().contains("its clock shows cycle"), "{}", refused.said());
+    let ended = resume(&out).with_code(0);
+    assert!(ended.said().contains("its clock shows cycle"), "{}", ended.said());
+    assert_eq!(digest_of(&out), digest);
+}
+
+/// A program with other columns refuses a checkpoint, and names the first that differs.
+#[test]
+fn a_checkpoint_with_other_columns_is_refused() {
+    let (known, digest) = whole();
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    let mut manifest = Manifest::read(&newest).unwrap();
+    let columns = manifest.stamp.layout.iter_mut().find(|(key, _)| key.starts_with("Quad4 of"));
+    let (key, names) = columns.unwrap();
+    let message = format!("number 1 of {key} is `other` there and `{}` in this program", names[0]);
+    names[0] = "other".into();
+    manifest.write(&newest).unwrap();
+    let ended = resume(&out).with_code(0);
+    assert!(ended.said().contains(&message), "{message}: {}", ended.said());
+    assert_eq!(digest_of(&out), digest);
+}
+
+/// A history that is missing or shorter than at the checkpoint costs its rows and nothing else.
+#[test]
+fn a_history_that_is_lost_before_the_run_continues_begins_again() {
+    let (known, digest) = whole();
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let text = |name: &str| fs::read_to_string(out.join(name)).unwrap();
+    let [history, workers] = ["history.csv", "workers.csv"].map(text);
+    fs::remove_file(out.join("workers.csv")).unwrap();
+    let cut = history.match_indices('\n').nth(1).unwrap().0 + 1;
+    fs::write(out.join("history.csv"), &history[..cut]).unwrap();
+    let ended = resume(&out).with_code(0);
+    let said = ended.said();
+    for name in ["history.csv was removed or shortened", "workers.csv was removed or shortened"] {
+        assert!(said.contains(name), "{name}: {said}");
+    }
+    assert_eq!(digest_of(&out), digest);
+    assert!(text("summary.json").contains("history.csv was removed or shortened"));
+    assert_eq!(text("history.csv.short"), history[..cut], "what was left is kept");
+    let header = |text: &str| text.lines().next().unwrap().to_string();
+    assert_eq!(header(&text("history.csv")), header(&history));
+    assert_eq!(header(&text("workers.csv")), header(&workers));
+    let last = |text: &str| text.lines().last().unwrap().split(',').next().unwrap().to_string();
+    assert_eq!(last(&text("history.csv")), last(&history), "the rows after the checkpoint");
+}
+
+/// The folder of the run is removed while it goes: rows so far are lost, and the user knows.
+#[test]
+fn a_folder_of_a_run_that_is_removed_is_made_again_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let more = ["--set=time.max_cycles=3000", "--set=output.history_interval=0.02"];
+    let mut running = start(with(&out, &more));
+    running.wait_for("there are rows", |_| {
+        let rows = fs::read_to_string(out.join("history.csv")).unwrap_or_default();
+        (rows.lines().count() > 4).then_some(())
+    });
+    // The run may add a file meanwhile.
+    while fs::remove_dir_all(&out).is_err() {}
+    let ended = running.end().with_code(0);
+    let said = ended.said();
+    let text = |name: &str| fs::read_to_string(out.join(name)).unwrap();
+    for name in ["history.csv", "workers.csv"] {
+        let message = format!("{name} was removed during the run: its rows until time");
+        assert!(said.contains(&message), "{name}: {said}");
+        assert!(text("summary.json").contains(&message), "{name}");
+    }
+    let history = text("history.csv");
+    assert!(history.starts_with("time [") && history.lines().count() > 10, "{history}");
+    let whole = run(crumple_with(&[&TWICE[..], &more].concat())).with_code(0);
+    assert_eq!(digest_of(&out), whole.digest());
+}
+
+/// A pipe in place of a manifest blocks whoever reads it: the start of a run that continues ends
+/// with a message, after the time that the command line gives.
+#[test]
+fn a_checkpoint_on_a_disk_that_hangs_ends_the_start_with_a_message() {
+    let (known, _) = whole();
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    fs::remove_file(newest.join("MANIFEST")).unwrap();
+    let Some(()) = fifo(&newest.join("MANIFEST")) else { return };
+    let patience = "--set=checkpoint.patience=0.3 s";
+    let ended = run(crumple_with(&["run", "--resume", out.to_str().unwrap(), patience]));
+    let said = ended.with_code(2).said().to_string();
+    for text in ["MANIFEST: no answer", "it hangs, and the program ends"] {
+        assert!(said.contains(text), "{text}: {said}");
+    }
 }
 
 /// Changes the words of a file, and the manifest so that the sums are right.

@@ -3,7 +3,7 @@
 //! workers.
 
 use crumple_tests::program::{Ended, crumple_with, numbers, run};
-use crumple_tests::restart::copy_folder;
+use crumple_tests::restart::{checkpoints, copy_folder};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -165,7 +165,71 @@ fn changes_that_are_not_possible_are_refused() {
     refused(&["restart.delete=[5]", "restart.rigid=[5]"], "also deleted");
     let moving = "restart.wall=[{point=[0,0,0], normal=[0,0,1], velocity=[0,0,1]}]";
     refused(&[moving], "prescribed motion");
+    refused(&["restart.velocity=[{parts=[], velocity=[0.0, 0.0, 1.0]}]"], "for no part");
     let fresh = ["run", "cases/tumble", "--set", "restart.delete=[5]", "--no-report"];
     let said = run(crumple_with(&fresh)).with_code(2).said();
     assert!(said.contains("--resume"), "{said}");
+}
+
+/// A wall with nodes behind it is found by the workers. The folder stays as it was: the summary,
+/// the histories and the later checkpoint are there, and the run continues without the wall.
+#[test]
+fn a_wall_with_nodes_behind_it_is_refused_and_nothing_is_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    copy_folder(&BEGUN.out(), &out);
+    let first = out.join("checkpoints").join(&checkpoints(&out)[0]);
+    let later = out.join("checkpoints").join("cycle_0000000999");
+    copy_folder(&first, &later);
+    let files = ["summary.json", "history.csv", "parts.csv", "fields/fields.pvd"];
+    let texts = || files.map(|name| fs::read_to_string(out.join(name)).unwrap());
+    let (before, digest) = (texts(), BEGUN.digest());
+    let from = first.to_str().unwrap();
+    for workers in ["--workers=1", "--workers=3"] {
+        let wall = "--set=restart.wall=[{point=[0.0, 0.0, 20.0], normal=[0.0, 0.0, 1.0]}]";
+        let said = run(crumple_with(&["run", "--resume", from, "--no-report", workers, wall]));
+        let said = said.with_code(2).said();
+        assert!(said.contains("behind the new wall "), "{said}");
+        assert_eq!(texts(), before);
+        assert!(later.join("MANIFEST").exists());
+    }
+    let said = run(crumple_with(&["run", "--resume", from, "--no-report"])).with_code(0);
+    assert!(said.said().contains("later checkpoint cycle_0000000999 was removed"));
+    assert!(!later.exists());
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains(&digest), "the run continues");
+}
+
+/// A second continuation names the velocity of the first one and adds another. Only the new one is
+/// applied.
+#[test]
+fn a_velocity_is_set_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    copy_folder(&BEGUN.out(), &out);
+    let speed = |part: u32| {
+        let rows = parts(&out);
+        let last = rows.iter().rev().find(|row| row.1 == part).unwrap();
+        last.3[2] / last.2
+    };
+    let go_on = |cycles: &str, velocity: &str| {
+        let (cycles, velocity) = (format!("time.max_cycles={cycles}"), velocity.to_string());
+        let sets =
+            ["--set", &cycles, "--set", &velocity, "--set=checkpoint.at=[0.4, 0.6, 0.7, 0.8]"];
+        let words = ["run", "--resume", out.to_str().unwrap(), "--no-report"];
+        run(crumple_with(&[&words[..], &sets].concat()))
+    };
+    let one = "{parts=[5], velocity=[0.0, 0.0, 40.0]}";
+    go_on("450", &format!("restart.velocity=[{one}]")).with_code(0);
+    let first = speed(5);
+    let two = format!("restart.velocity=[{one}, {{parts=[6], velocity=[0.0, 0.0, 60.0]}}]");
+    go_on("600", &two).with_code(0);
+    assert_ne!(speed(5), 40.0);
+    assert!(
+        (speed(5) - first).abs() < 4.0 && (speed(6) - 60.0).abs() < 6.0,
+        "{first} {}",
+        speed(6)
+    );
+    let said = go_on("650", "restart.velocity=[]").with_code(2).said();
+    assert!(said.contains("has to begin with the 2 entries"), "{said}");
 }

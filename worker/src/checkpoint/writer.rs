@@ -1,9 +1,9 @@
 //! Writes the files of a worker on a thread of its own, while the worker advances.
 
-use crate::checkpoint::piece_words;
 use crate::engine::checkpoint::Copied;
-use crumple_proto::checkpoint::{COMMON, FileRecord, Saved, folder_name, piece_name, write};
+use crumple_proto::checkpoint::{COMMON, FileRecord, Saved, partial_name, piece_name, write};
 use crumple_proto::job::Compression;
+use crumple_proto::wire;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,6 +18,8 @@ pub struct Task {
     pub dir: PathBuf,
     /// Cycles completed.
     pub cycle: u64,
+    /// Number of earlier captures in this cycle.
+    pub repeat: u64,
     /// Number of this worker, from 0.
     pub worker: usize,
     /// Compression of the files.
@@ -33,24 +35,25 @@ impl Task {
     pub fn run(self) -> Saved {
         let began = Instant::now();
         let files = self.write();
-        let (cycle, copy_s) = (self.cycle, self.copy.as_secs_f64());
-        Saved { cycle, files, copy_s, write_s: began.elapsed().as_secs_f64() }
+        let (cycle, repeat, copy_s) = (self.cycle, self.repeat, self.copy.as_secs_f64());
+        Saved { cycle, repeat, files, copy_s, write_s: began.elapsed().as_secs_f64() }
     }
 
     fn write(&self) -> Result<Vec<FileRecord>, String> {
-        let folder = self.dir.join(folder_name(self.cycle));
+        let folder = self.dir.join(partial_name(self.cycle, self.repeat));
         let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
         std::fs::create_dir_all(&folder).map_err(failed)?;
         let count = || {
             self.progress.fetch_add(1, Ordering::Relaxed);
         };
-        let words = piece_words(&self.copied.parcel, &self.copied.own);
+        let (length, own) = ([self.copied.parcel.len() as u64], wire::encode(&self.copied.own));
+        let words = [&length[..], &self.copied.parcel, &own];
         let name = piece_name(self.worker);
         let mut files =
             vec![write(&folder, &name, &words, self.compression, &count).map_err(failed)?];
         if !self.copied.common.is_empty() {
-            let common = &self.copied.common;
-            files.push(write(&folder, COMMON, common, self.compression, &count).map_err(failed)?);
+            let common = [&self.copied.common[..]];
+            files.push(write(&folder, COMMON, &common, self.compression, &count).map_err(failed)?);
         }
         Ok(files)
     }
@@ -63,7 +66,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(2);
 #[derive(Default)]
 pub struct Writer {
     thread: Option<JoinHandle<Saved>>,
-    cycle: u64,
+    /// Cycle of its task, and number of earlier captures in it.
+    at: [u64; 2],
     progress: Arc<AtomicU64>,
 }
 
@@ -74,15 +78,15 @@ impl Writer {
         if self.thread.is_some() {
             let why = format!(
                 "the files of the checkpoint of cycle {} are still being written to {}",
-                self.cycle,
+                self.at[0],
                 task.dir.display()
             );
-            return Some(failed(task.cycle, why));
+            return Some(failed([task.cycle, task.repeat], why));
         }
-        (self.cycle, self.progress) = (task.cycle, task.progress.clone());
+        (self.at, self.progress) = ([task.cycle, task.repeat], task.progress.clone());
         match Builder::new().name("checkpoint".into()).spawn(|| task.run()) {
             Ok(thread) => self.thread = Some(thread),
-            Err(error) => return Some(failed(self.cycle, format!("no thread starts: {error}"))),
+            Err(error) => return Some(failed(self.at, format!("no thread starts: {error}"))),
         }
         None
     }
@@ -92,7 +96,7 @@ impl Writer {
         if !self.thread.as_ref()?.is_finished() {
             return None;
         }
-        let ended = |_| failed(self.cycle, "the thread that writes ended early".into());
+        let ended = |_| failed(self.at, "the thread that writes ended early".into());
         self.thread.take().map(|thread| thread.join().unwrap_or_else(ended))
     }
 
@@ -115,13 +119,13 @@ impl Writer {
                     "no part of a file was written for {:.0} s: the file system hangs",
                     patience.as_secs_f64()
                 );
-                return Some(failed(self.cycle, why));
+                return Some(failed(self.at, why));
             }
             std::thread::sleep(LOOK_EVERY);
         }
     }
 }
 
-fn failed(cycle: u64, why: String) -> Saved {
-    Saved { cycle, files: Err(why), copy_s: 0.0, write_s: 0.0 }
+fn failed([cycle, repeat]: [u64; 2], why: String) -> Saved {
+    Saved { cycle, repeat, files: Err(why), copy_s: 0.0, write_s: 0.0 }
 }

@@ -7,6 +7,7 @@ use super::rigid::Bodies;
 use super::ties::Ties;
 use super::walls::{WallState, Walls};
 use crumple_proto::partition::Settings;
+use crumple_proto::wall::Wall;
 use serde::{Deserialize, Serialize};
 
 /// State of all constraints, equal on all workers.
@@ -26,7 +27,7 @@ pub struct ConstraintStateView<'a> {
 }
 
 impl ConstraintState {
-    /// Checks that the state has the bodies and walls of a job.
+    /// Checks that the state has the bodies, walls and ties of a job.
     ///
     /// # Errors
     /// It has others: the reason.
@@ -35,7 +36,12 @@ impl ConstraintState {
         if walls > jobs {
             return Err(format!("it has {walls} walls, and the job has {jobs}"));
         }
-        self.bodies.fit(&settings.rigid)
+        let is_other = |(wall, job): (&WallState, &Wall)| !wall.fits(job);
+        if let Some(wall) = self.walls.iter().zip(&settings.walls).position(is_other) {
+            return Err(format!("rigid wall {wall} is another one in the job"));
+        }
+        self.bodies.fit(&settings.rigid)?;
+        self.ties.fit(&settings.ties)
     }
 }
 

@@ -23,6 +23,7 @@ use crumple_proto::transport::{Mailbox, RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
+pub(crate) use shape::Form as SurfaceForm;
 pub use shape::WallSurface;
 
 /// One wall.
@@ -49,6 +50,14 @@ pub struct WallState {
     next: V3,
     /// Position at the end of the step of a prescribed motion [length].
     to: Option<V3>,
+}
+
+impl WallState {
+    /// Returns true if it is a state of a job's wall.
+    pub fn fits(&self, job: &WallJob) -> bool {
+        let motion = [self.last, self.next, self.to.unwrap_or_default()];
+        self.surface.fits(job) && motion.iter().flat_map(|v| v.iter()).all(|a| a.is_finite())
+    }
 }
 
 /// Motion of a wall.

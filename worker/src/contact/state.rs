@@ -1,6 +1,7 @@
 //! State of contact for a checkpoint, besides pair histories, which belong to nodes.
 
 use super::Contact;
+use crumple_proto::checkpoint::MOST;
 use serde::{Deserialize, Serialize};
 
 /// State and sums of one worker. Those of several workers are merged into one.
@@ -17,6 +18,25 @@ pub struct ContactState {
 }
 
 impl ContactState {
+    /// Checks that the sums are possible ones of a job with this number of parts.
+    ///
+    /// # Errors
+    /// They are not: the reason.
+    pub fn fit(&self, parts: usize) -> Result<(), String> {
+        let counts = [self.searches, self.sweeps, self.capped_pairs];
+        if counts.into_iter().chain(self.unsettled).any(|count| count > MOST) {
+            return Err("it has a number of contact searches or sweeps that is not possible".into());
+        }
+        if self.parts.len() > parts {
+            let count = self.parts.len();
+            return Err(format!("it has marks of {count} parts, and the job has {parts}"));
+        }
+        if self.penetration.is_nan() || self.approach.is_nan() {
+            return Err("it has a penetration that is not a number".into());
+        }
+        Ok(())
+    }
+
     /// Adds the state of another worker: sums, or the value that the next step uses of all workers.
     pub fn add(&mut self, o: &Self) {
         self.searches += o.searches;

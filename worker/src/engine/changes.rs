@@ -49,9 +49,9 @@ impl Engine {
         Ok(most.map(|&[wall, node, depth]| {
             let count = all.iter().filter(|n| n[0] == wall).count();
             format!(
-                "{count} nodes are behind the new wall `{}`, node {} by {:.3e}: move the wall, or \
+                "{count} nodes are behind the new {}, node {} by {:.3e}: move the wall, or \
                  reverse its normal, which points to the model",
-                self.settings.walls[wall as usize].name,
+                self.settings.walls[wall as usize].label(wall as usize),
                 NodeId(node),
                 f64::from_bits(depth)
             )

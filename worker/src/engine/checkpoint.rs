@@ -21,6 +21,7 @@ use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
+use crumple_proto::checkpoint::MOST;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::merge_each;
 use crumple_proto::partition::Settings;
@@ -45,12 +46,24 @@ pub struct CommonState {
 }
 
 impl CommonState {
-    /// Checks that the state has the bodies and walls of a job.
+    /// Checks that the state has the bodies, walls, ties and interfaces of a job.
     ///
     /// # Errors
     /// It has others: the reason.
     pub fn fit(&self, settings: &Settings) -> Result<(), String> {
-        self.constraints.fit(settings)
+        self.constraints.fit(settings)?;
+        let interfaces = settings.contact.as_ref().map_or(0, |contact| contact.each().count());
+        if self.started.len() != interfaces {
+            let count = self.started.len();
+            return Err(format!("it has {count} contact interfaces, and the job has {interfaces}"));
+        }
+        if self.limits.iter().chain([&self.slow_dt]).any(|dt| dt.is_nan() || *dt < 0.0) {
+            return Err("it has a limit of the step that is not a time".into());
+        }
+        if self.erosions > MOST {
+            return Err("it has a number of renewals that is not possible".into());
+        }
+        Ok(())
     }
 }
 
@@ -71,6 +84,26 @@ pub struct WorkerState {
 }
 
 impl WorkerState {
+    /// Checks that the sums are those of the walls, parts and transducers of a job.
+    ///
+    /// # Errors
+    /// They are others: the reason.
+    pub fn fit(&self, settings: &Settings) -> Result<(), String> {
+        if self.wall_impulses.len() > settings.walls.len() {
+            let (count, walls) = (self.wall_impulses.len(), settings.walls.len());
+            return Err(format!("it has sums of {count} walls, and the job has {walls}"));
+        }
+        self.contact.fit(settings.parts.len())?;
+        self.contact_sums.fit(settings.parts.len(), settings.histories.transducers.len())?;
+        if self.seconds.iter().any(|s| !s.is_finite() || *s < 0.0) {
+            return Err("it has a CPU time that is not a time".into());
+        }
+        if self.sent.iter().chain([&self.named]).any(|&count| count > MOST) {
+            return Err("it has a number of messages that is not possible".into());
+        }
+        Ok(())
+    }
+
     /// Adds the sums of another worker.
     pub fn add(&mut self, o: &Self) {
         self.ledger.add(&o.ledger);

@@ -42,6 +42,38 @@ struct Header {
     means: u64,
 }
 
+/// Returns the fields of a type in memory, which are words of a message.
+macro_rules! fields {
+    ($type:ident: $($field:ident)*) => {{
+        // A field that is not in the list is an error here.
+        let _ = |all: $type| {
+            let $type { $($field: _),* } = all;
+        };
+        let places = [$((stringify!($field), std::mem::offset_of!($type, $field))),*];
+        let mut places: Vec<_> = places.into_iter().chain([("end", size_of::<$type>())]).collect();
+        places.sort_by_key(|&(_, at)| at);
+        places.iter().map(|(name, at)| format!("{name} at byte {at}")).collect()
+    }};
+}
+
+/// Returns the fields of all records of a message, and so of a checkpoint.
+pub fn layout() -> [(&'static str, Vec<String>); 4] {
+    [
+        (
+            "element",
+            fields!(WireElement: id part shape free_faces nodes thickness offset mass_factor share
+                stable_dt columns),
+        ),
+        ("node", fields!(NodeRecord: id fixed x0 x seen v w mass inertia)),
+        (
+            "contact history",
+            fields!(PairHistory: name side tolerated kept depth normal force slip thickness pressure
+                age),
+        ),
+        ("mean velocity", fields!(OuterStepMean: id v w)),
+    ]
+}
+
 /// Data for one worker.
 #[derive(Clone, Default)]
 struct Parcel {

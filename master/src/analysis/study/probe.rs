@@ -4,6 +4,7 @@
 //! elements of a part is then the mean over its mass.
 
 use crate::results::field_file::{Piece, pieces_of_folder};
+use crate::results::fields;
 use crumple_worker::vtu::{self, Array, CELL_ARRAYS, POINT_ARRAYS};
 use std::path::{Path, PathBuf};
 
@@ -99,7 +100,7 @@ fn picker(
 
 /// Returns the files of all workers at the step nearest to a time, or at the last step.
 fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
-    let fields = folder.join("fields");
+    let fields = folder.join(fields::DIR);
     let cannot = |error: std::io::Error| {
         format!("{}: {error}; check that the job writes fields", fields.display())
     };

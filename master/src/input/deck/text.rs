@@ -6,6 +6,7 @@
 
 use super::diagnostics::Trouble;
 use super::fields::Format;
+use crate::input::confine;
 use crate::input::job::tree::Place;
 use std::path::{Path, PathBuf};
 
@@ -277,10 +278,12 @@ impl Reader<'_> {
 
 /// Returns the existing path that equals a name except for upper and lower case.
 fn alike(folder: &Path, name: &str) -> Option<String> {
+    confine::check(folder).ok()?;
     let mut found = folder.to_path_buf();
     for part in Path::new(name).components() {
         let part = part.as_os_str();
         let same = |entry: &std::fs::DirEntry| entry.file_name().eq_ignore_ascii_case(part);
+        confine::check(&found).ok()?;
         let here = if found.as_os_str().is_empty() { Path::new(".") } else { &found };
         found = match found.join(part).exists() {
             true => found.join(part),
@@ -362,6 +365,7 @@ fn blank(bytes: &[u8]) -> Vec<u8> {
 
 fn load(path: &Path) -> Result<String, String> {
     let cannot = |error: std::io::Error| format!("cannot be read: {error}");
+    confine::check(path).map_err(cannot)?;
     let about = std::fs::metadata(path).map_err(cannot)?;
     if !about.is_file() {
         return Err("is not a file".into());

@@ -4,7 +4,7 @@ use super::report::Source;
 use super::tree::{Node, Place};
 use super::validate::Findings;
 use super::{Sources, mesh, validate};
-use crate::input::deck;
+use crate::input::{confine, deck};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::problem::Problem;
@@ -145,6 +145,9 @@ fn read_mesh_file(
 /// Returns the job file for a path of the command line.
 pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
     let shown = path.display();
+    if let Err(error) = confine::check(path) {
+        return Err(Problem::error("", error.to_string(), "name a file in that folder"));
+    }
     if path.is_dir() {
         let inside = path.join("job.toml");
         if inside.is_file() {
@@ -181,6 +184,7 @@ pub(super) fn load(path: &Path) -> Result<String, Problem> {
             "check its name and permissions",
         )
     };
+    confine::check(path).map_err(cannot)?;
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > LARGEST_FILE {
         return Err(Problem::error("", format!("{shown} is larger than 4 GiB"), "split the model"));

@@ -31,6 +31,12 @@ pub fn add(job: &mut Job, findings: &mut Findings) {
             refuse(path, format!("part {id} also becomes rigid"), help);
         }
     }
+    for (i, velocity) in restart.velocity.iter().enumerate() {
+        if velocity.parts.is_empty() {
+            let message = "a velocity for no part".to_string();
+            refuse(format!("restart.velocity.{i}.parts"), message, "give the ids of parts");
+        }
+    }
     for (i, wall) in restart.wall.iter().enumerate() {
         if wall.velocity.is_some() || wall.displacement.is_some() {
             let message = "an additional wall has a prescribed motion".to_string();

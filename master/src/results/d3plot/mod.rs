@@ -22,16 +22,7 @@ pub const NAME: &str = "d3plot";
 
 /// Exports the run in `dir`, prints the files written, and returns the exit code.
 pub fn run(dir: &Path, file_size: u64) -> u8 {
-    match export(dir, file_size * 1_000_000) {
-        Ok(said) => {
-            crate::stdout::write(format_args!("{said}\n"));
-            0
-        }
-        Err(why) => {
-            eprintln!("error: {why}");
-            crate::input::job::Report::EXIT_CODE
-        }
-    }
+    crate::stdout::ended(export(dir, file_size * 1_000_000))
 }
 
 /// Writes the database of the run in `dir` next to its fields, in files of at most `limit` bytes

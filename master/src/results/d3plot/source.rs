@@ -1,7 +1,7 @@
 //! Reads mesh and states from the field files of a run.
 
 use crate::results::field_file::Piece;
-use crate::results::fields::COLLECTION;
+use crate::results::fields::{COLLECTION, DIR};
 use crumple_worker::vtu;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -97,7 +97,7 @@ pub struct Source {
 impl Source {
     /// Opens the run in `dir`.
     pub fn open(dir: &Path) -> Result<Self, String> {
-        let fields = dir.join("fields");
+        let fields = dir.join(DIR);
         let collection = fields.join(COLLECTION);
         let shown = collection.display();
         let text = std::fs::read_to_string(&collection).map_err(|e| {

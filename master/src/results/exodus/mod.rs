@@ -9,7 +9,7 @@
 mod file;
 
 use crate::results::field_file::steps;
-use crate::results::fields::COLLECTION;
+use crate::results::fields::{COLLECTION, DIR};
 use crate::results::snapshot::Snapshot;
 use crumple_proto::disk::watched;
 use std::path::Path;
@@ -19,16 +19,7 @@ pub const NAME: &str = "fields.exo";
 
 /// Exports the run in `dir`, prints the file written, and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
-    match export(dir) {
-        Ok(said) => {
-            crate::stdout::write(format_args!("{said}\n"));
-            0
-        }
-        Err(why) => {
-            eprintln!("error: {why}");
-            crate::input::job::Report::EXIT_CODE
-        }
-    }
+    crate::stdout::ended(export(dir))
 }
 
 /// Writes the fields of the run in `dir` as one file. Returns a message about the file.
@@ -37,7 +28,7 @@ pub fn run(dir: &Path) -> u8 {
 /// There are no fields or they cannot be read, an id has more than 31 bits, or the file cannot be
 /// written.
 pub fn export(dir: &Path) -> Result<String, String> {
-    let collection = dir.join("fields").join(COLLECTION);
+    let collection = dir.join(DIR).join(COLLECTION);
     let steps = steps(&collection)?;
     let Some(first) = steps.first() else {
         return Err(format!("{} lists no step; run the job with fields", collection.display()));

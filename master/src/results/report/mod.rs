@@ -17,7 +17,7 @@ mod surface;
 mod tables;
 mod workers;
 
-use crate::results::fields::COLLECTION;
+use crate::results::fields::{COLLECTION, DIR};
 use crate::stdout::say;
 use encode::Description;
 use scene::Scene;
@@ -96,7 +96,7 @@ pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
         }
     };
     let mut sources = Sources::read(dir);
-    let collection = dir.join("fields").join(COLLECTION);
+    let collection = dir.join(DIR).join(COLLECTION);
     let series = match collection.exists() {
         true => series::read(&collection, MOST_TIMES, &mut sources.problems, &mut say),
         false => Series::default(),

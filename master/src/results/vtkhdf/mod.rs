@@ -17,16 +17,7 @@ pub const NAME: &str = "fields.vtkhdf";
 
 /// Exports the run in `dir`, prints the file written, and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
-    match export(dir) {
-        Ok(said) => {
-            crate::stdout::write(format_args!("{said}\n"));
-            0
-        }
-        Err(why) => {
-            eprintln!("error: {why}");
-            crate::input::job::Report::EXIT_CODE
-        }
-    }
+    crate::stdout::ended(export(dir))
 }
 
 /// Writes the fields of the run in `dir` as one file. Returns a message about the file.
@@ -45,8 +36,9 @@ pub fn export(_: &Path) -> Result<String, String> {
 /// There are no fields or they cannot be read, or the file cannot be written.
 #[cfg(feature = "vtkhdf")]
 pub fn export(dir: &Path) -> Result<String, String> {
-    let collection = dir.join("fields").join(crate::results::fields::COLLECTION);
-    let steps = crate::results::field_file::steps(&collection)?;
+    use crate::results::{field_file, fields};
+    let collection = dir.join(fields::DIR).join(fields::COLLECTION);
+    let steps = field_file::steps(&collection)?;
     if steps.is_empty() {
         return Err(format!("{} lists no step; run the job with fields", collection.display()));
     }

@@ -1,11 +1,16 @@
 //! Changes of the job that a run that continues may have.
 
+use super::MasterState;
 use super::find::Resumption;
 use super::manifest::Stamp;
 use crate::input::job::Model;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{MeshSource, Part, Restart};
+use crumple_proto::job::{MeshSource, Restart};
+use crumple_proto::mesh::Shape;
 use crumple_proto::message::Changes;
+use crumple_proto::partition::ElementRecord;
+use crumple_proto::steering::{Change, Steer};
+use crumple_worker::checkpoint::layout::{Layout, of_states, of_workers, trace};
 use serde_json::Value;
 use std::collections::HashSet;
 
@@ -24,8 +29,19 @@ const FREE: [&str; 10] = [
 ];
 /// Keys below them that may not change: rows are numbered from time 0.
 const BOUND: [&str; 1] = ["output.history_interval"];
-/// Keys of contact that may not change: the histories of pairs, or the surfaces, depend on them.
-const BOUND_CONTACT: [&str; 3] = ["contact.edges", "contact.interface", "contact.parts"];
+/// Keys of contact and of its interfaces that may not change: they say which surfaces touch, and at
+/// which distance. With others, surfaces would penetrate each other from one step to the next.
+const BOUND_CONTACT: [&str; 9] = [
+    "edges",
+    "beams",
+    "parts",
+    "against",
+    "exclude",
+    "thickness",
+    "thickness_scale",
+    "thickness_limit",
+    "shell_offset",
+];
 
 /// Returns the job of a model as manifests name it.
 pub fn stamp(model: &Model, set: Vec<String>) -> Stamp {
@@ -51,14 +67,33 @@ pub fn stamp(model: &Model, set: Vec<String>) -> Stamp {
         set,
         job: serde_json::to_value(&job).unwrap_or_default(),
         mesh: hash.finalize().to_hex().to_string(),
+        layout: layout(model, &elements),
     }
+}
+
+/// Returns the names of all columns and fields in the files of a checkpoint.
+fn layout(model: &Model, elements: &[ElementRecord]) -> Layout {
+    let mut kinds: Vec<(u32, Shape)> = elements.iter().map(|e| (e.part, e.shape)).collect();
+    kinds.sort_unstable_by_key(|&(part, shape)| (part, shape as u8));
+    kinds.dedup();
+    let mut all = of_workers(&model.settings, kinds);
+    all.extend(of_master());
+    all
+}
+
+fn of_master() -> Layout {
+    of_states(|tracer| {
+        trace::<MasterState>(tracer);
+        trace::<Steer>(tracer);
+        trace::<Change>(tracer);
+    })
 }
 
 /// Returns the changes of the model that `new` has in addition to `old`.
 ///
 /// # Errors
 /// An old one is missing: a change cannot be taken back.
-fn additional(old: &Restart, new: &Restart, parts: &[Part]) -> Result<Changes, String> {
+fn additional(old: &Restart, new: &Restart, parts: &[u32]) -> Result<Changes, String> {
     let missing = old.delete.iter().find(|id| !new.delete.contains(id));
     if let Some(id) = missing {
         return Err(format!("part {id} was deleted: `restart.delete` has to name it again"));
@@ -69,17 +104,23 @@ fn additional(old: &Restart, new: &Restart, parts: &[Part]) -> Result<Changes, S
             "`restart.rigid` has to begin with the parts of the earlier run, {known:?}"
         ));
     }
+    if !new.velocity.starts_with(&old.velocity) {
+        let count = old.velocity.len();
+        return Err(format!(
+            "`restart.velocity` has to begin with the {count} entries of the earlier run; add the \
+             new ones after them"
+        ));
+    }
     if !new.wall.starts_with(&old.wall) {
         let count = old.wall.len();
         return Err(format!(
             "`restart.wall` has to begin with the {count} walls of the earlier run"
         ));
     }
-    let index = |id: &u32| Some(parts.iter().position(|p| p.id == *id)? as u32);
-    let velocities = if new.velocity == old.velocity { &[][..] } else { &new.velocity };
+    let index = |id: &u32| Some(parts.iter().position(|part| part == id)? as u32);
     Ok(Changes {
         delete: new.delete.iter().filter(|id| !old.delete.contains(id)).filter_map(index).collect(),
-        velocities: velocities
+        velocities: new.velocity[old.velocity.len()..]
             .iter()
             .map(|v| (v.parts.iter().filter_map(index).collect(), v.velocity))
             .collect(),
@@ -100,6 +141,14 @@ fn check_ties(model: &Model, changes: &Changes) -> Result<(), String> {
     })
 }
 
+/// Returns true for a key of contact, or of one of its interfaces, that may change.
+fn is_free_contact(key: &str) -> bool {
+    let Some(key) = key.strip_prefix("contact.") else { return false };
+    let of_interface = key.strip_prefix("interface.").and_then(|key| key.split_once('.'));
+    let own = of_interface.map_or(key, |(_, key)| key);
+    own != "interface" && !BOUND_CONTACT.contains(&own)
+}
+
 /// Returns the changes of a job, as `key=value`.
 ///
 /// # Errors
@@ -110,12 +159,12 @@ pub fn changes(old: &Stamp, new: &Stamp) -> Result<Vec<String>, String> {
     for (key, _) in &found {
         let below =
             |list: &[&str]| list.iter().any(|f| key == f || key.starts_with(&format!("{f}.")));
-        let contact = key.starts_with("contact.") && !below(&BOUND_CONTACT);
-        if (!below(&FREE) && !contact) || below(&BOUND) {
+        if !(below(&FREE) || is_free_contact(key)) || below(&BOUND) {
             return Err(format!(
                 "`{key}` differs from the job of the checkpoint, and the state depends on it; \
-                 these may change: {}, and the law and the numbers of contact",
-                FREE.join(", ")
+                 these may change: {}; and the keys of contact and its interfaces without {}",
+                FREE.join(", "),
+                BOUND_CONTACT.join(", ")
             ));
         }
     }
@@ -127,31 +176,48 @@ pub fn changes(old: &Stamp, new: &Stamp) -> Result<Vec<String>, String> {
     Ok(found.into_iter().map(|(key, value)| format!("{key}={value}")).collect())
 }
 
-/// Prepares a model for a run that continues. Returns the changes of its job.
+/// Returns true if one of the texts `key=value` sets `key`, a key below it, or one above it.
+fn sets(texts: &[String], key: &str) -> bool {
+    let is_below = |a: &str, b: &str| a == b || a.starts_with(&format!("{b}."));
+    texts.iter().any(|text| {
+        let own = text.split('=').next().unwrap_or(text).trim();
+        is_below(own, key) || is_below(key, own)
+    })
+}
+
+/// Prepares a model for a run that continues, with the `key=value` of its command in `asked`.
+/// Returns the changes of its job.
 ///
 /// # Errors
 /// A change is not possible; the message says why.
-pub fn adapt(model: &mut Model, new: &Stamp, from: &mut Resumption) -> Result<Vec<String>, String> {
+pub fn adapt(
+    model: &mut Model,
+    new: &Stamp,
+    asked: &[String],
+    from: &mut Resumption,
+) -> Result<Vec<String>, String> {
     let changes = changes(&from.manifest.stamp, new)?;
     let before = from.manifest.stamp.job.get("restart").cloned();
     let before: Restart = before.and_then(|r| serde_json::from_value(r).ok()).unwrap_or_default();
-    from.changes = additional(&before, &model.job.restart, &model.settings.parts)?;
+    let parts: Vec<u32> = model.settings.parts.iter().map(|p| p.id).collect();
+    from.changes = additional(&before, &model.job.restart, &parts)?;
     check_ties(model, &from.changes)?;
     let (captured, settings) = (&from.manifest.captured, &mut model.settings);
-    // Values that orders of users have changed, unless they are changed again.
+    // Values that orders of users have changed, unless they are changed again, or this command
+    // gives them.
     let known = &from.master;
-    let is_new = |key: &str| changes.iter().any(|change| change.starts_with(key));
-    if !is_new("end_time=") {
+    let is_new = |key: &str| sets(&changes, key) || sets(asked, key);
+    if !is_new("end_time") {
         settings.end_time = known.end_time;
     }
     let parallel = &mut model.job.parallel;
-    if !is_new("parallel.imbalance=") {
+    if !is_new("parallel.imbalance") {
         parallel.imbalance = known.imbalance;
     }
-    if !is_new("parallel.low_every_at_least=") {
+    if !is_new("parallel.low_every_at_least") {
         parallel.low_every_at_least = known.low_every_at_least;
     }
-    if !is_new("output.") {
+    if !is_new("output") {
         settings.output = known.output.clone();
     }
     settings.output.rows_from = known.output.rows_from;
@@ -170,7 +236,7 @@ pub fn adapt(model: &mut Model, new: &Stamp, from: &mut Resumption) -> Result<Ve
     let done = (captured.fields as usize).min(from.master.field_times.len());
     let old = &from.master.field_times[..done];
     let later = settings.field_times.iter().filter(|&&t| t > captured.time);
-    settings.field_times = match is_new("end_time=") || is_new("output.") {
+    settings.field_times = match is_new("end_time") || is_new("output") {
         false => from.master.field_times.clone(),
         true => old.iter().chain(later).copied().collect(),
     };
@@ -187,6 +253,13 @@ fn differences(at: &str, old: &Value, new: &Value, found: &mut Vec<(String, Stri
                 differences(&path, x.unwrap_or(&Value::Null), y.unwrap_or(&Value::Null), found);
             }
         }
+        (Value::Array(a), Value::Array(b))
+            if a.len() == b.len() && a.iter().chain(b).all(Value::is_object) =>
+        {
+            for (i, (x, y)) in a.iter().zip(b).enumerate() {
+                differences(&format!("{at}.{i}"), x, y, found);
+            }
+        }
         (a, b) if a != b => found.push((at.into(), b.to_string())),
         _ => {}
     }
@@ -195,13 +268,50 @@ fn differences(at: &str, old: &Value, new: &Value, found: &mut Vec<(String, Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_state_of_the_master_has_names() {
+        let all = of_master();
+        assert!(all["MasterState"].contains(&"wall_s: F64".to_string()), "{all:?}");
+        assert!(all.contains_key("Course") && all["Steer"].len() == 5, "{:?}", all.keys());
+    }
+
+    use crumple_proto::job::PartVelocity;
     use serde_json::json;
+
+    #[test]
+    fn a_text_sets_its_key_and_all_above_and_below_it() {
+        let texts = ["output={vtkhdf=true}".into(), "time.max_cycles = 5".into()];
+        assert!(sets(&texts, "output.field_interval") && sets(&texts, "output"));
+        assert!(sets(&texts, "time.max_cycles") && sets(&texts, "time"));
+        assert!(!sets(&texts, "time.max") && !sets(&texts, "end_time"));
+    }
+
+    /// Entries of earlier continuations have to come first, and are not applied again.
+    #[test]
+    fn velocities_of_earlier_runs_are_not_set_again() {
+        let of = |values: &[f64]| Restart {
+            velocity: values
+                .iter()
+                .map(|&v| PartVelocity { parts: vec![7], velocity: [v, 0.0, 0.0] })
+                .collect(),
+            ..Restart::default()
+        };
+        let between = |old: &[f64], new: &[f64]| {
+            additional(&of(old), &of(new), &[3, 7]).map(|c| c.velocities)
+        };
+        assert_eq!(between(&[1.0], &[1.0]), Ok(vec![]));
+        assert_eq!(between(&[1.0], &[1.0, 2.0]), Ok(vec![(vec![1], [2.0, 0.0, 0.0])]));
+        assert!(between(&[1.0], &[2.0]).unwrap_err().contains("begin with the 1 entries"));
+        assert!(between(&[1.0], &[]).is_err());
+    }
 
     #[test]
     fn only_what_the_state_does_not_depend_on_may_change() {
         let of = |job: Value| Stamp { job, ..Stamp::default() };
         let old = of(json!({"end_time": 1.0, "time": {"safety": 0.9, "damping": 0.0},
-            "contact": {"law": "penalty", "edges": true}}));
+            "contact": {"law": "penalty", "edges": true,
+                "interface": [{"parts": [1], "friction": 0.1}]}}));
         let with = |key: &str, value: Value| {
             let mut job = old.job.clone();
             *job.pointer_mut(key).unwrap() = value;
@@ -212,6 +322,13 @@ mod tests {
         assert_eq!(with("/contact/law", json!("soft")), Ok(vec!["contact.law=\"soft\"".into()]));
         assert!(with("/time/safety", json!(0.5)).unwrap_err().contains("`time.safety`"));
         assert!(with("/contact/edges", json!(false)).unwrap_err().contains("`contact.edges`"));
+        let friction = with("/contact/interface/0/friction", json!(0.2));
+        assert_eq!(friction, Ok(vec!["contact.interface.0.friction=0.2".into()]));
+        for (key, value) in
+            [("/contact/interface/0/parts", json!([2])), ("/contact/interface", json!([]))]
+        {
+            assert!(with(key, value).unwrap_err().contains("`contact.interface"), "{key}");
+        }
         let none = changes(
             &old,
             &of(json!({"end_time": 1.0, "time": {"safety": 0.9,

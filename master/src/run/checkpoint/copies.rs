@@ -24,8 +24,8 @@ pub struct Copies {
     cost: f64,
     /// Workers that have made the copy that is ordered.
     arrived: Option<usize>,
-    /// The last copy that all workers have.
-    complete: Option<(Captured, MasterState)>,
+    /// The last copy that all workers have, and the number of earlier captures in its cycle.
+    complete: Option<(Captured, u64, MasterState)>,
 }
 
 impl Copies {
@@ -61,14 +61,16 @@ impl Copies {
         self.arrived.is_none()
     }
 
-    /// Sets the state of the master that belongs to the copy.
-    pub fn set(&mut self, captured: Captured, state: MasterState) {
-        self.complete = Some((captured, state));
+    /// Sets the state of the master that belongs to the copy. `repeat` is the number of earlier
+    /// captures in its cycle.
+    pub fn set(&mut self, captured: Captured, repeat: u64, state: MasterState) {
+        self.complete = Some((captured, repeat, state));
     }
 
-    /// Takes the copy of this cycle, which the workers have written.
-    pub fn take(&mut self, cycle: u64) -> Option<(Captured, MasterState)> {
-        self.complete.take_if(|(captured, _)| captured.cycle == cycle)
+    /// Takes the copy of this cycle and `repeat`, which the workers have written.
+    pub fn take(&mut self, at: [u64; 2]) -> Option<(Captured, MasterState)> {
+        let taken = self.complete.take_if(|(captured, repeat, _)| [captured.cycle, *repeat] == at);
+        taken.map(|(captured, _, state)| (captured, state))
     }
 }
 
@@ -83,11 +85,12 @@ mod tests {
         assert!(!copies.take_due(), "it is under way");
         assert!(!copies.add(1e3));
         assert!(copies.add(1e-3));
-        copies.set(Captured { cycle: 7, ..Captured::default() }, MasterState::default());
+        copies.set(Captured { cycle: 7, ..Captured::default() }, 0, MasterState::default());
         assert!(!copies.take_due(), "a copy took 1000 s");
-        assert!(copies.take(6).is_none());
-        assert_eq!(copies.take(7).unwrap().0.cycle, 7);
-        assert!(copies.take(7).is_none());
+        assert!(copies.take([6, 0]).is_none());
+        assert!(copies.take([7, 1]).is_none(), "a later capture of its cycle");
+        assert_eq!(copies.take([7, 0]).unwrap().0.cycle, 7);
+        assert!(copies.take([7, 0]).is_none());
         assert!(!Copies::new(None, 1).take_due());
     }
 }

@@ -4,6 +4,7 @@
 //! renamed into place after all others are on disk: a folder without it is no checkpoint.
 
 use crumple_proto::checkpoint::{Captured, FORMAT, FileRecord};
+use crumple_worker::checkpoint::layout::Layout;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, Write};
@@ -28,6 +29,8 @@ pub struct Stamp {
     pub job: serde_json::Value,
     /// Blake3 sum of the model at time 0: nodes and elements.
     pub mesh: String,
+    /// Names of all columns and fields in the files.
+    pub layout: Layout,
 }
 
 /// Contents of a manifest.
@@ -133,7 +136,7 @@ pub mod tests {
         let file = |name: &str| FileRecord { name: name.into(), bytes: 7, blake3: "ab".into() };
         Manifest {
             program: "0.1.0".into(),
-            captured: Captured { cycle: 1200, time: 0.1 + 0.2, rows: 4, fields: 2 },
+            captured: Captured { cycle: 1200, time: 0.22171391042741825, rows: 4, fields: 2 },
             stamp: Stamp { file: "/job.toml".into(), ..Stamp::default() },
             elements: 12,
             master: file("master.bin"),
@@ -146,6 +149,7 @@ pub mod tests {
     fn manifests_make_the_round_trip_and_no_change_is_accepted() {
         let text = sample().to_text();
         let back = Manifest::from_bytes(text.as_bytes()).unwrap();
+        assert_eq!(back, sample(), "to the last bit");
         assert_eq!((back.captured.cycle, back.files().count()), (1200, 4));
         let other = text.replacen(&format!(" {FORMAT} "), " 999 ", 1);
         assert!(Manifest::from_bytes(other.as_bytes()).unwrap_err().contains("format 999"));

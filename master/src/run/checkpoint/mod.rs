@@ -12,11 +12,15 @@ pub mod copies;
 pub mod find;
 pub mod manifest;
 
+use crate::input::job::Model;
 use crate::results::history::Course;
 use crate::results::summary::{CheckpointSummary, Restart};
+use crate::results::table::Tables;
 use crate::run::balance::Accounts;
 use copies::Copies;
-use crumple_proto::checkpoint::{COMMON, Captured, FileRecord, Saved, folder_name, write};
+use crumple_proto::checkpoint::{
+    COMMON, Captured, FileRecord, Saved, folder_name, partial_name, verify_size, write,
+};
 use crumple_proto::job::Checkpoint;
 use crumple_proto::steering::{OutputTimes, Planned, Steered};
 use crumple_proto::wire;
@@ -69,10 +73,56 @@ pub struct MasterState {
     pub planned: Vec<Planned>,
 }
 
+impl MasterState {
+    /// Reads the words of its file.
+    ///
+    /// # Errors
+    /// They are no state of this cycle: the reason.
+    pub fn from_words(words: &[u64], captured: &Captured) -> Result<Self, String> {
+        let state: Self = wire::decode_state(words).ok_or("it is no state of the master")?;
+        let times =
+            [state.wall_s, state.history_interval, state.end_time, state.output.rows_from.1];
+        let others = [state.imbalance, state.output.field_interval];
+        let fields = state.field_times.iter().chain(&state.output.additional);
+        let fields = fields.chain(state.steps.iter().map(|(_, time)| time));
+        let planned = state.planned.iter().filter_map(|planned| planned.steer.value());
+        let is_number = others.into_iter().chain(planned).chain(fields.copied());
+        if !times.iter().all(|t| t.is_finite() && *t >= 0.0)
+            || !is_number.into_iter().all(f64::is_finite)
+        {
+            return Err("it has a time that is not a time".into());
+        }
+        if state.output.rows_from.0 > captured.rows || state.steps.len() as u64 > captured.fields {
+            return Err("it has another number of rows or fields than the manifest".into());
+        }
+        if let Some(name) = state.lengths.keys().find(|name| !Tables::is_one(name)) {
+            return Err(format!("it has the length of a file `{name}`, which is no history"));
+        }
+        if !state.course.is_possible() || !state.accounts.are_possible() {
+            return Err("it has a number of cycles that is not possible".into());
+        }
+        Ok(state)
+    }
+
+    /// Checks that it belongs to a model.
+    ///
+    /// # Errors
+    /// It does not: the reason.
+    pub fn fit(&self, model: &Model) -> Result<(), String> {
+        let walls = model.job.wall.len() - model.job.restart.wall.len();
+        if self.course.last.as_ref().is_some_and(|row| row.sum.wall_impulse.len() < walls) {
+            return Err("its last row has fewer walls than the job".into());
+        }
+        Ok(())
+    }
+}
+
 /// A checkpoint that is not complete.
 #[derive(Default)]
 struct Pending {
     captured: Captured,
+    /// Number of earlier captures in its cycle.
+    repeat: u64,
     /// Number of workers that have captured their state.
     copies: usize,
     master: Option<MasterState>,
@@ -108,6 +158,10 @@ pub struct Checkpoints {
     stamp: Stamp,
     /// Time of the last order, or of the start.
     last: Instant,
+    /// Time from the order of the last complete checkpoint to its end.
+    took: Duration,
+    /// Time since which a checkpoint is being written.
+    since: Instant,
     ordered: bool,
     /// True from a request until it is served.
     requested: bool,
@@ -115,7 +169,10 @@ pub struct Checkpoints {
     /// without progress of a file after which a checkpoint is given up.
     patience: Duration,
     complained: bool,
-    pending: BTreeMap<u64, Pending>,
+    /// True when the run has ended and waits for its files.
+    is_over: bool,
+    /// By cycle and number of earlier captures in it.
+    pending: BTreeMap<[u64; 2], Pending>,
     /// Checkpoints with the files of all workers, until the thread is free.
     queue: VecDeque<Pending>,
     finishing: Option<Finishing>,
@@ -139,10 +196,13 @@ impl Checkpoints {
             elements,
             stamp: Stamp::default(),
             last: Instant::now(),
+            took: Duration::ZERO,
+            since: Instant::now(),
             ordered: false,
             requested: false,
             patience: asked.patience().expect("the job is checked when it is read"),
             complained: false,
+            is_over: false,
             pending: BTreeMap::new(),
             queue: VecDeque::new(),
             finishing: None,
@@ -162,19 +222,27 @@ impl Checkpoints {
         &self.dir
     }
 
-    /// Returns true if a checkpoint should be ordered now: the interval is over and the run is not
-    /// `paused`, or one is `asked` for. It is then counted as ordered. While another is being
-    /// written, the request waits.
+    /// Returns true if a checkpoint should be ordered now: the interval is nearly over and the run
+    /// is not `paused`, or one is `asked` for. It is then counted as ordered. While another is
+    /// being written, the request waits.
     pub fn take_due(&mut self, asked: bool, paused: bool) -> bool {
-        let over = !paused && self.interval.is_some_and(|interval| self.last.elapsed() >= interval);
-        let idle = self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none();
+        let wait = self.interval.map(|interval| interval - self.ahead(interval));
+        let over = !paused && wait.is_some_and(|wait| self.last.elapsed() >= wait);
         self.requested |= asked;
-        let due = (self.requested || over) && !self.ordered && idle;
+        let due = (self.requested || over) && !self.is_busy();
         if due {
             (self.ordered, self.requested) = (true, false);
             self.last = Instant::now();
         }
         due
+    }
+
+    /// Returns the time before the end of the interval at which a checkpoint is ordered, so that it
+    /// is complete when the interval is over: at any moment the work since the last complete one is
+    /// that of one interval. It is twice the time that the last one took, at most half the
+    /// interval.
+    fn ahead(&self, interval: Duration) -> Duration {
+        (2 * self.took).min(interval / 2)
     }
 
     /// Returns true if some workers have copied their states for a checkpoint or in memory, and
@@ -184,18 +252,32 @@ impl Checkpoints {
         self.copies.is_partial() || self.pending.values().any(is_partial)
     }
 
-    /// Counts a worker that has captured its state. Returns true if it is the last one; the state
-    /// of the master has to follow at once.
-    pub fn add_captured(&mut self, captured: Captured) -> bool {
-        let pending = self.pending.entry(captured.cycle).or_default();
-        pending.captured = captured;
+    /// Returns true from the order of a checkpoint until it is complete or given up.
+    pub fn is_busy(&self) -> bool {
+        self.ordered || !self.is_idle()
+    }
+
+    /// Returns true if no checkpoint is being written.
+    fn is_idle(&self) -> bool {
+        self.pending.is_empty() && self.queue.is_empty() && self.finishing.is_none()
+    }
+
+    /// Counts a worker that has captured its state; `repeat` is the number of earlier captures in
+    /// the same cycle. Returns true if it is the last one; the state of the master has to follow at
+    /// once.
+    pub fn add_captured(&mut self, captured: Captured, repeat: u64) -> bool {
+        if self.is_idle() {
+            self.since = Instant::now();
+        }
+        let pending = self.pending.entry([captured.cycle, repeat]).or_default();
+        (pending.captured, pending.repeat) = (captured, repeat);
         pending.copies += 1;
         pending.copies == self.workers
     }
 
-    /// Sets the state of the master for the checkpoint of a cycle.
-    pub fn add_master(&mut self, cycle: u64, state: MasterState) {
-        if let Some(pending) = self.pending.get_mut(&cycle) {
+    /// Sets the state of the master for the checkpoint of a cycle and `repeat`.
+    pub fn add_master(&mut self, at: [u64; 2], state: MasterState) {
+        if let Some(pending) = self.pending.get_mut(&at) {
             pending.master = Some(state);
         }
     }
@@ -204,8 +286,8 @@ impl Checkpoints {
     pub fn complain(&mut self) -> Option<String> {
         let finishing = self.finishing.iter().map(|f| f.captured.cycle);
         let queued = self.queue.iter().map(|p| p.captured.cycle);
-        let cycle = finishing.chain(queued).chain(self.pending.keys().copied()).next()?;
-        if self.complained || self.last.elapsed() < self.patience {
+        let cycle = finishing.chain(queued).chain(self.pending.keys().map(|at| at[0])).next()?;
+        if self.complained || self.since.elapsed() < self.patience {
             return None;
         }
         self.complained = true;
@@ -220,19 +302,18 @@ impl Checkpoints {
     /// Adds the files of a worker. After the last worker, [`Self::poll`] makes the checkpoint
     /// complete.
     pub fn add_saved(&mut self, saved: Saved) {
-        // A run that is paused may copy its state and then write a checkpoint in the same cycle.
-        if !self.pending.contains_key(&saved.cycle)
-            && let Some((captured, state)) = self.copies.take(saved.cycle)
-        {
-            let copied = Pending { captured, copies: self.workers, ..Pending::default() };
-            self.pending.insert(saved.cycle, Pending { master: Some(state), ..copied });
+        let at = [saved.cycle, saved.repeat];
+        if let Some((captured, state)) = self.copies.take(at) {
+            let (copies, repeat) = (self.workers, saved.repeat);
+            let copied = Pending { captured, repeat, copies, ..Pending::default() };
+            self.pending.insert(at, Pending { master: Some(state), ..copied });
         }
-        let Some(pending) = self.pending.get_mut(&saved.cycle) else { return };
+        let Some(pending) = self.pending.get_mut(&at) else { return };
         pending.saved.push(saved.files);
         pending.copy_s = pending.copy_s.max(saved.copy_s);
         pending.write_s = pending.write_s.max(saved.write_s);
         if pending.saved.len() == self.workers {
-            self.queue.extend(self.pending.remove(&saved.cycle));
+            self.queue.extend(self.pending.remove(&at));
         }
     }
 
@@ -241,13 +322,14 @@ impl Checkpoints {
     /// # Errors
     /// No thread can be started; the warning says so.
     fn start(&mut self, pending: Pending) -> Result<(), String> {
-        let Pending { captured, copies: _, master, saved, copy_s, write_s } = pending;
+        let Pending { captured, repeat, copies: _, master, saved, copy_s, write_s } = pending;
         let progress = Arc::new(AtomicU64::new(0));
         let task = Completion {
             run: self.run.clone(),
             dir: self.dir.clone(),
             keep: self.keep,
             captured,
+            repeat,
             stamp: self.stamp.clone(),
             elements: self.elements,
             progress: progress.clone(),
@@ -281,6 +363,7 @@ impl Checkpoints {
         (self.ordered, self.complained) = (false, false);
         Some(match ended.unwrap_or_else(|_| Err("the thread that writes ended early".into())) {
             Ok(bytes) => {
+                self.took = self.last.elapsed();
                 self.summary.written += 1;
                 self.summary.bytes = bytes;
                 self.summary.copy_s += copy_s;
@@ -303,6 +386,7 @@ impl Checkpoints {
     /// which a run waits for a file system.
     pub fn wait(&mut self) -> Vec<Result<String, String>> {
         let mut all = Vec::new();
+        self.is_over = true;
         while self.finishing.is_some() || !self.queue.is_empty() {
             all.extend(self.poll());
             if let Some(cycle) = self.hanging() {
@@ -336,9 +420,10 @@ impl Checkpoints {
         let kept = self.newest.map_or("there is no earlier one".to_string(), |(cycle, _)| {
             format!("the one of cycle {cycle} is kept")
         });
+        let continues = if self.is_over { "" } else { ", and the run continues" };
         format!(
-            "the checkpoint of cycle {cycle} could not be written: {why}; {kept}, and the run \
-             continues. Free space or make the folder writable"
+            "the checkpoint of cycle {cycle} could not be written: {why}; {kept}{continues}. Free \
+             space or make the folder writable"
         )
     }
 }
@@ -349,6 +434,7 @@ struct Completion {
     dir: PathBuf,
     keep: usize,
     captured: Captured,
+    repeat: u64,
     stamp: Stamp,
     elements: usize,
     /// Counts the parts written.
@@ -363,8 +449,9 @@ impl Completion {
         saved: Vec<Result<Vec<FileRecord>, String>>,
         master: Option<MasterState>,
     ) -> Result<u64, String> {
-        let folder = self.dir.join(folder_name(self.captured.cycle));
-        let ended = self.write(&folder, saved, master);
+        let folder = self.dir.join(partial_name(self.captured.cycle, self.repeat));
+        let written = self.write(&folder, saved, master);
+        let ended = written.and_then(|bytes| find::publish(&folder).map(|_| bytes));
         match ended {
             Ok(_) => self.prune(),
             // Without a manifest it is no checkpoint, even if it cannot be removed.
@@ -396,7 +483,7 @@ impl Completion {
             sync(&path).map_err(|error| named(&path, error))?;
             count();
         }
-        let master = write(folder, MASTER, &wire::encode(&state), Default::default(), &count)
+        let master = write(folder, MASTER, &[&wire::encode(&state)], Default::default(), &count)
             .map_err(|error| named(folder, error))?;
         let manifest = Manifest {
             program: env!("CARGO_PKG_VERSION").into(),
@@ -407,6 +494,8 @@ impl Completion {
             common,
             pieces: files,
         };
+        // The folder may have been removed after a worker wrote into it.
+        manifest.files().try_for_each(|file| verify_size(folder, file))?;
         manifest.write(folder).map_err(|error| named(folder, error))?;
         Ok(manifest.files().map(|f| f.bytes).sum())
     }
@@ -434,9 +523,9 @@ mod tests {
     }
 
     fn save(all: &mut Checkpoints, cycle: u64, files: Result<Vec<FileRecord>, String>) {
-        all.add_captured(Captured { cycle, ..Captured::default() });
-        all.add_master(cycle, MasterState::default());
-        all.add_saved(Saved { cycle, files, copy_s: 0.0, write_s: 0.0 });
+        all.add_captured(Captured { cycle, ..Captured::default() }, 0);
+        all.add_master([cycle, 0], MasterState::default());
+        all.add_saved(Saved { cycle, repeat: 0, files, copy_s: 0.0, write_s: 0.0 });
     }
 
     #[test]
@@ -453,12 +542,47 @@ mod tests {
         assert!(!all.take_due(false, false), "it is served");
     }
 
+    /// The time that the last checkpoint took is that of the order of the next one before the end
+    /// of its interval.
+    #[test]
+    fn a_checkpoint_is_complete_when_its_interval_is_over() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        let interval = Duration::from_secs(1000);
+        all.interval = Some(interval);
+        for (took, ahead) in [(0, 0), (3, 6), (400, 500)] {
+            all.took = Duration::from_secs(took);
+            let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+            all.last = ago(1000 - ahead - 1);
+            assert!(!all.take_due(false, false), "{took}");
+            all.last = ago(1000 - ahead);
+            assert!(all.take_due(false, false), "{took}");
+            all.ordered = false;
+        }
+    }
+
+    /// The folder was removed after a worker wrote into it, and made again by another one.
+    #[test]
+    fn a_checkpoint_that_lost_a_file_is_none() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        let folder = all.dir().join(partial_name(1, 0));
+        std::fs::create_dir_all(&folder).unwrap();
+        let common = write(&folder, COMMON, &[&[1]], Default::default(), &|| ()).unwrap();
+        let piece = FileRecord { name: "piece_00000.bin".into(), ..common.clone() };
+        save(&mut all, 1, Ok(vec![common, piece]));
+        let ended = all.wait();
+        let is_named = |why: &String| why.contains("piece_00000.bin");
+        assert!(ended[0].as_ref().is_err_and(is_named), "{ended:?}");
+        assert!(find::folders(all.dir()).is_empty());
+    }
+
     /// A pipe without a reader in place of a file blocks the thread, as a disk that hangs.
     #[test]
     fn a_disk_that_hangs_does_not_block_the_master() {
         let run = tempfile::tempdir().unwrap();
         let mut all = checkpoints(run.path());
-        let folder = all.dir().join(folder_name(1));
+        let folder = all.dir().join(partial_name(1, 0));
         std::fs::create_dir_all(&folder).unwrap();
         let pipe = std::process::Command::new("mkfifo").arg(folder.join(MASTER)).status();
         assert!(pipe.unwrap().success());

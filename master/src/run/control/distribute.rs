@@ -1,26 +1,95 @@
 //! Distribution of the model over the workers: at the start, from a checkpoint, and again.
 
-use super::{Control, RunError};
+use super::{Control, Results, RunError};
+use crate::input::job::Model;
+use crate::results::fields;
 use crate::run::balance::Due;
-use crate::run::checkpoint::find::Resumption;
+use crate::run::checkpoint::find::{self, Resumption};
 use crate::run::decompose::{Loads, Workers, bisect, drifted};
+use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
-use crumple_proto::transport::{RankLost, Tag};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
 use std::collections::HashMap;
+use std::path::Path;
 
 /// Number of high redecompositions that are printed. All are in `log.jsonl`.
 const MOST_SAID: u64 = 10;
 
+/// Returns the settings of the workers of a run in the folder `out`.
+fn settings(model: &Model, out: &Path) -> Settings {
+    let mut settings = model.settings.clone();
+    settings.field_dir = out.join(fields::DIR).to_string_lossy().into_owned();
+    settings.checkpoint.dir = out.join(find::DIR).to_string_lossy().into_owned();
+    settings
+}
+
+/// Lets the workers read a checkpoint, computes boxes with them, and waits until all are ready to
+/// continue. Nothing else in the folder of the run is changed.
+///
+/// # Errors
+/// A worker was lost, the checkpoint cannot be used, or a change does not fit its state.
+pub(super) fn restore(
+    model: &Model,
+    comm: &mut dyn Transport,
+    results: Results<'_>,
+    from: &mut Resumption,
+) -> Result<CutTree, RunError> {
+    from.folder = find::publish(&from.folder).map_err(RunError::Unusable)?;
+    let workers = comm.size() - 1;
+    let resume = ToWorker::Resume {
+        settings: Box::new(settings(model, results.out)),
+        folder: from.folder.to_string_lossy().into_owned(),
+        common: from.manifest.common.clone(),
+        pieces: from.manifest.pieces.clone(),
+        changes: from.changes.clone(),
+        trace: results.trace.is_some(),
+    };
+    order(comm, &resume)?;
+    await_ready(comm, RunError::Unusable)?;
+    // The cost of a contact pair is not known yet.
+    let mut load = Workers { comm, pair_s: 0.0, aside: Vec::new() };
+    let tree = bisect(&mut load, workers)?;
+    order(comm, &ToWorker::Cuts(tree.clone()))?;
+    await_ready(comm, RunError::Refused)?;
+    Ok(tree)
+}
+
+/// Sends a message to all workers.
+fn order(comm: &mut dyn Transport, message: &ToWorker) -> Result<(), RankLost> {
+    (1..comm.size()).try_for_each(|rank| post(comm, rank, Tag::Order, message))
+}
+
+/// Waits until all workers are ready.
+///
+/// # Errors
+/// A worker was lost, or one has given a reason why it cannot continue; all of them then end.
+fn await_ready(
+    comm: &mut dyn Transport,
+    refusal: impl Fn(String) -> RunError,
+) -> Result<(), RunError> {
+    let mut refused = None;
+    for rank in 1..comm.size() {
+        if let ToMaster::Trouble(trouble) = await_message(comm, rank, Tag::Report)? {
+            refused = Some(trouble.why);
+        }
+    }
+    let Some(why) = refused else { return Ok(()) };
+    let _ = order(comm, &ToWorker::Quit); // a worker may have ended
+    Err(refusal(why))
+}
+
 impl Control<'_> {
-    /// Sends the checkpoint to the workers, which read it, and computes boxes with them.
-    pub(super) fn continue_from(&mut self, from: &Resumption) -> Result<(), RunError> {
+    /// Prints from which checkpoint the run continues.
+    pub(super) fn continue_from(&mut self, from: &Resumption) {
         let captured = &from.manifest.captured;
         for why in &from.refused {
             self.warn(&format!("a newer checkpoint cannot be used: {why}"));
         }
+        self.history.lost.extend(from.lost.iter().cloned());
+        self.watch_files();
         tracing::info!(cycle = captured.cycle, time = captured.time, "run continues");
         self.announce(&format!(
             "continues from T={:.4e}, cycle {}: {}",
@@ -28,29 +97,11 @@ impl Control<'_> {
             captured.cycle,
             from.folder.display()
         ));
+        for removed in &from.removed {
+            let name = removed.file_name().unwrap_or_default().to_string_lossy();
+            self.announce(&format!("the later checkpoint {name} was removed"));
+        }
         self.model.forget_mesh();
-        let resume = ToWorker::Resume {
-            settings: Box::new(self.settings()),
-            folder: from.folder.to_string_lossy().into_owned(),
-            common: from.manifest.common.clone(),
-            pieces: from.manifest.pieces.clone(),
-            changes: from.changes.clone(),
-            trace: self.trace.is_some(),
-        };
-        for rank in 1..=self.workers {
-            post(self.comm, rank, Tag::Order, &resume)?;
-        }
-        let mut refused = None;
-        for rank in 1..=self.workers {
-            if let ToMaster::Trouble(trouble) = await_message(self.comm, rank, Tag::Report)? {
-                refused = Some(trouble.why);
-            }
-        }
-        let Some(why) = refused else { return self.recut() };
-        for rank in 1..=self.workers {
-            let _ = post(self.comm, rank, Tag::Order, &ToWorker::Quit); // it may have ended
-        }
-        Err(RunError::Unusable(why))
     }
 
     /// Cuts space into boxes and sends to every worker the elements and nodes of its box.
@@ -71,7 +122,7 @@ impl Control<'_> {
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);
         }
-        let settings = self.settings();
+        let settings = settings(self.model, &self.out);
         for (worker, elements) in shares.into_iter().enumerate() {
             let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
             ids.sort_unstable();
@@ -85,14 +136,6 @@ impl Control<'_> {
         }
         self.model.forget_mesh();
         Ok(())
-    }
-
-    /// Returns the settings of the workers.
-    fn settings(&self) -> Settings {
-        let mut settings = self.model.settings.clone();
-        settings.field_dir = self.series.dir().to_string_lossy().into_owned();
-        settings.checkpoint.dir = self.checkpoints.dir().to_string_lossy().into_owned();
-        settings
     }
 
     pub(super) fn redecompose(&mut self, due: &Due) {
@@ -129,9 +172,7 @@ impl Control<'_> {
         let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
         self.tree = bisect(&mut load, self.workers)?;
         let aside = load.aside;
-        for rank in 1..=self.workers {
-            post(self.comm, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
-        }
+        order(self.comm, &ToWorker::Cuts(self.tree.clone()))?;
         self.ready.clear();
         if let Some(since) = self.ready_since.take() {
             // Migration takes about as long as the measurement and the new boxes.

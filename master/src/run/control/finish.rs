@@ -10,6 +10,11 @@ impl Control<'_> {
     /// Writes the summary after all final reports have arrived.
     pub(super) fn finish(&mut self) -> Result<Summary, RunError> {
         self.finish_reports()?;
+        let missing = |error| RunError::Output { path: self.out.clone(), error };
+        std::fs::create_dir_all(&self.out)
+            .and_then(|()| self.history.check_files())
+            .map_err(missing)?;
+        self.watch_files();
         let summary = self.summary();
         let path = self.out.join("summary.json");
         let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
@@ -74,6 +79,7 @@ impl Control<'_> {
             restarts: self.restarts.clone(),
             steering: self.steering.records(),
             checkpoints: self.checkpoints.summary,
+            lost: self.history.lost.clone(),
             state_digest: summary::state_digest(&mut self.states),
         }
     }

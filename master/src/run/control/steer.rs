@@ -27,6 +27,8 @@ pub(super) struct Steering {
     deferred: Vec<(u64, Steered)>,
     /// Cycle and time of the pause in which the workers wait.
     paused: Option<(u64, f64)>,
+    /// True if a client has ordered a checkpoint in the pause, and no order has followed it.
+    is_saved: bool,
     shown: Instant,
     desk: Option<Desk>,
 }
@@ -41,6 +43,7 @@ impl Steering {
             done,
             deferred: Vec::new(),
             paused: None,
+            is_saved: false,
             shown: Instant::now(),
             desk,
         }
@@ -81,7 +84,7 @@ impl Steering {
 impl Control<'_> {
     /// Takes the requests that have arrived, and sends progress to clients.
     pub(super) fn serve_clients(&mut self) {
-        while let Some(call) = self.steering.desk.as_mut().and_then(Desk::next) {
+        while let Some(call) = self.steering.desk.as_mut().and_then(Desk::next_call) {
             let (request, reply) = call.split();
             self.take_request(request, reply);
         }
@@ -154,11 +157,12 @@ impl Control<'_> {
     }
 
     /// Orders a checkpoint if one is due. `asked` is true if a signal asks for it. A run that is
-    /// paused needs no second checkpoint of the same state.
+    /// paused needs no second checkpoint if nothing has changed since the last one.
     pub(super) fn order_checkpoint_if_due(&mut self, asked: bool) -> bool {
         let paused = self.steering.paused;
+        let newest = self.checkpoints.newest.filter(|n| Some(n.0) == paused.map(|p| p.0));
         if let Some((cycle, time)) =
-            self.checkpoints.newest.filter(|n| Some(n.0) == paused.map(|p| p.0))
+            newest.filter(|_| self.steering.is_saved && !self.checkpoints.is_busy())
         {
             self.steering.asks_checkpoint = false;
             let order = Steer::Checkpoint.to_string();
@@ -180,6 +184,7 @@ impl Control<'_> {
 
     /// Answers the clients that wait for a checkpoint, when one has ended.
     pub(super) fn answer_checkpoint(&mut self, ended: &Result<String, String>) {
+        self.steering.is_saved &= ended.is_ok();
         if self.steering.asks_checkpoint {
             return; // theirs is the next one
         }
@@ -217,6 +222,7 @@ impl Control<'_> {
     fn record_steered(&mut self, number: u64, at: Steered) {
         let Steered { steer, cycle, time, .. } = at;
         tracing::info!(number, order = %steer, cycle, time, "order has taken effect");
+        self.steering.is_saved = steer == Steer::Checkpoint;
         match steer {
             Steer::Pause => self.steering.paused = Some((cycle, time)),
             Steer::Continue => self.steering.paused = None,

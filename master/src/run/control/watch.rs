@@ -16,6 +16,14 @@ const LITTLE_CREATED: f64 = 0.01;
 const MOST_CREATED: f64 = 0.1;
 
 impl Control<'_> {
+    /// Warns of histories that were removed during the run.
+    pub(super) fn watch_files(&mut self) {
+        if let Some(path) = self.of_workers.lost.take() {
+            self.history.add_lost(&path);
+        }
+        self.history.take_unsaid().iter().for_each(|message| self.warn(message));
+    }
+
     /// Warns once of deep penetration, and once if contact shortens the step much.
     pub(super) fn watch_contact(&mut self) {
         let (depth, time) = (

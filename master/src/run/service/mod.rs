@@ -106,7 +106,7 @@ impl Service {
 
 impl Desk {
     /// Returns the next request, if there is one.
-    pub fn next(&mut self) -> Option<Call> {
+    pub fn next_call(&mut self) -> Option<Call> {
         self.calls.try_recv().ok()
     }
 

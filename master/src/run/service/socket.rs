@@ -63,6 +63,7 @@ impl Drop for Socket {
 /// No process answers.
 pub fn connect(out: &Path) -> io::Result<UnixStream> {
     let path = fs::canonicalize(out)?.join(NAME);
+    fs::symlink_metadata(&path)?; // for a long path, the system reports only its length
     UnixStream::connect(fs::read_link(&path).unwrap_or(path))
 }
 

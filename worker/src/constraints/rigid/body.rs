@@ -84,7 +84,26 @@ fn courses(job: &BodyJob, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)> {
     job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect()
 }
 
+/// Returns true for each fixed or prescribed degree of freedom.
+fn held(job: &BodyJob) -> [bool; 6] {
+    let bits = job.motions.iter().fold(job.fixed, |bits, m| bits | m.dofs);
+    std::array::from_fn(|c| bits >> c & 1 == 1)
+}
+
 impl Body {
+    /// Returns true if it has the constraints of a job's body, and a possible mass, place and
+    /// orientation.
+    pub fn fits(&self, job: &BodyJob) -> bool {
+        let vectors = [self.centre, self.last.velocity, self.last.angular, self.last_spin];
+        let is_turn = |q: &UnitQuaternion<f64>| (q.norm() - 1.0).abs() < 1e-3;
+        self.held == held(job)
+            && self.mass.is_finite()
+            && self.mass >= 0.0
+            && vectors.iter().flat_map(|v| v.iter()).all(|a| a.is_finite())
+            && is_turn(&self.turn)
+            && is_turn(&self.next_turn)
+    }
+
     /// Sets the prescribed motions of a body from a checkpoint.
     pub fn restore(&mut self, job: &BodyJob, given: &[Vec<[f64; 2]>]) {
         self.courses = courses(job, given);
@@ -99,7 +118,6 @@ impl Body {
         centre: V3,
         moves: Momentum,
     ) -> Self {
-        let prescribed = job.motions.iter().fold(job.fixed, |bits, m| bits | m.dofs);
         let smallest = inertia.symmetric_eigenvalues().min();
         let inverse = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
         let mut last = moves;
@@ -116,7 +134,7 @@ impl Body {
             inertia,
             inverse,
             softest: if smallest > 0.0 { 1.0 / smallest } else { 0.0 },
-            held: std::array::from_fn(|c| prescribed >> c & 1 == 1),
+            held: held(job),
             courses: courses(job, curves),
             start: centre,
             centre,

@@ -222,8 +222,11 @@ impl Bodies {
             return Err(format!("it has {count} rigid bodies, and the job has {}", jobs.len()));
         }
         let other = |(arms, job): &(&Vec<V3>, &BodyJob)| arms.len() != job.nodes.len();
-        match self.arms.iter().zip(jobs).position(|pair| other(&pair)) {
-            Some(body) => Err(format!("rigid body {body} has other nodes in the job")),
+        if let Some(body) = self.arms.iter().zip(jobs).position(|pair| other(&pair)) {
+            return Err(format!("rigid body {body} has other nodes in the job"));
+        }
+        match self.bodies.iter().zip(jobs).position(|(body, job)| !body.fits(job)) {
+            Some(body) => Err(format!("rigid body {body} is another one in the job")),
             None => Ok(()),
         }
     }

@@ -186,6 +186,37 @@ impl Ties {
         Ok(all)
     }
 
+    /// Checks that these are ties of a job; some may be released.
+    ///
+    /// # Errors
+    /// They are not: the reason.
+    pub fn fit(&self, jobs: &[Tie]) -> Result<(), String> {
+        let known = |tie: &Tie| {
+            jobs.binary_search_by_key(&tie.node, |j| j.node).is_ok_and(|i| jobs[i] == *tie)
+        };
+        if let Some(tie) = self.definitions.iter().find(|tie| !known(tie)) {
+            return Err(format!("the job does not have its tie of node {}", tie.node));
+        }
+        let ascends = self.definitions.is_sorted_by(|a, b| a.node < b.node);
+        let (ties, masters) = (self.definitions.len(), self.masters.len());
+        let of_ties = [self.shares.len(), self.slave_masses.len(), self.added_inertia.len()];
+        let of_masters = [self.master_velocities.len(), self.master_positions.len()];
+        let is_share = |(&(number, weight), &(id, wanted)): (&(u32, f64), &(NodeId, f64))| {
+            self.masters.get(number as usize) == Some(&id) && weight == wanted
+        };
+        let is_of = |(shares, tie): (&Vec<(u32, f64)>, &Tie)| {
+            shares.len() == tie.masters.len() && shares.iter().zip(&tie.masters).all(is_share)
+        };
+        let are_complete = of_ties.iter().chain([&self.slave_loads.len()]).all(|&n| n == ties)
+            && of_masters.iter().chain([&self.contact_forces.len()]).all(|&n| n == masters)
+            && self.masters.is_sorted_by(|a, b| a < b)
+            && self.shares.iter().zip(&self.definitions).all(is_of);
+        if ascends && are_complete {
+            return Ok(());
+        }
+        Err("its ties do not have the masters of the job".into())
+    }
+
     /// Adds the momentum of slaves, minus the one they have when they follow their masters, to
     /// the masters. The masters in `carrying` have their own masses.
     fn share_momentum(&self, tied: &[PackedNode], arms: &[V3], carrying: &mut [PackedNode]) {

@@ -22,8 +22,8 @@ pub struct WallSurface {
     form: Form,
 }
 
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-enum Form {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Form {
     Plane,
     /// Directions and lengths of the sides; unlimited lengths are infinite.
     Rectangle([(V3, f64); 2]),
@@ -52,6 +52,15 @@ impl WallSurface {
         let mut surface = Self { direction, place: V3::zeros(), offset: 0.0, form };
         surface.move_to(&V3::from(job.point));
         surface
+    }
+
+    /// Returns true if this is the surface of a job's wall, at any place.
+    pub fn fits(&self, job: &WallJob) -> bool {
+        let wanted = Self::new(job);
+        let place = [self.place.x, self.place.y, self.place.z, self.offset];
+        self.direction == wanted.direction
+            && self.form == wanted.form
+            && place.iter().all(|a| a.is_finite())
     }
 
     /// Returns the reference point [length].

@@ -222,6 +222,33 @@ const KEPT_PENETRATION: f64 = 0.01;
 const KEPT_DISTANCE: f64 = 0.5;
 
 impl PairHistory {
+    /// Returns true if it can be a history of `owner`. `knows` returns true for a node of the mesh,
+    /// `is_face` for a face of one of its elements.
+    pub fn is_valid(
+        &self,
+        owner: NodeId,
+        knows: impl Fn(NodeId) -> bool,
+        is_face: impl Fn(SegmentId) -> bool,
+    ) -> bool {
+        let name = &self.name;
+        let is_known = if name.is_node() {
+            name.slave == owner && is_face(SegmentId(name.target[0])) && name.target[1] == 0
+        } else if name.is_segment() {
+            let faces = [name.slave.0, name.target[0]].map(SegmentId);
+            faces.into_iter().all(&is_face) && name.target[1] < 16
+        } else {
+            name.edge_nodes().into_iter().all(&knows)
+        };
+        let vectors = [self.normal, self.force, self.slip];
+        let is_number = vectors.iter().flat_map(|v| v.iter()).all(|a| a.is_finite());
+        let lengths = [self.tolerated, self.kept, self.depth, self.thickness, self.pressure];
+        is_known
+            && is_number
+            && !lengths.iter().any(|a| a.is_nan())
+            && self.side.abs() == 1.0
+            && self.age <= KEPT_STEPS
+    }
+
     /// Returns the history after one more step in which the pair does not exist. It keeps the
     /// side, the penetration and the tolerated gap, so that a pair that is found again continues
     /// from them. Returns `None` if the pair is lost for too long, or if its penetration was

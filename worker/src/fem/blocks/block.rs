@@ -85,6 +85,12 @@ impl Block {
         element.columns() + 2
     }
 
+    /// Returns the names of these columns.
+    pub fn names_of(element: &dyn Element) -> Vec<String> {
+        let energies = ["internal energy", "hourglass energy"].map(String::from);
+        element.names().into_iter().chain(energies).collect()
+    }
+
     /// Returns the number of elements per group.
     pub fn lanes(&self) -> usize {
         self.history.lanes()

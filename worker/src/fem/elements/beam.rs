@@ -411,6 +411,25 @@ impl Element for Beam {
         FIBRES + SECTIONS.len() * self.section.fibres.len() * self.stride
     }
 
+    fn names(&self) -> Vec<String> {
+        let several = |name: &'static str, count| (0..count).map(move |k| format!("{name} {k}"));
+        let one = |name: &str| std::iter::once(name.to_string());
+        let own = one("started")
+            .chain(one("length"))
+            .chain(several("triad", DEFORMED - TRIADS))
+            .chain(several("deformation", FORCES - DEFORMED))
+            .chain(several("force", BROKEN - FORCES))
+            .chain(one("broken"))
+            .chain(several("shear rotation", SUMS - SHEARED))
+            .chain(several("moment sum", FIBRES - SUMS));
+        let fibres = (0..SECTIONS.len() * self.section.fibres.len()).flat_map(|fibre| {
+            let names = ["stress along", "stress across", "stress shear"];
+            let names = names.into_iter().chain(self.law.history().iter().copied());
+            names.map(move |name| format!("fibre {fibre} {name}"))
+        });
+        own.chain(fibres).collect()
+    }
+
     fn orient(&self, history: &mut [f64], towards: [f64; 3]) {
         history[TRIADS..].iter_mut().zip(towards).for_each(|(column, c)| *column = c);
     }

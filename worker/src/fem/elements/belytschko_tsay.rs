@@ -140,7 +140,17 @@ impl<R: Real> Warping<R> {
 }
 
 impl Kernel for BelytschkoTsay {
-    const OWN: usize = HOURGLASS + DRILLING;
+    const OWN: &'static [&'static str] = &[
+        "hourglass tx",
+        "hourglass ty",
+        "hourglass vz",
+        "hourglass vx",
+        "hourglass vy",
+        "drilling 1 - 3",
+        "drilling 2 - 4",
+        "drilling h",
+        "drilling sum",
+    ];
     const TAPER: f64 = 0.0;
 
     fn section(&self) -> &Section {

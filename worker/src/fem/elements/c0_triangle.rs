@@ -429,7 +429,7 @@ fn sides(x: &[[f64; 3]; 4]) -> [[f64; 3]; 2] {
 }
 
 impl Formulation for C0Triangle {
-    const OWN: usize = OWN;
+    const OWN: &'static [&'static str] = &["drilling 1", "drilling 2", "drilling 3", "resultant c"];
     /// Step that shear requires at nu = 0.
     const ALONE: f64 = 0.95;
 

@@ -425,6 +425,14 @@ impl Element for Hexahedron {
         self.state + OWN + hourglass::COLUMNS
     }
 
+    fn names(&self) -> Vec<String> {
+        let stress = ["xx", "yy", "zz", "xy", "yz", "zx"].map(|c| format!("stress {c}"));
+        let law = self.law.history().iter().map(|name| name.to_string());
+        let own = ["volume at start", "bulk viscosity"].map(String::from);
+        let hourglass = (0..hourglass::COLUMNS).map(|k| format!("hourglass {k}"));
+        stress.into_iter().chain(law).chain(own).chain(hourglass).collect()
+    }
+
     fn any_precision(&self) -> bool {
         true
     }

@@ -144,6 +144,10 @@ pub trait Element: Send + Sync {
     /// History columns per element.
     fn columns(&self) -> usize;
 
+    /// Returns the names of the history columns, in their order. A checkpoint has them: a program
+    /// with others refuses it.
+    fn names(&self) -> Vec<String>;
+
     /// Returns true if the kernels exist in single and double precision; otherwise they are in
     /// double.
     fn any_precision(&self) -> bool {

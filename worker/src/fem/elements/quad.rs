@@ -399,8 +399,8 @@ impl<R: Real> Response<R> {
 
 /// Properties and kernel of one quad formulation.
 pub trait Kernel: Send + Sync {
-    /// Number of its own columns, after those of the section.
-    const OWN: usize;
+    /// Names of its own columns, after those of the section.
+    const OWN: &'static [&'static str];
     /// Factor for the shear that rotations cause if they vary over a tapered element. It enters the
     /// rotational inertia: shear has the squared frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`,
     /// with s the larger principal value of S and I the inertia per mass.
@@ -429,7 +429,7 @@ pub trait Kernel: Send + Sync {
 pub struct Quad<K>(pub K);
 
 impl<K: Kernel> Formulation for Quad<K> {
-    const OWN: usize = K::OWN;
+    const OWN: &'static [&'static str] = K::OWN;
     /// The frequency of shear may require a step up to 7 % below `L/c`; the membrane of a single
     /// square is stable for `L/c` only if nu = 0.
     const ALONE: f64 = 1.0 / SINGLE_ELEMENT_FACTOR;

@@ -239,6 +239,23 @@ impl Section {
         self.point_columns() + usize::from(self.stores_offsets)
     }
 
+    /// Returns the names of the columns: for each point in the plane its own, then those of its
+    /// points through the thickness.
+    pub fn names(&self) -> Vec<String> {
+        let own = ["thickness", "volume at start", "inertia", "shear xz", "shear yz"];
+        let mut names = Vec::new();
+        for p in 0..self.planar {
+            names.extend(own.map(|name| format!("point {p} {name}")));
+            for k in 0..self.points {
+                let of_law = self.law.history().iter().copied();
+                let all = ["stress xx", "stress yy", "stress xy"].into_iter().chain(of_law);
+                names.extend(all.map(|name| format!("point {p}.{k} {name}")));
+            }
+        }
+        names.extend(self.stores_offsets.then(|| "offset".to_string()));
+        names
+    }
+
     /// Returns the number of columns of the points in the plane; the offset follows them.
     fn point_columns(&self) -> usize {
         self.planar * self.each()

@@ -12,8 +12,8 @@ use crumple_proto::mesh::OwnSection;
 
 /// Properties and kernel of one shell formulation.
 pub trait Formulation: Send + Sync {
-    /// Number of its own columns, after those of the section.
-    const OWN: usize;
+    /// Names of its own columns, after those of the section.
+    const OWN: &'static [&'static str];
 
     /// See [`Element::single_element_step`].
     const ALONE: f64;
@@ -97,7 +97,13 @@ impl<F: Formulation> Shell<F> {
 
 impl<F: Formulation> Element for Shell<F> {
     fn columns(&self) -> usize {
-        self.section().columns() + F::OWN + usize::from(self.section().deletes)
+        self.section().columns() + F::OWN.len() + usize::from(self.section().deletes)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let deleted = self.section().deletes.then_some("deleted");
+        let own = F::OWN.iter().copied().chain(deleted).map(String::from);
+        self.section().names().into_iter().chain(own).collect()
     }
 
     fn any_precision(&self) -> bool {

@@ -164,6 +164,10 @@ impl Element for Spring {
         COLUMNS
     }
 
+    fn names(&self) -> Vec<String> {
+        ["started", "length", "force x", "force y", "force z"].map(String::from).to_vec()
+    }
+
     fn corner_mass(&self, _: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         (0.0, 0.0)
     }

@@ -98,7 +98,18 @@ fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildRe
 }
 
 impl Kernel for StabilisedQuad {
-    const OWN: usize = STABILISING + DRILLING;
+    const OWN: &'static [&'static str] = &[
+        "stabilising tx",
+        "stabilising ty",
+        "stabilising xi",
+        "stabilising eta",
+        "stabilising vx",
+        "stabilising vy",
+        "drilling 1 - 3",
+        "drilling 2 - 4",
+        "drilling h",
+        "drilling sum",
+    ];
     /// Rotations that vary cause the shear `(X (M2 H) + Y (M1 H))/4` of the sides at the centre,
     /// and `XX + YY = 4 S`. This gives tr S/4, and tr S is s if elements are long.
     const TAPER: f64 = 0.25;

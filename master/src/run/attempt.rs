@@ -1,0 +1,135 @@
+//! File of one attempt to run a job (`--attempt`), so that `crumple serve` loses no run and starts
+//! none twice, even if it is killed at any moment.
+//!
+//! The process of the run creates the file, which must not exist, and holds its lock until it ends.
+//! The operating system releases the lock in whatever way the process ends, so no process id has to
+//! be trusted. The service gives each attempt a file of its own. It can create the file itself: a
+//! process that comes later then runs nothing.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// An attempt of this process.
+pub struct Attempt {
+    file: File,
+}
+
+/// An attempt, as others see it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// No process has claimed it.
+    Absent,
+    /// The service has withdrawn it.
+    Withdrawn,
+    /// The process with this number runs.
+    Running(u32),
+    /// The process has ended with this exit code.
+    Ended(u8),
+    /// The process has ended without an exit code: it was killed.
+    Lost,
+}
+
+impl Attempt {
+    /// Claims an attempt.
+    ///
+    /// # Errors
+    /// It is claimed or withdrawn, or the file cannot be made.
+    pub fn claim(path: &Path) -> Result<Self, String> {
+        let named = |error: io::Error| format!("{}: {error}", path.display());
+        // The lock is held before the file has its name.
+        let own = PathBuf::from(format!("{}.{}", path.display(), std::process::id()));
+        let mut file = File::create(&own).map_err(named)?;
+        let made = (|| {
+            file.try_lock().map_err(io::Error::from)?;
+            writeln!(file, "pid {}", std::process::id())?;
+            fs::hard_link(&own, path)
+        })();
+        let _ = fs::remove_file(&own); // one that stays is harmless
+        match made {
+            Ok(()) => Ok(Self { file }),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(format!(
+                "{}: this attempt was made or withdrawn already; nothing is run",
+                path.display()
+            )),
+            Err(error) => Err(named(error)),
+        }
+    }
+
+    /// Writes the exit code. The lock ends with the process.
+    pub fn end(mut self, code: u8) {
+        // Without it the run counts as lost, and the summary says how it ended.
+        let _ = writeln!(self.file, "code {code}").and_then(|()| self.file.sync_all());
+        std::mem::forget(self.file);
+    }
+}
+
+/// Returns the state of an attempt.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn look(path: &Path) -> io::Result<State> {
+    let mut file = match File::open(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(State::Absent),
+        opened => opened?,
+    };
+    let held = matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));
+    let mut text = String::new();
+    file.read_to_string(&mut text)?;
+    let number = |key: &str| -> Option<u32> {
+        text.lines().find_map(|line| line.strip_prefix(key)?.trim().parse().ok())
+    };
+    Ok(match (held, number("code "), number("pid ")) {
+        (true, _, Some(pid)) => State::Running(pid),
+        (_, Some(code), _) => State::Ended(u8::try_from(code).unwrap_or(u8::MAX)),
+        // The service may have been killed before it wrote the word.
+        (false, None, None) => State::Withdrawn,
+        _ => State::Lost,
+    })
+}
+
+/// Withdraws an attempt that no process has claimed. Returns its state afterwards.
+///
+/// # Errors
+/// The file cannot be made or read.
+pub fn withdraw(path: &Path) -> io::Result<State> {
+    match File::create_new(path) {
+        Ok(mut file) => {
+            file.write_all(b"withdrawn\n")?;
+            file.sync_all()?;
+            Ok(State::Withdrawn)
+        }
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => look(path),
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_attempt_is_claimed_once_and_shows_its_end() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("attempt-1");
+        assert_eq!(look(&path).unwrap(), State::Absent);
+        let attempt = Attempt::claim(&path).unwrap();
+        assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
+        assert_eq!(withdraw(&path).unwrap(), State::Running(std::process::id()));
+        assert!(Attempt::claim(&path).is_err_and(|why| why.contains("nothing is run")));
+        drop(attempt); // as after a kill
+        assert_eq!(look(&path).unwrap(), State::Lost);
+        std::fs::write(&path, "pid 1\ncode 130\n").unwrap();
+        assert_eq!(look(&path).unwrap(), State::Ended(130));
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "no other file stays");
+    }
+
+    #[test]
+    fn no_process_claims_an_attempt_that_is_withdrawn() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("attempt-1");
+        assert_eq!(withdraw(&path).unwrap(), State::Withdrawn);
+        assert!(Attempt::claim(&path).is_err());
+        assert_eq!(look(&path).unwrap(), State::Withdrawn);
+    }
+}

@@ -1,0 +1,160 @@
+//! Lists of jobs, one job, and orders to the queue.
+
+use super::App;
+use super::guard::{Detail, may_order, require};
+use super::problem::{Answered, Problem};
+use crate::cli::Role;
+use crate::run::checkpoint::find::newest_cycle;
+use crate::serve::api::{AuditEntry, Findings, Job, JobPage, JobState, Refusal, Resumption};
+use crate::serve::store::{Filter, Stored};
+use crate::serve::tokens::Identity;
+use axum::Json;
+use axum::extract::{Extension, Path, Query, State};
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+/// Largest page of a list.
+const LARGEST_PAGE: u32 = 500;
+
+/// Filters and page of a list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+pub struct ListQuery {
+    /// Only jobs in this state.
+    state: Option<String>,
+    /// Only jobs of this token.
+    owner: Option<String>,
+    /// Only jobs whose name contains this text.
+    name: Option<String>,
+    /// Only jobs with smaller numbers: `next` of the page before.
+    before: Option<i64>,
+    /// Number of jobs, at most 500; 50 without it.
+    limit: Option<u32>,
+}
+
+/// Lists jobs, the newest first.
+#[utoipa::path(get, path = "/api/jobs", params(ListQuery), responses(
+    (status = 200, body = JobPage), (status = 422, body = Refusal)))]
+pub async fn list(
+    State(app): State<App>,
+    Query(query): Query<ListQuery>,
+) -> Answered<Json<JobPage>> {
+    let state = match query.state.as_deref() {
+        None => None,
+        Some(name) => Some(JobState::of_name(name).ok_or_else(|| {
+            let names: Vec<_> = JobState::ALL.iter().map(|state| state.name()).collect();
+            Problem::bad(format!("there is no such state; these are: {}", names.join(", ")))
+        })?),
+    };
+    let limit = query.limit.unwrap_or(50).clamp(1, LARGEST_PAGE);
+    let ListQuery { owner, name, before, .. } = query;
+    let filter = Filter { state, owner, name, before, limit };
+    let (jobs, total) = app.keeper.store.list(filter).await?;
+    let is_full = jobs.len() == limit as usize;
+    let next = jobs.last().map(|job| job.id).filter(|_| is_full);
+    Ok(Json(JobPage { jobs, total, next }))
+}
+
+/// Returns a job, or a refusal.
+pub async fn found(app: &App, id: i64) -> Answered<Stored> {
+    let found = app.keeper.store.job(id).await?;
+    found.ok_or_else(|| Problem::absent(format!("there is no job {id}")))
+}
+
+/// Returns one job.
+#[utoipa::path(get, path = "/api/jobs/{id}", params(("id" = i64, Path, description = "job")),
+    responses((status = 200, body = Job), (status = 404, body = Refusal)))]
+pub async fn one(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<Job>> {
+    Ok(Json(found(&app, id).await?.job))
+}
+
+/// Returns what `crumple check` said of a job.
+#[utoipa::path(get, path = "/api/jobs/{id}/check",
+    params(("id" = i64, Path, description = "job")),
+    responses((status = 200, body = Findings), (status = 404, body = Refusal)))]
+pub async fn findings(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<Findings>> {
+    let job = found(&app, id).await?.job;
+    let path = app.keeper.root.job(id).findings();
+    match tokio::fs::read_to_string(&path).await {
+        Ok(text) => Ok(Json(Findings { usable: job.memory_mb > 0.0, text })),
+        Err(_) => Err(Problem::absent("the job has not been checked yet")),
+    }
+}
+
+/// Returns the last progress of a run, as on its socket.
+#[utoipa::path(get, path = "/api/jobs/{id}/progress",
+    params(("id" = i64, Path, description = "job")),
+    responses((status = 200, description = "a line `progress`", content_type = "application/json"),
+              (status = 404, body = Refusal)))]
+pub async fn progress(State(app): State<App>, Path(id): Path<i64>) -> Answered<Response> {
+    found(&app, id).await?;
+    let line = app.keeper.live.progress(id);
+    let line = line.ok_or_else(|| Problem::absent("the job does not run, or has just begun"))?;
+    Ok(([(CONTENT_TYPE, "application/json")], line.to_string()).into_response())
+}
+
+/// Stops a job: one that waits never starts, one that runs keeps its state.
+#[utoipa::path(post, path = "/api/jobs/{id}/stop",
+    params(("id" = i64, Path, description = "job")),
+    responses((status = 202, body = Job), (status = 403, body = Refusal),
+              (status = 404, body = Refusal), (status = 409, body = Refusal)))]
+pub async fn stop(
+    State(app): State<App>,
+    Extension(identity): Extension<Identity>,
+    Path(id): Path<i64>,
+) -> Answered<(StatusCode, Json<Job>)> {
+    let stored = found(&app, id).await?;
+    may_order(&identity, &stored.job.owner)?;
+    if app.keeper.store.stop(id, identity.name).await?.is_none() {
+        return Err(Problem::conflict(format!("the job is {} already", stored.job.state.name())));
+    }
+    app.keeper.announce(id).await.map_err(Problem::internal)?;
+    app.keeper.wake.notify_one();
+    Ok((StatusCode::ACCEPTED, Json(found(&app, id).await?.job)))
+}
+
+/// Starts a job that was only checked, or continues one from its newest checkpoint.
+#[utoipa::path(post, path = "/api/jobs/{id}/resume", request_body = Resumption,
+    params(("id" = i64, Path, description = "job")),
+    responses((status = 202, body = Job), (status = 403, body = Refusal),
+              (status = 404, body = Refusal), (status = 409, body = Refusal),
+              (status = 422, body = Refusal)))]
+pub async fn resume(
+    State(app): State<App>,
+    Extension(identity): Extension<Identity>,
+    Path(id): Path<i64>,
+    body: Option<Json<Resumption>>,
+) -> Answered<Response> {
+    let job = found(&app, id).await?.job;
+    may_order(&identity, &job.owner)?;
+    let Json(change) = body.unwrap_or_default();
+    super::submit::check_sets(&change.set)?;
+    let workers = change.workers.unwrap_or(job.workers);
+    super::submit::check_workers(&app, &job.launcher, workers)?;
+    let folder = app.keeper.root.job(id);
+    if job.state == JobState::Completed && newest_cycle(&folder.results()).is_none() {
+        return Err(Problem::conflict("the job is complete and has no checkpoint"));
+    }
+    let detail = format!("workers={workers} {}", change.set.join(" "));
+    if !app.keeper.store.resume(id, workers, change.set).await? {
+        return Err(Problem::conflict(format!("the job is {}", job.state.name())));
+    }
+    app.keeper.announce(id).await.map_err(Problem::internal)?;
+    app.keeper.wake.notify_one();
+    let answer = (StatusCode::ACCEPTED, Json(found(&app, id).await?.job));
+    Ok((Extension(Detail(detail)), answer).into_response())
+}
+
+/// Returns the newest orders, for admins.
+#[utoipa::path(get, path = "/api/audit", responses(
+    (status = 200, body = Vec<AuditEntry>), (status = 403, body = Refusal)))]
+pub async fn audit(
+    State(app): State<App>,
+    Extension(identity): Extension<Identity>,
+) -> Answered<Json<Vec<AuditEntry>>> {
+    require(&identity, Role::Admin)?;
+    Ok(Json(app.keeper.store.audit_log(LARGEST_PAGE).await?))
+}

@@ -1,0 +1,60 @@
+//! Description of the interface, made from the types and handlers.
+
+use super::{events, files, jobs, login, metrics, orders, submit};
+use crate::serve::api;
+use axum::Json;
+use utoipa::OpenApi;
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "Crumple service",
+        description = "Every path but /health and /ready needs a \
+        token, as `Authorization: Bearer TOKEN`.",
+        license(name = "MIT OR Apache-2.0")
+    ),
+    paths(
+        login::about,
+        jobs::list,
+        submit::submit,
+        jobs::one,
+        jobs::findings,
+        jobs::stop,
+        jobs::resume,
+        jobs::progress,
+        events::events,
+        orders::order,
+        files::list,
+        files::file,
+        jobs::audit,
+        document,
+        metrics::metrics,
+        metrics::health,
+        metrics::ready,
+    ),
+    components(schemas(
+        api::Job,
+        api::JobState,
+        api::JobPage,
+        api::Submission,
+        api::Resumption,
+        api::FileEntry,
+        api::Findings,
+        api::AuditEntry,
+        api::About,
+        api::Refusal,
+    ))
+)]
+struct Document;
+
+/// Returns the description as JSON.
+pub fn text() -> String {
+    Document::openapi().to_pretty_json().expect("plain data is always JSON") + "\n"
+}
+
+/// Returns this description.
+#[utoipa::path(get, path = "/api/openapi.json", responses(
+    (status = 200, description = "this document", content_type = "application/json")))]
+pub async fn document() -> Json<utoipa::openapi::OpenApi> {
+    Json(Document::openapi())
+}

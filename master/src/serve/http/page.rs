@@ -1,0 +1,36 @@
+//! The page and its files. They are part of the program; nothing in them depends on a user.
+
+use super::App;
+use axum::Router;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
+use axum::response::IntoResponse;
+use axum::routing::get;
+
+const HTML: &str = "text/html; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const STYLE: &str = "text/css; charset=utf-8";
+
+/// Path, kind and text of each file.
+const FILES: &[(&str, &str, &str)] = &[
+    ("/", HTML, include_str!("../../../assets/service/page.html")),
+    ("/assets/page.css", STYLE, include_str!("../../../assets/service/page.css")),
+    ("/assets/report.css", STYLE, include_str!("../../../assets/report/page.css")),
+    ("/assets/uplot.css", STYLE, include_str!("../../../assets/vendor/uPlot.min.css")),
+    ("/assets/uplot.js", SCRIPT, include_str!("../../../assets/vendor/uPlot.min.js")),
+    ("/assets/colours.js", SCRIPT, include_str!("../../../assets/report/colours.js")),
+    ("/assets/plots.js", SCRIPT, include_str!("../../../assets/report/plots.js")),
+    ("/assets/api.js", SCRIPT, include_str!("../../../assets/service/api.js")),
+    ("/assets/jobs.js", SCRIPT, include_str!("../../../assets/service/jobs.js")),
+    ("/assets/run.js", SCRIPT, include_str!("../../../assets/service/run.js")),
+    ("/assets/main.js", SCRIPT, include_str!("../../../assets/service/main.js")),
+];
+
+/// Returns the routes of the page.
+pub fn routes() -> Router<App> {
+    FILES.iter().fold(Router::new(), |router, (path, kind, text)| {
+        let answer = move || async move {
+            ([(CONTENT_TYPE, *kind), (CACHE_CONTROL, "no-cache")], *text).into_response()
+        };
+        router.route(path, get(answer))
+    })
+}

@@ -1,0 +1,73 @@
+//! Refusals as answers.
+
+use crate::serve::api::Refusal;
+use axum::Json;
+use axum::body::to_bytes;
+use axum::extract::Request;
+use axum::http::{StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+/// A refusal: status code and reason.
+#[derive(Debug)]
+pub struct Problem(pub StatusCode, pub String);
+
+/// Answer of a handler.
+pub type Answered<T> = Result<T, Problem>;
+
+impl Problem {
+    /// A request that cannot be understood or is out of range.
+    pub fn bad(why: impl Into<String>) -> Self {
+        Self(StatusCode::UNPROCESSABLE_ENTITY, why.into())
+    }
+
+    /// Something that does not exist.
+    pub fn absent(what: impl Into<String>) -> Self {
+        Self(StatusCode::NOT_FOUND, what.into())
+    }
+
+    /// An order that does not fit the state.
+    pub fn conflict(why: impl Into<String>) -> Self {
+        Self(StatusCode::CONFLICT, why.into())
+    }
+
+    /// A failure of the service. The cause goes to its log only.
+    pub fn internal(why: impl std::fmt::Display) -> Self {
+        tracing::error!(%why, "a request failed");
+        Self(StatusCode::INTERNAL_SERVER_ERROR, "the service failed; see its log".into())
+    }
+}
+
+impl From<rusqlite::Error> for Problem {
+    fn from(error: rusqlite::Error) -> Self {
+        Self::internal(error)
+    }
+}
+
+impl From<std::io::Error> for Problem {
+    fn from(error: std::io::Error) -> Self {
+        Self::internal(error)
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        (self.0, Json(Refusal { error: self.1 })).into_response()
+    }
+}
+
+/// Largest refusal of the framework that is read [byte].
+const LARGEST: usize = 64 * 1024;
+
+/// Gives refusals of the framework, which are plain text, the form of all others.
+pub async fn explain(request: Request, next: Next) -> Response {
+    let response = next.run(request).await;
+    let status = response.status();
+    let kind = response.headers().get(header::CONTENT_TYPE);
+    let is_text = kind.is_some_and(|kind| kind.as_bytes().starts_with(b"text/plain"));
+    if !is_text || !(status.is_client_error() || status.is_server_error()) {
+        return response;
+    }
+    let text = to_bytes(response.into_body(), LARGEST).await.unwrap_or_default();
+    Problem(status, String::from_utf8_lossy(&text).into_owned()).into_response()
+}

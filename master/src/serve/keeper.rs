@@ -1,0 +1,462 @@
+//! The loop of the service: it checks, starts, watches and ends jobs. Its whole state is in the
+//! database and in the folders of the jobs, so that it can be killed at any moment.
+
+use super::api::{Job, JobState};
+use super::check;
+use super::folder::{JobFolder, Root};
+use super::launcher::{Launcher, Order, Seen};
+use super::limits::{Amount, starts};
+use super::live::{Line, Live};
+use super::store::{Store, Stored};
+use crate::run::attempt::{self, State};
+use crate::run::checkpoint::find::newest_cycle;
+use crumple_proto::exit_code::{BAD_INPUT, STOPPED, WORKER_LOST};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use tokio::sync::{Notify, Semaphore};
+
+/// Interval between two looks at all runs.
+const LOOK_EVERY: Duration = Duration::from_millis(300);
+/// Time in which a process has to claim its attempt.
+const CLAIM_WITHIN: Duration = Duration::from_secs(60);
+/// Time after which a run that does not stop is asked again.
+const ASK_AGAIN: Duration = Duration::from_secs(120);
+/// Longest call of a launcher.
+const LAUNCHER_TIME: Duration = Duration::from_secs(60);
+/// Number of processes of a job that may be lost in a row.
+const MOST_LOST: u32 = 3;
+/// Number of checks at a time.
+const MOST_CHECKS: usize = 2;
+/// Longest reason that is stored [characters].
+const LONGEST_REASON: usize = 400;
+
+/// State of the service for all jobs.
+pub struct Keeper {
+    /// Database.
+    pub store: Store,
+    /// Folder.
+    pub root: Root,
+    /// Launchers by name.
+    pub launchers: BTreeMap<&'static str, Arc<dyn Launcher>>,
+    /// Streams.
+    pub live: Live,
+    /// Wakes the loop.
+    pub wake: Arc<Notify>,
+    /// The program.
+    pub program: PathBuf,
+    checks: Arc<Semaphore>,
+    notes: Mutex<Notes>,
+}
+
+/// State that exists only while the service runs.
+#[derive(Default)]
+struct Notes {
+    checking: HashSet<i64>,
+    followed: HashSet<i64>,
+    /// When this process ordered an attempt.
+    ordered: HashMap<i64, Instant>,
+    /// When a run was asked to stop.
+    asked: HashMap<i64, Instant>,
+}
+
+/// The database or a launcher has failed; the loop tries again.
+type Turn = Result<(), String>;
+
+fn failed(error: rusqlite::Error) -> String {
+    format!("the database: {error}")
+}
+
+impl Keeper {
+    /// Returns a keeper for a folder.
+    pub fn new(
+        store: Store,
+        root: Root,
+        launchers: BTreeMap<&'static str, Arc<dyn Launcher>>,
+        program: PathBuf,
+    ) -> Arc<Self> {
+        Arc::new(Self {
+            store,
+            root,
+            launchers,
+            program,
+            live: Live::default(),
+            wake: Arc::default(),
+            checks: Arc::new(Semaphore::new(MOST_CHECKS)),
+            notes: Mutex::default(),
+        })
+    }
+
+    fn notes<T>(&self, body: impl FnOnce(&mut Notes) -> T) -> T {
+        body(&mut self.notes.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Keeps all jobs, for ever.
+    pub async fn run(self: Arc<Self>) {
+        loop {
+            if let Err(why) = self.turn().await {
+                tracing::error!(why, "the queue was not served");
+            }
+            let woken = self.wake.notified();
+            let _ = tokio::time::timeout(LOOK_EVERY, woken).await;
+        }
+    }
+
+    /// Removes what arrived in part before the service ended.
+    ///
+    /// # Errors
+    /// The database fails.
+    pub async fn tidy(&self) -> Turn {
+        for id in self.store.incoming().await.map_err(failed)? {
+            let _ = tokio::fs::remove_dir_all(self.root.job(id).path()).await;
+            self.store.forget(id).await.map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    async fn turn(self: &Arc<Self>) -> Turn {
+        for stored in self.store.in_state(JobState::Checking).await.map_err(failed)? {
+            self.check(stored);
+        }
+        let mut active = Vec::new();
+        for state in [JobState::Starting, JobState::Running] {
+            active.extend(self.store.in_state(state).await.map_err(failed)?);
+        }
+        for stored in &active {
+            if let Err(why) = self.look(stored).await {
+                tracing::warn!(why, job = stored.job.id, "a run could not be watched");
+            }
+        }
+        let ids: HashSet<i64> = active.iter().map(|stored| stored.job.id).collect();
+        self.notes(|notes| {
+            notes.ordered.retain(|id, _| ids.contains(id));
+            notes.asked.retain(|id, _| ids.contains(id));
+        });
+        self.live.tidy(|id| ids.contains(&id));
+        self.start_those_that_fit().await
+    }
+
+    /// Begins the check of a job, unless it has begun.
+    fn check(self: &Arc<Self>, stored: Stored) {
+        let id = stored.job.id;
+        if !self.notes(|notes| notes.checking.insert(id)) {
+            return;
+        }
+        let keeper = self.clone();
+        tokio::spawn(async move {
+            if let Ok(_permit) = keeper.checks.acquire().await
+                && let Err(why) = keeper.checked(&stored).await
+            {
+                tracing::error!(why, job = id, "a check failed");
+            }
+            keeper.notes(|notes| notes.checking.remove(&id));
+            keeper.wake.notify_one();
+        });
+    }
+
+    async fn checked(&self, stored: &Stored) -> Turn {
+        let job = &stored.job;
+        let folder = self.root.job(job.id);
+        let limit = self.launchers.get(job.launcher.as_str()).map(|l| l.limit());
+        let limit = limit.ok_or_else(|| format!("there is no launcher {}", job.launcher))?;
+        let checked =
+            check::check(&self.program, &folder, &job.job, &job.set, job.workers, limit.memory_mb)
+                .await;
+        tokio::fs::write(folder.findings(), &checked.text).await.map_err(|e| e.to_string())?;
+        let too_large = checked.usable && checked.memory_mb > limit.memory_mb;
+        let (state, reason) = match checked.usable {
+            _ if too_large => (
+                JobState::Refused,
+                format!(
+                    "the job needs about {:.0} MB; {} has {:.0} MB",
+                    checked.memory_mb, job.launcher, limit.memory_mb
+                ),
+            ),
+            false => (JobState::Refused, first_error(&checked.text)),
+            true if stored.check_only => (JobState::Checked, String::new()),
+            true => (JobState::Queued, String::new()),
+        };
+        let changed = self.store.checked(job.id, state, checked.memory_mb, reason).await;
+        if changed.map_err(failed)? {
+            self.announce(job.id).await?;
+        }
+        Ok(())
+    }
+
+    /// Sends the present state of a job to all watchers.
+    ///
+    /// # Errors
+    /// The database fails.
+    pub async fn announce(&self, id: i64) -> Result<(), String> {
+        let Some(stored) = self.store.job(id).await.map_err(failed)? else { return Ok(()) };
+        let data = serde_json::to_string(&stored.job).map_err(|error| error.to_string())?;
+        let event = self.store.add_event(id, "state", data.clone()).await.map_err(failed)?;
+        self.live.publish(id, Line { id: Some(event), kind: "state", data: data.into() });
+        Ok(())
+    }
+
+    /// Calls a launcher on a thread where it may wait.
+    async fn ask<T: Send + 'static>(
+        &self,
+        job: &Job,
+        body: impl FnOnce(&dyn Launcher) -> Result<T, String> + Send + 'static,
+    ) -> Result<T, String> {
+        let launcher = self.launchers.get(job.launcher.as_str()).cloned();
+        let launcher = launcher.ok_or_else(|| format!("there is no launcher {}", job.launcher))?;
+        let called = tokio::task::spawn_blocking(move || body(&*launcher));
+        match tokio::time::timeout(LAUNCHER_TIME, called).await {
+            Ok(Ok(said)) => said,
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(_) => Err(format!("{} does not answer", job.launcher)),
+        }
+    }
+
+    /// Looks at a job that has or may have a process.
+    async fn look(self: &Arc<Self>, stored: &Stored) -> Turn {
+        let job = &stored.job;
+        let (order, handle) = (self.order(stored), stored.handle.clone());
+        let seen = {
+            let (order, handle) = (order.clone(), handle.clone());
+            self.ask(job, move |launcher| launcher.look(&order, &handle)).await?
+        };
+        match seen {
+            Seen::Waiting => self.wait(stored, &order).await?,
+            Seen::Running => {
+                if self.store.runs(job.id).await.map_err(failed)? {
+                    self.announce(job.id).await?;
+                }
+                self.follow(job.id);
+            }
+            Seen::Ended(code) => return self.end(stored, code).await,
+            Seen::Lost => return self.lost(stored).await,
+        }
+        let is_due = job.stopping
+            && self.notes(|notes| {
+                let asked = notes.asked.get(&job.id);
+                asked.is_none_or(|asked| asked.elapsed() > ASK_AGAIN)
+            });
+        if is_due && (seen == Seen::Running || !handle.is_empty()) {
+            self.notes(|notes| notes.asked.insert(job.id, Instant::now()));
+            self.ask(job, move |launcher| launcher.stop(&order, &handle)).await?;
+        }
+        Ok(())
+    }
+
+    /// Withdraws an attempt that no process has claimed in time, or that was ordered before the
+    /// service was killed: a process for it may exist.
+    async fn wait(&self, stored: &Stored, order: &Order) -> Turn {
+        let id = stored.job.id;
+        let handle = stored.handle.clone();
+        let elsewhere = self
+            .ask(&stored.job, move |launcher| Ok(launcher.is_queued_elsewhere(&handle)))
+            .await?;
+        let ordered = self.notes(|notes| notes.ordered.get(&id).copied());
+        let is_new = ordered.is_some_and(|at| at.elapsed() < CLAIM_WITHIN);
+        if elsewhere || (is_new && !stored.job.stopping) {
+            return Ok(());
+        }
+        let path = order.folder.attempt(order.attempt);
+        match attempt::withdraw(&path).map_err(|error| format!("{}: {error}", path.display()))? {
+            State::Withdrawn => self.lost(stored).await,
+            _ => Ok(()), // a process has claimed it meanwhile
+        }
+    }
+
+    /// Follows the stream of a run, unless it is followed.
+    fn follow(self: &Arc<Self>, id: i64) {
+        if !self.notes(|notes| notes.followed.insert(id)) {
+            return;
+        }
+        let keeper = self.clone();
+        tokio::spawn(async move {
+            let folder = keeper.root.job(id);
+            // A run without a socket, before its start or on another machine, is tried again.
+            let _ = keeper.live.follow(id, &folder, &keeper.store).await;
+            keeper.notes(|notes| notes.followed.remove(&id));
+        });
+    }
+
+    async fn end(&self, stored: &Stored, code: u8) -> Turn {
+        let folder = self.root.job(stored.job.id);
+        let reason = match code {
+            0 => String::new(),
+            _ => reason(&folder),
+        };
+        let id = stored.job.id;
+        self.store.end(id, JobState::of_code(code), code, reason).await.map_err(failed)?;
+        self.announce(id).await
+    }
+
+    /// Treats an attempt that has ended without an exit code.
+    async fn lost(&self, stored: &Stored) -> Turn {
+        let (id, folder) = (stored.job.id, self.root.job(stored.job.id));
+        if let Some(code) = code_of_summary(&folder, stored.job.attempt) {
+            return self.end(stored, code).await;
+        }
+        if stored.job.stopping {
+            return self.end(stored, STOPPED).await;
+        }
+        let lost = stored.lost + 1;
+        if lost > MOST_LOST {
+            let reason = format!("its process was lost {lost} times");
+            let ended = self.store.end(id, JobState::Lost, WORKER_LOST, reason).await;
+            ended.map_err(failed)?;
+        } else {
+            let from = newest_cycle(&folder.results());
+            let from = from.map_or("the start".into(), |cycle| format!("cycle {cycle}"));
+            let reason = format!("its process was lost; it continues from {from}");
+            self.store.requeue(id, lost, reason).await.map_err(failed)?;
+        }
+        self.announce(id).await
+    }
+
+    /// Starts jobs that wait, as far as they fit.
+    async fn start_those_that_fit(self: &Arc<Self>) -> Turn {
+        let queued = self.store.in_state(JobState::Queued).await.map_err(failed)?;
+        let (queued, never) = self.without_those_that_never_fit(queued);
+        for (id, reason) in never {
+            let ended = self.store.end(id, JobState::Refused, BAD_INPUT, reason).await;
+            ended.map_err(failed)?;
+            self.announce(id).await?;
+        }
+        if queued.is_empty() {
+            return Ok(());
+        }
+        let mut active = self.store.in_state(JobState::Starting).await.map_err(failed)?;
+        active.extend(self.store.in_state(JobState::Running).await.map_err(failed)?);
+        for (name, launcher) in &self.launchers {
+            let own = |list: &[Stored]| -> Vec<Stored> {
+                list.iter().filter(|stored| stored.job.launcher == *name).cloned().collect()
+            };
+            let used = own(&active).iter().map(need).fold(Amount::default(), Amount::plus);
+            let waiting = own(&queued);
+            let needs: Vec<Amount> = waiting.iter().map(need).collect();
+            for stored in waiting.iter().take(starts(&needs, used, launcher.limit())) {
+                self.start(stored).await?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes out the jobs that would hold back all others for ever, with the reasons: the service
+    /// was started again without their launcher, or with lower limits.
+    fn without_those_that_never_fit(
+        &self,
+        queued: Vec<Stored>,
+    ) -> (Vec<Stored>, Vec<(i64, String)>) {
+        let mut never = Vec::new();
+        let reason = |stored: &Stored| {
+            let name = &stored.job.launcher;
+            let Some(launcher) = self.launchers.get(name.as_str()) else {
+                return Some(format!("this service has no launcher {name}"));
+            };
+            let (need, limit) = (need(stored), launcher.limit());
+            (!need.fits(limit)).then(|| {
+                format!(
+                    "the job needs {} workers and about {:.0} MB; {name} has {} workers and \
+                     {:.0} MB",
+                    need.workers, need.memory_mb, limit.workers, limit.memory_mb
+                )
+            })
+        };
+        let fitting = queued.into_iter().filter(|stored| {
+            let why = reason(stored).map(|why| (stored.job.id, why));
+            let fits = why.is_none();
+            never.extend(why);
+            fits
+        });
+        (fitting.collect(), never)
+    }
+
+    async fn start(self: &Arc<Self>, stored: &Stored) -> Turn {
+        let id = stored.job.id;
+        if !self.store.begin(id).await.map_err(failed)? {
+            return Ok(()); // it was stopped meanwhile
+        }
+        let Some(stored) = self.store.job(id).await.map_err(failed)? else { return Ok(()) };
+        self.notes(|notes| notes.ordered.insert(id, Instant::now()));
+        self.announce(id).await?;
+        let order = self.order(&stored);
+        let started = self.ask(&stored.job, move |launcher| launcher.start(&order)).await;
+        match started {
+            Ok(handle) if handle.is_empty() => Ok(()),
+            Ok(handle) => self.store.set_handle(id, handle).await.map_err(failed),
+            Err(why) => {
+                // The attempt is withdrawn in case that there is a process nevertheless.
+                let path = self.root.job(id).attempt(stored.job.attempt);
+                if matches!(attempt::withdraw(&path), Ok(State::Withdrawn)) {
+                    let ended = self.store.end(id, JobState::Lost, WORKER_LOST, why).await;
+                    ended.map_err(failed)?;
+                    self.announce(id).await?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn order(&self, stored: &Stored) -> Order {
+        let job = &stored.job;
+        let folder = self.root.job(job.id);
+        let mut words = vec!["run".to_string()];
+        let mut sets = stored.later_sets.clone();
+        if newest_cycle(&folder.results()).is_some() {
+            words.extend(["--resume".into(), "results".into()]);
+        } else {
+            words.extend([format!("input/{}", job.job), "--out".into(), "results".into()]);
+            sets = [job.set.clone(), sets].concat();
+        }
+        words.extend(["--within".into(), "input".into(), "--quiet".into()]);
+        words.extend(["--workers".into(), job.workers.to_string()]);
+        words.extend(["--retries".into(), job.retries.to_string()]);
+        words.extend(["--attempt".into(), JobFolder::attempt_name(job.attempt)]);
+        words.extend(sets.into_iter().map(|set| format!("--set={set}")));
+        let launcher = self.launchers.get(job.launcher.as_str());
+        if let Some(command) = launcher.and_then(|launcher| launcher.ranks()) {
+            words.extend(["--launcher".into(), command.into()]);
+        }
+        Order { id: job.id, folder, attempt: job.attempt, workers: job.workers, words }
+    }
+}
+
+fn need(stored: &Stored) -> Amount {
+    Amount { workers: stored.job.workers, memory_mb: stored.job.memory_mb }
+}
+
+/// Returns the first error in a text, without the line that marks its place.
+fn first_error(text: &str) -> String {
+    let error = text.lines().find(|line| line.starts_with("error"));
+    shortened(error.or(text.lines().last()).unwrap_or("the check failed"))
+}
+
+fn shortened(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(LONGEST_REASON).collect()
+}
+
+/// Returns why a run has ended: by its summary, or else by the last line that it printed.
+fn reason(folder: &JobFolder) -> String {
+    let said = std::fs::read_to_string(folder.output()).unwrap_or_default();
+    let last = said.lines().rfind(|line| line.starts_with("error"));
+    let summary = || summary(folder)?["reason"].as_str().map(String::from);
+    shortened(&last.map(String::from).or_else(summary).unwrap_or_default())
+}
+
+fn summary(folder: &JobFolder) -> Option<serde_json::Value> {
+    let text = std::fs::read(folder.results().join("summary.json")).ok()?;
+    serde_json::from_slice(&text).ok()
+}
+
+/// Returns the exit code that the summary stands for, if it was written during the attempt.
+fn code_of_summary(folder: &JobFolder, attempt: u32) -> Option<u8> {
+    let modified = |path: PathBuf| path.metadata().and_then(|m| m.modified()).ok();
+    let written = modified(folder.results().join("summary.json"))?;
+    if written < modified(folder.attempt(attempt))? {
+        return None;
+    }
+    match summary(folder)?["status"].as_str()? {
+        "completed" => Some(crumple_proto::exit_code::COMPLETED),
+        "stopped" => Some(STOPPED),
+        "failed" => Some(crumple_proto::exit_code::FAILED),
+        _ => None,
+    }
+}

@@ -1,0 +1,87 @@
+//! Runs as processes of this machine. Workers are threads, or ranks that `mpirun` starts, also on
+//! other hosts. A run survives the service.
+
+use super::{Launcher, Order, Seen};
+use crate::run::attempt::{self, State};
+use crate::run::lock::owner;
+use crate::serve::limits::Amount;
+use rustix::process::{Pid, Signal, kill_process};
+use std::fs::File;
+use std::path::PathBuf;
+use std::process::Stdio;
+use tokio::process::Command;
+
+/// Processes of this machine.
+pub struct Local {
+    /// Limit of what is in use at a time.
+    pub limit: Amount,
+    /// The program.
+    pub program: PathBuf,
+    /// Command that starts ranks, with `{ranks}` in place of their number; none for threads.
+    pub ranks: Option<String>,
+}
+
+impl Launcher for Local {
+    fn limit(&self) -> Amount {
+        self.limit
+    }
+
+    fn ranks(&self) -> Option<&str> {
+        self.ranks.as_deref()
+    }
+
+    fn start(&self, order: &Order) -> Result<String, String> {
+        let failed = |error: std::io::Error| format!("the run cannot be started: {error}");
+        let output = File::options()
+            .create(true)
+            .append(true)
+            .open(order.folder.output())
+            .map_err(failed)?;
+        let errors = output.try_clone().map_err(failed)?;
+        // In a group of its own: Ctrl-C ends the service only. The runtime reaps the process.
+        Command::new(&self.program)
+            .args(&order.words)
+            .current_dir(order.folder.path())
+            .env_remove("CRUMPLE_TOKEN")
+            .stdin(Stdio::null())
+            .stdout(output)
+            .stderr(errors)
+            .process_group(0)
+            .spawn()
+            .map_err(failed)?;
+        Ok(String::new())
+    }
+
+    fn look(&self, order: &Order, _: &str) -> Result<Seen, String> {
+        let state =
+            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        Ok(match state {
+            State::Absent => Seen::Waiting,
+            State::Running(_) => Seen::Running,
+            State::Ended(code) => Seen::Ended(code),
+            // The run goes on if only its supervisor was killed.
+            State::Lost | State::Withdrawn => match owner(&order.folder.results()) {
+                Some(_) => Seen::Running,
+                None => Seen::Lost,
+            },
+        })
+    }
+
+    fn stop(&self, order: &Order, _: &str) -> Result<(), String> {
+        let state =
+            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        let pid = match state {
+            State::Running(pid) => Some(pid),
+            _ => owner(&order.folder.results()),
+        };
+        let pid = pid.and_then(|pid| Pid::from_raw(i32::try_from(pid).ok()?));
+        match pid {
+            Some(pid) => kill_process(pid, Signal::TERM).map_err(|error| error.to_string()),
+            None => Ok(()),
+        }
+    }
+
+    fn is_queued_elsewhere(&self, _: &str) -> bool {
+        false
+    }
+}

@@ -1,0 +1,66 @@
+//! How runs are started: on this machine, or by Slurm. Arguments are lists of words; no shell reads
+//! them.
+
+pub mod local;
+pub mod slurm;
+
+use super::folder::JobFolder;
+use super::limits::Amount;
+
+/// An attempt to run a job.
+#[derive(Clone, Debug)]
+pub struct Order {
+    /// Number of the job.
+    pub id: i64,
+    /// Its folder, in which the process runs.
+    pub folder: JobFolder,
+    /// Number of the attempt.
+    pub attempt: u32,
+    /// Number of workers.
+    pub workers: u32,
+    /// Words after `crumple`.
+    pub words: Vec<String>,
+}
+
+/// State of an attempt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// It has not begun.
+    Waiting,
+    /// It runs.
+    Running,
+    /// It has ended with this exit code.
+    Ended(u8),
+    /// It has ended without an exit code.
+    Lost,
+}
+
+/// A way to start runs. Its functions may wait for other programs.
+pub trait Launcher: Send + Sync {
+    /// Returns what may be in use at a time.
+    fn limit(&self) -> Amount;
+
+    /// Returns the command that starts ranks (`crumple run --launcher`); none for threads.
+    fn ranks(&self) -> Option<&str>;
+
+    /// Starts an attempt, and returns the name by which it is found later.
+    ///
+    /// # Errors
+    /// It cannot be started.
+    fn start(&self, order: &Order) -> Result<String, String>;
+
+    /// Returns what became of an attempt.
+    ///
+    /// # Errors
+    /// It is not known now.
+    fn look(&self, order: &Order, handle: &str) -> Result<Seen, String>;
+
+    /// Asks a run to stop and to keep its state.
+    ///
+    /// # Errors
+    /// It cannot be reached.
+    fn stop(&self, order: &Order, handle: &str) -> Result<(), String>;
+
+    /// Returns true if an attempt that waits will run without the service.
+    fn is_queued_elsewhere(&self, handle: &str) -> bool;
+}

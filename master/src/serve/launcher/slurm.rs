@@ -1,0 +1,128 @@
+//! Runs by Slurm: `sbatch`, `squeue`, `sacct` and `scancel`. The folder of the service must be on a
+//! file system that all nodes share.
+
+use super::{Launcher, Order, Seen};
+use crate::run::attempt::{self, State};
+use crate::serve::limits::Amount;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// The batch script. It has no text of users: the words of the command are its arguments.
+pub const SCRIPT: &str = "#!/bin/sh\nexec \"$@\"\n";
+
+/// Jobs of Slurm.
+pub struct Slurm {
+    /// Limit of what is submitted at a time.
+    pub limit: Amount,
+    /// The program, on all nodes.
+    pub program: PathBuf,
+    /// File with [`SCRIPT`].
+    pub script: PathBuf,
+    /// Further options of `sbatch`, such as `--partition=crash`.
+    pub options: Vec<String>,
+    /// Command that starts ranks within an allocation; none for threads on one node.
+    pub ranks: Option<String>,
+}
+
+impl Launcher for Slurm {
+    fn limit(&self) -> Amount {
+        self.limit
+    }
+
+    fn ranks(&self) -> Option<&str> {
+        self.ranks.as_deref()
+    }
+
+    fn start(&self, order: &Order) -> Result<String, String> {
+        let mut command = Command::new("sbatch");
+        let folder = order.folder.path();
+        command.arg("--parsable").arg("--no-requeue");
+        command.arg(format!("--job-name=crumple-{}", order.id));
+        command.arg(format!("--chdir={}", folder.display()));
+        command.arg(format!("--output={}", order.folder.output().display()));
+        command.arg("--open-mode=append");
+        match self.ranks {
+            Some(_) => command.arg(format!("--ntasks={}", order.workers + 1)),
+            None => command.arg("--ntasks=1").arg(format!("--cpus-per-task={}", order.workers)),
+        };
+        command.args(&self.options).arg(&self.script).arg(&self.program).args(&order.words);
+        let said = output(command)?;
+        let number = said.trim().split(';').next().unwrap_or_default();
+        match is_number(number) {
+            true => Ok(number.to_string()),
+            false => Err(format!("sbatch gave no number: {said}")),
+        }
+    }
+
+    fn look(&self, order: &Order, handle: &str) -> Result<Seen, String> {
+        let path = order.folder.attempt(order.attempt);
+        let state = || attempt::look(&path).map_err(|error| error.to_string());
+        if let State::Ended(code) = state()? {
+            return Ok(Seen::Ended(code));
+        }
+        if !is_number(handle) {
+            return Ok(Seen::Waiting);
+        }
+        let mut queue = Command::new("squeue");
+        queue.args(["--noheader", "--states=all", "--format=%T", "--jobs", handle]);
+        // Slurm forgets jobs that ended a while ago; `squeue` then fails.
+        let said = output(queue).unwrap_or_default();
+        match said.trim() {
+            "PENDING" | "CONFIGURING" | "REQUEUED" | "SUSPENDED" => return Ok(Seen::Waiting),
+            "RUNNING" | "COMPLETING" | "SIGNALING" | "STAGE_OUT" => return Ok(Seen::Running),
+            _ => {}
+        }
+        // The file may have arrived meanwhile.
+        if let State::Ended(code) = state()? {
+            return Ok(Seen::Ended(code));
+        }
+        let mut accounts = Command::new("sacct");
+        accounts.args(["--noheader", "--allocations", "--parsable2", "--format=State"]);
+        accounts.args(["--jobs", handle]);
+        let said = output(accounts)?;
+        Ok(match said.split_whitespace().next().unwrap_or_default() {
+            "PENDING" | "REQUEUED" | "SUSPENDED" => Seen::Waiting,
+            "RUNNING" | "COMPLETING" => Seen::Running,
+            "CANCELLED" | "CANCELLED+" => Seen::Ended(crumple_proto::exit_code::STOPPED),
+            _ => Seen::Lost,
+        })
+    }
+
+    fn stop(&self, order: &Order, handle: &str) -> Result<(), String> {
+        if !is_number(handle) {
+            return Ok(());
+        }
+        let begun =
+            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        let mut command = Command::new("scancel");
+        if matches!(begun, State::Running(_)) {
+            // Only to the batch script, which is the supervisor of the run.
+            command.args(["--batch", "--signal=TERM"]);
+        }
+        output(command_with(command, handle)).map(drop)
+    }
+
+    fn is_queued_elsewhere(&self, handle: &str) -> bool {
+        is_number(handle)
+    }
+}
+
+fn command_with(mut command: Command, word: &str) -> Command {
+    command.arg(word);
+    command
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.len() < 20 && text.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// Runs a program and returns its output.
+fn output(mut command: Command) -> Result<String, String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let ended =
+        command.stdin(Stdio::null()).output().map_err(|error| format!("{name}: {error}"))?;
+    match ended.status.success() {
+        true => Ok(String::from_utf8_lossy(&ended.stdout).into_owned()),
+        false => Err(format!("{name}: {}", String::from_utf8_lossy(&ended.stderr).trim())),
+    }
+}

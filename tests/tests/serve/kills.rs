@@ -1,0 +1,133 @@
+//! Services and runs that are killed: no job is lost, and none runs twice.
+
+use crumple_tests::program::send;
+use crumple_tests::service::{Service, bars, children, endless};
+use rustix::process::Signal;
+use std::fs;
+use std::time::Duration;
+
+/// Number of kills of the service.
+const KILLS: usize = 12;
+
+/// Returns the process of an attempt.
+fn process(service: &Service, id: i64, attempt: u32) -> u32 {
+    let path = service.folder(id).join(format!("attempt-{attempt}"));
+    let text = service.wait("the attempt is claimed", |_| fs::read_to_string(&path).ok());
+    text.lines().find_map(|line| line.strip_prefix("pid ")?.parse().ok()).unwrap()
+}
+
+#[test]
+fn a_service_that_is_killed_at_any_moment_loses_no_job_and_runs_none_twice() {
+    let mut service = Service::start(&["--slots", "1"]);
+    let mut ids = Vec::new();
+    for kill in 0..KILLS {
+        ids.push(service.submit(&bars(&[])));
+        std::thread::sleep(Duration::from_millis(fastrand::u64(0..400)));
+        service.kill();
+        if kill % 3 == 0 {
+            std::thread::sleep(Duration::from_millis(fastrand::u64(0..300)));
+        }
+        service.again();
+    }
+    for id in &ids {
+        let job = service.wait_for(*id, "completed");
+        // One attempt has run; the others were withdrawn before they began.
+        let attempts = job["attempt"].as_i64().unwrap();
+        let texts: Vec<String> = (1..=attempts)
+            .map(|n| fs::read_to_string(service.folder(*id).join(format!("attempt-{n}"))))
+            .map(|text| text.unwrap_or_default())
+            .collect();
+        let ran = texts.iter().filter(|text| text.contains("pid ")).count();
+        assert_eq!(ran, 1, "job {id}: {texts:?}");
+    }
+    let all = service.get("/api/jobs?limit=500").json();
+    assert_eq!(all["total"].as_u64(), Some(ids.len() as u64));
+}
+
+#[test]
+fn a_run_survives_its_service_and_is_found_and_stopped_by_the_next_one() {
+    let mut service = Service::start(&[]);
+    let id = service.submit(&endless());
+    service.wait_for(id, "running");
+    let pid = process(&service, id, 1);
+    service.kill();
+    service.again();
+    let job = service.wait_for(id, "running");
+    assert_eq!(job["attempt"], 1);
+    assert_eq!(process(&service, id, 1), pid);
+    // The stream of the run is followed again.
+    service.wait("there is progress", |service| {
+        (service.get(&format!("/api/jobs/{id}/progress")).status == 200).then_some(())
+    });
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &serde_json::json!({})).status, 202);
+    assert_eq!(service.wait_for(id, "stopped")["code"], 130);
+}
+
+#[test]
+fn a_run_that_ends_while_there_is_no_service_has_its_exit_code() {
+    let mut service = Service::start(&[]);
+    let id = service.submit(&bars(&["scene.elements=400"]));
+    let _ = process(&service, id, 1);
+    service.kill();
+    let path = service.folder(id).join("attempt-1");
+    service.wait("the run has ended", |_| {
+        fs::read_to_string(&path).ok()?.contains("code 0").then_some(())
+    });
+    service.again();
+    let job = service.wait_for(id, "completed");
+    assert_eq!((job["code"].as_i64(), job["attempt"].as_i64()), (Some(0), Some(1)));
+}
+
+#[test]
+fn a_job_whose_processes_are_killed_continues_from_its_checkpoint() {
+    let service = Service::start(&[]);
+    let mut job = endless();
+    job["set"].as_array_mut().unwrap().push("checkpoint.every=1 s".into());
+    let id = service.submit(&job);
+    let checkpoints = service.folder(id).join("results/checkpoints");
+    service.wait("there is a checkpoint", |_| {
+        let all = fs::read_dir(&checkpoints).ok()?.flatten();
+        all.into_iter().any(|c| c.path().join("MANIFEST").exists()).then_some(())
+    });
+    let supervisor = process(&service, id, 1);
+    let runs = children(supervisor);
+    send(supervisor, Signal::KILL);
+    runs.into_iter().for_each(|run| send(run, Signal::KILL));
+    service.wait("it runs again", |service| {
+        let job = service.job(id);
+        (job["state"] == "running" && job["attempt"] == 2).then_some(())
+    });
+    let log = service.folder(id).join("results/log.jsonl");
+    service.wait("the run continues from the checkpoint", |_| {
+        fs::read_to_string(&log).ok()?.contains("run continues").then_some(())
+    });
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &serde_json::json!({})).status, 202);
+    service.wait_for(id, "stopped");
+}
+
+#[test]
+fn a_run_whose_supervisor_is_killed_is_not_started_again() {
+    let service = Service::start(&[]);
+    let id = service.submit(&endless());
+    service.wait_for(id, "running");
+    let supervisor = process(&service, id, 1);
+    let lock = service.folder(id).join("results/run.lock");
+    let run = service.wait("the run has its lock", |_| {
+        fs::read_to_string(&lock).ok()?.trim().parse::<u32>().ok()
+    });
+    send(supervisor, Signal::KILL);
+    std::thread::sleep(Duration::from_secs(2)); // several turns of the loop
+    let job = service.job(id);
+    assert_eq!((job["state"].as_str(), job["attempt"].as_i64()), (Some("running"), Some(1)));
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &serde_json::json!({})).status, 202);
+    service.wait_for(id, "stopped");
+    assert!(!std::path::Path::new(&format!("/proc/{run}/cwd")).exists());
+}
+
+#[test]
+fn two_services_do_not_share_a_folder() {
+    let service = Service::start(&[]);
+    let second = service.command(&["serve", "--listen", "127.0.0.1:0"]);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&second.stderr).contains("another service"), "{second:?}");
+}

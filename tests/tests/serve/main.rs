@@ -1,0 +1,8 @@
+//! The service.
+
+mod attacks;
+mod commands;
+mod interface;
+mod jobs;
+mod kills;
+mod slurm;

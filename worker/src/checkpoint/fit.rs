@@ -1,0 +1,231 @@
+//! Checks that the files of a checkpoint are a state of a job: that of its mesh, with its parts,
+//! bodies, walls, ties and interfaces. The sums of the files do not show that: a program with a
+//! fault writes wrong contents with right sums.
+
+use super::Piece;
+use crate::engine::checkpoint::CommonState;
+use crate::fem::blocks::Block;
+use crate::fem::elements::build_block;
+use crumple_proto::checkpoint::{Captured, FileRecord, read};
+use crumple_proto::ids::{ElemId, NodeId, SegmentId};
+use crumple_proto::mesh::OwnSection;
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::wire;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The job and its mesh at time 0.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// Settings of the job.
+    pub settings: &'a Settings,
+    /// All elements, in ascending id.
+    pub elements: &'a [ElementRecord],
+    /// All nodes, in ascending id.
+    pub nodes: &'a [NodeRecord],
+}
+
+/// The state that a checkpoint should have.
+#[derive(Clone, Copy)]
+pub struct Expected {
+    /// The cycle and what the master had received until then.
+    pub captured: Captured,
+    /// Number of elements.
+    pub elements: usize,
+}
+
+/// Reads all files of a checkpoint and checks that they are a state of a job.
+///
+/// # Errors
+/// They are not; the message names the file.
+pub fn verify(
+    folder: &Path,
+    common: &FileRecord,
+    pieces: &[FileRecord],
+    source: Source<'_>,
+    expected: Expected,
+) -> Result<(), String> {
+    let named = |record: &FileRecord| {
+        let path = folder.join(&record.name);
+        move |why: String| format!("{}: {why}", path.display())
+    };
+    let mut fit = Fit::new(source);
+    let words = read(folder, common)?;
+    fit.add_common(&words, &expected.captured).map_err(named(common))?;
+    for record in pieces {
+        let words = read(folder, record)?;
+        fit.add_piece(&words).map_err(named(record))?;
+    }
+    fit.finish(expected.elements).map_err(|why| format!("{}: {why}", folder.display()))
+}
+
+/// Returns the common state of these words.
+///
+/// # Errors
+/// They are none, or that of another time: the reason.
+pub fn read_common(words: &[u64], captured: &Captured) -> Result<CommonState, String> {
+    let common: CommonState = wire::decode(words).ok_or("it is no common state")?;
+    common.clock.fit(captured)?;
+    Ok(common)
+}
+
+/// The contents of a checkpoint that were checked so far.
+pub struct Fit<'a> {
+    source: Source<'a>,
+    /// Number of columns by part and shape, of the kinds so far.
+    columns: BTreeMap<(u32, u8), usize>,
+    ids: Vec<ElemId>,
+}
+
+impl<'a> Fit<'a> {
+    /// Prepares the check.
+    pub fn new(source: Source<'a>) -> Self {
+        Self { source, columns: BTreeMap::new(), ids: Vec::new() }
+    }
+
+    /// Checks the common state.
+    ///
+    /// # Errors
+    /// It is not that of the job: the reason.
+    pub fn add_common(&self, words: &[u64], captured: &Captured) -> Result<(), String> {
+        read_common(words, captured)?.fit(self.source.settings)
+    }
+
+    /// Checks the file of a worker.
+    ///
+    /// # Errors
+    /// It is not one of the job: the reason.
+    pub fn add_piece(&mut self, words: &[u64]) -> Result<(), String> {
+        let piece = Piece::new(words)?;
+        piece.own.fit(self.source.settings)?;
+        fit_columns(self.source.settings, &piece.share.elements, &mut self.columns)?;
+        for (element, _) in &piece.share.elements {
+            self.fit_element(element)?;
+        }
+        for node in &piece.share.nodes {
+            self.fit_node(node)?;
+        }
+        let means: BTreeSet<NodeId> = piece.share.means.iter().map(|mean| mean.id).collect();
+        let wanted = if self.source.settings.subcycles > 1 { piece.share.nodes.len() } else { 0 };
+        if means.len() != wanted || piece.share.means.len() != wanted {
+            let count = means.len();
+            return Err(format!("it has mean velocities of {count} nodes instead of {wanted}"));
+        }
+        let knows = |id: NodeId| self.node(id).is_some();
+        let is_face =
+            |id: SegmentId| self.element(id.elem()).is_some_and(|e| has_face(e, id.0 % 8));
+        for (&node, list) in &piece.share.memories {
+            if !list.iter().all(|history| history.is_valid(node, knows, is_face)) {
+                return Err(format!("node {node} has a contact history that is not valid"));
+            }
+        }
+        self.ids.extend(piece.share.elements.iter().map(|(e, _)| e.id));
+        Ok(())
+    }
+
+    /// Checks that each element was there once.
+    ///
+    /// # Errors
+    /// One was there twice, or the number is another one: the reason.
+    pub fn finish(mut self, elements: usize) -> Result<(), String> {
+        self.ids.sort_unstable();
+        if let Some(twice) = self.ids.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(format!("it has element {} twice", twice[0]));
+        }
+        if self.ids.len() == elements {
+            return Ok(());
+        }
+        Err(format!("it has {} of {elements} elements", self.ids.len()))
+    }
+
+    fn element(&self, id: ElemId) -> Option<&'a ElementRecord> {
+        let all = self.source.elements;
+        Some(&all[all.binary_search_by_key(&id, |e| e.id).ok()?])
+    }
+
+    fn node(&self, id: NodeId) -> Option<&'a NodeRecord> {
+        let all = self.source.nodes;
+        Some(&all[all.binary_search_by_key(&id, |n| n.id).ok()?])
+    }
+
+    fn fit_element(&self, e: &ElementRecord) -> Result<(), String> {
+        let Some(known) = self.element(e.id) else {
+            return Err(format!("the job has no element {}", e.id));
+        };
+        let bits = |own: OwnSection| (own.thickness.to_bits(), own.offset.map(f64::to_bits));
+        let differs = if (e.part, e.shape) != (known.part, known.shape) {
+            "another part or shape"
+        } else if e.nodes != known.nodes {
+            "other nodes"
+        } else if bits(e.own) != bits(known.own) {
+            "another thickness or offset"
+        } else if u32::from(e.free_faces & !known.free_faces) >> e.shape.faces().len() != 0 {
+            "faces that do not exist"
+        } else if e.slow != known.slow {
+            "other subcycles"
+        } else if e.mass_factor.to_bits() != known.mass_factor.to_bits()
+            || e.share.to_bits() != known.share.to_bits()
+            || e.stable_dt.to_bits() != known.stable_dt.to_bits()
+        {
+            "another mass or stable step"
+        } else {
+            return Ok(());
+        };
+        Err(format!("element {} has {differs}", e.id))
+    }
+
+    fn fit_node(&self, n: &NodeRecord) -> Result<(), String> {
+        let Some(known) = self.node(n.id) else {
+            return Err(format!("the job has no node {}", n.id));
+        };
+        if n.x0.map(f64::to_bits) != known.x0.map(f64::to_bits) {
+            return Err(format!("node {} has another place at time 0", n.id));
+        }
+        let all = [n.x, n.seen, n.v, n.w];
+        let is_finite = all.as_flattened().iter().all(|a| a.is_finite());
+        let masses = [n.mass, n.inertia];
+        if !is_finite || masses.iter().any(|m| !m.is_finite() || *m < 0.0) {
+            return Err(format!(
+                "node {} has a state that is not finite, or a negative mass",
+                n.id
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn has_face(element: &ElementRecord, face: u64) -> bool {
+    face < element.shape.faces().len() as u64
+}
+
+/// Checks that the elements are those of parts of the job, with their columns. `known` are the
+/// numbers of columns of the kinds so far.
+pub(super) fn fit_columns(
+    settings: &Settings,
+    elements: &[(ElementRecord, Vec<f64>)],
+    known: &mut BTreeMap<(u32, u8), usize>,
+) -> Result<(), String> {
+    for (e, columns) in elements {
+        let kind = (e.part, e.shape as u8);
+        let wanted = match known.get(&kind) {
+            Some(&wanted) => wanted,
+            None => {
+                let built = (e.part as usize) < settings.parts.len();
+                let built = built.then(|| build_block(settings, e.part as usize, e.shape));
+                let Some(Ok(element)) = built else {
+                    return Err(format!("element {} belongs to no part of the job", e.id));
+                };
+                known.insert(kind, Block::columns_of(&*element));
+                known[&kind]
+            }
+        };
+        if columns.len() != wanted {
+            return Err(format!(
+                "element {} has {} columns, and the element of its part has {wanted}",
+                e.id,
+                columns.len()
+            ));
+        }
+    }
+    Ok(())
+}
