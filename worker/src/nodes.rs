@@ -2,7 +2,9 @@
 //! This worker integrates them, also those that other workers share; all compute the same bits.
 //! The rest are ghost nodes: copies that contact needs.
 
+use crate::math::lanes::Lane;
 use crate::math::row::{Row, row, xyz};
+use crate::math::vector_range::VectorRange;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
@@ -53,6 +55,10 @@ pub struct Nodes {
     pub x: Vec<Row>,
     /// Coordinates at the last update of folds, in the same cycle on all workers [length].
     pub seen: Vec<Row>,
+    /// Displacements of local nodes in the last step by their velocities, and further
+    /// displacements of the members of rigid bodies; zero, if there are any, stands for all other
+    /// nodes [length].
+    pub displacements: [VectorRange; 2],
     /// Velocities at the last mid-step [length/time].
     pub v: Vec<Row>,
     /// Rotational velocities at the last mid-step [1/time].
@@ -153,6 +159,8 @@ impl Nodes {
             w_next: _,
             force: _,
             moment: _,
+            // After a new partition contact searches again and does not need them.
+            displacements: _,
         } = self;
         NodeRecord {
             id: id[i],
@@ -187,9 +195,13 @@ impl Nodes {
     /// Moves local nodes to the next time, by the step `dt` [time].
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
-        for (x, v) in self.x[..self.local_count].iter_mut().zip(&self.v) {
-            (0..4).for_each(|c| x[c] += dt * v[c]);
-        }
+        let (x, v) = (&mut self.x[..self.local_count], &self.v[..self.local_count]);
+        let moved = VectorRange::of(x.len(), |i| {
+            let by = Lane::splat(dt) * Lane::new(v[i]);
+            x[i] = (Lane::new(x[i]) + by).to_array();
+            by
+        });
+        self.displacements = [moved, VectorRange::default()];
         let turning = self.local_count.min(self.w_next.len());
         self.w[..turning].swap_with_slice(&mut self.w_next[..turning]);
     }

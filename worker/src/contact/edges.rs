@@ -255,9 +255,9 @@ impl Edges {
             let (slave, met) = (edge(i), edge(other));
             let [j, k] = met.nodes;
             let may_meet = (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
-                && are_within(slave, met, nodes, reach)
                 && !lines.has_adjacent(slave, surface, &met.nodes)
                 && !lines.has_adjacent(met, surface, &slave.nodes)
+                && are_within(slave, met, nodes, reach)
                 && !joined.excludes(slave.nodes[0], &[slave.nodes[1], j, k, k])
                 && !joined.are_tied(slave.nodes[1], &[j, k, k, k])
                 && lines.interface([slave, met], surface).is_some();
@@ -276,8 +276,6 @@ impl Edges {
         if self.found.is_empty() {
             return;
         }
-        let spheres: Vec<(V3, f64)> =
-            self.lines.all.iter().map(|e| sphere(&e.ends(&nodes.x))).collect();
         let near = |pair: &[u32; 2]| {
             let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
             let most = |sum| surface.interfaces.most(sum);
@@ -286,9 +284,7 @@ impl Edges {
             let deepest =
                 if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
             let reach = near.max(deepest) + step + surface.shift_reach();
-            let [one, two] = pair.map(|i| spheres[i as usize]);
-            let is_near = !are_farther(one, two, reach + skin)
-                && a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
+            let is_near = a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
                 && are_within(a, b, nodes, reach + skin);
             is_near.then_some(EdgeCandidate { edges: *pair, reach, due: path })
         };

@@ -30,6 +30,17 @@ fn limit(half: f64, width: f64) -> f64 {
     (2.0 * SINKS * 2.0 * half / (0.5 * width)).clamp(LEAST, FOLD)
 }
 
+/// Returns half the square of an angle [rad]; one minus it is a lower bound of the cosine.
+fn half_square(angle: f64) -> f64 {
+    0.5 * angle * angle
+}
+
+/// Returns an upper bound of the cosine of this fraction of the least fold angle of shells.
+fn flat_cosine(fraction: f64) -> f64 {
+    let least = half_square(fraction * LEAST);
+    1.0 - least + least * least / 6.0
+}
+
 /// The two outermost arms of an edge.
 #[derive(Clone, Copy, Debug)]
 pub struct FoldWedge {
@@ -207,6 +218,22 @@ impl EdgeTable {
         out
     }
 
+    /// Returns true if an edge of two segments is certainly folded by less than the fraction `by`
+    /// of the angle at which the widest segments expose it. Most edges are; this shows it without
+    /// the unit vectors of the arms.
+    fn is_flat(&self, edge: &Edge, x: &[Row], by: f64) -> bool {
+        /// Margin for round-off.
+        const MARGIN: f64 = 1e-9;
+        let [one, two] = &self.far[edge.first as usize..(edge.first + edge.count) as usize] else {
+            return false;
+        };
+        let axis = Axis::new(edge, x);
+        let [a, b] = [one, two].map(|far| axis.arm(far, x));
+        let along = -a.dot(&b);
+        let limit = flat_cosine(by) + MARGIN;
+        along > 0.0 && along * along > limit * limit * a.norm_squared() * b.norm_squared()
+    }
+
     /// Returns for each fraction in `by` true if the edge is folded by this fraction of the
     /// angle at which it is exposed.
     pub fn is_folded<const N: usize>(
@@ -218,6 +245,9 @@ impl EdgeTable {
     ) -> [bool; N] {
         if matches!(edge.kind, Kind::Rim | Kind::Beam) {
             return [true; N];
+        }
+        if edge.kind == Kind::Fold && self.is_flat(edge, x, by.into_iter().fold(1.0, f64::min)) {
+            return [false; N];
         }
         let Some(FoldWedge { arms: [a, b], width }) = self.wedge(edge, x) else {
             return [false; N];
@@ -233,10 +263,8 @@ impl EdgeTable {
         by.map(|fraction| {
             // Most folds are flatter or sharper than any limit. Bounds of the cosine identify
             // them without evaluating it.
-            let [least, most] =
-                [LEAST, FOLD].map(|angle| 0.5 * (fraction * angle) * (fraction * angle));
-            let flat = turned >= 1.0 - least + least * least / 6.0;
-            let sharp = turned < 1.0 - most;
+            let flat = turned >= flat_cosine(fraction);
+            let sharp = turned < 1.0 - half_square(fraction * FOLD);
             !flat && (sharp || turned < (fraction * limit(edge.half, width)).cos())
         })
     }

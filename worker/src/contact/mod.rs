@@ -45,6 +45,7 @@ mod travel;
 use crate::energy::{ContactWork, Work};
 use crate::math::lanes::Lane;
 use crate::math::row::{Row, V3, row, xyz};
+use crate::math::vector_range::VectorRange;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -64,7 +65,7 @@ use search::{SEARCHES, Search};
 use solver::ContactSolver;
 use surface::{Segment, Surface};
 use surroundings::{Exclusions, Peers, VelocityConstraint};
-use travel::{Travel, spread};
+use travel::Travel;
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
@@ -172,7 +173,7 @@ impl Contact {
             candidates: Vec::new(),
             near_list: NearList::default(),
             projected_pairs: ProjectedPairs::default(),
-            motion_since_near_list: Travel::since(&[]),
+            motion_since_near_list: Travel::none(),
             motion_before_near_list: 0.0,
             stiffness: Vec::new(),
             history_start: Vec::new(),
@@ -338,7 +339,8 @@ impl Contact {
         (time, dt): (f64, f64),
         stable: f64,
     ) {
-        let spread = spread(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
+        let velocities = VectorRange::of(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
+        let spread = velocities.diameter();
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.
         let fast = stable * spread > self.surface.thinnest;
@@ -381,7 +383,7 @@ impl Contact {
             moved <= self.near_list.skin && step <= self.near_list.step && !used_up
         };
         if fresh {
-            self.motion_since_near_list.advance(&nodes.x);
+            self.motion_since_near_list.advance(nodes);
             if !is_valid(self.motion_since_near_list.bound()) {
                 self.motion_since_near_list.fit(&nodes.x);
             }
@@ -394,7 +396,7 @@ impl Contact {
             }
             return;
         }
-        self.motion_since_near_list.restart(&nodes.x);
+        self.motion_since_near_list.restart(nodes);
         self.motion_before_near_list += moved;
         let spheres: Vec<Sphere> =
             self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();

@@ -6,7 +6,9 @@ use crate::contact::geometry::{Nearest, nearest, nearest_on_line};
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
 use crate::fem::blocks::LocalElement;
+use crate::math::lanes::Lane;
 use crate::math::row::{Row, V3, xyz};
+use crate::math::vector_range::VectorRange;
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, SegmentId};
@@ -476,13 +478,9 @@ impl Surface {
     /// Returns the largest velocity components of the slaves, then the largest of their
     /// negatives; minus infinity if there are no slaves [length/time].
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
-        let mut range = [f64::NEG_INFINITY; 6];
-        for v in self.slaves.iter().map(|&i| &nodes.v[i as usize]) {
-            for c in 0..3 {
-                (range[c], range[3 + c]) = (range[c].max(v[c]), range[3 + c].max(-v[c]));
-            }
-        }
-        range
+        let slave = |k: usize| Lane::new(nodes.v[self.slaves[k] as usize]);
+        let [low, high] = VectorRange::of(self.slaves.len(), slave).bounds();
+        std::array::from_fn(|c| if c < 3 { high[c] } else { -low[c - 3] })
     }
 
     /// Collects the slaves: owned nodes on the surface.

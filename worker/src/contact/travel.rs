@@ -6,51 +6,61 @@
 //! ([`Travel::path`]). The residual of a rigid motion is smaller for bodies that rotate and for
 //! nodes that vibrate; it is fitted only if the path does not suffice.
 
-use crate::math::lanes::{Lane, Real};
+use crate::math::lanes::Lane;
 use crate::math::rigid_motion::MotionTracker;
 use crate::math::row::Row;
+use crate::nodes::Nodes;
+
+/// Largest ratio of the bound after a fit to the bound before it for which the fit had an effect.
+const EFFECT: f64 = 0.9;
+/// Largest number of fits in succession that are left out.
+const MOST_LEFT_OUT: u32 = 15;
 
 /// Motion of nodes since a reference time.
 #[derive(Debug)]
 pub struct Travel {
     tracker: MotionTracker,
-    /// Positions at the last call of [`Travel::advance`] [length].
-    before: Vec<Row>,
+    /// Positions of the ghosts at the last call of [`Travel::advance`] [length].
+    ghosts: Vec<Row>,
     /// Sum of the largest relative displacements of the steps [length].
     path: f64,
     /// Bound by the last fit of a rigid motion, and the path at that time [length].
     fitted: f64,
     path_at_fit: f64,
+    /// Number of fits to be left out, and number of fits that were left out after the last one
+    /// that did not lower the bound.
+    left_out: [u32; 2],
 }
 
 impl Travel {
-    /// Starts at the positions `x`.
-    pub fn since(x: &[Row]) -> Self {
-        let (tracker, before) = (MotionTracker::since(x), x.to_vec());
-        Self { tracker, before, path: 0.0, fitted: 0.0, path_at_fit: 0.0 }
+    /// Starts without nodes.
+    pub fn none() -> Self {
+        let (tracker, ghosts) = (MotionTracker::since(&[]), Vec::new());
+        Self { tracker, ghosts, path: 0.0, fitted: 0.0, path_at_fit: 0.0, left_out: [0; 2] }
     }
 
-    /// Restarts at the positions `x`.
-    pub fn restart(&mut self, x: &[Row]) {
-        self.tracker.restart(x, Vec::new());
-        self.before.clear();
-        self.before.extend_from_slice(x);
+    /// Restarts at the present positions.
+    pub fn restart(&mut self, nodes: &Nodes) {
+        self.tracker.restart(&nodes.x, Vec::new());
+        self.ghosts.clear();
+        self.ghosts.extend_from_slice(&nodes.x[nodes.local_count..]);
         (self.path, self.fitted, self.path_at_fit) = (0.0, 0.0, 0.0);
     }
 
     /// Returns the bytes in use.
     pub fn bytes(&self) -> usize {
-        self.tracker.bytes() + size_of_val(&self.before[..])
+        self.tracker.bytes() + size_of_val(&self.ghosts[..])
     }
 
-    /// Adds the motion to `x`, the present positions of the same nodes, to the path.
-    pub fn advance(&mut self, x: &[Row]) {
-        let (count, before) = (x.len().min(self.before.len()), &mut self.before);
-        self.path += spread(count, |i| {
-            let moved = Lane::new(x[i]) - Lane::new(before[i]);
-            before[i] = x[i];
-            moved
-        });
+    /// Adds the motion of the last step to the path. Call it once in each step: the displacements
+    /// of local nodes are those of [`Nodes::displacements`].
+    pub fn advance(&mut self, nodes: &Nodes) {
+        let [mut moved, corrected] = nodes.displacements;
+        for (x, before) in nodes.x[nodes.local_count..].iter().zip(&mut self.ghosts) {
+            moved.include(Lane::new(*x) - Lane::new(*before));
+            *before = *x;
+        }
+        self.path += moved.diameter() + corrected.diameter();
     }
 
     /// Returns the path: no two nodes have moved farther against each other since the start
@@ -65,37 +75,28 @@ impl Travel {
         self.fitted + (self.path - self.path_at_fit)
     }
 
-    /// Lowers [`Travel::bound`] by a fit of the rigid motion to `x`, the present positions.
+    /// Lowers [`Travel::bound`] by a fit of the rigid motion to `x`, the present positions. After
+    /// a fit without much effect, more and more calls do nothing: bodies that are crushed do not
+    /// move like a rigid body, and later fits will hardly help either.
     pub fn fit(&mut self, x: &[Row]) {
-        self.fitted = self.bound().min(2.0 * self.tracker.update(x).residual);
+        let [due, last] = &mut self.left_out;
+        if *due > 0 {
+            *due -= 1;
+            return;
+        }
+        let before = self.fitted + (self.path - self.path_at_fit);
+        self.fitted = before.min(2.0 * self.tracker.update(x).residual);
         self.path_at_fit = self.path;
+        *last = if self.fitted < EFFECT * before { 0 } else { (2 * *last + 1).min(MOST_LEFT_OUT) };
+        *due = *last;
     }
-}
-
-/// Returns an upper bound of the difference of any two of the `count` vectors that `at` returns.
-pub fn spread(count: usize, mut at: impl FnMut(usize) -> Lane) -> f64 {
-    /// Number of bounds that are kept apart: each comparison waits for the last one of its bound.
-    const APART: usize = 4;
-    let (mut low, mut high) =
-        ([Lane::splat(f64::INFINITY); APART], [Lane::splat(f64::NEG_INFINITY); APART]);
-    // Numbers that are not finite are left out: the step that computed them ends the run.
-    let mut extend = |k: usize, v: Lane| {
-        (low[k], high[k]) = (Real::min(v, low[k]), Real::max(v, high[k]));
-    };
-    let whole = count - count % APART;
-    for i in (0..whole).step_by(APART) {
-        (0..APART).for_each(|k| extend(k, at(i + k)));
-    }
-    (whole..count).for_each(|i| extend(0, at(i)));
-    let low = low.into_iter().reduce(Real::min).map_or([0.0; 4], |low| low.to_array());
-    let high = high.into_iter().reduce(Real::max).map_or([0.0; 4], |high| high.to_array());
-    let size = |c: usize| (high[c] - low[c]).max(0.0);
-    (size(0) * size(0) + size(1) * size(1) + size(2) * size(2)).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::row::row;
+    use crate::testing::nodes_at;
     use nalgebra::{Rotation3, Vector3};
 
     /// Two points of a body that rotates do not move against each other, but their path is long.
@@ -105,25 +106,39 @@ mod tests {
             .map(f64::from)
             .map(|a| Vector3::new(a.sin(), (1.7 * a).cos(), (0.3 * a).sin()))
             .collect();
-        let turned = |angle: f64, dent: f64| -> Vec<Row> {
+        let turned = |angle: f64, dent: f64| {
             let turn = Rotation3::from_euler_angles(0.0, 0.0, angle);
-            let mut x: Vec<Row> =
-                points.iter().map(|p| turn * p).map(|p| [p.x, p.y, p.z, 0.0]).collect();
+            let mut x: Vec<[f64; 3]> = points.iter().map(|p| (turn * p).into()).collect();
             x[7][2] += dent;
             x
         };
-        let mut travel = Travel::since(&turned(0.0, 0.0));
+        let mut nodes = nodes_at(&turned(0.0, 0.0));
+        let mut travel = Travel::none();
+        // The first nodes are local and move by their velocities, the others are ghosts.
+        nodes.local_count = 12;
+        travel.restart(&nodes);
+        let mut step = |travel: &mut Travel, angle: f64, dent: f64| {
+            let to = turned(angle, dent);
+            for (i, to) in to.iter().enumerate() {
+                nodes.v_next[i] = row(std::array::from_fn(|c| to[c] - nodes.x[i][c]));
+            }
+            nodes.advance(1.0);
+            (12..to.len()).for_each(|i| nodes.x[i] = row(to[i]));
+            travel.advance(&nodes);
+            nodes.x.clone()
+        };
         for i in 1..=10 {
-            travel.advance(&turned(0.1 * f64::from(i), 0.0));
+            step(&mut travel, 0.1 * f64::from(i), 0.0);
         }
         let path = travel.path();
         let width = points.iter().map(|p| p.xy().norm()).fold(0.0, f64::max);
         assert!(path >= width && travel.bound() == path, "no node moves less than the path");
-        travel.fit(&turned(1.0, 0.0));
-        assert!(travel.bound() < 1e-12 && travel.path() == path, "{}", travel.bound());
-        travel.advance(&turned(1.0, 0.25));
+        let x = step(&mut travel, 1.0, 0.0);
+        travel.fit(&x);
+        assert!(travel.bound() < 1e-12 && travel.path() - path < 1e-12, "{}", travel.bound());
+        step(&mut travel, 1.0, 0.25);
         assert!((travel.bound() - 0.25).abs() < 1e-12, "{}", travel.bound());
-        travel.restart(&turned(1.0, 0.25));
+        travel.restart(&nodes);
         assert_eq!([travel.path(), travel.bound()], [0.0; 2]);
     }
 }

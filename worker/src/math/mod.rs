@@ -3,3 +3,4 @@
 pub mod lanes;
 pub mod rigid_motion;
 pub mod row;
+pub mod vector_range;
