@@ -225,9 +225,11 @@ fn a_lost_run_starts_again_from_its_own_checkpoint_and_with_its_changes() {
     assert!(restart["changes"].to_string().contains("time.damping"), "{restart}");
 }
 
-/// Returns `deploy/run.sh` on a job that takes long, with the binary of the tests.
+/// Returns `deploy/run.sh` on a job that takes long, with the binary of the tests. A shell cannot
+/// trap a signal that it ignores from its start, like SIGINT in processes in the background.
 fn run_script(out: &Path) -> Command {
-    let mut command = Command::new("deploy/run.sh");
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT", "deploy/run.sh"]);
     command.args(["cases/jeep-frame", "--quiet", "--no-report", "--out"]).arg(out);
     command.env("CRUMPLE", crumple()).env("WORKERS", "3");
     command
