@@ -28,11 +28,14 @@ missing() {
     echo "test: WARNING: $*; tests that need it are skipped" >&2
 }
 
+# Packages of Python that tests import.
+packages="dynars, lasso, pandas, pyvista, requests"
+
 # Prints the path of a Python with pyvista: that in PATH, or one in .venv, which is made if needed.
 python_with_vtk() {
     local python
     for python in "$(command -v python3)" "$PWD/.venv/bin/python"; do
-        if [[ -x $python ]] && "$python" -c 'import dynars, lasso, pyvista' 2>/dev/null; then
+        if [[ -x $python ]] && "$python" -c "import $packages" 2>/dev/null; then
             echo "$python"
             return 0
         fi
@@ -45,7 +48,7 @@ python_with_vtk() {
     if ! .venv/bin/python -c 'import pyvista' 2>/dev/null; then
         crumple_install libgl1 libxrender1 || return 1
     fi
-    .venv/bin/python -c 'import dynars, lasso, pyvista' >&2 || return 1
+    .venv/bin/python -c "import $packages" >&2 || return 1
     echo "$PWD/.venv/bin/python"
 }
 

@@ -112,6 +112,9 @@ impl Service {
         let errors = said.try_clone().expect("a second handle");
         let mut command = Command::new(crumple());
         command.arg("serve").arg("--dir").arg(self.dir()).args(["--listen", "127.0.0.1:0"]);
+        if !self.options.iter().any(|option| option.starts_with("--disk-limit")) {
+            command.arg("--disk-limit=0"); // the machine of the tests may be nearly full
+        }
         command.args(&self.options).current_dir(root()).process_group(0);
         command.stdin(Stdio::null()).stdout(said).stderr(errors);
         if let Some(path) = &self.path {
@@ -122,7 +125,7 @@ impl Service {
             service.said().contains("#token=").then_some(())
         });
         let access: Value = serde_json::from_slice(&fs::read(&access).unwrap()).unwrap();
-        self.host = access["address"].as_str().unwrap().replace("http://", "");
+        self.host = access["address"].as_str().unwrap().rsplit('/').next().unwrap().into();
         self.token = access["token"].as_str().unwrap().into();
     }
 

@@ -56,9 +56,17 @@ pub struct ServeArgs {
     /// workers are threads on one node].
     #[arg(long, value_name = "COMMAND")]
     pub slurm_launcher: Option<String>,
-    /// Largest submission [MB].
+    /// Largest submission, and most bytes of an unpacked archive [MB].
     #[arg(long, value_name = "MB", default_value_t = 2000)]
     pub max_upload: u64,
+    /// Space that submissions leave free on the disk of the folder [GB] [default: 5 % of it, and at
+    /// least 2].
+    #[arg(long, value_name = "GB")]
+    pub disk_limit: Option<f64>,
+    /// Time in which a client has to take each 64 kB of an answer before it is disconnected [s].
+    #[arg(long, value_name = "S", default_value_t = 60)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    pub stall_limit: u64,
     /// Requests per second of one token.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub rate: u32,
@@ -110,16 +118,25 @@ pub struct ServerArgs {
     /// Folder of a service on this machine; its address and token are read from there.
     #[arg(long, value_name = "DIR", default_value = SERVICE_DIR)]
     pub dir: PathBuf,
+    /// Certificates in PEM that the command trusts if the address begins with https, such as that of
+    /// a private authority [default: those of public authorities].
+    #[arg(long, value_name = "FILE")]
+    pub ca: Option<PathBuf>,
 }
 
 /// `crumple submit`.
 #[derive(Args, Clone, Debug)]
 pub struct SubmitArgs {
-    /// A .toml job file, a deck, or a folder: all files in it are sent.
+    /// A .toml job file, a deck, a folder, all files of which are sent, or an archive (.zip, .tar,
+    /// .tar.gz, .tgz), which the service unpacks.
     pub job: PathBuf,
     /// Further files: meshes, and what decks include. They keep their paths below the folder of the
     /// job.
     pub files: Vec<PathBuf>,
+    /// Job file or deck in the folder or the archive [default: its job.toml, its only .toml file or
+    /// its only deck].
+    #[arg(long, value_name = "FILE")]
+    pub main: Option<String>,
     /// Name of the job [default: that of its file].
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,

@@ -28,7 +28,7 @@ pub fn submit(args: &SubmitArgs) -> u8 {
         let files = upload::files(&args.job, &args.files)?;
         let options = Submission {
             name: args.name.clone().unwrap_or_default(),
-            job: files.main.clone(),
+            job: args.main.clone().unwrap_or_else(|| files.main.clone()),
             workers: Some(args.workers),
             launcher: args.launcher.clone().unwrap_or_default(),
             priority: args.priority,

@@ -10,6 +10,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use ureq::http::Response;
+use ureq::tls::{PemItem, RootCerts, TlsConfig, parse_pem};
 use ureq::{Agent, Body, SendBody};
 
 /// Longest time for a connection.
@@ -43,12 +44,12 @@ impl Server {
                 (access.address, access.token)
             }
         };
-        if address.starts_with("https:") {
-            return Err("the commands speak plain HTTP: forward the port, as in ssh -L \
-                        8787:127.0.0.1:8787 HOST, and give --server http://127.0.0.1:8787"
-                .into());
-        }
+        let tls = match &args.ca {
+            Some(path) => trusting(path)?,
+            None => TlsConfig::default(),
+        };
         let config = Agent::config_builder()
+            .tls_config(tls)
             .http_status_as_error(false)
             .timeout_connect(Some(CONNECT_WITHIN))
             .build();
@@ -149,6 +150,25 @@ impl Server {
             std::fs::rename(&part, to)
         };
         copy().map_err(|error| format!("{}: {error}", to.display()))
+    }
+}
+
+/// Returns settings of TLS that trust the certificates of a file, and no others.
+fn trusting(path: &Path) -> Result<TlsConfig, String> {
+    let named = |why: &dyn std::fmt::Display| format!("{}: {why}", path.display());
+    let text = std::fs::read(path).map_err(|error| named(&error))?;
+    let mut certificates = Vec::new();
+    for item in parse_pem(&text) {
+        if let PemItem::Certificate(certificate) = item.map_err(|error| named(&error))? {
+            certificates.push(certificate);
+        }
+    }
+    match certificates.is_empty() {
+        true => Err(named(&"it has no certificate in PEM")),
+        false => {
+            let roots = RootCerts::new_with_certs(&certificates);
+            Ok(TlsConfig::builder().root_certs(roots).build())
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The files of a job, and their way to the service.
 
 use super::server::Server;
+use crate::serve::ArchiveFormat;
 use crate::serve::api::{Job, Submission};
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -13,14 +14,24 @@ pub struct Files {
     pub main: String,
     /// Path in the job, and file.
     pub all: Vec<(String, PathBuf)>,
+    /// Name of the parts of the form: `file`, or `archive` for one that the service unpacks.
+    part: &'static str,
 }
 
-/// Returns the files that belong to a job: those of its folder, or the job file and further files.
+/// Returns the files that belong to a job: those of its folder, the job file and further files, or
+/// an archive.
 ///
 /// # Errors
 /// One cannot be read, or lies outside the folder of the job.
 pub fn files(job: &Path, further: &[PathBuf]) -> Result<Files, String> {
     let named = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
+    if let Some(name) = archive_name(job) {
+        if !further.is_empty() {
+            return Err(format!("{}: an archive has all files of the job", job.display()));
+        }
+        let all = vec![(name, job.to_path_buf())];
+        return Ok(Files { main: String::new(), all, part: "archive" });
+    }
     let folder = if job.is_dir() { job } else { job.parent().unwrap_or(Path::new("")) };
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let base = std::fs::canonicalize(here).map_err(|error| named(here, error))?;
@@ -57,7 +68,13 @@ pub fn files(job: &Path, further: &[PathBuf]) -> Result<Files, String> {
     }
     all.sort();
     all.dedup();
-    Ok(Files { main, all })
+    Ok(Files { main, all, part: "file" })
+}
+
+/// Returns the file name of an archive; none if the path is another file or a folder.
+fn archive_name(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_string_lossy().into_owned();
+    (ArchiveFormat::of_name(&name).is_some() && !path.is_dir()).then_some(name)
 }
 
 /// Submits a job as `multipart/form-data`. `ureq` has such a form too, but writes names of files as
@@ -76,8 +93,9 @@ pub fn send(server: &Server, options: &Submission, files: &Files) -> Result<Job,
         let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let name = name.replace('"', "%22").replace(['\r', '\n'], " ");
         let head = format!(
-            "--{boundary}\r\nContent-Disposition: form-data; name=\"file\"; filename=\"{name}\"\r\n\
-             Content-Type: application/octet-stream\r\n\r\n"
+            "--{boundary}\r\nContent-Disposition: form-data; name=\"{}\"; filename=\"{name}\"\r\n\
+             Content-Type: application/octet-stream\r\n\r\n",
+            files.part
         );
         body = Box::new(body.chain(Cursor::new(head)).chain(file).chain(Cursor::new("\r\n")));
     }
@@ -109,5 +127,8 @@ mod tests {
         let why = files(&folder, &[dir.path().join("other")]).unwrap_err();
         assert!(why.contains("below the folder"), "{why}");
         assert!(files(&folder.join("absent.toml"), &[]).is_err());
+        let archive = files(&folder.join("a.TGZ"), &[]).unwrap();
+        assert_eq!((names(&archive), archive.part), (vec!["a.TGZ".into()], "archive"));
+        assert!(files(&folder.join("a.zip"), &[folder.join("job.toml")]).is_err());
     }
 }

@@ -56,6 +56,12 @@ impl Attempt {
         }
     }
 
+    /// Notes that a request to stop has arrived: a second one would end the run at once.
+    pub fn note_stop(&self) {
+        // Without it the service asks again.
+        let _ = writeln!(&self.file, "stopping");
+    }
+
     /// Writes the exit code. The lock ends with the process.
     pub fn end(mut self, code: u8) {
         // Without it the run counts as lost, and the summary says how it ended.
@@ -88,6 +94,17 @@ pub fn look(path: &Path) -> io::Result<State> {
     })
 }
 
+/// Returns true if a request to stop has arrived at the process of an attempt.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn is_stopping(path: &Path) -> io::Result<bool> {
+    match fs::read_to_string(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+        text => Ok(text?.lines().any(|line| line == "stopping")),
+    }
+}
+
 /// Withdraws an attempt that no process has claimed. Returns its state afterwards.
 ///
 /// # Errors
@@ -117,6 +134,10 @@ mod tests {
         assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
         assert_eq!(withdraw(&path).unwrap(), State::Running(std::process::id()));
         assert!(Attempt::claim(&path).is_err_and(|why| why.contains("nothing is run")));
+        assert!(!is_stopping(&path).unwrap());
+        attempt.note_stop();
+        assert!(is_stopping(&path).unwrap());
+        assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
         drop(attempt); // as after a kill
         assert_eq!(look(&path).unwrap(), State::Lost);
         std::fs::write(&path, "pid 1\ncode 130\n").unwrap();

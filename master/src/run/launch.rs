@@ -48,16 +48,16 @@ pub fn run(args: &RunArgs) -> u8 {
             return Report::EXIT_CODE;
         }
     };
-    let code = run_or_supervise(args);
+    let code = run_or_supervise(args, attempt.as_ref());
     if let Some(attempt) = attempt {
         attempt.end(code);
     }
     code
 }
 
-fn run_or_supervise(args: &RunArgs) -> u8 {
+fn run_or_supervise(args: &RunArgs, attempt: Option<&Attempt>) -> u8 {
     if let Some(retries) = args.retries.filter(|_| !launched_by_mpi()) {
-        return supervise::run(args, retries);
+        return supervise::run(args, retries, attempt);
     }
     #[cfg(feature = "mpi")]
     if launched_by_mpi() {

@@ -3,6 +3,7 @@
 
 use crate::cli::RunArgs;
 use crate::input::job::Report;
+use crate::run::attempt::Attempt;
 use crate::run::checkpoint::find::{DIR, folders, run_folder};
 use crate::run::checkpoint::manifest::{MANIFEST, Manifest};
 use crate::run::service::Service;
@@ -50,8 +51,9 @@ fn manifest_of(folder: &Path) -> (PathBuf, Option<SystemTime>) {
     (path, written)
 }
 
-/// Runs the job, at most `retries` times more than once. Returns the exit code of the last run.
-pub fn run(args: &RunArgs, retries: u32) -> u8 {
+/// Runs the job, at most `retries` times more than once. Returns the exit code of the last run. The
+/// file of the attempt notes a request to stop.
+pub fn run(args: &RunArgs, retries: u32, attempt: Option<&Attempt>) -> u8 {
     let out = match &args.resume {
         None => args.out_dir(),
         Some(dir) => match run_folder(dir) {
@@ -80,7 +82,8 @@ pub fn run(args: &RunArgs, retries: u32) -> u8 {
         let child = start(args, &out, own.is_some(), workers);
         // Launchers of MPI end their ranks at TERM, but pass on USR2.
         let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
-        let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun));
+        let asked = || attempt.into_iter().for_each(Attempt::note_stop);
+        let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun, asked));
         let status = match ended {
             Ok(status) => status,
             Err(error) => {
@@ -201,12 +204,13 @@ fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io
 /// the second as TERM, at which launchers of MPI end their ranks, all others as KILL to the group
 /// of the process. In its first moments a launcher does not pass on signals: they would end it, and
 /// leave its ranks behind. So before the run `has_begun`, the first request is TERM too, and a
-/// request for a checkpoint waits.
+/// request for a checkpoint waits. `asked` is called at each request to stop.
 fn wait(
     mut child: Child,
     stop: &StopFlag,
     to_stop: Signal,
     has_begun: impl Fn() -> bool,
+    asked: impl Fn(),
 ) -> std::io::Result<ExitStatus> {
     let (mut seen, mut passed_on, mut last) = (0, 0, None::<Instant>);
     let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
@@ -226,6 +230,7 @@ fn wait(
         {
             last = Some(Instant::now());
             passed_on += 1;
+            asked();
             match (passed_on, pid) {
                 (1, _) if has_begun() => send(to_stop),
                 (1 | 2, _) => send(Signal::TERM),

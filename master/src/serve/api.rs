@@ -115,7 +115,8 @@ pub struct Job {
 }
 
 /// A job as it is submitted. As multipart, it is the part `options`, and each file is a part
-/// `file` whose file name is its path; as JSON alone, `files` has all files as text.
+/// `file` whose file name is its path; a part `archive`, whose file name ends in `.zip`, `.tar`,
+/// `.tar.gz` or `.tgz`, is unpacked. As JSON alone, `files` has all files as text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Submission {

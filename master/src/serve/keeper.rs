@@ -22,7 +22,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(300);
 /// Time in which a process has to claim its attempt.
 const CLAIM_WITHIN: Duration = Duration::from_secs(60);
 /// Time after which a run that does not stop is asked again.
-const ASK_AGAIN: Duration = Duration::from_secs(120);
+const ASK_AGAIN: Duration = Duration::from_secs(20);
 /// Longest call of a launcher.
 const LAUNCHER_TIME: Duration = Duration::from_secs(60);
 /// Number of processes of a job that may be lost in a row.

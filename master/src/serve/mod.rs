@@ -6,9 +6,12 @@
 //! the service; nothing of it is in a run.
 
 pub mod api;
+mod archive;
 mod check;
+mod disk;
 mod folder;
 mod http;
+mod intake;
 mod keeper;
 mod launcher;
 mod limits;
@@ -17,6 +20,7 @@ mod start;
 mod store;
 mod tokens;
 
+pub use archive::Format as ArchiveFormat;
 pub use http::openapi::text as openapi;
 pub use start::{ACCESS_FILE, read_access, run};
 pub use tokens::secret;

@@ -1,5 +1,6 @@
 //! Start of the service: options, tokens, address.
 
+use super::disk::Disk;
 use super::folder::Root;
 use super::http::{self, Settings, listen};
 use super::keeper::Keeper;
@@ -21,6 +22,7 @@ use std::net::SocketAddr;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::net::TcpListener;
 
 /// File in the folder of the service that has its address and the first token, for the commands of
@@ -97,6 +99,7 @@ async fn serve(args: &ServeArgs) -> Result<(), String> {
     let token = access(&root, &store, &address).await?;
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let launchers = launchers(args, &root, &program)?;
+    let root_path = root.path("");
     let keeper = Keeper::new(store, root, launchers, program);
     keeper.tidy().await?;
     tokio::spawn(keeper.clone().run());
@@ -105,10 +108,12 @@ async fn serve(args: &ServeArgs) -> Result<(), String> {
         is_secure: acceptor.is_some(),
         most_bytes: args.max_upload.saturating_mul(1_000_000),
         rate: args.rate,
+        disk: Disk { folder: root_path, least: args.disk_limit.map(|gb| (gb * 1e9) as u64) },
     };
     say!("crumple serve: {address}/#token={token}");
     say!("  open this address in a browser; the token is in {}", shown_access(args));
-    let served = listen::serve(listener, acceptor, http::router(keeper, settings));
+    let patience = Duration::from_secs(args.stall_limit);
+    let served = listen::serve(listener, acceptor, http::router(keeper, settings), patience);
     tokio::select! {
         () = served => {}
         _ = tokio::signal::ctrl_c() => {}

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 /// Asserts that a request was refused with one of these codes, in JSON with a reason, and that the
 /// answer names no path of the machine.
-fn refused(service: &Service, what: &str, reply: &Reply, codes: &[u16]) {
+pub(super) fn refused(service: &Service, what: &str, reply: &Reply, codes: &[u16]) {
     let text = reply.text();
     assert!(codes.contains(&reply.status), "{what}: {} {text}", reply.head);
     let dir = service.dir();
@@ -18,7 +18,7 @@ fn refused(service: &Service, what: &str, reply: &Reply, codes: &[u16]) {
     assert!(!why.is_empty(), "{what}: {text}");
 }
 
-fn multipart(service: &Service, parts: &[(&str, Option<&str>, &[u8])]) -> Reply {
+pub(super) fn multipart(service: &Service, parts: &[(&str, Option<&str>, &[u8])]) -> Reply {
     let mut body = Vec::new();
     for (name, file, content) in parts {
         let file = file.map(|file| format!("; filename=\"{file}\"")).unwrap_or_default();
@@ -89,6 +89,8 @@ fn a_name_is_not_given_twice_and_is_no_folder_of_another() {
     refused(&service, "twice", &multipart(&service, &twice), &[422]);
     let below = [("file", Some("a.toml"), &b"x"[..]), ("file", Some("a.toml/b"), b"y")];
     refused(&service, "below a file", &multipart(&service, &below), &[422]);
+    let case = [("file", Some("a.toml"), &b"x"[..]), ("file", Some("A.toml"), b"y")];
+    refused(&service, "another case", &multipart(&service, &case), &[422]);
     let other = [("other", None, &b"x"[..])];
     refused(&service, "an unknown part", &multipart(&service, &other), &[422]);
     let broken = [("options", None, &b"{"[..]), ("file", Some("a.toml"), b"")];

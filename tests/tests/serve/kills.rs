@@ -125,6 +125,31 @@ fn a_run_whose_supervisor_is_killed_is_not_started_again() {
 }
 
 #[test]
+fn a_run_that_stops_is_not_asked_again_by_the_next_service() {
+    let mut service = Service::start(&[]);
+    let id = service.submit(&endless());
+    service.wait_for(id, "running");
+    service.wait("the run has begun", |service| {
+        (service.get(&format!("/api/jobs/{id}/progress")).status == 200).then_some(())
+    });
+    // The run takes long to stop. Its supervisor would kill it at the third request.
+    let runs = children(process(&service, id, 1));
+    runs.iter().for_each(|run| send(*run, Signal::STOP));
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &serde_json::json!({})).status, 202);
+    for _ in 0..3 {
+        std::thread::sleep(Duration::from_millis(1500)); // several turns of the loop
+        service.kill();
+        service.again();
+    }
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(service.job(id)["state"], "running");
+    runs.iter().for_each(|run| send(*run, Signal::CONT));
+    assert_eq!(service.wait_for(id, "stopped")["code"], 130);
+    let checkpoints = fs::read_dir(service.folder(id).join("results/checkpoints")).unwrap();
+    assert!(checkpoints.flatten().any(|one| one.path().join("MANIFEST").exists()));
+}
+
+#[test]
 fn two_services_do_not_share_a_folder() {
     let service = Service::start(&[]);
     let second = service.command(&["serve", "--listen", "127.0.0.1:0"]);

@@ -1,5 +1,5 @@
 //! Slurm by small programs that stand for `sbatch`, `squeue`, `sacct` and `scancel`: what they are
-//! asked, and what becomes of their answers. A real Slurm is not part of this test.
+//! asked, and what becomes of their answers. `real_slurm.rs` has a real one.
 
 use crumple_tests::service::{Service, bars, endless};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ const SQUEUE: &str = r#"#!/bin/sh
 for last; do :; done
 if [ -f "$SPOOL/pending" ]; then echo PENDING
 elif kill -0 "$last" 2> /dev/null; then echo RUNNING
-else exit 1
+else echo "slurm_load_jobs error: Invalid job id specified" >&2; exit 1
 fi
 "#;
 const SACCT: &str = "#!/bin/sh\necho FAILED\n";

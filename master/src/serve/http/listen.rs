@@ -1,6 +1,7 @@
 //! Connections: with or without TLS, bounded in number, in the time of their headers and of their
 //! handshake.
 
+use super::paced::Paced;
 use axum::Router;
 use axum::extract::ConnectInfo;
 use hyper::server::conn::http1;
@@ -14,9 +15,9 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 use tokio_rustls::TlsAcceptor;
-use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use tokio_rustls::rustls::{Error, ServerConfig};
 
 /// Largest number of connections.
 const MOST_CONNECTIONS: usize = 4000;
@@ -34,6 +35,9 @@ pub fn tls(certificate: &Path, key: &Path) -> Result<TlsAcceptor, String> {
     let chain: Vec<CertificateDer> = CertificateDer::pem_file_iter(certificate)
         .and_then(|all| all.collect())
         .map_err(|why| named(certificate, &why))?;
+    if chain.is_empty() {
+        return Err(named(certificate, &"it has no certificate in PEM"));
+    }
     let secret = PrivateKeyDer::from_pem_file(key).map_err(|why| named(key, &why))?;
     let provider = Arc::new(tokio_rustls::rustls::crypto::ring::default_provider());
     let mut config = ServerConfig::builder_with_provider(provider)
@@ -41,13 +45,24 @@ pub fn tls(certificate: &Path, key: &Path) -> Result<TlsAcceptor, String> {
         .map_err(|why| why.to_string())?
         .with_no_client_auth()
         .with_single_cert(chain, secret)
-        .map_err(|why| named(certificate, &why))?;
+        .map_err(|why| match why {
+            Error::InconsistentKeys(_) => {
+                let why = format!("the key in {} is not that of the certificate", key.display());
+                named(certificate, &why)
+            }
+            why => named(certificate, &why),
+        })?;
     config.alpn_protocols = vec![b"http/1.1".to_vec()];
     Ok(TlsAcceptor::from(Arc::new(config)))
 }
 
-/// Serves connections, for ever.
-pub async fn serve(listener: TcpListener, acceptor: Option<TlsAcceptor>, router: Router) {
+/// Serves connections, for ever. A client has `patience` to take each 64 kB of an answer.
+pub async fn serve(
+    listener: TcpListener,
+    acceptor: Option<TlsAcceptor>,
+    router: Router,
+    patience: Duration,
+) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     loop {
         let Ok(place) = places.clone().acquire_owned().await else { return };
@@ -61,6 +76,7 @@ pub async fn serve(listener: TcpListener, acceptor: Option<TlsAcceptor>, router:
             }
         };
         let _ = stream.set_nodelay(true);
+        let stream = Paced::new(stream, patience);
         let (acceptor, router) = (acceptor.clone(), router.clone());
         tokio::spawn(async move {
             match acceptor {

@@ -9,10 +9,12 @@ mod login;
 mod metrics;
 pub mod openapi;
 mod orders;
+mod paced;
 mod page;
 mod problem;
 mod submit;
 
+use super::disk::Disk;
 use super::keeper::Keeper;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
@@ -35,6 +37,7 @@ pub struct App {
     counters: Arc<Counters>,
     /// Largest submission [byte].
     most_bytes: u64,
+    disk: Disk,
 }
 
 /// Settings of the service over HTTP.
@@ -48,13 +51,15 @@ pub struct Settings {
     pub most_bytes: u64,
     /// Requests per second and token.
     pub rate: u32,
+    /// Where submissions are stored.
+    pub disk: Disk,
 }
 
 /// Returns the service.
 pub fn router(keeper: Arc<Keeper>, settings: Settings) -> Router {
-    let most_bytes = settings.most_bytes;
-    let app =
-        App { keeper, guard: Arc::new(Guard::new(settings)), counters: Arc::default(), most_bytes };
+    let (most_bytes, disk) = (settings.most_bytes, settings.disk.clone());
+    let (guard, counters) = (Arc::new(Guard::new(settings)), Arc::default());
+    let app = App { keeper, guard, counters, most_bytes, disk };
     let largest = usize::try_from(most_bytes).unwrap_or(usize::MAX);
     let submit = Router::new()
         .route("/api/jobs", post(submit::submit))

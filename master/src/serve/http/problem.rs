@@ -1,6 +1,7 @@
 //! Refusals as answers.
 
 use crate::serve::api::Refusal;
+use crate::serve::intake::Fault;
 use axum::Json;
 use axum::body::to_bytes;
 use axum::extract::Request;
@@ -44,9 +45,27 @@ impl From<rusqlite::Error> for Problem {
     }
 }
 
+impl From<Fault> for Problem {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Refused(why) => Self::bad(why),
+            Fault::TooMuch(why) => Self(StatusCode::PAYLOAD_TOO_LARGE, why),
+            Fault::Late(why) => Self(StatusCode::REQUEST_TIMEOUT, why),
+            Fault::Full(why) => Self(StatusCode::INSUFFICIENT_STORAGE, why),
+            Fault::Failed(error) => error.into(),
+        }
+    }
+}
+
 impl From<std::io::Error> for Problem {
     fn from(error: std::io::Error) -> Self {
-        Self::internal(error)
+        use std::io::ErrorKind::{QuotaExceeded, StorageFull};
+        match error.kind() {
+            StorageFull | QuotaExceeded => {
+                Self(StatusCode::INSUFFICIENT_STORAGE, "the disk of the service is full".into())
+            }
+            _ => Self::internal(error),
+        }
     }
 }
 

@@ -5,7 +5,9 @@ use super::guard::{Detail, Subject, require};
 use super::problem::{Answered, Problem};
 use crate::cli::Role;
 use crate::serve::api::{Job, Refusal, Submission};
-use crate::serve::folder::{JobFolder, create, relative};
+use crate::serve::archive::{self, Format, Limits};
+use crate::serve::folder::{JobFolder, relative};
+use crate::serve::intake::Intake;
 use crate::serve::store::NewJob;
 use crate::serve::tokens::Identity;
 use axum::Json;
@@ -14,15 +16,21 @@ use axum::extract::{Extension, FromRequest, Request, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 use tokio::io::AsyncWriteExt;
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
 
-/// Most files of a job.
-const MOST_FILES: usize = 2000;
 /// Most jobs that wait or run.
 const MOST_OPEN: i64 = 20_000;
 /// Longest pause of a client that sends files.
 const SLOWEST: Duration = Duration::from_secs(30);
+/// Longest time in which an archive is unpacked.
+const UNPACK_WITHIN: Duration = Duration::from_secs(300);
+/// Places for archives that are unpacked at a time.
+static UNPACKING: Semaphore = Semaphore::const_new(2);
 /// Largest part `options` [byte].
 const LARGEST_OPTIONS: usize = 256 * 1024;
 /// Most changes of a job, and the longest one [byte].
@@ -46,14 +54,18 @@ pub async fn submit(
         let why = format!("{open} jobs wait already; try again later");
         return Err(Problem(StatusCode::SERVICE_UNAVAILABLE, why));
     }
+    let disk = app.disk.clone();
+    let stated = stated_length(&request);
+    let room = tokio::task::spawn_blocking(move || disk.room(stated)).await;
+    room.map_err(Problem::internal)??;
     let id = app.keeper.store.reserve(identity.name.clone()).await?;
-    let mut arrival =
-        Arrival { app: app.clone(), id, folder: app.keeper.root.job(id), kept: false };
-    let (options, files) = arrival.receive(request).await?;
-    let new = new_job(&app, &identity, options, &files)?;
-    let detail = format!("{}: {} with {} files", new.name, new.main, files.len());
+    let folder = app.keeper.root.job(id);
+    let arrival = Arc::new(Arrival { app: app.clone(), id, folder, kept: AtomicBool::new(false) });
+    let (options, intake) = arrival.receive(request).await?;
+    let new = new_job(&app, &identity, options, intake.files())?;
+    let detail = format!("{}: {} with {} files", new.name, new.main, intake.files().len());
     app.keeper.store.submit(id, new).await?;
-    arrival.kept = true;
+    arrival.kept.store(true, Ordering::Relaxed);
     app.keeper.announce(id).await.map_err(Problem::internal)?;
     app.keeper.wake.notify_one();
     let job = super::jobs::found(&app, id).await?.job;
@@ -62,17 +74,24 @@ pub async fn submit(
     Ok((Extension(Subject(id)), Extension(Detail(detail)), answer).into_response())
 }
 
-/// A job that arrives. Its files are removed if it does not become a job.
+/// Returns the size that a request states [byte]; 0 without one.
+fn stated_length(request: &Request) -> u64 {
+    let length = request.headers().get(header::CONTENT_LENGTH);
+    length.and_then(|length| length.to_str().ok()?.parse().ok()).unwrap_or(0)
+}
+
+/// A job that arrives. Its files are removed if it does not become a job, after all threads that
+/// write them have ended.
 struct Arrival {
     app: App,
     id: i64,
     folder: JobFolder,
-    kept: bool,
+    kept: AtomicBool,
 }
 
 impl Drop for Arrival {
     fn drop(&mut self) {
-        if self.kept {
+        if self.kept.load(Ordering::Relaxed) {
             return;
         }
         let (store, id, folder) = (self.app.keeper.store.clone(), self.id, self.folder.clone());
@@ -89,11 +108,10 @@ fn broken(error: MultipartError) -> Problem {
 }
 
 impl Arrival {
-    async fn receive(&self, request: Request) -> Answered<(Submission, Vec<PathBuf>)> {
+    async fn receive(self: &Arc<Self>, request: Request) -> Answered<(Submission, Intake)> {
         tokio::fs::create_dir_all(self.folder.input()).await?;
         let kind = request.headers().get(header::CONTENT_TYPE).cloned();
         let kind = kind.as_ref().and_then(|kind| kind.to_str().ok()).unwrap_or_default();
-        let most = self.app.most_bytes;
         if kind.starts_with("multipart/form-data") {
             let parts = Multipart::from_request(request, &()).await;
             let parts = parts.map_err(|error| Problem(error.status(), error.body_text()))?;
@@ -103,62 +121,74 @@ impl Arrival {
         let Json(mut options) =
             parsed.map_err(|error| Problem(error.status(), error.body_text()))?;
         let given = std::mem::take(&mut options.files);
-        if given.len() > MOST_FILES || given.values().map(|t| t.len() as u64).sum::<u64>() > most {
-            return Err(Problem(StatusCode::PAYLOAD_TOO_LARGE, "the job is too large".into()));
-        }
-        let input = self.folder.input();
-        let write = move || -> Answered<Vec<PathBuf>> {
-            let mut files = Vec::new();
+        let arrival = self.clone();
+        let write = move || -> Answered<Intake> {
+            let mut intake = Intake::new(arrival.folder.input());
             for (name, text) in given {
-                let path = relative(&name).map_err(Problem::bad)?;
-                let mut file = create(&input, &path).map_err(|error| taken(&name, error))?;
-                std::io::Write::write_all(&mut file, text.as_bytes())?;
-                files.push(path);
+                std::io::Write::write_all(&mut intake.create(&name)?, text.as_bytes())?;
             }
-            Ok(files)
+            Ok(intake)
         };
-        let files = tokio::task::spawn_blocking(write).await.map_err(Problem::internal)??;
-        Ok((options, files))
+        let intake = tokio::task::spawn_blocking(write).await.map_err(Problem::internal)??;
+        Ok((options, intake))
     }
 
-    async fn receive_parts(&self, mut parts: Multipart) -> Answered<(Submission, Vec<PathBuf>)> {
-        let (mut options, mut files) = (None, Vec::new());
+    async fn receive_parts(
+        self: &Arc<Self>,
+        mut parts: Multipart,
+    ) -> Answered<(Submission, Intake)> {
+        let (mut options, mut has_archive) = (None, false);
+        let mut intake = Intake::new(self.folder.input());
         while let Some(part) = in_time(parts.next_field()).await?.map_err(broken)? {
             match part.name() {
                 Some("options") if options.is_none() => options = Some(read_options(part).await?),
-                Some("file") if files.len() < MOST_FILES => files.push(self.store(part).await?),
                 Some("file") => {
-                    let why = format!("a job has at most {MOST_FILES} files");
-                    return Err(Problem(StatusCode::PAYLOAD_TOO_LARGE, why));
+                    let name = part.file_name().unwrap_or_default().to_string();
+                    store(part, intake.create(&name)?).await?;
                 }
-                _ => return Err(Problem::bad("give one part `options` and parts `file`")),
+                Some("archive") if !has_archive => {
+                    has_archive = true;
+                    intake = self.unpack(part, intake).await?;
+                }
+                _ => {
+                    let why = "give one part `options`, parts `file` and at most one `archive`";
+                    return Err(Problem::bad(why));
+                }
             }
         }
-        Ok((options.unwrap_or_default(), files))
+        Ok((options.unwrap_or_default(), intake))
     }
 
-    async fn store(&self, mut part: Field<'_>) -> Answered<PathBuf> {
-        let name = part.file_name().unwrap_or_default().to_string();
-        let path = relative(&name).map_err(Problem::bad)?;
-        let file = create(&self.folder.input(), &path).map_err(|error| taken(&name, error))?;
-        let mut file = tokio::fs::File::from_std(file);
-        while let Some(bytes) = in_time(part.chunk()).await?.map_err(broken)? {
-            file.write_all(&bytes).await?;
-        }
-        file.flush().await?;
-        Ok(path)
+    /// Stores an archive and unpacks it on a thread of its own.
+    async fn unpack(self: &Arc<Self>, part: Field<'_>, mut intake: Intake) -> Answered<Intake> {
+        let format = Format::of_name(part.file_name().unwrap_or_default()).ok_or_else(|| {
+            Problem::bad("archive: give a file name that ends in .zip, .tar, .tar.gz or .tgz")
+        })?;
+        let path = self.folder.path().join("archive");
+        store(part, std::fs::File::create_new(&path)?).await?;
+        let permit = UNPACKING.acquire().await.map_err(Problem::internal)?;
+        let gone = CancellationToken::new();
+        let _leaves_with_client = gone.clone().drop_guard();
+        let arrival = self.clone();
+        let unpack = move || -> Answered<Intake> {
+            let _permit = permit;
+            let app = &arrival.app;
+            let most_bytes = app.disk.room(0)?.min(app.most_bytes);
+            let limits = Limits { most_bytes, until: Instant::now() + UNPACK_WITHIN, gone };
+            archive::unpack(&path, format, &mut intake, &limits)?;
+            std::fs::remove_file(&path)?;
+            Ok(intake)
+        };
+        tokio::task::spawn_blocking(unpack).await.map_err(Problem::internal)?
     }
 }
 
-fn taken(name: &str, error: std::io::Error) -> Problem {
-    use std::io::ErrorKind::{AlreadyExists, InvalidFilename, IsADirectory, NotADirectory};
-    match error.kind() {
-        AlreadyExists | NotADirectory | IsADirectory => {
-            Problem::bad(format!("the name {name} is given twice"))
-        }
-        InvalidFilename => Problem::bad("a file name is too long"),
-        _ => error.into(),
+async fn store(mut part: Field<'_>, file: std::fs::File) -> Answered<()> {
+    let mut file = tokio::fs::File::from_std(file);
+    while let Some(bytes) = in_time(part.chunk()).await?.map_err(broken)? {
+        file.write_all(&bytes).await?;
     }
+    Ok(file.flush().await?)
 }
 
 /// Waits for a client that sends, as long as it is not too slow.
@@ -271,13 +301,22 @@ fn main_file(given: &str, files: &[PathBuf]) -> Result<String, String> {
         };
         files.iter().filter(is).collect()
     };
-    if files.iter().any(|path| *path == Path::new("job.toml")) {
-        return Ok("job.toml".into());
+    // An archive often has all files in one folder.
+    let folder = common_folder(files);
+    if files.contains(&folder.join("job.toml")) {
+        return Ok(text(&folder.join("job.toml")));
     }
     match (&of(&["toml"])[..], &of(&["k", "key", "dyn"])[..]) {
         ([one], _) | ([], [one]) => Ok(text(one)),
         _ => Err("job: name the job file or the deck among the files".into()),
     }
+}
+
+/// Returns the folder in which all files are.
+fn common_folder(files: &[PathBuf]) -> PathBuf {
+    let Some(first) = files.first().and_then(|path| path.parent()) else { return PathBuf::new() };
+    let holds_all = |folder: &&Path| files.iter().all(|path| path.starts_with(folder));
+    first.ancestors().find(holds_all).unwrap_or(Path::new("")).into()
 }
 
 #[cfg(test)]
@@ -296,6 +335,9 @@ mod tests {
             ("c.k", &["b.k", "c.k"], Some("c.k")),
             ("../c.k", &["c.k"], None),
             ("d.k", &["c.k"], None),
+            ("", &["a/job.toml", "a/b/c.toml"], Some("a/job.toml")),
+            ("", &["a/b/c.toml", "a/b/job.toml"], Some("a/b/job.toml")),
+            ("", &["a/job.toml", "b/job.toml"], None),
         ] {
             assert_eq!(main_file(given, &files(names)).ok().as_deref(), found, "{given} {names:?}");
         }

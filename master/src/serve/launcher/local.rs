@@ -1,12 +1,13 @@
 //! Runs as processes of this machine. Workers are threads, or ranks that `mpirun` starts, also on
 //! other hosts. A run survives the service.
 
-use super::{Launcher, Order, Seen};
+use super::{Launcher, Order, Seen, stop_by_socket};
 use crate::run::attempt::{self, State};
 use crate::run::lock::owner;
 use crate::serve::limits::Amount;
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
+use std::io;
 use std::path::PathBuf;
 use std::process::Stdio;
 use tokio::process::Command;
@@ -19,6 +20,13 @@ pub struct Local {
     pub program: PathBuf,
     /// Command that starts ranks, with `{ranks}` in place of their number; none for threads.
     pub ranks: Option<String>,
+}
+
+fn signal(pid: u32) -> io::Result<()> {
+    match i32::try_from(pid).ok().and_then(Pid::from_raw) {
+        Some(pid) => Ok(kill_process(pid, Signal::TERM)?),
+        None => Ok(()),
+    }
 }
 
 impl Launcher for Local {
@@ -68,17 +76,18 @@ impl Launcher for Local {
     }
 
     fn stop(&self, order: &Order, _: &str) -> Result<(), String> {
-        let state =
-            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
-        let pid = match state {
-            State::Running(pid) => Some(pid),
-            _ => owner(&order.folder.results()),
-        };
-        let pid = pid.and_then(|pid| Pid::from_raw(i32::try_from(pid).ok()?));
-        match pid {
-            Some(pid) => kill_process(pid, Signal::TERM).map_err(|error| error.to_string()),
-            None => Ok(()),
+        let failed = |error: io::Error| format!("the run cannot be stopped: {error}");
+        let path = order.folder.attempt(order.attempt);
+        match attempt::look(&path).map_err(failed)? {
+            State::Running(pid) if !attempt::is_stopping(&path).map_err(failed)? => {
+                signal(pid).map_err(failed)?;
+            }
+            State::Running(_) => stop_by_socket(order),
+            // Only its supervisor was killed.
+            _ if owner(&order.folder.results()).is_some() => stop_by_socket(order),
+            _ => {}
         }
+        Ok(())
     }
 
     fn is_queued_elsewhere(&self, _: &str) -> bool {

@@ -6,6 +6,13 @@ pub mod slurm;
 
 use super::folder::JobFolder;
 use super::limits::Amount;
+use crate::run::request::Request;
+use crate::run::service::socket;
+use std::io::{BufRead, BufReader, Write};
+use std::time::Duration;
+
+/// Longest time until a run answers.
+const ANSWER_WITHIN: Duration = Duration::from_secs(2);
 
 /// An attempt to run a job.
 #[derive(Clone, Debug)]
@@ -20,6 +27,19 @@ pub struct Order {
     pub workers: u32,
     /// Words after `crumple`.
     pub words: Vec<String>,
+}
+
+/// Asks a run to stop through its socket. A second signal would end it at once and cut its last
+/// checkpoint short; here a run that stops already only says so.
+fn stop_by_socket(order: &Order) {
+    let ask = || -> std::io::Result<()> {
+        let mut stream = socket::connect(&order.folder.results())?;
+        stream.set_read_timeout(Some(ANSWER_WITHIN))?;
+        stream.write_all(Request::Stop.to_line().as_bytes())?;
+        BufReader::new(stream).read_line(&mut String::new()).map(drop)
+    };
+    // It may have no socket: before its first cycle, at its end, on another machine.
+    let _ = ask();
 }
 
 /// State of an attempt.
@@ -55,7 +75,7 @@ pub trait Launcher: Send + Sync {
     /// It is not known now.
     fn look(&self, order: &Order, handle: &str) -> Result<Seen, String>;
 
-    /// Asks a run to stop and to keep its state.
+    /// Asks a run to stop and to keep its state. It may be asked again, also by a later service.
     ///
     /// # Errors
     /// It cannot be reached.

@@ -1,7 +1,7 @@
 //! Runs by Slurm: `sbatch`, `squeue`, `sacct` and `scancel`. The folder of the service must be on a
 //! file system that all nodes share.
 
-use super::{Launcher, Order, Seen};
+use super::{Launcher, Order, Seen, stop_by_socket};
 use crate::run::attempt::{self, State};
 use crate::serve::limits::Amount;
 use std::path::PathBuf;
@@ -65,35 +65,30 @@ impl Launcher for Slurm {
         }
         let mut queue = Command::new("squeue");
         queue.args(["--noheader", "--states=all", "--format=%T", "--jobs", handle]);
-        // Slurm forgets jobs that ended a while ago; `squeue` then fails.
-        let said = output(queue).unwrap_or_default();
-        match said.trim() {
-            "PENDING" | "CONFIGURING" | "REQUEUED" | "SUSPENDED" => return Ok(Seen::Waiting),
-            "RUNNING" | "COMPLETING" | "SIGNALING" | "STAGE_OUT" => return Ok(Seen::Running),
-            _ => {}
-        }
+        let seen = match output(queue) {
+            Ok(said) => seen(&said),
+            // Slurm forgets jobs that ended a while ago.
+            Err(why) if why.contains("Invalid job id") => accounted(handle)?,
+            Err(why) => return Err(why),
+        };
         // The file may have arrived meanwhile.
-        if let State::Ended(code) = state()? {
-            return Ok(Seen::Ended(code));
+        match (seen, state()?) {
+            (Seen::Waiting | Seen::Running, _) => Ok(seen),
+            (_, State::Ended(code)) => Ok(Seen::Ended(code)),
+            _ => Ok(seen),
         }
-        let mut accounts = Command::new("sacct");
-        accounts.args(["--noheader", "--allocations", "--parsable2", "--format=State"]);
-        accounts.args(["--jobs", handle]);
-        let said = output(accounts)?;
-        Ok(match said.split_whitespace().next().unwrap_or_default() {
-            "PENDING" | "REQUEUED" | "SUSPENDED" => Seen::Waiting,
-            "RUNNING" | "COMPLETING" => Seen::Running,
-            "CANCELLED" | "CANCELLED+" => Seen::Ended(crumple_proto::exit_code::STOPPED),
-            _ => Seen::Lost,
-        })
     }
 
     fn stop(&self, order: &Order, handle: &str) -> Result<(), String> {
         if !is_number(handle) {
             return Ok(());
         }
-        let begun =
-            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+        let path = order.folder.attempt(order.attempt);
+        if attempt::is_stopping(&path).map_err(|e| e.to_string())? {
+            stop_by_socket(order);
+            return Ok(());
+        }
+        let begun = attempt::look(&path).map_err(|e| e.to_string())?;
         let mut command = Command::new("scancel");
         if matches!(begun, State::Running(_)) {
             // Only to the batch script, which is the supervisor of the run.
@@ -104,6 +99,28 @@ impl Launcher for Slurm {
 
     fn is_queued_elsewhere(&self, handle: &str) -> bool {
         is_number(handle)
+    }
+}
+
+/// Returns what a state of Slurm means.
+fn seen(state: &str) -> Seen {
+    match state.split_whitespace().next().unwrap_or_default() {
+        "PENDING" | "CONFIGURING" | "REQUEUED" | "SUSPENDED" => Seen::Waiting,
+        "RUNNING" | "COMPLETING" | "SIGNALING" | "STAGE_OUT" => Seen::Running,
+        "CANCELLED" | "CANCELLED+" => Seen::Ended(crumple_proto::exit_code::STOPPED),
+        _ => Seen::Lost,
+    }
+}
+
+/// Returns what became of a job that the queue has forgotten. Many clusters keep no accounts.
+fn accounted(handle: &str) -> Result<Seen, String> {
+    let mut accounts = Command::new("sacct");
+    accounts.args(["--noheader", "--allocations", "--parsable2", "--format=State"]);
+    accounts.args(["--jobs", handle]);
+    match output(accounts) {
+        Ok(said) => Ok(seen(&said)),
+        Err(why) if why.contains("is disabled") => Ok(Seen::Lost),
+        Err(why) => Err(why),
     }
 }
 
