@@ -16,6 +16,7 @@ mod live;
 mod start;
 mod store;
 mod tokens;
+mod views;
 
 pub use http::openapi::text as openapi;
 pub use start::{ACCESS_FILE, read_access, run};

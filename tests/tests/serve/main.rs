@@ -5,4 +5,6 @@ mod commands;
 mod interface;
 mod jobs;
 mod kills;
+mod page;
 mod slurm;
+mod view;
