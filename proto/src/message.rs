@@ -6,8 +6,8 @@
 //! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
 //! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
 //! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
-//! follows. An order of a user is answered by `Steered`, a `View` order by `Viewed`. At the end each worker sends `Closing`
-//! with the states of its nodes.
+//! follows. An order of a user is answered by `Steered`, a `View` order by `Viewed`. At the end
+//! each worker sends `Closing` with the states of its nodes.
 //!
 //! A run that continues from a checkpoint begins with `Resume` instead of `Start`. A worker answers
 //! with `Ready`, or with `Trouble` if it cannot read its files. The first boxes come from requests

@@ -114,8 +114,9 @@ impl Browser {
 
     /// Sets the size of the page [pixels].
     pub fn resize(&mut self, width: u32, height: u32) {
+        let mobile = width < 600;
         let size =
-            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile});
         self.call("Emulation.setDeviceMetricsOverride", size);
     }
 
@@ -131,21 +132,25 @@ impl Browser {
     /// # Panics
     /// When it throws.
     pub fn evaluate(&mut self, script: &str) -> Value {
+        self.value_of(script).unwrap_or_else(|thrown| panic!("{script}: {thrown}"))
+    }
+
+    fn value_of(&mut self, script: &str) -> Result<Value, Value> {
         let params = json!({"expression": script, "returnByValue": true, "awaitPromise": true});
         let result = self.call("Runtime.evaluate", params);
         let thrown = &result["exceptionDetails"];
-        assert!(thrown.is_null(), "{script}: {thrown}");
-        result["result"]["value"].clone()
+        if thrown.is_null() { Ok(result["result"]["value"].clone()) } else { Err(thrown.clone()) }
     }
 
-    /// Waits until an expression is neither false nor null, and returns its value.
+    /// Waits until an expression is neither false nor null nor throws, as on a page that is being
+    /// loaded, and returns its value.
     ///
     /// # Panics
     /// When the deadline has passed.
     pub fn wait(&mut self, what: impl Display, script: &str) -> Value {
         let began = Instant::now();
         loop {
-            let value = self.evaluate(script);
+            let value = self.value_of(script).unwrap_or_default();
             if !value.is_null() && value != json!(false) {
                 return value;
             }
@@ -170,7 +175,8 @@ impl Browser {
         let at = self.evaluate(&script);
         assert!(at.is_array(), "{selector} is hidden");
         for kind in ["mousePressed", "mouseReleased"] {
-            let event = json!({"type": kind, "x": at[0], "y": at[1], "button": "left", "clickCount": 1});
+            let event =
+                json!({"type": kind, "x": at[0], "y": at[1], "button": "left", "clickCount": 1});
             self.call("Input.dispatchMouseEvent", event);
         }
     }
@@ -179,13 +185,15 @@ impl Browser {
     pub fn press(&mut self, key: &str) {
         let code = match key {
             "Enter" => 13,
+            "Home" => 36,
             "Tab" => 9,
             "Escape" => 27,
             _ => 0,
         };
         let text = if key == "Enter" { "\r" } else { "" };
         for kind in ["keyDown", "keyUp"] {
-            let event = json!({"type": kind, "key": key, "windowsVirtualKeyCode": code, "text": text});
+            let event =
+                json!({"type": kind, "key": key, "windowsVirtualKeyCode": code, "text": text});
             self.call("Input.dispatchKeyEvent", event);
         }
     }
@@ -224,9 +232,14 @@ impl Drop for Browser {
 fn problem(event: &Value) -> Option<String> {
     let params = &event["params"];
     match event["method"].as_str()? {
-        "Runtime.exceptionThrown" => Some(params["exceptionDetails"].to_string()),
+        "Runtime.exceptionThrown" => {
+            let details = &params["exceptionDetails"];
+            Some(format!("{} {}", details["text"], details["exception"]["description"]))
+        }
         "Runtime.consoleAPICalled" if params["type"] == "error" => Some(params["args"].to_string()),
-        "Log.entryAdded" if params["entry"]["level"] == "error" => Some(params["entry"].to_string()),
+        "Log.entryAdded" if params["entry"]["level"] == "error" => {
+            Some(params["entry"].to_string())
+        }
         _ => None,
     }
 }

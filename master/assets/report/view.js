@@ -22,8 +22,9 @@ class View {
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => {
       this.draw();
-      this.turned();
+      if (!this.led) this.turned();
     });
+    this.led = false;
     /** Called when the camera has moved. */
     this.turned = () => {};
     this.surface = null;
@@ -81,13 +82,13 @@ class View {
 
   /** Has the camera at the same place as another view. */
   lookAs(other) {
-    const same = this.camera.position.equals(other.camera.position) && this.controls.target.equals(other.controls.target);
-    if (same) return;
+    this.led = true; // the other one knows
     this.camera.position.copy(other.camera.position);
     this.controls.target.copy(other.controls.target);
     [this.camera.near, this.camera.far] = [other.camera.near, other.camera.far];
     this.camera.updateProjectionMatrix();
     this.controls.update();
+    this.led = false;
     this.draw();
   }
 

@@ -167,7 +167,7 @@ class RunPage {
       stop: !FINAL.includes(job.state),
       resume: ["checked", "completed", "failed", "lost", "stopped"].includes(job.state),
     };
-    for (const button of byId("run-orders").querySelectorAll("button")) {
+    for (const button of byId("run-orders").querySelectorAll("[data-order]")) {
       button.disabled = !mine || !allowed[button.dataset.order];
     }
     const rests = FINAL.includes(job.state) || job.state === "queued";
@@ -208,6 +208,7 @@ class RunPage {
   }
 
   progress(p) {
+    if (p.cycle === 0) return; // before the first reports
     const e = p.energy;
     this.energies.add([p.time, p.dt, e.kinetic, e.internal, e.hourglass, e.contact, e.external, e.error]);
     const mean = p.workers.reduce((sum, worker) => sum + worker.load, 0) / p.workers.length || 1;

@@ -111,7 +111,8 @@ impl<'a> Connection<'a> {
             _ if json => write(format_args!("{line}")),
             Answer::Done(done) => show_done(&done),
             Answer::Status(status) => show_status(&status),
-            Answer::View(_) | Answer::Progress(_) | Answer::Event { .. } | Answer::Ended { .. } => {}
+            Answer::View(_) | Answer::Progress(_) | Answer::Event { .. } | Answer::Ended { .. } => {
+            }
         }
         Ok(COMPLETED)
     }

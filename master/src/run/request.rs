@@ -195,9 +195,9 @@ impl Request {
     pub fn from_line(line: &str) -> Result<Self, String> {
         serde_json::from_str(line).map_err(|error| {
             format!(
-                "no request: {error}; give {{\"request\": \"status\"}}, or watch, view, checkpoint, \
-                 pause, continue, stop, or {{\"request\": \"set\", \"key\": \"end_time\", \
-                 \"value\": 5.0}}"
+                "no request: {error}; give {{\"request\": \"status\"}}, or watch, view, \
+                 checkpoint, pause, continue, stop, or {{\"request\": \"set\", \
+                 \"key\": \"end_time\", \"value\": 5.0}}"
             )
         })
     }

@@ -1,5 +1,5 @@
 //! Pictures of the jobs that someone watches. All watchers of a job share one picture, which is
-//! made at most every [`NEW_EVERY`]; a job that nobody watches costs nothing.
+//! made at most every [`NEW_EVERY`]; a job without watchers costs nothing.
 
 use super::folder::JobFolder;
 use super::live;
@@ -15,7 +15,7 @@ use tokio::sync::{Mutex as Turn, Semaphore};
 
 /// Interval between two pictures of a job.
 const NEW_EVERY: Duration = Duration::from_secs(2);
-/// Time after which a picture that nobody asks for is forgotten.
+/// Time after which a picture without requests is forgotten.
 const KEPT_FOR: Duration = Duration::from_secs(60);
 /// Longest wait for the answer of a run, which may be in a long cycle.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -97,8 +97,7 @@ impl Views {
         let _one = self.one.acquire().await.map_err(|error| error.to_string())?;
         let view = ask(folder).await;
         let (results, before) = (folder.results(), kept.source.clone());
-        let made =
-            tokio::task::spawn_blocking(move || make(&results, view, before.as_ref())).await;
+        let made = tokio::task::spawn_blocking(move || make(&results, view, before.as_ref())).await;
         kept.looked = Some(Instant::now());
         if let Some((source, picture)) = made.map_err(|error| error.to_string())?? {
             (kept.source, kept.picture) = (Some(source), Some(picture));
@@ -120,7 +119,7 @@ impl Views {
         tokio::task::spawn_blocking(make).await.map_err(|error| error.to_string())?
     }
 
-    /// Returns the place of a job, and forgets those that nobody asks for.
+    /// Returns the place of a job, and forgets those without requests.
     fn place(&self, id: i64) -> Arc<Turn<Kept>> {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
         jobs.retain(|_, (asked, _)| asked.elapsed() < KEPT_FOR);
@@ -130,8 +129,8 @@ impl Views {
     }
 }
 
-/// Asks a run for its present state. Returns none if it does not answer: it has no socket yet, it is
-/// ending, or it is on another machine.
+/// Asks a run for its present state. Returns none if it does not answer: it has no socket yet, it
+/// is ending, or it is on another machine.
 async fn ask(folder: &JobFolder) -> Option<View> {
     let answer = tokio::time::timeout(PATIENCE, live::ask(folder, &Request::View)).await;
     match answer {

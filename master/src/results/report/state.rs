@@ -2,12 +2,12 @@
 //! time, with a limited number of faces.
 
 use super::encode::encode;
+use super::paths;
 use super::scalars;
 use super::scene::Scene;
 use super::series::{Series, read_state};
 use super::sources::{self, Sources};
 use super::surface::faces;
-use super::paths;
 use crate::results::field_file::{self, Step};
 use crate::results::fields::{COLLECTION, DIR};
 use base64::{Engine, prelude::BASE64_STANDARD};
@@ -29,8 +29,8 @@ pub struct State {
 }
 
 impl State {
-    /// Returns the newest output of the run in `dir` up to a time, else the first one; none if there
-    /// is no output.
+    /// Returns the newest output of the run in `dir` up to a time, else the first one; none
+    /// without output.
     pub fn output_at(dir: &Path, time: f64) -> Option<Self> {
         let steps = outputs(dir);
         let step = steps.iter().rev().find(|step| step.time <= time).or(steps.first())?;
@@ -56,8 +56,9 @@ impl State {
     }
 
     /// Returns the picture as JSON: `model`, which describes it, the bytes `picture` in base64,
-    /// `scalars`, `part_names` and `walls`, and the `times` of all outputs. `about` has the keys `units`, `parts` and `walls` of
-    /// `summary.json`; without it, that file of the run in `dir` is read, if it exists.
+    /// `scalars`, `part_names` and `walls`, and the `times` of all outputs. `about` has the keys
+    /// `units`, `parts` and `walls` of `summary.json`; without it, that file of the run in `dir` is
+    /// read, if it exists.
     ///
     /// # Errors
     /// The files cannot be read.

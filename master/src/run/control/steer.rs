@@ -325,10 +325,7 @@ impl Control<'_> {
             pairs: self.balance.pairs(),
             imbalance: finite(self.balance.mean_imbalance()),
             redecompositions: [self.balance.low, self.balance.high],
-            thresholds: Thresholds {
-                margin: URGENT,
-                imbalance: self.model.job.parallel.imbalance,
-            },
+            thresholds: Thresholds { margin: URGENT, imbalance: self.model.job.parallel.imbalance },
             workers: self.balance.last.iter().map(worker).collect(),
         }
     }

@@ -118,7 +118,12 @@ impl Control<'_> {
             folder: format!("{DIR}/{}", vtu::step_folder(self.viewing.orders % 2)),
             pieces: self.workers,
             about: about.as_object().cloned().unwrap_or_default(),
-            boxes: self.tree.boxes().iter().map(|b| [b.min.map(finite), b.max.map(finite)]).collect(),
+            boxes: self
+                .tree
+                .boxes()
+                .iter()
+                .map(|b| [b.min.map(finite), b.max.map(finite)])
+                .collect(),
         }
     }
 }

@@ -11,7 +11,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// Which state is shown.
+/// Choice of the state.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 pub struct ViewQuery {
@@ -43,7 +43,8 @@ pub async fn view(
     };
     let newest = newest.map_err(|why| Problem(StatusCode::SERVICE_UNAVAILABLE, why))?;
     let Some(picture) = newest else { return Ok(StatusCode::NO_CONTENT.into_response()) };
-    let known = headers.get(IF_NONE_MATCH).is_some_and(|tag| tag.as_bytes() == picture.tag.as_bytes());
+    let known =
+        headers.get(IF_NONE_MATCH).is_some_and(|tag| tag.as_bytes() == picture.tag.as_bytes());
     let tag = [(ETAG, picture.tag)];
     Ok(match known {
         true => (StatusCode::NOT_MODIFIED, tag).into_response(),
