@@ -81,7 +81,8 @@ pub struct Done {
 }
 
 /// A picture in files: fields of the elements of each worker, `piece_000.vtu` and so on. They stay
-/// until the picture after the next one, at least a second, and are removed at the end of the run.
+/// until the picture after the next one, at least a quarter of a second, and are removed at the end
+/// of the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct View {
     /// Cycles completed.

@@ -289,7 +289,7 @@ fn pictures_change_nothing() {
             std::thread::sleep(Duration::from_millis(50));
         }
         let ended = running.end().with_code(0);
-        assert!(cycles.len() > 1 && cycles.is_sorted(), "{transport}: {cycles:?}");
+        assert!(!cycles.is_empty() && cycles.is_sorted(), "{transport}: {cycles:?}");
         assert_eq!(ended.digest(), plain.digest(), "{transport}");
         assert_same_histories(&plain.out(), &out);
         assert!(!out.join("view").exists());

@@ -59,6 +59,13 @@ fn a_job_is_uploaded_watched_steered_and_reported() {
     browser.picture("running");
     browser.wait("the picture follows", &format!("{STATES} >= 3 && {time} > {began}"));
     assert_ne!(browser.evaluate(PIXELS), first, "the picture has changed");
+    let text = browser.evaluate("document.getElementById('plots').innerText").to_string();
+    for line in ["limit for high", "limit for low", "worker 1"] {
+        assert!(text.contains(line), "{text}");
+    }
+    browser.evaluate("views.run.picture.boxes.click()");
+    assert_eq!(browser.evaluate("views.run.picture.view.marks.length"), 2, "boxes of workers");
+    browser.picture("boxes");
     order(&mut browser, "pause", &[]);
     wait_for_log(&mut browser, "pause: in effect in cycle");
     order(&mut browser, "checkpoint", &[]);

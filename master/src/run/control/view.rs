@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// Folder of the pictures in that of a run.
 const DIR: &str = "view";
 /// Shortest interval between two pictures.
-const SHORTEST: Duration = Duration::from_secs(1);
+const SHORTEST: Duration = Duration::from_millis(250);
 /// Least ratio of the interval to the time that a worker needs for a picture.
 const REST: f64 = 50.0;
 
