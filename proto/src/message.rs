@@ -6,8 +6,8 @@
 //! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. A
 //! worker that saves a checkpoint sends `Captured` when its state is copied and `Saved` when it is
 //! on disk. A copy that stays in memory is announced by `Copied`; if the run fails, `Saved`
-//! follows. An order of a user is answered by `Steered`. At the end each worker sends `Closing`
-//! with the states of its nodes.
+//! follows. An order of a user is answered by `Steered`, a `View` order by `Viewed`. At the end
+//! each worker sends `Closing` with the states of its nodes.
 //!
 //! A run that continues from a checkpoint begins with `Resume` instead of `Start`. A worker answers
 //! with `Ready`, or with `Trouble` if it cannot read its files. The first boxes come from requests
@@ -108,6 +108,8 @@ pub enum Action {
     Checkpoint,
     /// A copy of the present state in memory, in place of the one before. The run continues.
     Copy,
+    /// The fields of own elements in this folder, as a picture for clients. The run continues.
+    View(String),
     /// An order of the user, or the end of the run by [`Steer::Stop`]. It takes effect when the
     /// next outer step begins.
     Steer(Steer),
@@ -130,6 +132,7 @@ impl Action {
             Self::Recut => "low redecomposition",
             Self::Checkpoint => "checkpoint",
             Self::Copy => "copy",
+            Self::View(_) => "view",
             Self::Steer(Steer::Pause) => "pause",
             Self::Steer(Steer::Continue) => "continue",
             Self::Steer(Steer::Checkpoint) => "checkpoint",
@@ -138,6 +141,19 @@ impl Action {
             Self::Fail => "fail",
         }
     }
+}
+
+/// Answer to a `View` order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Viewed {
+    /// Cycles completed.
+    pub cycle: u64,
+    /// Simulated time [time].
+    pub time: f64,
+    /// Time that the worker needed [s].
+    pub seconds: f64,
+    /// Why the files could not be written.
+    pub error: Option<String>,
 }
 
 /// Message from a worker to the master.
@@ -160,6 +176,8 @@ pub enum ToMaster {
     /// The worker has copied its state in memory, in this time [s]. All rows and fields that
     /// `Captured` counts were sent before.
     Copied(Captured, u64, f64),
+    /// The files of a `View` order are written.
+    Viewed(Viewed),
     /// The files of a checkpoint are on disk, or could not be written.
     Saved(Saved),
     /// Warning that does not end the run.

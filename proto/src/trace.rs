@@ -29,6 +29,8 @@ pub enum OrderKind {
     Low,
     /// Checkpoint.
     Checkpoint,
+    /// Picture for clients.
+    View,
     /// Change of a setting, pause or continuation.
     Steering,
     /// End of the run.

@@ -59,6 +59,12 @@ impl Client {
         self.next_line().expect("the run answers")
     }
 
+    /// Sends a request and returns the answer; none if the run has ended.
+    pub fn try_ask(&mut self, request: &Request) -> Option<Answer> {
+        self.stream.write_all(request.to_line().as_bytes()).ok()?;
+        self.next_line()
+    }
+
     /// Gives an order and returns where it has taken effect.
     ///
     /// # Panics

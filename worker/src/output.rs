@@ -50,6 +50,15 @@ pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<
     Ok(())
 }
 
+/// Writes the fields of own elements into a folder.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_view(engine: &Engine, folder: &Path) -> io::Result<()> {
+    let file = folder.join(vtu::piece_name(engine.nodes.me as usize));
+    write_piece(engine, &file, engine.nodes.local_count, &own_cells(engine))
+}
+
 /// Returns the results by part, of own elements and of the surfaces on this worker.
 pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     let mut parts = vec![PartRecord::default(); engine.settings.parts.len()];

@@ -1,6 +1,7 @@
 //! One worker: takes orders, runs the engine, sends reports.
 
 mod steering;
+mod view;
 mod warnings;
 
 use crate::checkpoint::{
@@ -58,6 +59,8 @@ pub struct Worker {
     /// True if a checkpoint is ordered, and if a copy in memory is.
     checkpoint_due: bool,
     copy_due: bool,
+    /// Folder of the picture that is due.
+    view_due: Option<String>,
     /// Orders of the user, with their numbers, until an outer step begins.
     steering: VecDeque<(u64, Steer)>,
     paused: bool,
@@ -212,6 +215,7 @@ impl Worker {
             named: 0,
             checkpoint_due: false,
             copy_due: false,
+            view_due: None,
             steering: VecDeque::new(),
             paused: false,
             captures: (0, 0),
@@ -264,6 +268,7 @@ impl Worker {
             let before = self.cycle_cpu(comm);
             self.take_orders(comm, &agreed)?;
             self.report.renewal_s += self.cycle_cpu(comm).saturating_sub(before).as_secs_f64();
+            self.write_view_if_due(comm)?;
             if self.engine.clock.cycle.is_multiple_of(CROSSINGS_EVERY) {
                 self.warn_of_crossings(comm)?;
             }
@@ -323,6 +328,7 @@ impl Worker {
             stopped: _,
             checkpoint_due: _,
             copy_due: _,
+            view_due: _,
             steering: _,
             paused: _,
             captures: _,
@@ -543,6 +549,7 @@ impl Worker {
             Action::Fail => (self.stopped, self.failed) = (true, true),
             Action::Copy => self.copy_due = true,
             Action::Checkpoint => self.checkpoint_due = true,
+            Action::View(folder) => self.view_due = Some(folder),
             Action::Renew(tree) => {
                 let _span = tracing::debug_span!("redecomposition", kind = "high", cycle).entered();
                 self.engine.renew(comm, tree)?;
@@ -630,6 +637,7 @@ fn kind(action: &Action) -> OrderKind {
         Action::Renew(_) => OrderKind::High,
         Action::Recut => OrderKind::Low,
         Action::Checkpoint | Action::Copy => OrderKind::Checkpoint,
+        Action::View(_) => OrderKind::View,
         Action::Steer(Steer::Stop) | Action::Fail => OrderKind::Stop,
         Action::Steer(_) => OrderKind::Steering,
     }

@@ -16,6 +16,26 @@ function besideTicks(_, labels) {
   return Math.max(62, ...(labels || []).map((label) => 16 + 7 * label.length));
 }
 
+/** Draws a vertical line at the time of each mark, dotted unless it is `solid`. */
+function drawMarks(chart, marks, colour) {
+  const { ctx, bbox } = chart;
+  const { min, max } = chart.scales.x;
+  ctx.save();
+  ctx.lineWidth = 1;
+  ctx.globalAlpha = 0.6;
+  for (const { time, solid } of marks) {
+    if (!(time >= min && time <= max)) continue;
+    const at = Math.round(chart.valToPos(time, "x", true)) + 0.5;
+    ctx.strokeStyle = colour(solid ? "--accent" : "--quiet");
+    ctx.setLineDash(solid ? [] : [2, 3]);
+    ctx.beginPath();
+    ctx.moveTo(at, bbox.top);
+    ctx.lineTo(at, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
 class Plots {
   /** `go` is called with the time at which a plot is clicked. */
   constructor(place, data, go) {
@@ -50,12 +70,13 @@ class Plots {
       width: i === 0 && plot.lines.length > 1 ? 2 : 1.4,
       dash: i >= 8 ? [6, 3] : undefined,
       paths: line.steps ? uPlot.paths.stepped({ align: -1 }) : undefined,
+      spanGaps: line.spans,
       points: { show: this.data.time.length < 3 },
       value: number,
     }));
     const now = document.createElement("div");
     now.className = "now";
-    const made = { now };
+    const made = { now, data: plot };
     const options = {
       width: this.width(),
       height: PLOT_HEIGHT,
@@ -69,7 +90,7 @@ class Plots {
       cursor: { sync: { key: "time", setSeries: false }, drag: { x: true, y: false } },
       hooks: {
         ready: [(u) => u.over.append(now)],
-        draw: [() => this.put(made)],
+        draw: [(u) => drawMarks(u, plot.marks || [], colour), () => this.put(made)],
       },
     };
     const chart = new uPlot(options, [this.data.time, ...plot.lines.map((line) => line.values)], figure);

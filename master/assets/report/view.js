@@ -20,7 +20,27 @@ class View {
     this.camera.up.set(0, 0, 1);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
-    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("change", () => {
+      this.draw();
+      if (!this.led) this.turned();
+    });
+    this.led = false;
+    /** Called when the camera has moved. */
+    this.turned = () => {};
+    this.surface = null;
+    this.walls = [];
+    this.marks = [];
+    this.replace(model, walls);
+    this.following = 0;
+    this.moved = [0, 0, 0];
+    this.drawn = 0;
+    this.sharpness = 1;
+    this.free = 1;
+  }
+
+  /** Shows another model from the same place of the camera. */
+  replace(model, walls) {
+    this.remove([...(this.surface ? this.surface.objects : []), ...this.walls.flat()]);
     this.surface = new Surface(model);
     this.scene.add(...this.surface.objects);
     this.boxes = model.frames.map((frame) => boxOf(model, frame));
@@ -32,11 +52,22 @@ class View {
     this.walls.forEach((objects) => this.scene.add(...objects));
     // The model is in front of its walls. A camera behind a wall would look through it.
     this.mirrored = walls.some(({ normal }) => normal?.[0] > 0.5) && !walls.some(({ normal }) => normal?.[0] < -0.5);
-    this.following = 0;
-    this.moved = [0, 0, 0];
-    this.drawn = 0;
-    this.sharpness = 1;
-    this.free = 1;
+  }
+
+  remove(objects) {
+    for (const object of objects) {
+      this.scene.remove(object);
+      object.geometry.dispose();
+      object.material.dispose();
+    }
+  }
+
+  /** Shows these objects in place of those of the call before. */
+  mark(objects) {
+    this.remove(this.marks);
+    this.marks = objects;
+    if (objects.length) this.scene.add(...objects);
+    this.draw();
   }
 
   /** Sets the colours of the page. */
@@ -47,6 +78,18 @@ class View {
     for (const wall of this.walls) {
       for (const object of wall) object.material.color.setHex(toHex(parsed("--wall")));
     }
+  }
+
+  /** Has the camera at the same place as another view. */
+  lookAs(other) {
+    this.led = true; // the other one knows
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    [this.camera.near, this.camera.far] = [other.camera.near, other.camera.far];
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.led = false;
+    this.draw();
   }
 
   /** Looks from a named direction at the whole space that the model sweeps. */

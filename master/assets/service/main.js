@@ -1,7 +1,7 @@
 "use strict";
 // Which page is shown, and the session.
 
-const views = { jobs: new JobList(), new: new NewJob(), run: new RunPage() };
+const views = { jobs: new JobList(), new: new NewJob(), run: new RunPage(), compare: new ComparePage() };
 let current = null;
 let about = null;
 
@@ -19,7 +19,7 @@ async function guarded(request) {
 }
 
 function reveal(name) {
-  for (const id of ["login", "jobs", "new", "run"]) byId(id).hidden = id !== name;
+  for (const id of ["login", "jobs", "new", "run", "compare"]) byId(id).hidden = id !== name;
 }
 
 function login() {
@@ -49,12 +49,13 @@ async function route() {
   byId("who").hidden = false;
   byId("leave").hidden = false;
   const job = location.hash.match(/^#\/job\/(\d+)$/);
-  const name = job ? "run" : location.hash === "#/new" ? "new" : "jobs";
+  const pair = location.hash.match(/^#\/compare\/(\d+)\/(\d+)$/);
+  const name = job ? "run" : pair ? "compare" : location.hash === "#/new" ? "new" : "jobs";
   if (current) views[current].close();
   current = name;
   document.title = "Crumple";
   reveal(name);
-  views[name].open(about, job && Number(job[1]));
+  views[name].open(about, pair ? [Number(pair[1]), Number(pair[2])] : job && Number(job[1]));
 }
 
 byId("login-form").addEventListener("submit", async (event) => {

@@ -5,6 +5,9 @@ const MOST_POINTS = 4000;
 const MOST_LOG = 500;
 const DRAW_EVERY = 500;
 const HISTORY_EVERY = 3000;
+/** Largest number of redecompositions that are marked, and of workers in a plot: those with the largest values. */
+const MOST_MARKS = 1000;
+const MOST_WORKERS = 6;
 const FINAL = ["checked", "completed", "refused", "failed", "lost", "stopped"];
 const KEYS = ["end_time", "output.field_interval", "output.history_interval", "parallel.imbalance", "parallel.low_every_at_least"];
 
@@ -27,7 +30,24 @@ class Rows {
   }
 }
 
-/** Rows of `history.csv` as those of the stream: time, dt, energies, pairs. */
+/** The times at which counts of redecompositions, *low* and *high*, have grown. */
+class Marks {
+  constructor() {
+    this.counts = null;
+    this.list = [];
+  }
+
+  add(time, counts) {
+    const before = this.counts || counts;
+    this.counts = counts;
+    [true, false].forEach((solid, kind) => {
+      if (counts[kind] > before[kind]) this.list.push({ time, solid });
+    });
+    if (this.list.length > MOST_MARKS) this.list.shift();
+  }
+}
+
+/** Rows of `history.csv` as those of the stream: time, dt, energies, error; and counts of redecompositions. */
 function historyRows(text) {
   const lines = text.trim().split("\n");
   const names = lines[0].split(",");
@@ -38,7 +58,9 @@ function historyRows(text) {
     const values = line.split(",");
     return wanted.map((c) => (values[c] === "" ? null : Number(values[c])));
   });
-  return { rows, time: unit("time"), energy: unit("kinetic") };
+  const counted = ["low redecompositions", "high redecompositions"].map(column);
+  const counts = lines.slice(1).map((line) => counted.map((c) => Number(line.split(",")[c])));
+  return { rows, counts, time: unit("time"), energy: unit("kinetic") };
 }
 
 class RunPage {
@@ -47,6 +69,12 @@ class RunPage {
     byId("run-orders").addEventListener("click", (event) => {
       const order = event.target.dataset.order;
       if (order) this.order(order);
+    });
+    this.picture = new LivePicture(byId("run-picture"), (times) => this.slider.set(times));
+    this.slider = new TimeSlider(byId("run-time"), byId("run-time-text"), (time) => this.picture.at(time));
+    byId("run-compare").addEventListener("submit", (event) => {
+      event.preventDefault();
+      location.hash = `#/compare/${this.id}/${event.target.querySelector("input").value}`;
     });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
     addEventListener("resize", () => this.plots && this.plots.fit());
@@ -57,8 +85,10 @@ class RunPage {
     this.about = about;
     this.energies = new Rows();
     this.loads = new Rows();
+    this.marks = new Marks();
     this.units = { time: "", energy: "" };
     this.plots = null;
+    this.asked = 0;
     byId("plots").replaceChildren();
     byId("run-log").replaceChildren();
     byId("run-files").replaceChildren();
@@ -67,25 +97,38 @@ class RunPage {
     const job = await guarded(() => getJson(`/api/jobs/${id}`));
     if (!job || this.id !== id) return;
     this.show(job);
-    await this.history();
+    this.slider.clear();
+    this.picture.open(id);
     this.listen();
     this.timer = setInterval(() => this.draw(), DRAW_EVERY);
   }
 
   close() {
     this.id = null;
+    this.picture.close();
     clearInterval(this.timer);
     if (this.source) this.source.close();
     this.source = null;
   }
 
+  /** Reads the rows so far. The file exists once the run has made progress. */
   async history() {
     this.asked = Date.now();
     const response = await fetch(`/api/jobs/${this.id}/files/results/history.csv`).catch(() => null);
     if (!response || !response.ok) return;
-    const { rows, time, energy } = historyRows(await response.text());
+    const { rows, counts, time, energy } = historyRows(await response.text());
     this.units = { time, energy };
-    rows.forEach((row) => this.energies.add(row));
+    this.picture.setUnit(time);
+    this.slider.unit = time;
+    this.slider.label();
+    const later = this.energies.rows;
+    this.energies = new Rows();
+    for (const row of [...rows, ...later]) this.energies.add(row);
+    const marks = new Marks();
+    rows.forEach((row, i) => marks.add(row[0], counts[i]));
+    const last = rows.length ? rows[rows.length - 1][0] : -Infinity;
+    marks.list.push(...this.marks.list.filter((mark) => mark.time > last));
+    this.marks.list = marks.list;
     this.changed = true;
   }
 
@@ -96,7 +139,7 @@ class RunPage {
     this.source.addEventListener("progress", (event) => this.progress(JSON.parse(event.data)));
     this.source.addEventListener("end", () => {
       this.source.close();
-      this.history().then(() => this.draw());
+      this.picture.finish();
     });
   }
 
@@ -124,7 +167,7 @@ class RunPage {
       stop: !FINAL.includes(job.state),
       resume: ["checked", "completed", "failed", "lost", "stopped"].includes(job.state),
     };
-    for (const button of byId("run-orders").querySelectorAll("button")) {
+    for (const button of byId("run-orders").querySelectorAll("[data-order]")) {
       button.disabled = !mine || !allowed[button.dataset.order];
     }
     const rests = FINAL.includes(job.state) || job.state === "queued";
@@ -151,6 +194,7 @@ class RunPage {
     });
     byId("run-files").replaceChildren(...items);
     const report = files.find((file) => file.path === "results/report.html");
+    if (files.some((file) => file.path === "results/history.csv")) this.history();
     byId("run-report").hidden = !report;
     if (report) byId("run-report").href = url(report.path);
   }
@@ -164,15 +208,19 @@ class RunPage {
   }
 
   progress(p) {
+    if (p.cycle === 0) return; // before the first reports
     const e = p.energy;
     this.energies.add([p.time, p.dt, e.kinetic, e.internal, e.hourglass, e.contact, e.external, e.error]);
-    this.loads.add([p.time, p.imbalance, ...p.workers.map((worker) => worker.share)]);
+    const mean = p.workers.reduce((sum, worker) => sum + worker.load, 0) / p.workers.length || 1;
+    const { margin, imbalance } = p.thresholds;
+    const loads = p.workers.map((worker) => worker.load / mean);
+    this.loads.add([p.time, p.imbalance, imbalance, margin, ...p.workers.map((worker) => worker.share), ...loads]);
+    this.marks.add(p.time, p.redecompositions);
     const [low, high] = p.redecompositions;
     byId("run-now").textContent =
       `cycle ${p.cycle}, time ${digits(p.time, 5)} ${this.units.time}, dt ${digits(p.dt, 3)}, energy error ` +
       `${(100 * e.error).toFixed(2)} %, ${p.pairs} pairs, ${low} low and ${high} high redecompositions, ${p.wall_s.toFixed(0)} s`;
     this.changed = true;
-    // The first rows of a run may not have been written when the page was opened.
     if (!this.units.time && Date.now() > this.asked + HISTORY_EVERY) this.history();
   }
 
@@ -180,28 +228,41 @@ class RunPage {
     if (!this.changed || this.energies.rows.length < 2) return;
     this.changed = false;
     const [time, dt, kinetic, internal, hourglass, contact, external, error] = this.energies.columns();
-    const [loadTime, imbalance, ...shares] = this.loads.columns();
     const energy = { title: "Energy", unit: this.units.energy, lines: [
       { label: "kinetic", values: kinetic }, { label: "internal", values: internal }, { label: "hourglass", values: hourglass },
       { label: "contact work", values: contact }, { label: "external work", values: external },
     ] };
     const groups = [{ time, plots: [energy, { title: "Energy error", lines: [{ label: "error", values: error }] },
-      { title: "Step size", unit: this.units.time, lines: [{ label: "dt", values: dt }] }] }];
-    if (loadTime && loadTime.length > 1) {
-      groups.push({ time: loadTime, plots: [
-        { title: "Imbalance", lines: [{ label: "largest load over mean", values: imbalance }] },
-        { title: "Displacement of each worker over its margin", lines: shares.map((values, i) => ({ label: `worker ${i}`, values })) },
-      ] });
-    }
+      { title: "Step size", unit: this.units.time, lines: [{ label: "dt", values: dt }], marks: this.marks.list }] }];
+    if (this.loads.rows.length > 1) groups.push(this.ofWorkers());
     this.groups = groups;
     this.redraw();
+  }
+
+  /** Displacement and load of the workers with the thresholds of the master, as in the report. */
+  ofWorkers() {
+    const [time, imbalance, low, high, ...columns] = this.loads.columns();
+    const count = columns.length / 2;
+    const largest = (of) => {
+      const lines = of.map((values, i) => ({ label: `worker ${i}`, values, most: Math.max(...values) }));
+      const least = lines.map((line) => line.most).sort((a, b) => b - a)[MOST_WORKERS - 1] ?? -Infinity;
+      return lines.filter((line) => line.most >= least).slice(0, MOST_WORKERS);
+    };
+    const marks = this.marks.list;
+    const note = "Solid lines: low redecompositions (new boxes); dotted lines: high ones (new membership).";
+    return { time, plots: [
+      { title: "Displacement of workers", unit: "of the margin", note, marks,
+        lines: [...largest(columns.slice(0, count)), { label: "limit for high", values: high }] },
+      { title: "Load of workers", unit: "of the mean", note, marks,
+        lines: [{ label: "imbalance", values: imbalance }, ...largest(columns.slice(count)), { label: "limit for low", values: low }] },
+    ] };
   }
 
   /** Updates the plots in place, or makes them if their lines have changed. */
   redraw() {
     if (!this.groups) return;
     // Few points are drawn as circles, and the units come with the history.
-    const shape = JSON.stringify([this.groups.map((g) => [g.time.length < 3, g.plots.map((p) => p.lines.length)]), this.units, matchMedia("(prefers-color-scheme: dark)").matches]);
+    const shape = JSON.stringify([this.groups.map((g) => [g.time.length < 3, g.plots.map((p) => p.lines.map((line) => line.label))]), this.units, matchMedia("(prefers-color-scheme: dark)").matches]);
     if (shape !== this.shape || !this.plots) {
       this.shape = shape;
       const place = byId("plots");
@@ -219,7 +280,8 @@ class RunPage {
     }
     this.groups.forEach((group, g) => {
       group.plots.forEach((plot, i) => {
-        const chart = this.drawn[g].charts[i].plot;
+        const { plot: chart, data } = this.drawn[g].charts[i];
+        data.marks = plot.marks;
         const { min, max } = chart.scales.x;
         const [first, last] = [chart.data[0][0], chart.data[0].at(-1)];
         const zoomed = min > first || max < last;

@@ -154,6 +154,7 @@ fn words(event: &Event) -> String {
         OrderKind::High => "high redecomposition",
         OrderKind::Low => "low redecomposition",
         OrderKind::Checkpoint => "checkpoint",
+        OrderKind::View => "view",
         OrderKind::Steering => "steering",
         OrderKind::Stop => "stop",
     };

@@ -111,7 +111,8 @@ impl<'a> Connection<'a> {
             _ if json => write(format_args!("{line}")),
             Answer::Done(done) => show_done(&done),
             Answer::Status(status) => show_status(&status),
-            Answer::Progress(_) | Answer::Event { .. } | Answer::Ended { .. } => {}
+            Answer::View(_) | Answer::Progress(_) | Answer::Event { .. } | Answer::Ended { .. } => {
+            }
         }
         Ok(COMPLETED)
     }
@@ -133,6 +134,7 @@ impl<'a> Connection<'a> {
                     return Ok(code);
                 }
                 _ if json => {}
+                Answer::View(_) => {}
                 Answer::Status(status) => show_status(&status),
                 Answer::Done(done) => show_done(&done),
                 Answer::Event { text } => say!("{text}"),

@@ -3,6 +3,7 @@
 mod distribute;
 mod finish;
 mod steer;
+mod view;
 mod watch;
 
 use crate::input::job::Model;
@@ -32,6 +33,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use steer::Steering;
+use view::Viewing;
 
 /// Sleep of the master when there is nothing to do, so that it does not occupy a core that
 /// workers need.
@@ -123,6 +125,8 @@ pub struct Control<'a> {
     wall_before: f64,
     /// Orders of users and their clients.
     steering: Steering,
+    /// Pictures for clients.
+    viewing: Viewing,
 }
 
 /// Output locations of a run.
@@ -167,6 +171,7 @@ pub fn run(
     let new = || Control::new(model, comm, results, (origin, tree), (quiet, desk));
     let mut control = disk::watched(results.out, new)?;
     let ended = control.conclude(stop);
+    control.viewing.end();
     match &ended {
         Ok(summary) => control.steering.end(summary.status.exit_code(), &summary.reason),
         Err(error) => control.steering.end(error.exit_code(), &error.to_string()),
@@ -280,6 +285,7 @@ impl<'a> Control<'a> {
             restarts,
             wall_before: known.wall_s,
             steering: Steering::new(desk, known.steering),
+            viewing: Viewing::new(out),
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
@@ -398,6 +404,7 @@ impl<'a> Control<'a> {
             ready_since: _,
             trace: _,
             checkpoints: _,
+            viewing: _,
             from: _,
             // Complete when the last worker has captured its state.
             pieces: _,
@@ -514,6 +521,7 @@ impl<'a> Control<'a> {
             ToMaster::Saved(saved) => {
                 self.checkpoints.add_saved(saved);
             }
+            ToMaster::Viewed(viewed) => self.take_viewed(viewed),
             ToMaster::Steered(number, at) => self.take_steered(number, at),
             ToMaster::Ready => {
                 self.ready.push(worker);

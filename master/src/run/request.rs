@@ -1,8 +1,8 @@
 //! Requests to a run in progress and its answers: a line of JSON each.
 //!
-//! `{"request": "status"}` and in its place `watch`, `checkpoint`, `pause`, `continue` or `stop`;
-//! `{"request": "set", "key": "end_time", "value": 5.0}`. The answer to an order comes when the
-//! order has taken effect. After `watch`, lines of the stream follow: `progress`, `event`, and
+//! `{"request": "status"}` and in its place `watch`, `view`, `checkpoint`, `pause`, `continue` or
+//! `stop`; `{"request": "set", "key": "end_time", "value": 5.0}`. The answer to an order comes when
+//! the order has taken effect. After `watch`, lines of the stream follow: `progress`, `event`, and
 //! `ended` as the last.
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,8 @@ pub enum Request {
     Status,
     /// The present state, and the live stream.
     Watch,
+    /// The present state as a picture, in files that belong to no result.
+    View,
     /// A checkpoint. The answer comes when it is complete.
     Checkpoint,
     /// The workers hold their state and wait.
@@ -41,6 +43,8 @@ pub enum Answer {
     Status(Box<Status>),
     /// The order has taken effect.
     Done(Done),
+    /// The picture is in files.
+    View(Box<View>),
     /// The request is refused.
     Refused {
         /// Reason, and what is allowed.
@@ -74,6 +78,25 @@ pub struct Done {
     /// Further information, such as the folder of a checkpoint.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
+}
+
+/// A picture in files: fields of the elements of each worker, `piece_000.vtu` and so on. They stay
+/// until the picture after the next one, at least a quarter of a second, and are removed at the end
+/// of the run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// Cycles completed.
+    pub cycle: u64,
+    /// Simulated time [time].
+    pub time: f64,
+    /// Folder of the pieces, in the folder of the run.
+    pub folder: String,
+    /// Number of pieces: workers.
+    pub pieces: usize,
+    /// `units`, `parts` (`id`, `name`) and `walls`, as in `summary.json`.
+    pub about: serde_json::Map<String, serde_json::Value>,
+    /// Lower and upper corner of the box of each worker [length]; null is infinite.
+    pub boxes: Vec<[[Option<f64>; 3]; 2]>,
 }
 
 /// State of a run.
@@ -116,8 +139,19 @@ pub struct Progress {
     pub imbalance: f64,
     /// Redecompositions so far: *low*, *high*.
     pub redecompositions: [u64; 2],
+    /// Where the master orders them.
+    pub thresholds: Thresholds,
     /// Workers.
     pub workers: Vec<Worker>,
+}
+
+/// Thresholds of redecompositions, as in `summary.json`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Thresholds {
+    /// Share of the margin, for a *high* one.
+    pub margin: f64,
+    /// Imbalance, for a *low* one.
+    pub imbalance: f64,
 }
 
 /// Energies [energy].
@@ -162,9 +196,9 @@ impl Request {
     pub fn from_line(line: &str) -> Result<Self, String> {
         serde_json::from_str(line).map_err(|error| {
             format!(
-                "no request: {error}; give {{\"request\": \"status\"}}, or watch, checkpoint, \
-                 pause, continue, stop, or {{\"request\": \"set\", \"key\": \"end_time\", \
-                 \"value\": 5.0}}"
+                "no request: {error}; give {{\"request\": \"status\"}}, or watch, view, \
+                 checkpoint, pause, continue, stop, or {{\"request\": \"set\", \
+                 \"key\": \"end_time\", \"value\": 5.0}}"
             )
         })
     }

@@ -8,6 +8,7 @@ use super::launcher::{Launcher, Order, Seen};
 use super::limits::{Amount, starts};
 use super::live::{Line, Live};
 use super::store::{Store, Stored};
+use super::views::Views;
 use crate::run::attempt::{self, State};
 use crate::run::checkpoint::find::newest_cycle;
 use crumple_proto::exit_code::{BAD_INPUT, STOPPED, WORKER_LOST};
@@ -42,6 +43,8 @@ pub struct Keeper {
     pub launchers: BTreeMap<&'static str, Arc<dyn Launcher>>,
     /// Streams.
     pub live: Live,
+    /// Pictures of jobs that are watched.
+    pub views: Views,
     /// Wakes the loop.
     pub wake: Arc<Notify>,
     /// The program.
@@ -82,6 +85,7 @@ impl Keeper {
             launchers,
             program,
             live: Live::default(),
+            views: Views::default(),
             wake: Arc::default(),
             checks: Arc::new(Semaphore::new(MOST_CHECKS)),
             notes: Mutex::default(),

@@ -19,6 +19,7 @@ mod live;
 mod start;
 mod store;
 mod tokens;
+mod views;
 
 pub use archive::Format as ArchiveFormat;
 pub use http::openapi::text as openapi;

@@ -269,3 +269,30 @@ fn a_killed_run_leaves_no_socket_for_long() {
     let said = attach(&out, &[]).with_code(2).said();
     assert!(said.contains("no run is in progress"), "{said}");
 }
+
+/// A client that always asks for pictures changes no bit, no history and no file of results.
+#[test]
+fn pictures_change_nothing() {
+    let plain = undisturbed();
+    for transport in transports() {
+        let mut running = start_on(transport, 2, &[]);
+        let out = running.out();
+        let mut client = Client::of(&mut running);
+        let mut cycles = Vec::new();
+        // The last request meets the end of the run.
+        while let Some(Answer::View(view)) = client.try_ask(&Request::View) {
+            if cycles.last() != Some(&view.cycle) {
+                assert_eq!((view.pieces, view.boxes.len()), (2, 2));
+                assert!(out.join(&view.folder).join("piece_001.vtu").exists());
+                cycles.push(view.cycle);
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let ended = running.end().with_code(0);
+        assert!(!cycles.is_empty() && cycles.is_sorted(), "{transport}: {cycles:?}");
+        assert_eq!(ended.digest(), plain.digest(), "{transport}");
+        assert_same_histories(&plain.out(), &out);
+        assert!(!out.join("view").exists());
+        assert!(ended.summary()["steering"].as_array().unwrap().is_empty());
+    }
+}

@@ -26,6 +26,7 @@ impl Worker {
             }
             self.finish_writing(comm)?; // no later cycle announces the files of a checkpoint
             self.take_order(comm)?;
+            self.write_view_if_due(comm)?;
             self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);
             self.engine.timer.restart(); // the wait belongs to no phase
         }

@@ -3,6 +3,7 @@
 //! - `sources`: summary, history and log; `plots`, `single_forces`, `tables`: their display
 //! - `series`: the field files, joined; `surface`: the visible faces
 //! - `scene`: the selection for the page; `encode`: the selection as bytes
+//! - `state`: one state of a run that is watched, for the page of the service
 //! - `page`: the page; its scripts are in `master/assets/report`
 
 mod encode;
@@ -13,6 +14,7 @@ mod scene;
 mod series;
 mod single_forces;
 mod sources;
+pub mod state;
 mod surface;
 mod tables;
 mod workers;
@@ -255,20 +257,24 @@ fn left_out_of(
     out
 }
 
-/// Returns the data for the scripts.
-fn facts(sources: &Sources, model: Option<&Description>) -> String {
+/// Returns the scalars with their units, for the scripts.
+fn scalars(sources: &Sources) -> Vec<serde_json::Value> {
     let [length, stress] = sources.length_and_stress();
     let unit = |dimension| match dimension {
         Dimension::None => "",
         Dimension::Length => &length,
         Dimension::Stress => &stress,
     };
-    let scalars: Vec<_> =
-        SCALARS.iter().map(|s| json!({ "title": s.title, "unit": unit(s.dimension) })).collect();
+    SCALARS.iter().map(|s| json!({ "title": s.title, "unit": unit(s.dimension) })).collect()
+}
+
+/// Returns the data for the scripts.
+fn facts(sources: &Sources, model: Option<&Description>) -> String {
+    let [length, _] = sources.length_and_stress();
     page::json(&json!({
         "time_unit": sources.history.as_ref().map_or("", |h| h.unit("time")),
         "length_unit": length,
-        "scalars": scalars,
+        "scalars": scalars(sources),
         "part_names": sources.part_names(),
         "walls": sources.walls(),
         "plots": sources.plots,

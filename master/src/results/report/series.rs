@@ -4,7 +4,7 @@
 use crate::results::field_file::{self, Piece, Step};
 use crumple_worker::vtu::{self, Array};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A scalar per element that the page can show.
 pub struct Scalar {
@@ -152,6 +152,18 @@ pub fn read(
     reader.series
 }
 
+/// Reads the state of one time from its pieces.
+///
+/// # Errors
+/// A piece cannot be read.
+pub fn read_state(files: &[PathBuf], time: f64) -> Result<Series, String> {
+    let mut reader = Reader::default();
+    let frame = reader.joined(files, time).map_err(|whys| whys.join("; "))?;
+    reader.series.frames.push(frame);
+    reader.series.written = 1;
+    Ok(reader.series)
+}
+
 /// Returns `most` of the numbers below `count`, evenly spaced, with the first and the last; all
 /// of them if they are no more.
 pub fn spread(count: usize, most: usize) -> Vec<usize> {
@@ -174,13 +186,17 @@ impl Reader {
     /// Joins the pieces of a step. The step is rejected if one of them cannot be read.
     fn frame(&mut self, step: &Step) -> Result<Frame, Vec<String>> {
         let files = field_file::pieces(&step.file).map_err(|why| vec![why])?;
+        self.joined(&files, step.time)
+    }
+
+    fn joined(&mut self, files: &[PathBuf], time: f64) -> Result<Frame, Vec<String>> {
         let (pieces, whys): (Vec<_>, Vec<_>) =
             files.iter().map(|file| Piece::read(file)).partition(Result::is_ok);
         let whys: Vec<String> = whys.into_iter().filter_map(Result::err).collect();
         if !whys.is_empty() {
             return Err(whys);
         }
-        let mut frame = Frame { time: step.time, ..Frame::default() };
+        let mut frame = Frame { time, ..Frame::default() };
         for piece in pieces.into_iter().flatten() {
             self.join(&piece, &mut frame).map_err(|why| vec![why])?;
         }

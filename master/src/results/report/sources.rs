@@ -203,7 +203,11 @@ impl Sources {
     }
 }
 
-fn summary(path: &Path) -> Result<Map<String, Value>, String> {
+/// Reads the summary of a run.
+///
+/// # Errors
+/// The file is missing, or not JSON.
+pub fn summary(path: &Path) -> Result<Map<String, Value>, String> {
     let shown = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{shown}: {e}"))?;
     serde_json::from_str(&text).map_err(|e| format!("{shown}: {e}"))

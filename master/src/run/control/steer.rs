@@ -3,7 +3,8 @@
 
 use super::Control;
 use crate::results::steering::Record;
-use crate::run::request::{Answer, Done, Energy, Progress, Request, Status, Worker};
+use crate::run::balance::URGENT;
+use crate::run::request::{Answer, Done, Energy, Progress, Request, Status, Thresholds, Worker};
 use crate::run::service::{Desk, Reply};
 use crumple_proto::message::Action;
 use crumple_proto::report::StepReport;
@@ -99,6 +100,7 @@ impl Control<'_> {
             Request::Status | Request::Watch => {
                 return reply.send(Answer::Status(Box::new(self.status())));
             }
+            Request::View => return self.take_view(reply),
             Request::Set { key, value } => match self.check_change(&key, value) {
                 Ok(change) => Steer::Set(change),
                 Err(why) => return reply.send(Answer::refused(why)),
@@ -323,6 +325,7 @@ impl Control<'_> {
             pairs: self.balance.pairs(),
             imbalance: finite(self.balance.mean_imbalance()),
             redecompositions: [self.balance.low, self.balance.high],
+            thresholds: Thresholds { margin: URGENT, imbalance: self.model.job.parallel.imbalance },
             workers: self.balance.last.iter().map(worker).collect(),
         }
     }

@@ -13,6 +13,7 @@ mod paced;
 mod page;
 mod problem;
 mod submit;
+mod view;
 
 use super::disk::Disk;
 use super::keeper::Keeper;
@@ -72,6 +73,7 @@ pub fn router(keeper: Arc<Keeper>, settings: Settings) -> Router {
         .route("/api/jobs/{id}/stop", post(jobs::stop))
         .route("/api/jobs/{id}/resume", post(jobs::resume))
         .route("/api/jobs/{id}/progress", get(jobs::progress))
+        .route("/api/jobs/{id}/view", get(view::view))
         .route("/api/jobs/{id}/events", get(events::events))
         .route("/api/jobs/{id}/orders", post(orders::order))
         .route("/api/jobs/{id}/files", get(files::list))

@@ -1,6 +1,6 @@
 //! Description of the interface, made from the types and handlers.
 
-use super::{events, files, jobs, login, metrics, orders, submit};
+use super::{events, files, jobs, login, metrics, orders, submit, view};
 use crate::serve::api;
 use axum::Json;
 use utoipa::OpenApi;
@@ -22,6 +22,7 @@ use utoipa::OpenApi;
         jobs::stop,
         jobs::resume,
         jobs::progress,
+        view::view,
         events::events,
         orders::order,
         files::list,
