@@ -31,7 +31,7 @@ pub struct Picture {
 
 /// The pictures of all jobs.
 pub struct Views {
-    jobs: Mutex<HashMap<i64, (Instant, Arc<Turn<Kept>>)>>,
+    jobs: Mutex<HashMap<i64, Place>>,
     /// Only one picture is made at a time, which bounds the memory.
     one: Semaphore,
 }
@@ -40,6 +40,13 @@ impl Default for Views {
     fn default() -> Self {
         Self { jobs: Mutex::default(), one: Semaphore::new(1) }
     }
+}
+
+/// The picture of a job.
+struct Place {
+    /// Last request.
+    asked: Instant,
+    kept: Arc<Turn<Kept>>,
 }
 
 #[derive(Default)]
@@ -122,10 +129,11 @@ impl Views {
     /// Returns the place of a job, and forgets those without requests.
     fn place(&self, id: i64) -> Arc<Turn<Kept>> {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
-        jobs.retain(|_, (asked, _)| asked.elapsed() < KEPT_FOR);
-        let entry = jobs.entry(id).or_insert_with(|| (Instant::now(), Arc::default()));
-        entry.0 = Instant::now();
-        entry.1.clone()
+        jobs.retain(|_, place| place.asked.elapsed() < KEPT_FOR);
+        let new = || Place { asked: Instant::now(), kept: Arc::default() };
+        let place = jobs.entry(id).or_insert_with(new);
+        place.asked = Instant::now();
+        place.kept.clone()
     }
 }
 
