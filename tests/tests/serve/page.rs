@@ -71,12 +71,13 @@ fn a_job_is_uploaded_watched_steered_and_reported() {
     order(&mut browser, "checkpoint", &[]);
     wait_for_log(&mut browser, "checkpoint: in effect in cycle");
     assert!(service.folder(1).join("results/checkpoints").exists());
+    // The run would pass a new end that is given while it goes on.
+    let status = service.post("/api/jobs/1/orders", &json!({"request": "status"})).json();
+    let end = (status["progress"]["time"].as_f64().unwrap() + 0.5).to_string();
+    order(&mut browser, "set", &[("ask-key", "end_time"), ("ask-value", &end)]);
+    wait_for_log(&mut browser, "end_time=");
     order(&mut browser, "continue", &[]);
     wait_for_log(&mut browser, "continue: in effect in cycle");
-    let end = browser.evaluate(time).as_f64().unwrap() + 0.5;
-    let end = [("ask-key", "end_time"), ("ask-value", &*end.to_string())];
-    order(&mut browser, "set", &end);
-    wait_for_log(&mut browser, "end_time=");
     service.wait_for(1, "completed");
     let report = browser
         .wait("there is a report", "document.querySelector('#run-report:not([hidden])')?.href");
