@@ -73,7 +73,8 @@ fn a_job_is_uploaded_watched_steered_and_reported() {
     assert!(service.folder(1).join("results/checkpoints").exists());
     order(&mut browser, "continue", &[]);
     wait_for_log(&mut browser, "continue: in effect in cycle");
-    let end = browser.evaluate(time).as_f64().unwrap() + 0.5;
+    // The run is some milliseconds further than its last picture.
+    let end = browser.evaluate(time).as_f64().unwrap() + 8.0;
     let end = [("ask-key", "end_time"), ("ask-value", &*end.to_string())];
     order(&mut browser, "set", &end);
     wait_for_log(&mut browser, "end_time=");
@@ -100,6 +101,7 @@ fn two_jobs_are_shown_in_step() {
     browser.evaluate("location.hash = '#/job/1'");
     browser
         .wait("the job is shown", "views.run.id === 1 && !document.getElementById('run').hidden");
+    browser.wait("there is a picture", "!!views.run.picture.model");
     browser.evaluate("document.querySelector('#run-compare input').value = 2");
     browser.click("#run-compare button");
     let both = |what: &str| format!("views.compare.pictures.every((p) => {what})");
