@@ -173,8 +173,8 @@ impl Browser {
              {{ e.scrollIntoView({{block: 'center'}}); const b = e.getBoundingClientRect(); return \
              b.width ? [b.x + b.width / 2, b.y + b.height / 2] : null; }}; let before; let now = \
              place(); for (let i = 0; i < 50 && `${{now}}` !== `${{before}}`; i++) {{ before = \
-             now; await new Promise((done) => setTimeout(done, 100)); now = place(); }} return now; \
-             }})()"
+             now; await new Promise((done) => setTimeout(done, 100)); now = place(); }} return \
+             now; }})()"
         );
         let at = self.evaluate(&script);
         assert!(at.is_array(), "{selector} is hidden");

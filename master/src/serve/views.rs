@@ -29,9 +29,12 @@ pub struct Picture {
     pub text: Arc<str>,
 }
 
+/// Time of the last request for a job, and its picture.
+type Watched = (Instant, Arc<Turn<Kept>>);
+
 /// The pictures of all jobs.
 pub struct Views {
-    jobs: Mutex<HashMap<i64, (Instant, Arc<Turn<Kept>>)>>,
+    jobs: Mutex<HashMap<i64, Watched>>,
     /// Only one picture is made at a time, which bounds the memory.
     one: Semaphore,
 }
