@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs a command with a Slurm of its own: munge, slurmctld and slurmd on this machine, in a temporary
-# folder, as root. They end with the command.
+# Runs a command with a Slurm of its own: munge, slurmctld and slurmd on this machine, in a
+# temporary folder, as root. They end with the command.
 #
 #   deploy/slurm_single_node.sh sinfo
 #   deploy/slurm_single_node.sh deploy/test.sh --test serve real_slurm -- --ignored

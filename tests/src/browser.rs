@@ -162,15 +162,19 @@ impl Browser {
         }
     }
 
-    /// Presses and releases the mouse in the middle of an element.
+    /// Presses and releases the mouse in the middle of an element, when it has stopped moving: the
+    /// page may still be growing.
     ///
     /// # Panics
     /// When there is none, or it is hidden.
     pub fn click(&mut self, selector: &str) {
         let script = format!(
-            "(() => {{ const e = document.querySelector({selector:?}); e.scrollIntoView({{block: \
-             'center'}}); const b = e.getBoundingClientRect(); return b.width ? [b.x + b.width / \
-             2, b.y + b.height / 2] : null; }})()"
+            "(async () => {{ const e = document.querySelector({selector:?}); const place = () => \
+             {{ e.scrollIntoView({{block: 'center'}}); const b = e.getBoundingClientRect(); return \
+             b.width ? [b.x + b.width / 2, b.y + b.height / 2] : null; }}; let before; let now = \
+             place(); for (let i = 0; i < 50 && `${{now}}` !== `${{before}}`; i++) {{ before = \
+             now; await new Promise((done) => setTimeout(done, 100)); now = place(); }} return \
+             now; }})()"
         );
         let at = self.evaluate(&script);
         assert!(at.is_array(), "{selector} is hidden");

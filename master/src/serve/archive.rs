@@ -1,6 +1,6 @@
-//! Archives of submissions: zip, tar and tar.gz. An entry obeys the rules of an uploaded file; links
-//! and devices are refused. What an archive states of itself is not believed: bytes are counted as
-//! they are written.
+//! Archives of submissions: zip, tar and tar.gz. An entry obeys the rules of an uploaded file;
+//! links and devices are refused. What an archive states of itself is not believed: bytes are
+//! counted as they are written.
 
 use super::intake::{Fault, Intake, Taken};
 use flate2::read::MultiGzDecoder;

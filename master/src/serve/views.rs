@@ -29,9 +29,12 @@ pub struct Picture {
     pub text: Arc<str>,
 }
 
+/// Time of the last request for a job, and its picture.
+type Watched = (Instant, Arc<Turn<Kept>>);
+
 /// The pictures of all jobs.
 pub struct Views {
-    jobs: Mutex<HashMap<i64, Place>>,
+    jobs: Mutex<HashMap<i64, Watched>>,
     /// Only one picture is made at a time, which bounds the memory.
     one: Semaphore,
 }
@@ -40,13 +43,6 @@ impl Default for Views {
     fn default() -> Self {
         Self { jobs: Mutex::default(), one: Semaphore::new(1) }
     }
-}
-
-/// The picture of a job.
-struct Place {
-    /// Last request.
-    asked: Instant,
-    kept: Arc<Turn<Kept>>,
 }
 
 #[derive(Default)]
@@ -129,11 +125,10 @@ impl Views {
     /// Returns the place of a job, and forgets those without requests.
     fn place(&self, id: i64) -> Arc<Turn<Kept>> {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
-        jobs.retain(|_, place| place.asked.elapsed() < KEPT_FOR);
-        let new = || Place { asked: Instant::now(), kept: Arc::default() };
-        let place = jobs.entry(id).or_insert_with(new);
-        place.asked = Instant::now();
-        place.kept.clone()
+        jobs.retain(|_, (asked, _)| asked.elapsed() < KEPT_FOR);
+        let entry = jobs.entry(id).or_insert_with(|| (Instant::now(), Arc::default()));
+        entry.0 = Instant::now();
+        entry.1.clone()
     }
 }
 

@@ -101,6 +101,7 @@ fn two_jobs_are_shown_in_step() {
     browser.evaluate("location.hash = '#/job/1'");
     browser
         .wait("the job is shown", "views.run.id === 1 && !document.getElementById('run').hidden");
+    browser.wait("there is a picture", "!!views.run.picture.model");
     browser.evaluate("document.querySelector('#run-compare input').value = 2");
     browser.click("#run-compare button");
     let both = |what: &str| format!("views.compare.pictures.every((p) => {what})");

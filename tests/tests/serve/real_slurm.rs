@@ -91,7 +91,7 @@ fn jobs_go_through_a_real_slurm() {
     let after = summary(&service, id);
     assert!(after["cycles"].as_i64() > before["cycles"].as_i64(), "{before} {after}");
 
-    // What Slurm has forgotten is known nevertheless, and is not run again.
+    // The service still knows jobs that Slurm has forgotten, and does not run them again.
     service.wait("slurm forgets", |_| queue().is_empty().then_some(()));
     service.kill();
     service.again();
