@@ -112,7 +112,7 @@ fn renumber<'a>(numbers: impl Iterator<Item = &'a mut u32>) -> Vec<u32> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::series::Frame;
     use super::super::surface::{faces, tests::row_of_cubes};
     use super::*;
@@ -131,21 +131,29 @@ mod tests {
         assert_eq!(scene.faces[1], Face { corners: [0, 2, 3, 4], owners: [1, 0] });
     }
 
-    /// A square of 16 by 16 quads of side 1, merged two by two: one of four quads is left.
-    #[test]
-    fn a_coarser_scene_has_the_same_outline() {
-        let node = |i: u32, j: u32| 17 * i + j;
-        let place = |n: u32| [(n / 17) as f32, (n % 17) as f32, 0.5];
-        let frame = Frame { position: (0..17 * 17).map(place).collect(), ..Frame::default() };
-        let series = Series { nodes: 17 * 17, frames: vec![frame], ..Series::default() };
+    /// Returns a sheet of square quads of side 1, and its scene.
+    pub fn sheet(long: u32, wide: u32) -> (Series, Scene) {
+        let row = wide + 1;
+        let node = |i: u32, j: u32| row * i + j;
+        let place = |n: u32| [(n / row) as f32, (n % row) as f32, 0.5];
+        let nodes = row * (long + 1);
+        let frame = Frame { position: (0..nodes).map(place).collect(), ..Frame::default() };
+        let series = Series { nodes: nodes as usize, frames: vec![frame], ..Series::default() };
         let quad = |e: u32| {
-            let (i, j) = (e / 16, e % 16);
+            let (i, j) = (e / wide, e % wide);
             Face {
                 corners: [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)],
                 owners: [e, NO_ELEMENT],
             }
         };
-        let fine = Scene::new(&series, (0..256).map(quad).collect());
+        let scene = Scene::new(&series, (0..long * wide).map(quad).collect());
+        (series, scene)
+    }
+
+    /// A square of 16 by 16 quads, merged two by two: one of four quads is left.
+    #[test]
+    fn a_coarser_scene_has_the_same_outline() {
+        let (series, fine) = sheet(16, 16);
         let coarse = fine.coarser(&series, 8);
         assert_eq!(
             (coarse.faces.len(), coarse.faces_seen, coarse.nodes.len(), coarse.elements.len()),

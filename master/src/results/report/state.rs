@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 
 /// Maximum number of faces: 100,000 triangles.
 const MOST_FACES: usize = 50_000;
+/// Number of trials to find a scene with fewer faces: the number of cubes is found to 7 %.
+const TRIALS: usize = 7;
 /// Maximum size of the files of a state [bytes]; about twice that is needed in memory.
 const MOST_BYTES: u64 = 150_000_000;
 
@@ -64,7 +66,7 @@ impl State {
     /// The files cannot be read.
     pub fn picture(&self, dir: &Path, about: Option<&Map<String, Value>>) -> Result<Value, String> {
         let series = read_state(&self.pieces, self.time)?;
-        let scene = limited(&series, MOST_FACES);
+        let scene = limited(Scene::new(&series, faces(&series)), &series, MOST_FACES);
         let (model, picture) = encode(&series, &scene);
         let summary = match about {
             Some(about) => Some(about.clone()),
@@ -89,31 +91,39 @@ fn outputs(dir: &Path) -> Vec<Step> {
     field_file::steps(&dir.join(DIR).join(COLLECTION)).unwrap_or_default()
 }
 
-/// Returns the scene, coarser if it has more than `most` faces.
-fn limited(series: &Series, most: usize) -> Scene {
-    let whole = Scene::new(series, faces(series));
-    let mut scene = whole.clone();
-    let mut cubes = (whole.faces.len() as f64).sqrt();
-    while scene.faces.len() > most && cubes > 1.0 {
-        cubes *= (most as f64 / scene.faces.len() as f64).sqrt().min(0.9);
-        scene = whole.coarser(series, cubes.max(1.0) as usize);
+/// Returns the scene, coarser if it has more than `most` faces: by as little as a few trials find.
+/// Slender models need more cubes along their length than others, so that their faces stay.
+fn limited(whole: Scene, series: &Series, most: usize) -> Scene {
+    if whole.faces.len() <= most {
+        return whole;
+    }
+    let (mut few, mut many) = (1.0, whole.faces.len() as f64);
+    let mut scene = whole.coarser(series, 1);
+    for _ in 0..TRIALS {
+        let cubes = f64::sqrt(few * many);
+        let trial = whole.coarser(series, cubes as usize);
+        if trial.faces.len() > most {
+            many = cubes;
+        } else {
+            (few, scene) = (cubes, trial);
+        }
     }
     scene
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::surface::tests::row_of_cubes;
+    use super::super::scene::tests::sheet;
     use super::*;
 
+    /// A slender sheet keeps more than half of the faces that it may have.
     #[test]
     fn a_scene_is_coarser_if_it_has_too_many_faces() {
-        let series = row_of_cubes(400, &[1; 400]);
-        let whole = limited(&series, MOST_FACES);
-        assert_eq!(whole.faces.len(), whole.faces_seen);
-        let coarse = limited(&series, 500);
-        assert!((100..=500).contains(&coarse.faces.len()), "{}", coarse.faces.len());
-        assert_eq!(coarse.faces_seen, whole.faces.len());
+        let (series, whole) = sheet(1000, 4);
+        assert_eq!(limited(whole.clone(), &series, MOST_FACES).faces.len(), 4000);
+        let coarse = limited(whole, &series, 1500);
+        assert!((750..=1500).contains(&coarse.faces.len()), "{}", coarse.faces.len());
+        assert_eq!(coarse.faces_seen, 4000);
     }
 
     #[test]
