@@ -19,7 +19,7 @@ PATH=$PATH:/usr/sbin
 [[ $# -gt 0 ]] || { echo "usage: $0 COMMAND..." >&2 && exit 2; }
 [[ $(id -u) -eq 0 ]] || { echo "slurm: slurmd starts jobs as root only" >&2 && exit 1; }
 
-dir=$(mktemp -d /tmp/slurm.XXXXXX)
+dir=$(mktemp -d -t slurm.XXXXXX)
 daemons=()
 finish() {
     # In the opposite order; slurmd ends its jobs first.

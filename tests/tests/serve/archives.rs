@@ -148,7 +148,7 @@ fn hostile_entries_of_tar_are_refused() {
     let cases: Vec<(Vec<Member>, u16, &[&str])> = vec![
         (vec![good(), file("../../evil", b"x")], 422, &["`../../evil`", "begin with a point"]),
         (vec![good(), file("a/../../evil", b"x")], 422, &["`a/../../evil`"]),
-        (vec![good(), file("/tmp/evil", b"x")], 422, &["`/tmp/evil`", "empty names"]),
+        (vec![good(), file("/evil", b"x")], 422, &["`/evil`", "empty names"]),
         (vec![good(), file("..\\evil", b"x")], 422, &["`..\\evil`", "backslashes"]),
         (vec![good(), file("C:\\evil", b"x")], 422, &["backslashes"]),
         (vec![good(), file(".ssh/x", b"x")], 422, &["`.ssh/x`"]),
@@ -224,7 +224,7 @@ fn hostile_entries_of_zip_are_refused() {
     let zeros = vec![0; 5 << 20];
     let cases: Vec<(Vec<Entry>, u16, &[&str])> = vec![
         (vec![good(), entry("../../evil", b"x")], 422, &["`../../evil`", "begin with a point"]),
-        (vec![good(), entry("/tmp/evil", b"x")], 422, &["`/tmp/evil`", "empty names"]),
+        (vec![good(), entry("/evil", b"x")], 422, &["`/evil`", "empty names"]),
         (vec![good(), entry("..\\evil", b"x")], 422, &["`..\\evil`", "backslashes"]),
         (vec![good(), Entry { name: b"\xe9.k".into(), ..good() }], 422, &["not UTF-8"]),
         (

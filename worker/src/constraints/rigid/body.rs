@@ -95,6 +95,7 @@ impl Body {
     /// orientation.
     pub fn fits(&self, job: &BodyJob) -> bool {
         let vectors = [self.centre, self.last.velocity, self.last.angular, self.last_spin];
+        // Round-off of a run is many orders smaller; other numbers are no turn.
         let is_turn = |q: &UnitQuaternion<f64>| (q.norm() - 1.0).abs() < 1e-3;
         self.held == held(job)
             && self.mass.is_finite()
