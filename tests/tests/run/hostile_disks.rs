@@ -9,8 +9,9 @@ use crumple_tests::restart::{checkpoints, copy_folder};
 use crumple_tests::tools::{fifo, tmpfs};
 use rustix::process::Signal;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+use tempfile::TempDir;
 
 /// A run with checkpoints at two times.
 const TWICE: [&str; 7] = [
@@ -46,6 +47,15 @@ fn whole() -> (Ended, String) {
     assert_eq!(checkpoints(&ended.out()).len(), 2);
     let digest = ended.digest();
     (ended, digest)
+}
+
+/// Copies the folder of a run. Returns the copy, its results and its newest checkpoint.
+fn copy_of(known: &Ended) -> (TempDir, PathBuf, PathBuf) {
+    let copy = tempfile::tempdir().unwrap();
+    let out = copy.path().join("out");
+    copy_folder(&known.out(), &out);
+    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    (copy, out, newest)
 }
 
 /// Checks that only the first checkpoint is there, after a run that said why, and that a run
@@ -236,10 +246,7 @@ fn wrong_contents_with_right_sums_are_refused() {
         ("half of the words", |words| words.truncate(words.len() / 2)),
     ];
     for (what, change) in changes {
-        let copy = tempfile::tempdir().unwrap();
-        let out = copy.path().join("out");
-        copy_folder(&known.out(), &out);
-        let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+        let (_copy, out, newest) = copy_of(&known);
         rewrite(&newest, &piece_name(1), change);
         let ended = resume(&out).with_code(0);
         let said = ended.said();
@@ -252,10 +259,7 @@ fn wrong_contents_with_right_sums_are_refused() {
         ("a byte of the time", |words| words[1] ^= 1 << 8),
     ];
     for (what, change) in changes {
-        let copy = tempfile::tempdir().unwrap();
-        let out = copy.path().join("out");
-        copy_folder(&known.out(), &out);
-        let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+        let (_copy, out, newest) = copy_of(&known);
         rewrite(&newest, "common.bin", change);
         let ended = resume(&out).with_code(0);
         let said = ended.said();
@@ -273,10 +277,7 @@ fn wrong_contents_with_right_sums_are_refused() {
 #[test]
 fn a_manifest_of_another_cycle_is_refused() {
     let (known, digest) = whole();
-    let copy = tempfile::tempdir().unwrap();
-    let out = copy.path().join("out");
-    copy_folder(&known.out(), &out);
-    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    let (_copy, out, newest) = copy_of(&known);
     let mut manifest = Manifest::read(&newest).unwrap();
     manifest.captured.cycle += 1;
     manifest.write(&newest).unwrap();
@@ -291,10 +292,7 @@ fn a_manifest_of_another_cycle_is_refused() {
 #[test]
 fn a_checkpoint_with_other_columns_is_refused() {
     let (known, digest) = whole();
-    let copy = tempfile::tempdir().unwrap();
-    let out = copy.path().join("out");
-    copy_folder(&known.out(), &out);
-    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    let (_copy, out, newest) = copy_of(&known);
     let mut manifest = Manifest::read(&newest).unwrap();
     let columns = manifest.stamp.layout.iter_mut().find(|(key, _)| key.starts_with("Quad4 of"));
     let (key, names) = columns.unwrap();
@@ -310,9 +308,7 @@ fn a_checkpoint_with_other_columns_is_refused() {
 #[test]
 fn a_history_that_is_lost_before_the_run_continues_begins_again() {
     let (known, digest) = whole();
-    let copy = tempfile::tempdir().unwrap();
-    let out = copy.path().join("out");
-    copy_folder(&known.out(), &out);
+    let (_copy, out, _) = copy_of(&known);
     let text = |name: &str| fs::read_to_string(out.join(name)).unwrap();
     let [history, workers] = ["history.csv", "workers.csv"].map(text);
     fs::remove_file(out.join("workers.csv")).unwrap();
@@ -365,10 +361,7 @@ fn a_folder_of_a_run_that_is_removed_is_made_again_with_a_warning() {
 #[test]
 fn a_checkpoint_on_a_disk_that_hangs_ends_the_start_with_a_message() {
     let (known, _) = whole();
-    let copy = tempfile::tempdir().unwrap();
-    let out = copy.path().join("out");
-    copy_folder(&known.out(), &out);
-    let newest = out.join("checkpoints").join(checkpoints(&out).pop().unwrap());
+    let (_copy, out, newest) = copy_of(&known);
     fs::remove_file(newest.join("MANIFEST")).unwrap();
     let Some(()) = fifo(&newest.join("MANIFEST")) else { return };
     let patience = "--set=checkpoint.patience=0.3 s";
