@@ -35,6 +35,9 @@ use std::time::{Duration, Instant};
 use steer::Steering;
 use view::Viewing;
 
+/// Most messages that are taken from a worker before signals and clients have their turn: a run may
+/// write rows faster than the master can take them.
+const MOST_MESSAGES: usize = 100;
 /// Sleep of the master when there is nothing to do, so that it does not occupy a core that
 /// workers need.
 const NAP: Duration = Duration::from_micros(500);
@@ -438,11 +441,14 @@ impl<'a> Control<'a> {
         self.wall_before + self.began.elapsed().as_secs_f64()
     }
 
-    /// Receives all messages that have arrived from workers. Returns true if there was one.
+    /// Receives messages that have arrived from workers. Returns true if there was one.
     fn listen(&mut self) -> Result<bool, RunError> {
         let mut heard = false;
         for worker in 0..self.workers {
-            while self.closings[worker].is_none() {
+            for _ in 0..MOST_MESSAGES {
+                if self.closings[worker].is_some() {
+                    break;
+                }
                 let Some(message) = poll_message(self.comm, worker + 1, Tag::Report)? else {
                     break;
                 };
