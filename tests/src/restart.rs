@@ -6,15 +6,17 @@ use crumple::results::histories::NAMES;
 use crumple::results::summary::state_digest;
 use crumple::run::decompose::{Centres, bisect};
 use crumple_proto::boxes::CutTree;
-use crumple_proto::checkpoint::{FileRecord, partial_name};
+use crumple_proto::checkpoint::{Captured, FileRecord, partial_name};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Compression;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::{Transport, threads};
+use crumple_worker::checkpoint::fit::{Expected, Source, verify};
 use crumple_worker::checkpoint::{read_state, writer::Task};
 use crumple_worker::engine::Engine;
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
+use crumple_worker::time::Clock;
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -42,7 +44,7 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let tree = |workers| bisect(&mut Centres(centres(model)), workers).expect("one process");
     let (first, second) = (tree(plan.workers[0]), tree(plan.workers[1]));
-    let files = side_by_side(plan.workers[0], |comm| {
+    let written = side_by_side(plan.workers[0], |comm| {
         let share = share_of(model, &first, comm.rank() - 1);
         let mut engine = Engine::new(comm, model.settings.clone(), first.clone(), share).unwrap();
         advance(&mut engine, comm, &first, |e| {
@@ -58,11 +60,14 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
             copy: Duration::ZERO,
             progress: Default::default(),
         };
-        task.run().files.unwrap()
+        let Clock { cycle, time, rows, fields, .. } = engine.clock;
+        let captured = Captured { cycle, time, rows, fields: fields as u64 };
+        (task.run().files.unwrap(), captured)
     });
-    let common = files[0][1].clone();
-    let pieces: Vec<FileRecord> = files.into_iter().map(|f| f[0].clone()).collect();
+    let (common, captured) = (written[0].0[1].clone(), written[0].1);
+    let pieces: Vec<FileRecord> = written.into_iter().map(|(f, _)| f[0].clone()).collect();
     let folder = dir.path().join(partial_name(plan.at, 0));
+    assert_fits(model, &folder, (&common, &pieces), captured);
     let nodes = side_by_side(plan.workers[1], |comm| {
         let place = (comm.rank() - 1, comm.size() - 1);
         let mut engine = restored(comm, model, &second, (&folder, &common, &pieces), place);
@@ -73,6 +78,19 @@ pub fn run_interrupted(model: &Model, plan: Plan) -> String {
             .collect::<Vec<NodeRecord>>()
     });
     state_digest(&mut nodes.concat())
+}
+
+/// Checks that a run accepts its own files as a state of its job.
+fn assert_fits(
+    model: &Model,
+    folder: &Path,
+    (common, pieces): (&FileRecord, &[FileRecord]),
+    captured: Captured,
+) {
+    let (elements, nodes) = model.records();
+    let source = Source { settings: &model.settings, elements: &elements, nodes: &nodes };
+    let expected = Expected { captured, elements: elements.len() };
+    verify(folder, common, pieces, source, expected).unwrap();
 }
 
 fn restored(

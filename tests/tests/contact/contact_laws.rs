@@ -1,7 +1,37 @@
 //! Contact searches and contact laws selected in a job, on seven bodies in collision.
 
-use crumple_tests::program::{crumple_with, run};
+use crumple_tests::program::{crumple_with, root, run};
 use crumple_tests::{case, read, run_alone, run_side_by_side};
+
+/// The search keeps its candidates as long as no node has moved far. It takes the motion of a step
+/// from ranges of displacements: of all nodes, and of rigid bodies beyond that.
+#[test]
+fn ranges_of_displacements_contain_the_motion_of_each_node() {
+    /// Differences of places near 100 mm have a round-off of 1e-14 mm.
+    const ROUND_OFF: f64 = 1e-13;
+    for scene in [root().join("tests/decks/scenes/bodies.toml"), case("tumble")] {
+        let mut before = Vec::new();
+        let mut largest = 0.0f64;
+        run_alone(&read(&scene, &["time.max_cycles=300"]), |e| {
+            let now = e.nodes.x[..e.nodes.local_count].to_vec();
+            let [moved, corrected] = e.nodes.displacements.map(|range| range.bounds());
+            // Without rigid bodies the second range is empty: infinite.
+            let bound = |k: usize, c: usize| {
+                moved[k][c] + Some(corrected[k][c]).filter(|d| d.is_finite()).unwrap_or(0.0)
+            };
+            for (was, is) in before.iter().zip(&now) {
+                for (c, (from, to)) in std::iter::zip(was, is).take(3).enumerate() {
+                    let by: f64 = to - from;
+                    let [low, high] = [bound(0, c) - ROUND_OFF, bound(1, c) + ROUND_OFF];
+                    assert!(low <= by && by <= high, "{by} is not in {low} .. {high}");
+                    largest = largest.max(by.abs());
+                }
+            }
+            before = now;
+        });
+        assert!(largest > 1e-4, "nodes move: {largest}");
+    }
+}
 
 /// Both global searches find the same candidates, point in box, so the results are the same.
 #[test]

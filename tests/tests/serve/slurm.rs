@@ -117,3 +117,25 @@ fn a_job_that_waits_at_slurm_is_not_started_again() {
     fs::remove_file(programs.path().join("pending")).unwrap();
     assert_eq!(service.wait_for(id, "completed")["attempt"], 1);
 }
+
+/// A cluster without accounts: only the queue knows that a job was cancelled before it ran.
+#[test]
+fn a_job_that_is_cancelled_in_the_queue_is_stopped_without_accounts() {
+    let programs = programs();
+    let spool = programs.path().display().to_string();
+    for (name, text) in [
+        ("sbatch", "echo 7"),
+        ("squeue", "if [ -f $SPOOL/gone ]; then echo CANCELLED; else echo PENDING; fi"),
+        ("sacct", "echo 'Slurm accounting storage is disabled' >&2; exit 1"),
+        ("scancel", "touch $SPOOL/gone"),
+    ] {
+        let text = format!("#!/bin/sh\n{}\n", text.replace("$SPOOL", &spool));
+        fs::write(programs.path().join(name), text).unwrap();
+    }
+    let service = Service::start_with_path(&["--slurm"], Some(programs.path()));
+    let id = service.submit(&by_slurm(bars(&[])));
+    service.wait_for(id, "starting");
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &json!({})).status, 202);
+    let job = service.wait_for(id, "stopped");
+    assert!(programs.path().join("gone").exists(), "{job}");
+}

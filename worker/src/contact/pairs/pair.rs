@@ -242,10 +242,12 @@ impl PairHistory {
         let vectors = [self.normal, self.force, self.slip];
         let is_number = vectors.iter().flat_map(|v| v.iter()).all(|a| a.is_finite());
         let lengths = [self.tolerated, self.kept, self.depth, self.thickness, self.pressure];
+        // Pairs of edges and of segments lose their side with the pair.
+        let is_side = self.side.abs() == 1.0 || (!name.is_node() && self.side == 0.0);
         is_known
             && is_number
             && !lengths.iter().any(|a| a.is_nan())
-            && self.side.abs() == 1.0
+            && is_side
             && self.age <= KEPT_STEPS
     }
 
@@ -617,6 +619,40 @@ impl Pair {
             thickness: self.contact_thickness,
             pressure: self.pressure,
             age: 0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn histories_of_other_meshes_and_impossible_values_are_not_valid() {
+        let [own, other] = [NodeId(4), NodeId(5)];
+        let (segment, absent) = (SegmentId(16), SegmentId(32));
+        let history = |name| PairHistory { name, side: 1.0, ..PairHistory::zeroed() };
+        let of_node = history(PairKey::of_node(own, segment));
+        let of_edges = history(PairKey::of_edges([own, other], [other, own]));
+        let of_segments = history(PairKey::of_segments([segment; 2], [1, 3]));
+        let is_valid =
+            |h: PairHistory| h.is_valid(own, |n| n == own || n == other, |s| s == segment);
+        let lost = [of_edges, of_segments].map(|h| PairHistory { side: 0.0, ..h });
+        for good in [of_node, of_edges, of_segments, lost[0], lost[1]] {
+            assert!(is_valid(good), "{good:?}");
+        }
+        for bad in [
+            history(PairKey::of_node(other, segment)),
+            history(PairKey::of_node(own, absent)),
+            history(PairKey::of_edges([own, NodeId(6)], [other, own])),
+            history(PairKey::of_segments([segment, absent], [1, 3])),
+            PairHistory { side: 0.0, ..of_node },
+            PairHistory { side: f64::NAN, ..of_node },
+            PairHistory { age: KEPT_STEPS + 1, ..of_node },
+            PairHistory { depth: f64::NAN, ..of_node },
+            PairHistory { force: V3::repeat(f64::INFINITY), ..of_node },
+        ] {
+            assert!(!is_valid(bad), "{bad:?}");
         }
     }
 }
