@@ -55,10 +55,8 @@ pub struct Nodes {
     pub x: Vec<Row>,
     /// Coordinates at the last update of folds, in the same cycle on all workers [length].
     pub seen: Vec<Row>,
-    /// Displacements of local nodes in the last step by their velocities, and further
-    /// displacements of the members of rigid bodies; zero, if there are any, stands for all other
-    /// nodes [length].
-    pub displacements: [VectorRange; 2],
+    /// Displacements of local nodes in the last step [length].
+    pub displacements: VectorRange,
     /// Velocities at the last mid-step [length/time].
     pub v: Vec<Row>,
     /// Rotational velocities at the last mid-step [1/time].
@@ -196,12 +194,11 @@ impl Nodes {
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
         let (x, v) = (&mut self.x[..self.local_count], &self.v[..self.local_count]);
-        let moved = VectorRange::of(x.len(), |i| {
+        self.displacements = VectorRange::of(x.len(), |i| {
             let by = Lane::splat(dt) * Lane::new(v[i]);
             x[i] = (Lane::new(x[i]) + by).to_array();
             by
         });
-        self.displacements = [moved, VectorRange::default()];
         let turning = self.local_count.min(self.w_next.len());
         self.w[..turning].swap_with_slice(&mut self.w_next[..turning]);
     }

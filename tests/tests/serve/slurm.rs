@@ -138,4 +138,7 @@ fn a_job_that_is_cancelled_in_the_queue_is_stopped_without_accounts() {
     assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &json!({})).status, 202);
     let job = service.wait_for(id, "stopped");
     assert!(programs.path().join("gone").exists(), "{job}");
+    // An administrator cancels this one.
+    let next = service.submit(&by_slurm(bars(&[])));
+    service.wait_for(next, "stopped");
 }

@@ -55,12 +55,12 @@ impl Travel {
     /// Adds the motion of the last step to the path. Call it once in each step: the displacements
     /// of local nodes are those of [`Nodes::displacements`].
     pub fn advance(&mut self, nodes: &Nodes) {
-        let [mut moved, corrected] = nodes.displacements;
+        let mut moved = nodes.displacements;
         for (x, before) in nodes.x[nodes.local_count..].iter().zip(&mut self.ghosts) {
             moved.include(Lane::new(*x) - Lane::new(*before));
             *before = *x;
         }
-        self.path += moved.diameter() + corrected.diameter();
+        self.path += moved.diameter();
     }
 
     /// Returns the path: no two nodes have moved farther against each other since the start

@@ -16,7 +16,6 @@ mod walls;
 use crate::constraints::walls::Walls;
 use crate::contact::surroundings::NodalForces;
 use crate::energy::Ledger;
-use crate::math::lanes::Lane;
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
@@ -528,14 +527,11 @@ impl Bodies {
     pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
         self.bodies.iter_mut().for_each(|b| b.advance(dt));
         let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(Body::frame).collect();
-        if !self.members.is_empty() {
-            nodes.displacements[1].include(Lane::splat(0.0));
-        }
         for m in &self.members {
             let (centre, turn) = &frames[m.body as usize];
-            let to = row((centre + turn * self.arms[m.body as usize][m.index as usize]).into());
-            let at = std::mem::replace(&mut nodes.x[m.local as usize], to);
-            nodes.displacements[1].include(Lane::new(to) - Lane::new(at));
+            // Their velocities brought them there already, except for round-off.
+            nodes.x[m.local as usize] =
+                row((centre + turn * self.arms[m.body as usize][m.index as usize]).into());
         }
     }
 

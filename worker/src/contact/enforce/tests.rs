@@ -183,8 +183,7 @@ impl Scene {
 
     /// Moves a node to another place between two steps.
     fn put(&mut self, i: usize, to: [f64; 3]) {
-        let by = Lane::new(row(to)) - Lane::new(self.nodes.x[i]);
-        [Lane::splat(0.0), by].into_iter().for_each(|d| self.nodes.displacements[1].include(d));
+        self.nodes.displacements.include(Lane::new(row(to)) - Lane::new(self.nodes.x[i]));
         self.nodes.x[i] = row(to);
     }
 
