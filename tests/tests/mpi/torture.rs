@@ -55,6 +55,9 @@ struct Record {
     /// Times from the first file of the last checkpoint, or from the begin of the process if it has
     /// written none, to a kill [s]; for each of `INTERVALS`.
     losses: [Vec<f64>; 2],
+    /// Kills after which more work is lost than that of the interval, of runs that had warned that
+    /// the interval is too short; for each of `INTERVALS`.
+    announced: [usize; 2],
     orphans: u64,
     temporary: u64,
 }
@@ -67,8 +70,9 @@ impl Record {
         println!("  of the master or of all workers  {of_master}");
         println!("  while a checkpoint was written   {while_writing}");
         println!("  before a first checkpoint        {before_any}");
-        for (losses, interval) in self.losses.iter().zip(INTERVALS) {
-            show_losses(interval, losses);
+        for ((losses, interval), announced) in self.losses.iter().zip(INTERVALS).zip(self.announced)
+        {
+            show_losses(interval, losses, announced);
         }
         println!("  orphan processes found           {}", self.orphans);
         println!("  temporary files left             {}", self.temporary);
@@ -91,7 +95,15 @@ impl Record {
         let newest = whole.first().filter(|_| newest_cycle(out) > known);
         self.before_any += u64::from(newest.is_none());
         let kept = newest.and_then(|folder| began(folder)).unwrap_or(begun);
-        self.losses[which].push(now.duration_since(kept).map_or(0.0, |d| d.as_secs_f64()));
+        let loss = now.duration_since(kept).map_or(0.0, |d| d.as_secs_f64());
+        if loss > INTERVALS[which] {
+            let since = newest.map_or("its begin".into(), |f| f.display().to_string());
+            println!("  {loss:.2} s of work lost since {since}, interval {} s", INTERVALS[which]);
+            let log = fs::read_to_string(out.join("log.jsonl")).unwrap_or_default();
+            let warned = log.contains("more than half of `checkpoint.every`");
+            self.announced[which] += usize::from(warned);
+        }
+        self.losses[which].push(loss);
     }
 
     /// Returns the number of kills after which more work was lost than that of the second interval.
@@ -101,7 +113,7 @@ impl Record {
 }
 
 /// Prints the median, the 90th percentile and the largest loss of work.
-fn show_losses(interval: f64, losses: &[f64]) {
+fn show_losses(interval: f64, losses: &[f64], announced: usize) {
     let mut sorted = losses.to_vec();
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).or(sorted.last());
@@ -109,7 +121,8 @@ fn show_losses(interval: f64, losses: &[f64]) {
     let late = losses.iter().filter(|&&loss| loss > interval).count();
     println!(
         "  loss of work, interval {interval:.1} s      median {middle:.2} s, 90 % below \
-         {most:.2} s, worst {worst:.2} s; above the interval {late} of {} kills",
+         {most:.2} s, worst {worst:.2} s; above the interval {late} of {} kills, {announced} of \
+         them with a warning",
         losses.len()
     );
 }
@@ -200,8 +213,8 @@ fn command(words: &[String], workers: usize, mpi: bool) -> Command {
     crumple_with(&words)
 }
 
-/// Runs a scene, kills it up to `KILLS` times, each at a random time within the duration of the
-/// undisturbed run, and lets it end.
+/// Runs a scene, kills it up to `KILLS` times, and lets it end. A kill is at a random time within
+/// the duration of the undisturbed run, or within two intervals after a checkpoint is complete.
 fn one_round(
     random: &mut fastrand::Rng,
     whole: &Undisturbed,
@@ -233,7 +246,16 @@ fn one_round(
             (now > 0 && now != before).then_some(())
         });
         let begun = SystemTime::now();
-        std::thread::sleep(whole.took.mul_f64(random.f64()));
+        std::thread::sleep(if random.bool() {
+            whole.took.mul_f64(random.f64())
+        } else {
+            // A run may end without one.
+            running.wait_for("a checkpoint is complete", |_| {
+                let late = begun.elapsed().is_ok_and(|time| time > 3 * whole.took);
+                (late || newest_cycle(out) > known).then_some(())
+            });
+            Duration::from_secs_f64(2.0 * INTERVALS[which] * random.f64())
+        });
         let ranks = if mpi { running.ranks() } else { Vec::new() };
         let victim = random.usize(..=workers);
         let killed = SystemTime::now();
@@ -249,6 +271,7 @@ fn one_round(
             return;
         }
         record.of_master += u64::from(ranks.is_empty() || victim == 0);
+        println!("  killed: {workers} workers, {}", if mpi { "MPI" } else { "threads" });
         record.add_kill(out, (known, begun), killed, which);
     }
 }

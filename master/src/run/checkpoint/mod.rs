@@ -8,6 +8,7 @@
 //! is renamed into place.
 
 pub mod compare;
+mod completion;
 pub mod copies;
 pub mod find;
 pub mod manifest;
@@ -17,17 +18,15 @@ use crate::results::history::Course;
 use crate::results::summary::{CheckpointSummary, Restart};
 use crate::results::table::Tables;
 use crate::run::balance::Accounts;
+use completion::Completion;
 use copies::Copies;
-use crumple_proto::checkpoint::{
-    COMMON, Captured, FileRecord, Saved, folder_name, partial_name, verify_size, write,
-};
+use crumple_proto::checkpoint::{Captured, FileRecord, Saved, folder_name};
 use crumple_proto::job::Checkpoint;
 use crumple_proto::steering::{OutputTimes, Planned, Steered};
 use crumple_proto::wire;
-use manifest::{Manifest, Stamp, sync};
+use manifest::Stamp;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -158,8 +157,12 @@ pub struct Checkpoints {
     stamp: Stamp,
     /// Time of the last order, or of the start.
     last: Instant,
-    /// Time from the order of the last complete checkpoint to its end.
-    took: Duration,
+    /// Time from the order of a checkpoint to its end: the longest of the last ones. Nothing
+    /// before the first one.
+    took: Option<Duration>,
+    /// The warning that the interval is too short, until it is given; once.
+    short: Option<String>,
+    is_short: bool,
     /// Time since which a checkpoint is being written.
     since: Instant,
     ordered: bool,
@@ -196,7 +199,9 @@ impl Checkpoints {
             elements,
             stamp: Stamp::default(),
             last: Instant::now(),
-            took: Duration::ZERO,
+            took: None,
+            short: None,
+            is_short: false,
             since: Instant::now(),
             ordered: false,
             requested: false,
@@ -239,10 +244,26 @@ impl Checkpoints {
 
     /// Returns the time before the end of the interval at which a checkpoint is ordered, so that it
     /// is complete when the interval is over: at any moment the work since the last complete one is
-    /// that of one interval. It is twice the time that the last one took, at most half the
-    /// interval.
+    /// that of one interval. It is twice the time that one takes, at most half the interval; half
+    /// the interval for the first one, whose time is not known.
     fn ahead(&self, interval: Duration) -> Duration {
-        (2 * self.took).min(interval / 2)
+        self.took.map_or(interval / 2, |took| (2 * took).min(interval / 2))
+    }
+
+    /// Counts the time from the order of a checkpoint to its end. A longer one counts for some of
+    /// the next ones too. Prepares a warning, once, if the interval cannot be kept.
+    fn add_time(&mut self, took: Duration) {
+        self.took = Some(self.took.map_or(took, |known| took.max(known * 3 / 4)));
+        let Some(interval) = self.interval.filter(|&interval| took > interval / 2) else { return };
+        if !std::mem::replace(&mut self.is_short, true) {
+            let [took, every, loss] =
+                [took, interval, took + took.max(interval / 2)].map(|time| time.as_secs_f64());
+            self.short = Some(format!(
+                "a checkpoint takes {took:.2} s, more than half of `checkpoint.every` = {every:.2} \
+                 s: a run that is lost can lose the work of {loss:.2} s. Set a longer interval, or \
+                 write to a faster file system"
+            ));
+        }
     }
 
     /// Returns true if some workers have copied their states for a checkpoint or in memory, and
@@ -282,8 +303,12 @@ impl Checkpoints {
         }
     }
 
-    /// Returns a warning if the files of the last checkpoint take long, once for each.
+    /// Returns a warning if the files of the last checkpoint take long, once for each, or if the
+    /// interval is too short.
     pub fn complain(&mut self) -> Option<String> {
+        if self.short.is_some() {
+            return self.short.take();
+        }
         let finishing = self.finishing.iter().map(|f| f.captured.cycle);
         let queued = self.queue.iter().map(|p| p.captured.cycle);
         let cycle = finishing.chain(queued).chain(self.pending.keys().map(|at| at[0])).next()?;
@@ -363,7 +388,7 @@ impl Checkpoints {
         (self.ordered, self.complained) = (false, false);
         Some(match ended.unwrap_or_else(|_| Err("the thread that writes ended early".into())) {
             Ok(bytes) => {
-                self.took = self.last.elapsed();
+                self.add_time(self.last.elapsed());
                 self.summary.written += 1;
                 self.summary.bytes = bytes;
                 self.summary.copy_s += copy_s;
@@ -428,93 +453,10 @@ impl Checkpoints {
     }
 }
 
-/// Work of the thread that makes a checkpoint complete.
-struct Completion {
-    run: PathBuf,
-    dir: PathBuf,
-    keep: usize,
-    captured: Captured,
-    repeat: u64,
-    stamp: Stamp,
-    elements: usize,
-    /// Counts the parts written.
-    progress: Arc<AtomicU64>,
-}
-
-impl Completion {
-    /// Writes the state of the master and the manifest, and removes old checkpoints; what is left
-    /// of this one if that is not possible. Returns the bytes of all files.
-    fn complete(
-        &self,
-        saved: Vec<Result<Vec<FileRecord>, String>>,
-        master: Option<MasterState>,
-    ) -> Result<u64, String> {
-        let folder = self.dir.join(partial_name(self.captured.cycle, self.repeat));
-        let written = self.write(&folder, saved, master);
-        let ended = written.and_then(|bytes| find::publish(&folder).map(|_| bytes));
-        match ended {
-            Ok(_) => self.prune(),
-            // Without a manifest it is no checkpoint, even if it cannot be removed.
-            Err(_) => drop(std::fs::remove_dir_all(&folder)),
-        }
-        ended
-    }
-
-    fn write(
-        &self,
-        folder: &Path,
-        saved: Vec<Result<Vec<FileRecord>, String>>,
-        master: Option<MasterState>,
-    ) -> Result<u64, String> {
-        let named = |path: &Path, error: io::Error| format!("{}: {error}", path.display());
-        let mut files = Vec::new();
-        for saved in saved {
-            files.extend(saved?);
-        }
-        let state = master.ok_or("not all workers have copied their states")?;
-        let common = files.iter().position(|f| f.name == COMMON).ok_or("a file is missing")?;
-        let common = files.swap_remove(common);
-        files.sort_by(|a, b| a.name.cmp(&b.name));
-        let count = || {
-            self.progress.fetch_add(1, Ordering::Relaxed);
-        };
-        for name in state.lengths.keys() {
-            let path = self.run.join(name);
-            sync(&path).map_err(|error| named(&path, error))?;
-            count();
-        }
-        let master = write(folder, MASTER, &[&wire::encode(&state)], Default::default(), &count)
-            .map_err(|error| named(folder, error))?;
-        let manifest = Manifest {
-            program: env!("CARGO_PKG_VERSION").into(),
-            captured: self.captured,
-            stamp: self.stamp.clone(),
-            elements: self.elements,
-            master,
-            common,
-            pieces: files,
-        };
-        // The folder may have been removed after a worker wrote into it.
-        manifest.files().try_for_each(|file| verify_size(folder, file))?;
-        manifest.write(folder).map_err(|error| named(folder, error))?;
-        Ok(manifest.files().map(|f| f.bytes).sum())
-    }
-
-    /// Removes all complete checkpoints except the newest ones.
-    fn prune(&self) {
-        let complete = |f: &PathBuf| f.join(manifest::MANIFEST).exists();
-        let folders = find::folders(&self.dir).into_iter().filter(complete);
-        for folder in folders.skip(self.keep) {
-            // Without its manifest a folder is no checkpoint, even if the rest stays.
-            let _ = std::fs::remove_file(folder.join(manifest::MANIFEST));
-            let _ = std::fs::remove_dir_all(folder);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_proto::checkpoint::{COMMON, partial_name, write};
 
     /// Returns the checkpoints of a run with one worker that waits briefly for its disk.
     fn checkpoints(run: &Path) -> Checkpoints {
@@ -542,23 +484,38 @@ mod tests {
         assert!(!all.take_due(false, false), "it is served");
     }
 
-    /// The time that the last checkpoint took is that of the order of the next one before the end
-    /// of its interval.
+    /// A checkpoint is ordered before the end of its interval by twice the time that one takes.
     #[test]
     fn a_checkpoint_is_complete_when_its_interval_is_over() {
         let run = tempfile::tempdir().unwrap();
         let mut all = checkpoints(run.path());
         let interval = Duration::from_secs(1000);
         all.interval = Some(interval);
-        for (took, ahead) in [(0, 0), (3, 6), (400, 500)] {
-            all.took = Duration::from_secs(took);
+        let times = [(None, 500), (Some(8), 16), (Some(1), 12), (Some(400), 500), (Some(0), 500)];
+        for (took, ahead) in times {
+            took.into_iter().for_each(|seconds| all.add_time(Duration::from_secs(seconds)));
             let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
             all.last = ago(1000 - ahead - 1);
-            assert!(!all.take_due(false, false), "{took}");
+            assert!(!all.take_due(false, false), "{took:?}");
             all.last = ago(1000 - ahead);
-            assert!(all.take_due(false, false), "{took}");
+            assert!(all.take_due(false, false), "{took:?}");
             all.ordered = false;
         }
+        assert_eq!(all.complain(), None);
+    }
+
+    #[test]
+    fn an_interval_that_cannot_be_kept_is_named_once() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        all.interval = Some(Duration::from_secs(10));
+        all.add_time(Duration::from_secs(5));
+        assert_eq!(all.complain(), None);
+        all.add_time(Duration::from_secs(6));
+        all.add_time(Duration::from_secs(7));
+        let warning = all.complain().unwrap();
+        assert!(warning.contains("takes 6.00 s") && warning.contains("12.00 s"), "{warning}");
+        assert_eq!(all.complain(), None);
     }
 
     /// The folder was removed after a worker wrote into it, and made again by another one.
