@@ -1,5 +1,6 @@
 //! One worker: takes orders, runs the engine, sends reports.
 
+mod capture;
 mod steering;
 mod view;
 mod warnings;
@@ -14,7 +15,7 @@ use crate::parallel::partition::PartitionData;
 use crate::time::Clock;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
-use crumple_proto::checkpoint::{Captured, FileRecord};
+use crumple_proto::checkpoint::FileRecord;
 use crumple_proto::disk;
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, Changes, ToMaster, ToWorker};
@@ -27,8 +28,7 @@ use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
 use std::path::Path;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Number of cycles between two reports to the master.
 const REPORT_EVERY: u64 = crate::timer::SAMPLE_EVERY;
@@ -287,103 +287,6 @@ impl Worker {
 
     fn starts_outer_step(&self) -> bool {
         self.engine.clock.starts_outer_step(&self.engine.settings)
-    }
-
-    /// Copies the state if a checkpoint or a copy is due, in the same cycle on all workers, and
-    /// starts to write it if it is a checkpoint.
-    fn save_if_due(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let Engine { clock, settings, .. } = &mut self.engine;
-        let asked = &settings.checkpoint;
-        let timed = clock.pass_checkpoint_time(&asked.times);
-        let at_end = self.stopped && asked.at_stop && !(self.failed && self.kept.is_some());
-        let writes = std::mem::take(&mut self.checkpoint_due) || timed || at_end;
-        let copies = std::mem::take(&mut self.copy_due) && !self.stopped;
-        if !writes && !copies {
-            return Ok(());
-        }
-        if self.stopped {
-            self.finish_writing(comm)?;
-        }
-        let cycle = self.engine.clock.cycle;
-        let _span = tracing::debug_span!("checkpoint", cycle, writes).entered();
-        let began = Instant::now();
-        let earlier = if self.captures.0 == cycle { self.captures.1 } else { 0 };
-        self.captures = (cycle, earlier + 1);
-        self.kept = None; // before the memory for the next one is needed
-        let mut copied = self.engine.copy_state(comm)?;
-        // A new field is an error here: state has to be added, all else to the last lists.
-        let Self {
-            crossed,
-            named,
-            sent_before,
-            // Saved by `copy_state`.
-            engine: _,
-            // They belong to the partition and to this process.
-            orders: _,
-            done: _,
-            cpu_before: _,
-            cost: _,
-            samples: _,
-            sent: _,
-            stopped: _,
-            checkpoint_due: _,
-            copy_due: _,
-            view_due: _,
-            steering: _,
-            paused: _,
-            captures: _,
-            kept: _,
-            failed: _,
-            writer: _,
-            // Costs since the last report; they are in no file that has to be the same.
-            report: _,
-        } = self;
-        (copied.own.crossed, copied.own.named) = (*crossed, *named);
-        (0..2).for_each(|i| copied.own.sent[i] += sent_before[i]);
-        let Engine { clock, settings, .. } = &self.engine;
-        let captured = Captured {
-            cycle: clock.cycle,
-            time: clock.time,
-            rows: clock.rows,
-            fields: clock.fields as u64,
-        };
-        let task = Task {
-            copied,
-            dir: settings.checkpoint.dir.clone().into(),
-            cycle: clock.cycle,
-            repeat: earlier,
-            worker: comm.rank() - 1,
-            compression: settings.checkpoint.compression,
-            copy: began.elapsed(),
-            progress: Arc::default(),
-        };
-        if writes {
-            post(comm, 0, Tag::Report, &ToMaster::Captured(captured, earlier))?;
-            self.write(comm, task)?;
-        } else {
-            let seconds = task.copy.as_secs_f64();
-            post(comm, 0, Tag::Report, &ToMaster::Copied(captured, earlier, seconds))?;
-            self.kept = Some(task);
-        }
-        self.engine.timer.lap(Phase::Output);
-        Ok(())
-    }
-
-    /// Starts to write a checkpoint.
-    fn write(&mut self, comm: &mut dyn Transport, task: Task) -> Result<(), RankLost> {
-        for saved in self.writer.poll().into_iter().chain(self.writer.start(task)) {
-            post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
-        }
-        Ok(())
-    }
-
-    /// Waits for the files of a checkpoint, if some are being written.
-    fn finish_writing(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
-        let patience = Duration::from_secs_f64(self.engine.settings.checkpoint.patience);
-        match self.writer.wait(patience) {
-            None => Ok(()),
-            Some(saved) => post(comm, 0, Tag::Report, &ToMaster::Saved(saved)),
-        }
     }
 
     fn write_fields_if_due(

@@ -26,10 +26,11 @@
 //! history for some more steps ([`PairHistory::after_loss`]).
 
 use crate::contact::approach;
-use crate::contact::folds::{Edge, EdgeTable, FoldWedge, Kind};
+use crate::contact::edge_sides::{facing, may_begin, side_of_folds};
+use crate::contact::folds::{Edge, EdgeTable, Kind};
 use crate::contact::friction;
 use crate::contact::geometry::{EdgeProjection, project_edges, separation};
-use crate::contact::local_search::{ACTIVE, BEHIND, OUTSIDE, REACH, moved, tolerated};
+use crate::contact::local_search::{ACTIVE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
 use crate::contact::shell_offset;
@@ -40,22 +41,8 @@ use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// Tolerance of the normal of a contact. Solids: how far it may leave the angle between the
-/// normals of the two faces, as a difference of cosines against their mean; for solids that lie
-/// flat on each other it is one of these normals. Folds: sine of the angle by which the other
-/// edge may lie behind a segment.
-const CONE: f64 = 0.1;
-/// Distance from the end of an edge, as a fraction of the scale, within which a new contact of
-/// shells is left to the node there. The node keeps the other edge at a distance of at least
-/// `sqrt(1 - END^2)` of the thickness.
-const END: f64 = 0.1;
 /// Product of normals above which the histories of successive edges belong to the same contact.
 const ALIKE: f64 = 0.7;
-/// Depth of two edges behind each other, as a fraction of the thickness, up to which they count
-/// as a penetration from before they became exposed. This applies if each is in front of the other
-/// in the direction in which both are folded. A fold that is not exposed permits this penetration.
-const SUNK: f64 = 0.5;
-
 /// Number of candidates that are passed over together while none of them is due.
 const BLOCK: usize = 64;
 
@@ -429,31 +416,12 @@ impl Edges {
         if !stays && !places.iter().all(|&i| self.out[i as usize]) {
             return None;
         }
-        let folds = if old.is_none() { self.folds(nodes, edges)? } else { Folds { of: [None; 2] } };
-        if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
-            // Edges at the start of contact are on their correct sides, even if other pairs keep
-            // them apart. If nodes had to keep them apart until the fold turns, they would
-            // penetrate before that.
-            let touches = met.height * side - thickness >= -ACTIVE * scale;
-            if !touches || lines.are_neighbours(edges, surface) {
-                // They may have touched before they became exposed.
-                let sunk =
-                    met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
-                side = if sunk { -side } else { return None };
-            }
+        if old.is_none() {
+            side = side_of_folds((lines, nodes, surface), edges, met, (thickness, scale), side)?;
         }
         let (normal, gap) = (met.normal * side, met.height * side - thickness);
-        if old.is_none() {
-            let to_end = |k: usize| {
-                let [p, q] = edges[k].ends(&nodes.x);
-                met.along[k].min(1.0 - met.along[k]) * (q - p).norm()
-            };
-            // An upright edge that stands a little deep in a face has the same depth and
-            // distance at the face's edges. It must not touch these edges.
-            let margin = if solid { (OUTSIDE * scale).max(-gap) } else { END * scale };
-            if solid && gap < -BEHIND * scale || to_end(0).min(to_end(1)) < margin {
-                return None;
-            }
+        if old.is_none() && !may_begin(nodes, edges, met, (gap, scale), solid) {
+            return None;
         }
         (pair.normal, pair.side) = (normal, side);
         pair.edge_area = friction::edge_area((surface, interface), edges, &nodes.x);
@@ -462,18 +430,6 @@ impl Edges {
         let pair = pair.with_history(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * opening * side;
         (predicted < ACTIVE * scale).then_some(pair)
-    }
-
-    /// Returns the wedges of those of the two edges that are folds. Returns `None` if a fold has
-    /// no outside any more.
-    fn folds(&self, nodes: &Nodes, edges: [&Edge; 2]) -> Option<Folds> {
-        let mut folds = Folds { of: [None; 2] };
-        for (edge, fold) in
-            edges.into_iter().zip(&mut folds.of).filter(|(e, _)| e.kind == Kind::Fold)
-        {
-            *fold = Some(self.lines.wedge(edge, &nodes.x)?);
-        }
-        Some(folds)
     }
 
     /// Returns the history of a pair. If it has none, returns the history of a pair that it
@@ -612,63 +568,6 @@ fn levers(
     }
     let towards = [-shifts[0].dot(normal), shifts[1].dot(normal)];
     shell_offset::lever_arms(halves, towards, apart, [1.0; 2])
-}
-
-/// Wedges of the slave edge and of the other edge; `None` for an edge that is no fold.
-struct Folds {
-    of: [Option<FoldWedge>; 2],
-}
-
-impl Folds {
-    /// Returns each wedge with the direction to the other edge, if `normal` points to the
-    /// slave's side.
-    fn each(&self, normal: &V3) -> impl Iterator<Item = (&FoldWedge, V3)> {
-        self.of.iter().zip([-normal, *normal]).filter_map(|(w, d)| Some((w.as_ref()?, d)))
-    }
-
-    /// Returns true if, for each fold, the other edge lies behind none of its segments.
-    fn are_met_from(&self, normal: &V3) -> bool {
-        self.each(normal).all(|(wedge, to)| wedge.arms.iter().all(|arm| to.dot(arm) <= CONE))
-    }
-
-    /// Returns true if both edges are folds and their outsides face each other.
-    fn are_before(&self, normal: &V3) -> bool {
-        /// Cosine between the direction of the other edge and the outward direction of a fold.
-        const TOWARDS: f64 = 0.7;
-        let out = |w: &FoldWedge| (w.arms[0] + w.arms[1]).try_normalize(0.0).map(|m| -m);
-        self.of.iter().all(|w| w.is_some())
-            && self.are_met_from(normal)
-            && self.each(normal).all(|(wedge, to)| out(wedge).is_some_and(|o| o.dot(&to) > TOWARDS))
-    }
-}
-
-/// Returns the sign with which `normal`, perpendicular to both edges, points out of the solid of
-/// the second edge and into the solid of the first edge. Edges of shells are ignored. Returns
-/// `None` if neither sign does.
-fn facing(
-    lines: &EdgeTable,
-    surface: &Surface,
-    nodes: &Nodes,
-    edges: [&Edge; 2],
-    normal: &V3,
-) -> Option<f64> {
-    let mut sign = 0.0;
-    for (edge, out) in edges.into_iter().zip([-1.0, 1.0]) {
-        if edge.kind != Kind::Solid {
-            continue;
-        }
-        let &[one, two] = lines.segments(edge) else { return None };
-        let [face, next] = [one, two].map(|g| surface.segments[g as usize].middle_normal(&nodes.x));
-        let (face, next) = (face?, next?);
-        let middle = (face + next).try_normalize(0.0)?;
-        let along = middle.dot(normal);
-        let of_this = if along < 0.0 { -out } else { out };
-        if along.abs() < middle.dot(&face) - CONE || sign * of_this < 0.0 {
-            return None;
-        }
-        sign = of_this;
-    }
-    Some(sign)
 }
 
 #[cfg(test)]

@@ -14,12 +14,12 @@
 //! the nodes on the top of the other block, although these pass at the lower rims of the side
 //! faces.
 
-use crate::contact::geometry::{Nearest, nearest};
-use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
+use crate::contact::contact_frame::{ContactFrame, line_frame, shell_frame, solid_frame};
+use crate::contact::pair_geometry::PairGeometry;
+use crate::contact::pairs::{Pair, PairHistory};
 use crate::contact::projections::ProjectedPair;
-use crate::contact::shell_offset;
 use crate::contact::surface::{Segment, Surface};
-use crate::math::row::{Row, V3};
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 
 /// Largest distance of a candidate that is examined, as a multiple of the contact thickness (of
@@ -28,9 +28,6 @@ use crate::nodes::Nodes;
 pub const REACH: f64 = 1.5;
 /// Predicted gap below which a pair is active, as a fraction of the contact thickness.
 pub(super) const ACTIVE: f64 = 0.02;
-/// Limit for a surface that is folded over itself: distance from the fold over the height above
-/// the surface. Above this limit the angle of the fold is below about 60 degrees.
-const FOLDED: f64 = 0.5;
 /// Distance in front of the tangent plane of an accepted pair, as a fraction of the thickness.
 /// Neighbouring segments whose nearest point is below it add nothing to that pair.
 const PLANE: f64 = 0.02;
@@ -101,30 +98,25 @@ struct PairCandidate {
     gap: f64,
 }
 
-fn v3(r: &Row) -> V3 {
-    V3::new(r[0], r[1], r[2])
-}
-
-/// Appends the active pairs of one slave to `out`, in ascending segment id. `place` is the index
-/// of the slave among the surface's slaves. `meetings` are its projected pairs, segments
-/// ascending. `memory` is the pair history of the node from the last step. `alive` states for
-/// each interface if it is active.
+/// Appends the active pairs of one slave to `out`, in ascending segment id. `slave_index` is the
+/// index of the slave among the surface's slaves. `projected` are its projected pairs, segments
+/// ascending. `memory` is the pair history of the node from the last step. `alive` states for each
+/// interface if it is active.
 pub fn find_pairs(
     nodes: &Nodes,
     (surface, alive): (&Surface, &[bool]),
-    place: usize,
-    meetings: &[ProjectedPair],
+    slave_index: usize,
+    projected: &[ProjectedPair],
     memory: &[PairHistory],
     dt: f64,
     out: &mut Vec<Pair>,
 ) {
-    let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
     let found = |m: &ProjectedPair| {
-        let visit = PairGeometry::new((nodes, surface), place, m, dt)
+        let geometry = PairGeometry::new((nodes, surface), slave_index, m, dt)
             .filter(|v| alive[v.interface as usize])?;
-        evaluate_pair(nodes, surface, &visit, memory, opposed)
+        evaluate_pair(nodes, surface, &geometry, memory)
     };
-    let mut finds: Vec<PairCandidate> = meetings.iter().filter_map(found).collect();
+    let mut finds: Vec<PairCandidate> = projected.iter().filter_map(found).collect();
     // Existing contact first, the nearest pair first. Then by time of impact, the fastest
     // approach first. Ids break ties.
     finds.sort_by(|a, b| {
@@ -154,85 +146,16 @@ pub fn find_pairs(
     out.extend(finds.into_iter().map(|f| f.pair));
 }
 
-/// A projected pair with the data of its node and segment.
-struct PairGeometry<'a> {
-    segment: &'a Segment,
-    slave: u32,
-    /// Index of the slave among the surface's slaves.
-    place: usize,
-    /// Nodes of the segment in the mask of `CandidatePair::shared_node_mask`.
-    ring: u8,
-    interface: u16,
-    /// Distance of the contact surfaces from the mesh, the sum of both half thicknesses
-    /// [length].
-    thickness: f64,
-    /// Contact thickness [length].
-    scale: f64,
-    /// See [`Pair::speed`].
-    speed: f64,
-    /// True if the node's surface comes before the segment's.
-    first: bool,
-    dt: f64,
-    /// See [`ProjectedPair::step`].
-    step: f64,
-    near: &'a Nearest,
-    /// Distance of the segment's middle surface from its nodes along its normal [length].
-    offset: f64,
-    /// Vector from the node to the middle surface of its own shells [length].
-    shift: V3,
-}
-
-impl<'a> PairGeometry<'a> {
-    /// Returns `None` if the two do not touch.
-    fn new(
-        (nodes, surface): (&Nodes, &'a Surface),
-        place: usize,
-        meeting: &'a ProjectedPair,
-        dt: f64,
-    ) -> Option<Self> {
-        let ProjectedPair { of, step, near } = meeting;
-        let (slave, segment) = (surface.slaves[place], &surface.segments[of.segment as usize]);
-        let interface = surface.interface(place, segment)?;
-        let (thickness, scale) = surface.sizes(interface, slave, segment);
-        let around = surface.precedes(place);
-        let (first, speed) =
-            (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
-        Some(Self {
-            segment,
-            slave,
-            place,
-            ring: of.shared_node_mask,
-            interface,
-            thickness,
-            scale,
-            speed,
-            first,
-            dt,
-            step: *step,
-            near,
-            offset: surface.offset_of(interface, segment),
-            shift: surface.shift_of_slave(interface, place, &nodes.x),
-        })
-    }
-
-    /// Returns the vector from the middle surface of the segment to a point, from the vector from
-    /// its nearest point [length].
-    fn relative_to_middle(&self, offset: &V3) -> V3 {
-        if self.offset == 0.0 { *offset } else { offset - self.near.normal * self.offset }
-    }
-
-    /// Returns the shift of the node along a unit vector [length]. A node without shift has -0.0,
-    /// whose sum with any number has the same bits.
-    fn shift_along(&self, direction: &V3) -> f64 {
-        if self.shift == V3::zeros() { -0.0 } else { self.shift.dot(direction) }
-    }
-}
-
 /// Returns true if the surface around a slave faces against `normal`, with one of its faces or
 /// with their mean. Nodes of shells only face in all directions.
-pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
+pub(super) fn is_opposed(
+    nodes: &Nodes,
+    surface: &Surface,
+    slave_index: usize,
+    normal: &V3,
+) -> bool {
     let (mut mean, mut faces) = (V3::zeros(), 0);
-    for face in surface.around(place).filter(|s| s.is_solid()) {
+    for face in surface.around(slave_index).filter(|s| s.is_solid()) {
         let Some(outward) = face.middle_normal(&nodes.x) else { continue };
         if outward.dot(normal) < OPPOSED {
             return true;
@@ -241,96 +164,6 @@ pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal:
         faces += 1;
     }
     faces == 0 || mean.dot(normal) < OPPOSED * mean.norm()
-}
-
-/// Position of a node relative to a segment: the direction of the contact force and the distance
-/// along it.
-struct ContactFrame {
-    normal: V3,
-    /// Side of the node along the segment's own normal, +1 or -1.
-    side: f64,
-    /// Distance of the node from the segment along `normal`, between their middle surfaces
-    /// [length].
-    reached: f64,
-}
-
-/// Returns the contact frame of a shell segment. `apart` is the vector from its middle surface to
-/// the node. Around the rim the normal turns with the node,
-/// so that nothing jumps when the node passes to the next segment or slides off. Deep inside,
-/// the side in the history of this segment decides; without it, the side from the history of a
-/// neighbour.
-fn shell_frame(
-    visit: &PairGeometry<'_>,
-    apart: &V3,
-    known: Option<f64>,
-    neighbour_side: impl Fn() -> Option<f64>,
-) -> ContactFrame {
-    let near = visit.near;
-    let (distance, height) = (apart.norm(), apart.dot(&near.normal));
-    let between = height + visit.shift_along(&near.normal);
-    let here = if between < 0.0 { -1.0 } else { 1.0 };
-    let side = if near.rim { here } else { known.or_else(neighbour_side).unwrap_or(here) };
-    // A node next to the rim is not deep, whatever its own shift is.
-    let is_through = !near.rim && height * side < 0.0;
-    if is_through || distance < 0.05 * visit.thickness {
-        return ContactFrame { normal: near.normal * side, side, reached: between * side };
-    }
-    let normal = apart / distance;
-    ContactFrame { normal, side, reached: distance + visit.shift_along(&normal) }
-}
-
-/// Returns the contact frame of a line. The normal turns with the node all around the line. A
-/// node that has passed through the line stays on the side of the normal in its history.
-fn line_frame(visit: &PairGeometry<'_>, offset: &V3, known: Option<V3>) -> ContactFrame {
-    let near = visit.near;
-    let side = if known.is_some_and(|n| n.dot(&near.normal) < 0.0) { -1.0 } else { 1.0 };
-    let between = offset.dot(&near.normal) + visit.shift_along(&near.normal);
-    ContactFrame { normal: near.normal * side, side, reached: between * side }
-}
-
-/// Returns the contact frame of a solid's face; the contact acts along the face's normal.
-/// Returns `None` if the node does not touch this face: it belongs to the same element, it is
-/// deeper inside than a new contact can be, or it is not over the face at the end of the step.
-fn solid_frame(
-    nodes: &Nodes,
-    visit: &PairGeometry<'_>,
-    at: &V3,
-    old: bool,
-) -> Option<ContactFrame> {
-    let PairGeometry { segment, slave, scale, dt, near, .. } = visit;
-    let height = (at - near.point).dot(&near.normal) + visit.shift_along(&near.normal);
-    if segment.behind.contains(slave) || !old && height < -BEHIND * scale {
-        return None;
-    }
-    let later = |n: u32| v3(&nodes.x[n as usize]) + v3(&nodes.v_next[n as usize]) * *dt;
-    let then = later(*slave);
-    let met = nearest(&then, &segment.nodes.map(later), segment.is_triangle())?;
-    let offset = then - met.point;
-    let outside = (offset - met.normal * offset.dot(&met.normal)).norm();
-    (!met.rim || outside <= OUTSIDE * scale).then_some(ContactFrame {
-        normal: near.normal,
-        side: 1.0,
-        reached: height,
-    })
-}
-
-/// Returns true if the surface has folded over between a slave and a neighbouring shell, so that
-/// the slave is above the shell's inside. The rim of that shell is shared with the slave's own
-/// segments or with the next ones. Contact with the rim would make a mesh that is finer than its
-/// thickness touch itself in its plane and at every corner.
-fn has_folded_over(nodes: &Nodes, visit: &PairGeometry<'_>, offset: &V3) -> bool {
-    let in_ring = |k: &usize| visit.ring >> k & 1 == 1;
-    let near = visit.near;
-    let corners = if visit.segment.is_triangle() { 3 } else { 4 };
-    let (ring, others) = ((0..corners).filter(in_ring), (0..corners).filter(|k| !in_ring(k)));
-    if near.rim || others.clone().next().is_none() {
-        return false;
-    }
-    let at = |k: usize| v3(&nodes.x[visit.segment.nodes[k] as usize]);
-    let of_others = others.clone().map(at).sum::<V3>() / others.clone().count() as f64;
-    let of_ring = ring.clone().map(at).sum::<V3>() / ring.count() as f64;
-    let inside = others.map(|k| near.shape[k]).sum::<f64>() * (of_others - of_ring).norm();
-    inside > FOLDED * offset.norm()
 }
 
 /// Returns the tolerated gap, 0 or negative [length].
@@ -367,106 +200,131 @@ pub(super) fn moved(
     const SHORTER: f64 = 2.0;
     /// Fraction of the scale that is no jump. It covers round-off where nothing moves.
     const LITTLE: f64 = 1e-3;
-    let v = |n: u32| v3(&nodes.v[n as usize]);
+    let v = |n: u32| V3::from(xyz(&nodes.v[n as usize]));
     SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt()
         + LITTLE * scale
 }
 
-/// Returns the lever arms of friction on the slave and on the segment, in proportion to each
-/// other [length]; zero without friction.
-///
-/// The contact surfaces are half a thickness away from the middle surfaces. A couple about the
-/// normal of a shell meets almost no stiffness. Therefore, where friction acts on the rim of one
-/// shell, the other side takes the couple: each half thickness is weighted with the square of
-/// the cosine between the pair's normal and the shell's normal.
-fn levers(nodes: &Nodes, surface: &Surface, visit: &PairGeometry<'_>, normal: &V3) -> [f64; 2] {
-    /// Limit of the weighted half thicknesses, as a fraction of their sum, at which both
-    /// surfaces touch at their rims.
-    const RIM: f64 = 1e-6;
-    let PairGeometry { segment, slave, interface, near, .. } = *visit;
-    if !surface.interfaces.has_friction(interface) {
-        return [0.0; 2];
-    }
-    let halves = surface.halves(interface, slave, segment);
-    let shifted = visit.offset != 0.0 || visit.shift != V3::zeros();
-    let facing = |s: &Segment| {
-        let own = || s.middle_normal(&nodes.x).map_or(0.0, |n| n.dot(normal).powi(2));
-        if s.is_line() { 1.0 } else { own() }
-    };
-    let shells = surface.around(visit.place).filter(|s| !s.is_solid());
-    let ahead = shells.map(facing).reduce(f64::max).unwrap_or(1.0);
-    let behind = if segment.is_line() { 1.0 } else { near.normal.dot(normal).powi(2) };
-    if shifted {
-        let towards = [-visit.shift_along(normal), visit.offset * near.normal.dot(normal)];
-        let apart = (v3(&nodes.x[slave as usize]) - near.point).dot(normal);
-        let weighted = [halves[0] * ahead, halves[1] * behind];
-        return shell_offset::lever_arms(weighted, towards, apart, [ahead, behind]);
-    }
-    if halves[0] * ahead + halves[1] * behind <= RIM * (halves[0] + halves[1]) {
-        return halves;
-    }
-    [halves[0] * ahead, halves[1] * behind]
+/// Histories that a pair may continue.
+struct PastPairs<'a, M> {
+    surface: &'a Surface,
+    segment: &'a Segment,
+    scale: f64,
+    /// All histories of the node.
+    all: &'a [PairHistory],
+    /// History of the node with this segment.
+    own: Option<&'a PairHistory>,
+    /// See [`moved`].
+    moved: M,
 }
 
-fn evaluate_pair(
-    nodes: &Nodes,
-    surface: &Surface,
-    visit: &PairGeometry<'_>,
-    memory: &[PairHistory],
-    opposed: impl Fn(&V3) -> bool,
-) -> Option<PairCandidate> {
-    let PairGeometry { segment, slave, thickness, scale, speed, dt, step, near, .. } = *visit;
-    let at = v3(&nodes.x[slave as usize]);
-    let offset = at - near.point;
-    let apart = visit.relative_to_middle(&offset);
-    if apart.norm() > REACH * scale + visit.shift.norm() {
-        return None;
+impl<'a, M: Fn() -> f64> PastPairs<'a, M> {
+    #[inline]
+    fn new(
+        surface: &'a Surface,
+        geometry: &PairGeometry<'a>,
+        all: &'a [PairHistory],
+        moved: M,
+    ) -> Self {
+        let PairGeometry { segment, scale, .. } = *geometry;
+        let own = None;
+        let mut past = Self { surface, segment, scale, all, own, moved };
+        past.own = all.iter().find(|m| m.is_of(segment.id)).filter(|m| past.is_fresh(m));
+        past
     }
-    if visit.ring != 0 && !has_folded_over(nodes, visit, &offset) {
-        return None;
+
+    fn is_fresh(&self, history: &PairHistory) -> bool {
+        history.age == 0 || history.is_fresh((self.moved)(), self.scale)
     }
-    let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
-    let is_fresh = |m: &&PairHistory| m.age == 0 || m.is_fresh(moved(), scale);
-    let known = memory.iter().find(|m| m.is_of(segment.id)).filter(is_fresh);
-    // A node that slid over an edge keeps the history from the neighbouring segment. A segment
-    // of another body that faces the same way gives no history.
-    let slid_here = |m: &&PairHistory, normal: &V3| {
-        m.normal.dot(normal) > 0.7 && surface.is_adjacent(m.segment(), segment)
-    };
-    // History of the last step comes before lost history, whichever segment it belongs to.
-    let kept = |normal: &V3| {
-        let present = known.filter(|m| m.age == 0);
-        let slid = |lost: bool| {
-            memory.iter().filter(is_fresh).find(|m| (m.age > 0) == lost && slid_here(m, normal))
+
+    /// Returns the history that the pair with this normal continues. History of the last step comes
+    /// before lost history, whichever segment it belongs to.
+    #[inline]
+    fn continued(&self, normal: &V3) -> Option<&'a PairHistory> {
+        // A node that slid over an edge keeps the history from the neighbouring segment. A segment
+        // of another body that faces the same way gives no history.
+        let slid_here = |m: &PairHistory| {
+            m.normal.dot(normal) > 0.7 && self.surface.is_adjacent(m.segment(), self.segment)
         };
-        present.or_else(|| slid(false)).or(known).or_else(|| slid(true))
-    };
-    let ContactFrame { normal, side, reached } = if segment.is_solid() {
-        let is_new = kept(&near.normal).is_none();
+        let slid = |lost: bool| {
+            self.all
+                .iter()
+                .filter(|m| self.is_fresh(m))
+                .find(|m| (m.age > 0) == lost && slid_here(m))
+        };
+        let present = self.own.filter(|m| m.age == 0);
+        present.or_else(|| slid(false)).or(self.own).or_else(|| slid(true))
+    }
+
+    /// Returns the histories in which the node is past the middle surface of a neighbouring
+    /// segment. It is then not on the other side of this one.
+    fn past_neighbours(&self) -> impl Iterator<Item = &'a PairHistory> {
+        self.all.iter().filter(|m| {
+            m.depth > m.thickness
+                && self.is_fresh(m)
+                && self.surface.is_adjacent(m.segment(), self.segment)
+        })
+    }
+
+    /// Returns the side of the node along the segment's `normal` by its past with a neighbour.
+    fn neighbour_side(&self, normal: &V3) -> Option<f64> {
+        let turned =
+            |m: &PairHistory| Some(m.normal.dot(normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
+        self.past_neighbours().find_map(turned)
+    }
+}
+
+/// Returns the position of the node relative to the segment; `None` if the two cannot be a pair.
+/// `apart` is the vector to the node from the middle surface of the segment, `offset` that from its
+/// nearest point [length].
+#[inline]
+fn contact_frame<M: Fn() -> f64>(
+    (nodes, surface): (&Nodes, &Surface),
+    geometry: &PairGeometry<'_>,
+    past: &PastPairs<'_, M>,
+    (apart, offset): (&V3, &V3),
+) -> Option<ContactFrame> {
+    let PairGeometry { segment, slave, step, near, .. } = *geometry;
+    if segment.is_solid() {
+        let is_new = past.continued(&near.normal).is_none();
         // The near list reaches no farther; the result must not depend on it, however the face
         // is warped and turned.
         if is_new && offset.norm() > reach(surface, slave, segment, step) {
             return None;
         }
-        solid_frame(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
-    } else {
-        // A node past the middle surface of one segment is not on the other side of the next
-        // segment.
-        let past = |m: &&PairHistory| {
-            m.depth > m.thickness && is_fresh(m) && surface.is_adjacent(m.segment(), segment)
-        };
-        if surface.has_lines && segment.is_line() {
-            line_frame(visit, &offset, known.or_else(|| memory.iter().find(past)).map(|m| m.normal))
-        } else {
-            let turned = |m: &PairHistory| {
-                Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum)
-            };
-            let on_side = || memory.iter().filter(past).find_map(turned);
-            shell_frame(visit, &apart, known.map(|m| m.side), on_side)
-        }
-    };
+        let opposed = || is_opposed(nodes, surface, geometry.slave_index, &near.normal);
+        return solid_frame(nodes, geometry, !is_new).filter(|_| !is_new || opposed());
+    }
+    if surface.has_lines && segment.is_line() {
+        let known = past.own.or_else(|| past.past_neighbours().next());
+        return Some(line_frame(geometry, offset, known.map(|m| m.normal)));
+    }
+    let neighbour_side = || past.neighbour_side(&near.normal);
+    Some(shell_frame(geometry, apart, past.own.map(|m| m.side), neighbour_side))
+}
+
+/// Returns the pair of a node and a segment, if it is active in this step.
+fn evaluate_pair(
+    nodes: &Nodes,
+    surface: &Surface,
+    geometry: &PairGeometry<'_>,
+    memory: &[PairHistory],
+) -> Option<PairCandidate> {
+    let PairGeometry { segment, slave, thickness, scale, speed, dt, near, .. } = *geometry;
+    let offset = V3::from(xyz(&nodes.x[slave as usize])) - near.point;
+    let apart = geometry.relative_to_middle(&offset);
+    if apart.norm() > REACH * scale + geometry.shift.norm() {
+        return None;
+    }
+    if geometry.shared_node_mask != 0 && !geometry.has_folded_over(nodes, &offset) {
+        return None;
+    }
+    let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
+    let past = PastPairs::new(surface, geometry, memory, moved);
+    let ContactFrame { normal, side, reached } =
+        contact_frame((nodes, surface), geometry, &past, (&apart, &offset))?;
     let gap = reached - thickness;
-    let velocity = |n: u32| v3(&nodes.v_next[n as usize]);
+    let velocity = |n: u32| V3::from(xyz(&nodes.v_next[n as usize]));
     let point_velocity: V3 =
         segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
@@ -475,7 +333,7 @@ fn evaluate_pair(
     if predicted >= ACTIVE * scale {
         return None;
     }
-    let old = kept(&normal);
+    let old = past.continued(&normal);
     let tolerated = tolerated(old, gap, moved(), dt, speed);
     if predicted - tolerated >= ACTIVE * scale {
         return None;
@@ -485,26 +343,7 @@ fn evaluate_pair(
     } else {
         (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0)
     };
-    let [a, b, c, d] = near.shape;
-    let shape = padded([1.0, a, b, c, d]);
-    let [i, j, k, l] = segment.nodes;
-    let pair = Pair {
-        shape,
-        weight: shape,
-        normal,
-        lever_arms: levers(nodes, surface, visit, &normal),
-        side,
-        interface: visit.interface,
-        contact_thickness: scale,
-        speed,
-        slave_surface_first: visit.first,
-        is_owned: true,
-        ..Pair::new(
-            PairKey::of_node(nodes.id[slave as usize], segment.id),
-            segment.id,
-            [slave, i, j, k, l],
-        )
-    };
+    let pair = Pair { side, ..geometry.pair(nodes, surface, normal) };
     let is_line = surface.has_lines && segment.is_line();
     Some(PairCandidate {
         pair: pair.with_history(old, gap, tolerated),
@@ -521,8 +360,9 @@ fn evaluate_pair(
 mod tests {
     use super::*;
     use crate::contact::candidates::CandidatePair;
-    use crate::contact::geometry::Sphere;
+    use crate::contact::geometry::{Sphere, nearest};
     use crate::contact::near_list::CandidateFilter;
+    use crate::contact::pairs::PairKey;
     use crate::contact::surface::NOT_LOCAL;
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
@@ -618,7 +458,7 @@ mod tests {
             ..Surface::default()
         };
         surface.link_faces(7);
-        let at = v3(&nodes.x[6]);
+        let at = V3::from(xyz(&nodes.x[6]));
         let near = nearest(&at, &surface.segments[1].corners(&nodes.x), false).unwrap();
         let of = CandidatePair { slave_index: 0, segment: 1, shared_node_mask: 0 };
         let mut found = Vec::new();
@@ -708,16 +548,17 @@ mod tests {
             let (mut nodes, surface) = face_and_slave(corners, at);
             nodes.v_next.iter_mut().zip(moves).for_each(|(v, m)| *v = [m[0], m[1], m[2], 0.0]);
             let segment = &surface.segments[0];
-            let v = |n: u32| v3(&nodes.v_next[n as usize]);
+            let v = |n: u32| V3::from(xyz(&nodes.v_next[n as usize]));
             let step = segment.nodes.iter().map(|&n| (v(n) - v(4)).norm()).fold(0.0, f64::max);
             let (at, scale) = (V3::from(at), 2.0 * SCALE);
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
             let of = CandidatePair { slave_index: 0, segment: 0, shared_node_mask: 0 };
-            let meeting = ProjectedPair { of, step, near };
-            let visit = PairGeometry::new((&nodes, &surface), 0, &meeting, 1.0).expect("all touch");
-            let Some(place) = solid_frame(&nodes, &visit, &at, false) else { return Ok(()) };
+            let projected = ProjectedPair { of, step, near };
+            let geometry =
+                PairGeometry::new((&nodes, &surface), 0, &projected, 1.0).expect("all touch");
+            let Some(frame) = solid_frame(&nodes, &geometry, false) else { return Ok(()) };
             let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
-            if place.reached + (v(4) - moving).dot(&place.normal) < ACTIVE * scale {
+            if frame.reached + (v(4) - moving).dot(&frame.normal) < ACTIVE * scale {
                 let (far, reach) = ((at - near.point).norm(), reach(&surface, 4, segment, step));
                 prop_assert!(far <= reach, "contact at {far}, reach {reach}");
             }

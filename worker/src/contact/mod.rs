@@ -19,7 +19,9 @@ mod acceleration;
 pub mod approach;
 pub mod beams;
 mod candidates;
+mod contact_frame;
 pub mod diagnostics;
+mod edge_sides;
 pub mod edges;
 pub mod enforce;
 mod facets;
@@ -31,11 +33,15 @@ pub mod kernels;
 pub mod local_search;
 mod near_list;
 mod overlap;
+mod pair_geometry;
 pub mod pairs;
 mod projections;
+mod queries;
 mod resultants;
 pub mod search;
 pub mod shell_offset;
+mod slave_candidates;
+mod slave_histories;
 mod solver;
 pub mod state;
 pub mod surface;
@@ -44,14 +50,13 @@ mod travel;
 
 use crate::energy::{ContactWork, Work};
 use crate::math::lanes::Lane;
-use crate::math::row::{Row, V3, row, xyz};
+use crate::math::row::{Row, row};
 use crate::math::vector_range::VectorRange;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use crumple_proto::ids::{NodeId, SegmentId};
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::RankLost;
-use diagnostics::crossing::{self, Crossing};
 use diagnostics::search_record::SearchRecord;
 use edges::Edges;
 use enforce::{Elasticity, Laws};
@@ -59,11 +64,13 @@ use facets::Facets;
 use geometry::Sphere;
 use interfaces::Interfaces;
 use near_list::NearList;
-use pairs::{Pair, PairHistory, PairTable, accelerated_velocity};
+use pairs::{Pair, PairHistory, PairTable};
 use projections::ProjectedPairs;
 use search::{SEARCHES, Search};
+use slave_candidates::SlaveCandidates;
+use slave_histories::SlaveHistories;
 use solver::ContactSolver;
-use surface::{Segment, Surface};
+use surface::Surface;
 use surroundings::{Exclusions, Peers, VelocityConstraint};
 use travel::Travel;
 
@@ -80,9 +87,8 @@ pub struct Contact {
     beams_only: bool,
     /// Segments and slaves that can be in contact.
     pub surface: Surface,
-    /// Candidate segments per slave: start of each slave's run, and segments ascending.
-    candidate_start: Vec<u32>,
-    candidates: Vec<u32>,
+    /// Segments that each slave could touch before the next search.
+    candidates: SlaveCandidates,
     /// Candidates within reach of the next steps.
     near_list: NearList,
     /// Near candidates that may touch in a step.
@@ -93,13 +99,8 @@ pub struct Contact {
     motion_before_near_list: f64,
     /// Stiffness per segment, empty if the law does not use it [force/length].
     stiffness: Vec<f64>,
-    /// Start of each slave's run in `pair_histories`, in the order of `surface.slaves`.
-    history_start: Vec<u32>,
-    pair_histories: Vec<PairHistory>,
-    /// Indices of the slaves that have pair histories, and of those that have got their first
-    /// one since the near list was made or made up to date; ascending.
-    with_history: Vec<u32>,
-    with_first_history: Vec<u32>,
+    /// Pair histories of the slaves.
+    histories: SlaveHistories,
     /// Edges that could touch each other, with their pair histories.
     edges: Edges,
     /// Segments that could touch each other, with their pair histories.
@@ -169,17 +170,13 @@ impl Contact {
             with_edges: parts.with_edges,
             beams_only: !job.edges,
             surface: Surface::default(),
-            candidate_start: Vec::new(),
-            candidates: Vec::new(),
+            candidates: SlaveCandidates::default(),
             near_list: NearList::default(),
             projected_pairs: ProjectedPairs::default(),
             motion_since_near_list: Travel::none(),
             motion_before_near_list: 0.0,
             stiffness: Vec::new(),
-            history_start: Vec::new(),
-            pair_histories: Vec::new(),
-            with_history: Vec::new(),
-            with_first_history: Vec::new(),
+            histories: SlaveHistories::default(),
             edges: Edges::default(),
             table: PairTable::default(),
             free_velocities: Vec::new(),
@@ -210,22 +207,9 @@ impl Contact {
         let stiffness =
             self.surface.segments.iter().map(|s| self.laws.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
-        self.pair_histories.clear();
-        self.history_start.clear();
-        self.candidate_start.clear();
+        self.candidates.clear();
         self.near_list.clear();
-        self.with_history.clear();
-        for (i, &s) in (0..).zip(&self.surface.slaves) {
-            self.history_start.push(self.pair_histories.len() as u32);
-            let start = self.pair_histories.len();
-            self.pair_histories
-                .extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| m.name.is_node()));
-            self.pair_histories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
-            if self.pair_histories.len() > start {
-                self.with_history.push(i);
-            }
-        }
-        self.history_start.push(self.pair_histories.len() as u32);
+        self.histories.renew(&self.surface.slaves, |n| memory_of(nodes.id[n as usize]));
         self.facets.renew(&self.surface, &self.stiffness, nodes, &memory_of);
         self.table.by_area = self.facets.are_wanted();
         if self.with_edges {
@@ -233,99 +217,10 @@ impl Contact {
         }
     }
 
-    /// Returns the bytes in use without pairs and without spare capacity of lists: surface,
-    /// candidates, and the data that decides when to search.
-    pub fn bytes(&self) -> usize {
-        let lists = [
-            &self.candidate_start,
-            &self.candidates,
-            &self.history_start,
-            &self.with_history,
-            &self.with_first_history,
-        ];
-        self.surface.bytes()
-            + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
-            + size_of_val(&self.stiffness[..])
-            + self.motion_since_near_list.bytes()
-            + self.near_list.bytes()
-            + self.projected_pairs.bytes()
-            + self.record.bytes()
-            + self.edges.bytes()
-            + self.facets.bytes()
-    }
-
-    /// Returns the pair histories of each slave. Histories of edges are listed at all nodes of
-    /// their pairs, those of segments at the segments' own nodes.
-    pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &[PairHistory])> {
-        let run = |i: usize| {
-            &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
-        };
-        let of_nodes = self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)));
-        let others = self.edges.pair_histories().chain(self.facets.pair_histories());
-        of_nodes.chain(others.map(|(n, m)| (n, std::slice::from_ref(m))))
-    }
-
-    /// Returns the edges that have passed through a surface, see [`crossing`].
-    pub fn crossings(&self, nodes: &Nodes, time: f64) -> Vec<Crossing> {
-        crossing::crossings(&self.surface, nodes, time, self.search_method)
-    }
-
     /// Returns true if workers check in every step if sweeps have converged on all of them, and
     /// accelerate the sweeps if not.
     pub fn accelerates(&self) -> bool {
         self.accelerated > 0 && self.laws.converge()
-    }
-
-    /// Returns the range of the velocities of nodes that can be in contact, see
-    /// [`Surface::velocities`].
-    pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
-        self.surface.velocities(nodes)
-    }
-
-    /// Returns true if a part ever was near to contact, and true if it ever had a pair, as far
-    /// as this worker knows.
-    pub fn record_of(&self, part: usize) -> (bool, bool) {
-        self.record.part_seen(&self.surface.segments, part)
-    }
-
-    /// Returns the active pairs of owned nodes after the last local search: ids of the slave, or
-    /// its lower node, and of the segment.
-    pub fn owned_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
-        self.table.pairs.iter().filter(|p| p.is_owned).map(|p| (p.key.slave, p.segment))
-    }
-
-    /// Returns local nodes of the slaves of own pairs, to estimate the load.
-    pub fn owned_pair_nodes(&self) -> impl Iterator<Item = u32> + '_ {
-        self.table.pairs.iter().filter(|p| p.is_owned).map(|p| p.nodes[0])
-    }
-
-    /// Returns the active pairs of owned nodes and edges after the last local search.
-    pub fn owned_table(&self) -> impl Iterator<Item = &Pair> {
-        self.table.pairs.iter().filter(|p| p.is_owned)
-    }
-
-    /// Returns the slaves that have near candidates, each with their number. Call it after
-    /// [`Self::refresh_candidates`].
-    pub fn count_near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        let runs = self.near_list.list.chunk_by(|a, b| a.slave_index == b.slave_index);
-        runs.map(|run| (self.surface.slaves[run[0].slave_index as usize], run.len()))
-    }
-
-    /// Returns the slaves, each with the number of candidates that the last global search found
-    /// for it.
-    pub fn count_candidates(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        let runs = self.candidate_start.windows(2).map(|run| (run[1] - run[0]) as usize);
-        self.surface.slaves.iter().copied().zip(runs)
-    }
-
-    /// Returns the number of candidates of the last global search.
-    pub fn candidates(&self) -> u64 {
-        self.candidates.len() as u64
-    }
-
-    /// Returns the laws of the interfaces.
-    pub fn laws(&self) -> &Laws {
-        &self.laws
     }
 
     /// Updates the candidates if the motion of nodes may have used up the skin of the search,
@@ -352,8 +247,6 @@ impl Contact {
     fn approach_rate(&self, nodes: &Nodes, time: f64, dt: f64) -> f64 {
         let s = &self.surface;
         let of_slave = |(i, &slave): (usize, &u32)| {
-            let found = &self.candidates
-                [self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
             let of_pair = |&g: &u32| {
                 let segment = &s.segments[g as usize];
                 let interface =
@@ -366,14 +259,14 @@ impl Contact {
                     dt,
                 ))
             };
-            found.iter().filter_map(of_pair).fold(0.0, f64::max)
+            self.candidates.of(i).iter().filter_map(of_pair).fold(0.0, f64::max)
         };
         let of_nodes = s.slaves.iter().enumerate().map(of_slave).fold(0.0, f64::max);
         of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
     }
 
     fn refresh(&mut self, nodes: &Nodes, joined: &dyn Exclusions, step: f64, fast: bool) {
-        let fresh = !self.candidate_start.is_empty();
+        let fresh = self.candidates.are_known();
         // The candidates must include all that can come near in the next steps. If this needs
         // more than half the skin, the step is limited by the whole surface instead.
         let ahead = approach::STEPS * (2.0 * step).max(self.near_list.step);
@@ -401,7 +294,12 @@ impl Contact {
         let spheres: Vec<Sphere> =
             self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
         if !fresh || self.motion_before_near_list + self.near_list.skin + ahead > self.skin {
-            self.search(nodes, &spheres, joined);
+            self.searches += 1;
+            self.candidates.search(
+                (&self.surface, &spheres, nodes, joined),
+                (self.search_method, self.skin),
+                &mut self.record,
+            );
             self.search_edges(nodes, joined);
             self.facets.search(
                 (&self.surface, &spheres),
@@ -414,14 +312,13 @@ impl Contact {
         } else if self.edges.is_stale() {
             self.search_edges(nodes, joined);
         }
-        let found = |i: usize| {
-            &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize]
-        };
-        let memory = |i: usize| {
-            &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
-        };
-        self.near_list.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
-        self.with_first_history.clear();
+        self.near_list.renew(
+            (nodes, &self.surface, &spheres),
+            (self.skin, step),
+            |i| self.candidates.of(i),
+            |i| self.histories.of(i),
+        );
+        self.histories.forget_first();
         self.pick(nodes);
     }
 
@@ -450,51 +347,6 @@ impl Contact {
         }
     }
 
-    /// Finds the segments that each slave could touch before it moves by more than the skin.
-    fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: &dyn Exclusions) {
-        self.searches += 1;
-        self.candidates = Vec::new(); // freed first: memory use peaks in the search
-        let s = &self.surface;
-        // Slaves by segment.
-        let (mut found, mut count) = (Vec::new(), vec![0u32; s.segments.len()]);
-        {
-            let (largest, added) = (s.largest_scale(), s.shift_reach() + self.skin);
-            let bounds = |g: &Segment| {
-                g.bounds(&nodes.x, search_reach(&s.interfaces, g.scale, largest) + added)
-            };
-            let boxes: Vec<_> = s.segments.iter().map(bounds).collect();
-            let points: Vec<[f64; 3]> =
-                s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
-            (self.search_method)(&boxes, &points, &mut |g, p| {
-                let (segment, slave) = (&s.segments[g as usize], s.slaves[p as usize]);
-                let reach = local_search::reach_of_old(s, slave, segment) + self.skin;
-                let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
-                let touches = || s.interface(p as usize, segment).is_some();
-                let is_other =
-                    !segment.nodes.contains(&slave) && !joined.excludes(slave, &segment.nodes);
-                if !is_far && is_other && touches() {
-                    found.push(p);
-                    count[g as usize] += 1;
-                    self.record.near(slave, segment);
-                }
-            });
-        }
-        // Segments by slave; they stay ascending.
-        self.candidate_start.clear();
-        self.candidate_start.resize(s.slaves.len() + 1, 0);
-        found.iter().for_each(|&p| self.candidate_start[p as usize + 1] += 1);
-        for i in 0..s.slaves.len() {
-            self.candidate_start[i + 1] += self.candidate_start[i];
-        }
-        let mut next = self.candidate_start.clone();
-        self.candidates.resize(found.len(), 0);
-        let segments = (0u32..).zip(&count).flat_map(|(g, &n)| std::iter::repeat_n(g, n as usize));
-        for (g, p) in segments.zip(found) {
-            self.candidates[next[p as usize] as usize] = g;
-            next[p as usize] += 1;
-        }
-    }
-
     /// Finds the pairs of own nodes, edges and segments that are active in this step.
     pub fn find_pairs(
         &mut self,
@@ -507,41 +359,7 @@ impl Contact {
         let alive: Vec<bool> = (0..self.surface.interfaces.count() as u16).map(is_alive).collect();
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
-        let memory = |i: usize| {
-            &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
-        };
-        let found = |i: usize| {
-            &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize]
-        };
-        self.near_list.renew_slaves(
-            (nodes, &self.surface),
-            &self.with_first_history,
-            found,
-            memory,
-        );
-        self.with_first_history.clear();
-        let near = (&mut self.near_list, self.motion_since_near_list.path());
-        self.projected_pairs.project(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
-        for meetings in
-            self.projected_pairs.all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index)
-        {
-            let i = meetings[0].of.slave_index as usize;
-            local_search::find_pairs(
-                nodes,
-                (&self.surface, &alive),
-                i,
-                meetings,
-                memory(i),
-                steps.dt,
-                &mut pairs,
-            );
-        }
-        if !self.stiffness.is_empty() {
-            for p in &mut pairs {
-                let at = self.surface.segments.binary_search_by_key(&p.segment, |s| s.id);
-                p.stiffness = at.map_or(0.0, |i| self.stiffness[i]);
-            }
-        }
+        self.find_pairs_of_slaves(nodes, &alive, steps.dt, &mut pairs);
         let with_segments = self.facets.are_wanted();
         if with_segments {
             pairs.retain(|p| !self.facets.covers(nodes, (&self.surface, &alive), joined, p));
@@ -561,9 +379,65 @@ impl Contact {
         if pairs.len() > of_nodes {
             pairs.sort_unstable_by_key(|p| p.key);
         }
-        let begun = std::mem::replace(&mut self.interface_started, alive);
-        for p in &mut pairs {
-            if !begun[p.interface as usize] {
+        self.complete_pairs(nodes, alive, steps, &mut pairs);
+        self.table.pairs = pairs;
+        if self.by_mass {
+            self.table.weight_by_mass(nodes);
+        }
+    }
+
+    /// Appends the active pairs of the slaves, with their stiffness if the law uses it. `dt` is the
+    /// step size [time].
+    fn find_pairs_of_slaves(
+        &mut self,
+        nodes: &Nodes,
+        alive: &[bool],
+        dt: f64,
+        pairs: &mut Vec<Pair>,
+    ) {
+        self.near_list.renew_slaves(
+            (nodes, &self.surface),
+            self.histories.with_first(),
+            |i| self.candidates.of(i),
+            |i| self.histories.of(i),
+        );
+        self.histories.forget_first();
+        let near = (&mut self.near_list, self.motion_since_near_list.path());
+        let history = |i: u32| self.histories.of(i as usize);
+        self.projected_pairs.project(nodes, &self.surface, near, history, dt);
+        let all = &self.projected_pairs.all;
+        for projected in all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index) {
+            let i = projected[0].of.slave_index;
+            local_search::find_pairs(
+                nodes,
+                (&self.surface, alive),
+                i as usize,
+                projected,
+                history(i),
+                dt,
+                pairs,
+            );
+        }
+        if !self.stiffness.is_empty() {
+            for p in pairs {
+                let at = self.surface.segments.binary_search_by_key(&p.segment, |s| s.id);
+                p.stiffness = at.map_or(0.0, |i| self.stiffness[i]);
+            }
+        }
+    }
+
+    /// Sets the values of the pairs that do not depend on the search: initial gaps of interfaces
+    /// that start, lever arms, friction and the first force.
+    fn complete_pairs(
+        &mut self,
+        nodes: &Nodes,
+        alive: Vec<bool>,
+        steps: StepSizes,
+        pairs: &mut [Pair],
+    ) {
+        let started = std::mem::replace(&mut self.interface_started, alive);
+        for p in pairs {
+            if !started[p.interface as usize] {
                 p.initial_gap = p.tolerated_gap;
             }
             p.lever(nodes);
@@ -572,10 +446,6 @@ impl Contact {
             self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).initial_force(p, steps);
             self.penetration = self.penetration.max(p.penetration / p.contact_thickness);
-        }
-        self.table.pairs = pairs;
-        if self.by_mass {
-            self.table.weight_by_mass(nodes);
         }
     }
 
@@ -617,30 +487,6 @@ impl Contact {
             *count += u64::from(is_so);
         }
         Ok(())
-    }
-
-    /// Returns the nodes that pairs touch, ascending, with their velocities after contact but
-    /// before walls [length/time].
-    pub fn contact_forces<'a>(
-        &'a self,
-        nodes: &'a Nodes,
-        steps: StepSizes,
-    ) -> impl Iterator<Item = (u32, Row)> + 'a {
-        let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free_velocities);
-        touched.map(move |((&n, f), free)| {
-            (n, accelerated_velocity(free, f, &nodes.inv_mass[n as usize], steps.dt_damped))
-        })
-    }
-
-    /// Returns the contact force on local node `n` in this step [force].
-    pub fn force_on(&self, n: u32) -> V3 {
-        self.table.touched.binary_search(&n).map_or(V3::zeros(), |k| self.table.total[k])
-    }
-
-    /// Returns the moment of friction on local node `n` in this step [force length].
-    pub fn couple_on(&self, n: u32) -> V3 {
-        let place = self.table.touched.binary_search(&n).ok();
-        place.and_then(|k| self.table.couples.get(k).copied()).unwrap_or(V3::zeros())
     }
 
     /// Returns true if friction can rotate nodes on any worker. Then the workers need the
@@ -703,47 +549,9 @@ impl Contact {
             let impulse = row((couple * steps.dt_velocity).into());
             work.total.add(Work::from_impulses(&impulse, before, after));
         }
-        self.store_histories();
         let t = &self.table;
+        self.histories.store(&self.surface.slaves, &t.pairs);
         self.edges.store_history(t.pairs.iter());
         self.facets.store_history(t.pairs.iter());
-    }
-
-    /// Stores the pair histories of the slaves.
-    fn store_histories(&mut self) {
-        let slaves = &self.surface.slaves;
-        let before = std::mem::take(&mut self.pair_histories);
-        let with_history = std::mem::take(&mut self.with_history);
-        let mut had = with_history.iter().map(|&i| i as usize).peekable();
-        let pairs = &self.table.pairs;
-        let mut own = pairs.iter().filter(|p| p.is_owned && p.key.is_node()).peekable();
-        // Most slaves have neither a pair nor a history. Their runs start where the next one does.
-        let mut next = 0;
-        loop {
-            let paired =
-                own.peek().map(|p| next + slaves[next..].partition_point(|&s| s < p.nodes[0]));
-            let Some(i) = paired.into_iter().chain(had.peek().copied()).min() else { break };
-            let old = self.history_start[i] as usize..self.history_start[i + 1] as usize;
-            let start = self.pair_histories.len();
-            self.history_start[next..=i].fill(start as u32);
-            next = i + 1;
-            while let Some(p) = own.next_if(|p| p.nodes[0] == slaves[i]) {
-                self.pair_histories.push(p.to_history());
-            }
-            if had.next_if_eq(&i).is_none() {
-                self.with_first_history.push(i as u32);
-            }
-            // Pairs of this step come first, then lost pairs, both in ascending order.
-            for m in &before[old] {
-                if !self.pair_histories[start..].iter().any(|n| n.name == m.name) {
-                    self.pair_histories.extend(m.after_loss());
-                }
-            }
-            self.pair_histories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
-            if self.pair_histories.len() > start {
-                self.with_history.push(i as u32);
-            }
-        }
-        self.history_start[next..].fill(self.pair_histories.len() as u32);
     }
 }

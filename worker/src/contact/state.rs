@@ -65,7 +65,7 @@ impl Contact {
             // Equal on all workers, see `started`.
             interface_started: _,
             // Pair histories are saved with their nodes.
-            pair_histories: _,
+            histories: _,
             edges: _,
             facets: _,
             // From the job.
@@ -79,16 +79,12 @@ impl Contact {
             accelerated: _,
             // Computed from the mesh, and again after each change of the partition.
             surface,
-            candidate_start: _,
             candidates: _,
             near_list: _,
             projected_pairs: _,
             motion_since_near_list: _,
             motion_before_near_list: _,
             stiffness: _,
-            history_start: _,
-            with_history: _,
-            with_first_history: _,
             // For one step only.
             table: _,
             free_velocities: _,

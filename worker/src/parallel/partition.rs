@@ -333,9 +333,34 @@ fn copy_ghosts(
     held_bounds: &[Aabb],
     grow: f64,
 ) -> Result<Aabb, RankLost> {
-    let workers = held_bounds.len();
     let me = nodes.me as usize;
     let slave_boxes = exchange_bounds(comm, &seeking(settings, surface, nodes))?;
+    set_reaches(halo, me, (&slave_boxes, held_bounds), (settings.buffer, grow));
+    let offer = |(w, b): (usize, &Aabb)| match w == me || b.is_empty() {
+        true => (Vec::new(), Vec::new()),
+        false => segments_near(nodes, surface, &b.grown(grow)),
+    };
+    let (segments, corners): (Vec<Vec<WireSegment>>, Vec<Vec<WireNode>>) =
+        slave_boxes.iter().enumerate().map(offer).unzip();
+    let segments = exchange_all(comm, segments)?;
+    let mut copies: Vec<WireNode> = exchange_all(comm, corners)?.concat();
+    copies.retain(|c| nodes.local_index(c.record.id).is_none());
+    copies.sort_unstable_by_key(|c| c.record.id);
+    copies.dedup_by_key(|c| c.record.id);
+    copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
+    add_segments(nodes, surface, &segments.concat());
+    request_states(comm, nodes, halo, &copies, held_bounds.len())?;
+    let own = slave_boxes[me];
+    Ok(if own.is_empty() { Aabb::EMPTY } else { own.grown(grow) })
+}
+
+/// Sets for each other worker how near its segments are to own slaves and edges.
+fn set_reaches(
+    halo: &mut Ghosts,
+    me: usize,
+    (slave_boxes, held_bounds): (&[Aabb], &[Aabb]),
+    (buffer, grow): (f64, f64),
+) {
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
         link.reach = (!theirs.is_empty()).then(|| theirs.grown(grow));
@@ -343,73 +368,68 @@ fn copy_ghosts(
             let near = slave_boxes[me].intersection(&theirs.grown(grow));
             link.region = Some(if near.is_empty() { slave_boxes[me] } else { near });
             link.is_distant = near.is_empty();
-            link.margin = settings.buffer + mine.distance(theirs);
+            link.margin = buffer + mine.distance(theirs);
         }
         link.both_distant = !are_near(&slave_boxes[me], theirs, grow)
             && !are_near(&slave_boxes[link.worker], &held_bounds[me], grow);
     }
-    let offer = |(w, b): (usize, &Aabb)| {
-        if w == me || b.is_empty() {
-            return (Vec::new(), Vec::new());
-        }
-        let b = b.grown(grow);
-        let near = surface.segments.iter().filter(|s| b.intersects(&s.bounds(&nodes.x, 0.0)));
-        let comm = |s: &Segment| {
-            let ids = s.nodes.map(|n| nodes.id[n as usize]);
-            let behind = s
-                .behind
-                .map(|n| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] });
-            WireSegment {
-                id: s.id,
-                nodes: ids,
-                behind,
-                half: s.half_thickness,
-                offset: s.offset,
-                scale: s.scale,
-                part: u64::from(s.part),
-            }
-        };
-        let wired: Vec<WireSegment> = near.clone().map(comm).collect();
-        let mut corners: Vec<u32> = near.flat_map(|s| s.nodes).collect();
-        corners.sort_unstable();
-        corners.dedup();
-        let node = |&i: &u32| WireNode {
-            record: nodes.record(i as usize),
-            owner: u64::from(nodes.owner[i as usize]),
-        };
-        (wired, corners.iter().map(node).collect())
+}
+
+/// Returns the segments that reach into a box, and their nodes.
+fn segments_near(nodes: &Nodes, surface: &Surface, b: &Aabb) -> (Vec<WireSegment>, Vec<WireNode>) {
+    let near = surface.segments.iter().filter(|s| b.intersects(&s.bounds(&nodes.x, 0.0)));
+    let pack = |s: &Segment| WireSegment {
+        id: s.id,
+        nodes: s.nodes.map(|n| nodes.id[n as usize]),
+        behind: s
+            .behind
+            .map(|n| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] }),
+        half: s.half_thickness,
+        offset: s.offset,
+        scale: s.scale,
+        part: u64::from(s.part),
     };
-    let (segments, corners): (Vec<Vec<WireSegment>>, Vec<Vec<WireNode>>) =
-        slave_boxes.iter().enumerate().map(offer).unzip();
-    let segments = exchange_all(comm, segments)?;
-    let corners = exchange_all(comm, corners)?;
-    let mut copies: Vec<WireNode> = corners.concat();
-    copies.retain(|c| nodes.local_index(c.record.id).is_none());
-    copies.sort_unstable_by_key(|c| c.record.id);
-    copies.dedup_by_key(|c| c.record.id);
-    copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
-    for s in segments.iter().flatten() {
-        let local =
-            s.nodes.map(|n| nodes.index_of(n).expect("a worker has all nodes of a segment"));
-        surface.segments.push(Segment {
-            id: s.id,
-            nodes: local,
-            behind: s.behind.map(|n| nodes.index_of(n).unwrap_or(NOT_LOCAL)),
-            half_thickness: s.half,
-            offset: s.offset,
-            scale: s.scale,
-            part: s.part as u32,
-            own: false,
-        });
-    }
+    let packed: Vec<WireSegment> = near.clone().map(pack).collect();
+    let mut corners: Vec<u32> = near.flat_map(|s| s.nodes).collect();
+    corners.sort_unstable();
+    corners.dedup();
+    let node = |&i: &u32| WireNode {
+        record: nodes.record(i as usize),
+        owner: u64::from(nodes.owner[i as usize]),
+    };
+    (packed, corners.iter().map(node).collect())
+}
+
+/// Adds the segments of other workers to the surface.
+fn add_segments(nodes: &Nodes, surface: &mut Surface, segments: &[WireSegment]) {
+    let local = |id: NodeId| nodes.index_of(id).expect("a worker has all nodes of a segment");
+    surface.segments.extend(segments.iter().map(|s| Segment {
+        id: s.id,
+        nodes: s.nodes.map(local),
+        behind: s.behind.map(|n| nodes.index_of(n).unwrap_or(NOT_LOCAL)),
+        half_thickness: s.half,
+        offset: s.offset,
+        scale: s.scale,
+        part: s.part as u32,
+        own: false,
+    }));
     surface.segments.sort_unstable_by_key(|s| s.id);
-    // Owners send the states of ghosts in every step.
+}
+
+/// Asks the owners of ghost nodes for their states, which they send in every step.
+///
+/// # Errors
+/// A worker is gone.
+fn request_states(
+    comm: &mut dyn Transport,
+    nodes: &Nodes,
+    halo: &mut Ghosts,
+    ghosts: &[WireNode],
+    workers: usize,
+) -> Result<(), RankLost> {
     let wanted = |w: usize| {
-        copies
-            .iter()
-            .filter(|c| c.owner as usize == w)
-            .map(|c| c.record.id)
-            .collect::<Vec<NodeId>>()
+        let of_worker = ghosts.iter().filter(|g| g.owner as usize == w);
+        of_worker.map(|g| g.record.id).collect::<Vec<NodeId>>()
     };
     let requests = exchange_all(comm, (0..workers).map(wanted).collect())?;
     for link in &mut halo.links {
@@ -420,8 +440,7 @@ fn copy_ghosts(
         // is not nearer for this reason.
         link.both_distant &= link.export.is_empty() && link.import.is_empty();
     }
-    let own = slave_boxes[me];
-    Ok(if own.is_empty() { Aabb::EMPTY } else { own.grown(grow) })
+    Ok(())
 }
 
 /// Sends the list of workers that have an owned node to each of these workers.

@@ -26,6 +26,7 @@
 //! the velocities of masters. They are summed in ascending id of the slaves, and of the masters
 //! of a slave, so that all workers compute the same bits.
 
+mod build;
 mod exchange;
 pub mod project;
 
@@ -34,10 +35,9 @@ use crate::math::row::{Row, V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::partition::Settings;
 use crumple_proto::tie::Tie;
 use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
-use exchange::{Link, PackedNode, of_owners, receive, send};
+use exchange::{Link, PackedNode, receive, send};
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
@@ -96,96 +96,6 @@ pub struct Ties {
 }
 
 impl Ties {
-    /// Builds all ties: adds masses to masters and sets the velocities of slaves. Collective.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn new(
-        comm: &mut dyn Transport,
-        settings: &Settings,
-        nodes: &mut Nodes,
-    ) -> Result<Self, RankLost> {
-        let jobs = settings.ties.clone();
-        if jobs.is_empty() {
-            return Ok(Self::default());
-        }
-        let mut carriers: Vec<NodeId> =
-            jobs.iter().flat_map(|t| t.masters.iter().map(|c| c.0)).collect();
-        carriers.sort_unstable();
-        carriers.dedup();
-        let number = |id: NodeId| carriers.partition_point(|&c| c < id) as u32;
-        let mut all = Self {
-            turn: nodes.rotations && jobs.iter().any(|t| t.rotations || t.offset),
-            arms: nodes.rotations && jobs.iter().any(|t| t.offset),
-            shares: jobs
-                .iter()
-                .map(|t| t.masters.iter().map(|&(id, share)| (number(id), share)).collect())
-                .collect(),
-            slave_loads: vec![[V3::zeros(); 2]; jobs.len()],
-            master_velocities: vec![[[0.0; 3]; 2]; carriers.len()],
-            master_positions: vec![[0.0; 3]; carriers.len()],
-            contact_forces: vec![V3::zeros(); carriers.len()],
-            definitions: jobs,
-            masters: carriers,
-            ..Self::default()
-        };
-        let tied: Vec<NodeId> = all.definitions.iter().map(|t| t.node).collect();
-        let states = of_owners(comm, nodes, &tied)?;
-        all.slave_masses = states.iter().map(|s| [s.mass, s.inertia]).collect();
-        let mut carrying = of_owners(comm, nodes, &all.masters)?;
-        let foot_of = |shares: &[(u32, f64)]| V3::from(xyz(&blend(shares, |c| carrying[c].x)));
-        let arm_of =
-            |job: &Tie, shares: &[(u32, f64)], tied: &PackedNode| match all.arms && job.offset {
-                true => V3::from(tied.x) - foot_of(shares),
-                false => V3::zeros(),
-            };
-        let arms: Vec<V3> = all
-            .definitions
-            .iter()
-            .zip(&all.shares)
-            .zip(&states)
-            .map(|((j, s), t)| arm_of(j, s, t))
-            .collect();
-        let heavier = |(job, (own, arm)): (&Tie, (&[f64; 2], &V3))| {
-            let turns = if all.turn && job.rotations { own[1] } else { 0.0 };
-            turns + ARM_INERTIA * own[0] * arm.norm_squared()
-        };
-        all.added_inertia =
-            all.definitions.iter().zip(all.slave_masses.iter().zip(&arms)).map(heavier).collect();
-        all.share_momentum(&states, &arms, &mut carrying);
-        for t in 0..all.definitions.len() {
-            all.add_masses(t, 1.0, nodes);
-            if let Some(n) = nodes.index_of(all.definitions[t].node).map(|n| n as usize) {
-                nodes.mass[n] = 0.0;
-                if all.turn && all.definitions[t].rotations {
-                    nodes.inertia[n] = 0.0;
-                }
-                nodes.invert_mass(n);
-            }
-        }
-        for (&id, state) in all.masters.iter().zip(&carrying) {
-            if let Some(n) = nodes.index_of(id).map(|n| n as usize) {
-                nodes.v[n][..3].copy_from_slice(&state.v);
-                nodes.v_next[n] = nodes.v[n];
-                if nodes.rotations {
-                    nodes.w[n][..3].copy_from_slice(&state.w);
-                }
-            }
-        }
-        for ((job, shares), arm) in all.definitions.iter().zip(&all.shares).zip(&arms) {
-            let Some(n) = nodes.index_of(job.node).map(|n| n as usize) else { continue };
-            let spin = blend(shares, |c| carrying[c].w);
-            nodes.v[n] = blend(shares, |c| carrying[c].v);
-            let turned = V3::from(xyz(&spin)).cross(arm);
-            (0..3).for_each(|k| nodes.v[n][k] += turned[k]);
-            nodes.v_next[n] = nodes.v[n];
-            if all.turn && job.rotations {
-                nodes.w[n] = spin;
-            }
-        }
-        Ok(all)
-    }
-
     /// Checks that these are ties of a job; some may be released.
     ///
     /// # Errors

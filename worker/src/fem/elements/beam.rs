@@ -45,7 +45,7 @@ use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
 use crate::parameter::Values;
-use crumple_proto::job::{BeamSection, Part, Weld};
+use crumple_proto::job::{Beam as BeamJob, BeamSection, Part, Weld};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
 use nalgebra::{Rotation3, UnitQuaternion};
@@ -124,90 +124,9 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult 
     if part.element.is_some() {
         say("element", "beams have one formulation".into(), "remove `element`");
     }
-    let [about_y, about_z] = beam.second_moments;
-    let all = [
-        ("height", beam.height),
-        ("width", beam.width),
-        ("flange", beam.flange),
-        ("web", beam.web),
-        ("radius", beam.radius),
-        ("wall", beam.wall),
-        ("area", beam.area),
-        (
-            "second_moments",
-            if about_y.min(about_z) < 0.0 { about_y.min(about_z) } else { about_y.max(about_z) },
-        ),
-        ("torsion", beam.torsion),
-    ];
-    let needed: &[&str] = match beam.section {
-        BeamSection::Rectangle => &["height", "width"],
-        BeamSection::Tube => &["radius"],
-        BeamSection::I => &["height", "width", "flange", "web"],
-        BeamSection::General => &["area"],
-    };
-    for (key, value) in all {
-        let of_general =
-            beam.section == BeamSection::General && matches!(key, "second_moments" | "torsion");
-        let may = of_general || beam.section == BeamSection::Tube && key == "wall";
-        if needed.contains(&key) && value <= 0.0 {
-            say(&format!("beam.{key}"), format!("{key} is {value}"), "it has to be above 0");
-        } else if of_general && value < 0.0 {
-            say(&format!("beam.{key}"), format!("{key} is {value}"), "it has to be 0 or above");
-        } else if key == "wall" && may && !(0.0..=beam.radius).contains(&value) {
-            say(
-                "beam.wall",
-                format!("wall is {value}"),
-                "it has to be from 0 (a solid bar) to the radius",
-            );
-        } else if !needed.contains(&key) && !may && value != 0.0 {
-            say(&format!("beam.{key}"), format!("its section has no {key}"), "remove it");
-        }
-    }
-    if beam.section == BeamSection::I
-        && !(2.0 * beam.flange < beam.height && beam.web <= beam.width)
-    {
-        say(
-            "beam",
-            "flanges or web are thicker than the section".into(),
-            "correct height, width, flange and web",
-        );
-    }
-    for (k, area) in beam.shear_areas.into_iter().enumerate().filter(|(_, area)| *area < 0.0) {
-        say(
-            &format!("beam.shear_areas.{k}"),
-            format!("a shear area is {area}"),
-            "give an area above 0, or 0 for no shear deformation",
-        );
-    }
-    if let Some(radius) =
-        beam.contact_radius.filter(|radius| !(*radius > 0.0 && radius.is_finite()))
-    {
-        say("beam.contact_radius", format!("contact_radius is {radius}"), "it has to be above 0");
-    }
-    if let Some(Weld { normal, shear, bending, torsion, exponents: [n, m] }) = beam.weld {
-        let limits =
-            [("normal", normal), ("shear", shear), ("bending", bending), ("torsion", torsion)];
-        for (key, value) in limits.into_iter().filter(|limit| limit.1 < 0.0) {
-            say(
-                &format!("beam.weld.{key}"),
-                format!("{key} of its welds is {value}"),
-                "give 0 (no limit) or above",
-            );
-        }
-        if limits.iter().all(|limit| limit.1 == 0.0) {
-            say(
-                "beam.weld",
-                "its welds have no limit".into(),
-                "give normal, shear, bending or torsion",
-            );
-        }
-        if n <= 0.0 || m <= 0.0 {
-            say(
-                "beam.weld.exponents",
-                format!("exponents of its welds are {n}, {m}"),
-                "they have to be above 0",
-            );
-        }
+    check_section(beam, &mut say);
+    if let Some(weld) = &beam.weld {
+        check_weld(weld, &mut say);
     }
     let history = law.history();
     if STRESS + history.len() > MOST {
@@ -232,6 +151,100 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult 
         failed: failed_column(history).map(|column| STRESS + column),
         law,
     }))
+}
+
+/// Reports a problem: the key, what is wrong, and what to do.
+type Say<'a> = dyn FnMut(&str, String, &str) + 'a;
+
+/// Checks the numbers of a cross section.
+fn check_section(beam: &BeamJob, say: &mut Say<'_>) {
+    let [about_y, about_z] = beam.second_moments;
+    let all = [
+        ("height", beam.height),
+        ("width", beam.width),
+        ("flange", beam.flange),
+        ("web", beam.web),
+        ("radius", beam.radius),
+        ("wall", beam.wall),
+        ("area", beam.area),
+        (
+            "second_moments",
+            if about_y.min(about_z) < 0.0 { about_y.min(about_z) } else { about_y.max(about_z) },
+        ),
+        ("torsion", beam.torsion),
+    ];
+    all.into_iter().for_each(|(key, value)| check_number(beam, key, value, say));
+    if beam.section == BeamSection::I
+        && !(2.0 * beam.flange < beam.height && beam.web <= beam.width)
+    {
+        say(
+            "beam",
+            "flanges or web are thicker than the section".into(),
+            "correct height, width, flange and web",
+        );
+    }
+    for (k, area) in beam.shear_areas.into_iter().enumerate().filter(|(_, area)| *area < 0.0) {
+        say(
+            &format!("beam.shear_areas.{k}"),
+            format!("a shear area is {area}"),
+            "give an area above 0, or 0 for no shear deformation",
+        );
+    }
+    if let Some(radius) =
+        beam.contact_radius.filter(|radius| !(*radius > 0.0 && radius.is_finite()))
+    {
+        say("beam.contact_radius", format!("contact_radius is {radius}"), "it has to be above 0");
+    }
+}
+
+/// Checks one number of a cross section: its range, and that the section has it.
+fn check_number(beam: &BeamJob, key: &str, value: f64, say: &mut Say<'_>) {
+    let needed: &[&str] = match beam.section {
+        BeamSection::Rectangle => &["height", "width"],
+        BeamSection::Tube => &["radius"],
+        BeamSection::I => &["height", "width", "flange", "web"],
+        BeamSection::General => &["area"],
+    };
+    let of_general =
+        beam.section == BeamSection::General && matches!(key, "second_moments" | "torsion");
+    let may = of_general || beam.section == BeamSection::Tube && key == "wall";
+    let (name, found) = (format!("beam.{key}"), format!("{key} is {value}"));
+    if needed.contains(&key) && value <= 0.0 {
+        say(&name, found, "it has to be above 0");
+    } else if of_general && value < 0.0 {
+        say(&name, found, "it has to be 0 or above");
+    } else if key == "wall" && may && !(0.0..=beam.radius).contains(&value) {
+        say(&name, found, "it has to be from 0 (a solid bar) to the radius");
+    } else if !needed.contains(&key) && !may && value != 0.0 {
+        say(&name, format!("its section has no {key}"), "remove it");
+    }
+}
+
+/// Checks the limits of the welds.
+fn check_weld(weld: &Weld, say: &mut Say<'_>) {
+    let Weld { normal, shear, bending, torsion, exponents: [n, m] } = *weld;
+    let limits = [("normal", normal), ("shear", shear), ("bending", bending), ("torsion", torsion)];
+    for (key, value) in limits.into_iter().filter(|limit| limit.1 < 0.0) {
+        say(
+            &format!("beam.weld.{key}"),
+            format!("{key} of its welds is {value}"),
+            "give 0 (no limit) or above",
+        );
+    }
+    if limits.iter().all(|limit| limit.1 == 0.0) {
+        say(
+            "beam.weld",
+            "its welds have no limit".into(),
+            "give normal, shear, bending or torsion",
+        );
+    }
+    if n <= 0.0 || m <= 0.0 {
+        say(
+            "beam.weld.exponents",
+            format!("exponents of its welds are {n}, {m}"),
+            "they have to be above 0",
+        );
+    }
 }
 
 /// Coordinates and velocities of the ends of a beam.

@@ -47,7 +47,7 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
         let before = places[k.saturating_sub(1)];
         let v = [0, 1].map(|c| row(x[c] - before[c]));
         let (x, w) = (x.map(row), if k == 0 { [[0.0; 4]; 2] } else { w[k - 1].map(row) });
-        let nodes = crate::fem::elements::NodeView { x: &x, v: &v, w: &w };
+        let nodes = crate::nodes::NodeView { x: &x, v: &v, w: &w };
         let out =
             crate::fem::elements::ElementNodalForces { force: &mut force, moment: &mut moment };
         let dt = if k == 0 { 0.0 } else { 1.0 };

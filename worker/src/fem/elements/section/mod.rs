@@ -16,6 +16,14 @@
 //! Few Gauss points reach the accuracy that is needed: 5 give linear bending exactly and the
 //! plastic hinge within 2 %. There is no point at the outer fibres themselves.
 
+mod flow;
+mod step;
+#[cfg(test)]
+mod tests;
+
+pub use flow::{Flow, SAVED};
+pub use step::Limits;
+
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crate::math::lanes::{Each, Real};
@@ -32,9 +40,6 @@ pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 /// `(2 c/L)^2`. Such elements are then stable for 0.934 L/c, more than the usual safety factor of
 /// 0.9.
 const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
-/// Relative change of mass per area that counts as round-off in single precision. A smaller change
-/// is ignored, so that an element in rigid motion keeps its stable step exactly.
-const ROUND_OFF: f64 = 4e-6;
 /// Largest offset of the middle surface from the nodal plane, over half the thickness.
 pub const LARGEST_OFFSET: f64 = 10.0;
 /// Largest strain increment of a valid step.
@@ -47,9 +52,6 @@ const VOLUME: usize = 1;
 const INERTIA: usize = 2;
 const SHEAR: usize = 3;
 const POINTS: usize = 5;
-/// Number of columns of a point from which the static yield stress follows, with those of stress.
-pub const SAVED: usize = 5;
-
 /// Section of a part: material and points through the thickness.
 pub struct Section {
     law: Box<dyn PlaneStress>,
@@ -91,51 +93,6 @@ pub struct Strains<R> {
     pub kappa: [R; 3],
     /// Twice the transverse shear xz and yz.
     pub gamma: [R; 2],
-}
-
-/// Columns of the points before a step, for [`Section::flow`]: stress, plastic strain and
-/// temperature.
-pub type PointsBefore<R, const N: usize> = [[R; SAVED]; N];
-
-/// Means over the thickness, for membrane and (with the weight `3 zeta^2`) for bending.
-struct Yielded<R> {
-    /// Effective plastic strain.
-    plastic_strain: [R; 2],
-    /// Root mean square of the von Mises stress [force/length^2].
-    stress: [R; 2],
-    /// See `stress`, without the contribution of the strain rate to the yield stress.
-    at_no_rate: [R; 2],
-}
-
-/// Effect of plastic flow in a step on stresses other than those of the points, for membrane and
-/// for bending.
-pub struct Flow<R> {
-    /// Factor by which the radial return scales them.
-    pub keep: [R; 2],
-    /// Ratio of tangent to elastic stiffness.
-    pub tangent: [R; 2],
-}
-
-/// Quantities of the present shape of a shell that determine its stable step. The squared frequency
-/// of its shear is `5/6 G/rho (corners s + (1 + taper s)/I)`, with I the rotational inertia per
-/// mass and s the larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
-pub struct Limits<R> {
-    /// Area [length^2] and its reciprocal.
-    pub area: R,
-    pub inv_area: R,
-    /// Square of the side for which the stable step of the membrane is that of the plate wave over
-    /// the area by the side, at the density of the material [length^2].
-    pub side2: R,
-    /// Fraction of that step for which the element is stable.
-    pub fraction: f64,
-    /// Number of corners of the element.
-    pub corners: f64,
-    /// Smallest `s` of elements of any shape, times their area.
-    pub least_s: f64,
-    /// Coefficient of `s` in the frequency of shear [length^2].
-    pub taper: R,
-    /// Smallest I of an element of this shape at the start [length^2].
-    pub floor: R,
 }
 
 /// Stress resultants, in the element's axes.
@@ -319,92 +276,6 @@ impl Section {
             .fold(history[THICKNESS], |sum, p| sum + history[p * self.each() + THICKNESS])
     }
 
-    /// Returns the factor by which an offset shortens the stable step of an element at rest,
-    /// because it couples the displacement of nodes to their rotation; `None` without an offset.
-    /// For the middle surface `K <= omega^2 diag(m, m i)` for displacements and rotations, with i
-    /// the rotational inertia about it per mass. For the nodes this becomes
-    /// `K <= omega^2 m [1 e; e i + e^2]`, and `diag(m, m (i + e^2))` is at least `1/(1 + a)` of
-    /// that matrix, `a = |e|/sqrt(i + e^2)`.
-    #[inline(always)]
-    pub fn offset_factor<R: Real>(&self, history: &[R]) -> Option<R> {
-        if !self.has_offset() {
-            return None;
-        }
-        let (arm, inertia, one) = (self.arm(history), history[INERTIA], R::splat(1.0));
-        let ratio = R::select(inertia.gt(R::zero()), arm.abs() / inertia.sqrt(), R::zero());
-        Some(one / (one + ratio).sqrt())
-    }
-
-    /// Returns [`Self::offset_factor`] of an element at the start.
-    pub fn offset_factor_at_start(&self, own: OwnSection, floor: f64) -> f64 {
-        let arm = self.arm_at_start(own);
-        let ratio = arm.abs() / self.inertia_per_mass(own, floor).sqrt();
-        if arm == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
-    }
-
-    /// Returns the stable step [time]. An element keeps the mass of the start while its area A and
-    /// its thickness t change, so the step of the membrane at the density of the material is
-    /// multiplied by `sqrt(A0 t0 / (A t))`. It is smaller if the rotational inertia, which is also
-    /// that of the start, has become too small for shear. Without [`Self::measure`] it is that of
-    /// the membrane.
-    #[inline(always)]
-    pub fn stable_dt<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
-        if self.has_offset() {
-            return self.stable_dt_with_offset(history, of);
-        }
-        self.stable_dt_at(history, of, history[INERTIA])
-    }
-
-    /// Returns [`Self::stable_dt`] for this rotational inertia about the middle surface per mass
-    /// [length^2].
-    #[inline(always)]
-    fn stable_dt_at<R: Real>(&self, history: &[R], of: &Limits<R>, inertia: R) -> R {
-        let one = R::splat(1.0);
-        // The squared frequency of shear goes with `corners s + (1 + taper s)/i`. If the inertia i
-        // has become less than the floor f, it has risen by at most the factor
-        // `(x + 1/i)/(x + 1/f)` with `x = corners s/(1 + taper s)`, which is largest for the least
-        // possible s. All is brought to one denominator, as quotients are the most expensive
-        // operations of the kernel.
-        let s = R::splat(of.least_s) * of.inv_area;
-        let (by_corners, spread) = (R::splat(of.corners) * s, of.taper.mul_add(s, one));
-        let at = |inertia: R| by_corners.mul_add(inertia, spread);
-        let borne = at(of.floor) * inertia;
-        let needed = at(inertia) * of.floor;
-        let first = R::splat(self.planar as f64) * history[VOLUME] * of.inv_area;
-        let kept = first * Real::min(needed, borne);
-        let present = self.thicknesses(history) * needed;
-        let is_known = history[VOLUME].gt(R::zero());
-        let changed = R::both(is_known, (kept - present).abs().gt(R::splat(ROUND_OFF) * present));
-        let (kept, present) = (R::select(changed, kept, one), R::select(changed, present, one));
-        self.membrane_step(of.area, kept / (of.side2 * present), of.fraction)
-    }
-
-    /// Returns the stable step of the membrane for an area [length^2] and the inverse square of a
-    /// side [1/length^2] at the density of the material [time].
-    #[inline(always)]
-    pub fn membrane_step<R: Real>(&self, area: R, inv_side2: R, fraction: f64) -> R {
-        area * inv_side2.sqrt() * R::splat(fraction / self.elastic.plate_wave_speed())
-    }
-
-    /// Returns [`Self::stable_dt`] of a section with an offset.
-    #[cold]
-    #[inline(never)]
-    fn stable_dt_with_offset<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
-        let (one, known, arm) = (R::splat(1.0), history[INERTIA], self.arm(history));
-        // Shear rotates the section about the middle surface. An inertia that is too small for
-        // shear is replaced by a larger one; then more inertia is assumed than the nodes have.
-        let arm2 = arm * arm;
-        let inertia = Real::max(known - arm2, of.floor);
-        let stable_dt = self.stable_dt_at(history, of, inertia);
-        // The larger eigenvalue of `[1 e; e i + e^2]` over `diag(1, I)`, see `offset_factor`.
-        let is_known = history[VOLUME].gt(R::zero());
-        let [i, both] =
-            [inertia, inertia + arm2].map(|of| R::select(is_known, of / known, R::zero()));
-        let half_trace = R::splat(0.5) * (one + both);
-        let root = Real::max(half_trace.mul_add(half_trace, R::zero() - i), R::zero()).sqrt();
-        stable_dt / Real::max(half_trace + root, one).sqrt()
-    }
-
     /// Returns the columns of a history that [`Self::stable_dt`] reads, if these are the first
     /// ones: the thicknesses at several points in the plane and stored offsets are not.
     pub fn shape_columns(&self, history: State<'_>) -> Option<[f64; POINTS]> {
@@ -521,147 +392,6 @@ impl Section {
     #[inline(always)]
     pub fn least_flow_stress(&self) -> Option<f64> {
         self.plastic_strain.map(|_| self.initial_yield_stress)
-    }
-
-    /// Returns the flow stress of the section, for limits on forces that the points do not
-    /// integrate: the root mean square of the von Mises stress over all points, but at least
-    /// `least` [force/length^2].
-    #[cold]
-    #[inline(never)]
-    pub fn flow_stress<R: Real, const N: usize>(&self, columns: &[R], least: f64) -> R {
-        let mut mean_square = R::zero();
-        let share = 0.5 / self.planar as f64;
-        for section in columns.chunks_exact(self.each()) {
-            for k in 0..N {
-                let square = von_mises_squared(&section[POINTS + k * self.stride..]);
-                mean_square = R::splat(share * self.weight[k]).mul_add(square, mean_square);
-            }
-        }
-        Real::max(mean_square.sqrt(), R::splat(least))
-    }
-
-    /// Saves the columns of the points that [`Self::flow`] needs from before a step. It writes to
-    /// a reference, since a returned array would be copied once more.
-    #[inline(always)]
-    pub fn save_points<R: Real, const N: usize>(
-        &self,
-        columns: &[R],
-        before: &mut PointsBefore<R, N>,
-    ) {
-        if self.plastic_strain.is_none() {
-            return;
-        }
-        for (k, point) in before.iter_mut().enumerate() {
-            let columns = &columns[POINTS + k * self.stride..];
-            // With a constant number of columns the copy stays in registers.
-            point[..SAVED - 1].copy_from_slice(&columns[..SAVED - 1]);
-            if self.stride >= SAVED {
-                point[SAVED - 1] = columns[SAVED - 1];
-            }
-        }
-    }
-
-    /// Returns plastic strain and stress of points, for [`Self::flow`]. `column` is that of the
-    /// plastic strain.
-    fn yielded<'a, R: Real, const N: usize>(
-        &self,
-        column: usize,
-        point: impl Fn(usize) -> &'a [R],
-    ) -> Yielded<R> {
-        let mut plastic_strain = [R::zero(); 2];
-        for k in 0..N {
-            let weights = self.weights_of_means(k);
-            for c in 0..2 {
-                let weight = R::splat(weights[c]);
-                plastic_strain[c] = weight.mul_add(point(k)[column], plastic_strain[c]);
-            }
-        }
-        let stress = self.root_mean_squares::<R, N>(&point, |_, square| square);
-        let at_no_rate = self.law.rate_dependent().map_or(stress, |law| {
-            self.root_mean_squares::<R, N>(&point, |point, square| {
-                let yields = law.static_yield_stress(&point[column..]);
-                Real::min(square, yields * yields)
-            })
-        });
-        Yielded { plastic_strain, stress, at_no_rate }
-    }
-
-    /// Returns the weights of a point in the means for membrane and bending.
-    #[inline(always)]
-    fn weights_of_means(&self, k: usize) -> [f64; 2] {
-        let weight = 0.5 * self.weight[k];
-        [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight]
-    }
-
-    /// Returns the roots of the means of `of(point, square of the von Mises stress)`, for membrane
-    /// and for bending.
-    fn root_mean_squares<'a, R: Real, const N: usize>(
-        &self,
-        point: impl Fn(usize) -> &'a [R],
-        of: impl Fn(&[R], R) -> R,
-    ) -> [R; 2] {
-        let mut squares = [R::zero(); 2];
-        for k in 0..N {
-            let square = of(point(k), von_mises_squared(point(k)));
-            let weights = self.weights_of_means(k);
-            for c in 0..2 {
-                squares[c] = R::splat(weights[c]).mul_add(square, squares[c]);
-            }
-        }
-        squares.map(R::sqrt)
-    }
-
-    /// Returns the effect of plastic flow since `before` on stresses other than those of the
-    /// points: `keep` is `sig / (sig + 3 G d eps_p)`, `tangent` is
-    /// `d sig / (d sig + 3 G d eps_p)`. Both are one without plastic flow.
-    #[inline(always)]
-    pub fn flow<R: Real, const N: usize>(
-        &self,
-        columns: &[R],
-        before: &PointsBefore<R, N>,
-    ) -> Flow<R> {
-        let one = R::splat(1.0);
-        let none = Flow { keep: [one; 2], tangent: [one; 2] };
-        let Some(column) = self.plastic_strain else { return none };
-        let mut increase = R::zero();
-        for (k, point) in before.iter().enumerate() {
-            increase += columns[POINTS + k * self.stride + column] - point[column];
-        }
-        if R::any(increase.gt(R::zero())) {
-            self.plastic_flow(column, columns, before)
-        } else {
-            none
-        }
-    }
-
-    /// Returns [`Self::flow`] of a group in which at least one element flows; the values of the
-    /// others are exactly one.
-    ///
-    /// The strain rate of a step is unfiltered, so its contribution to the stress rises and falls
-    /// with every wave. Only the rises would count, as hardening that does not exist; so `d sig`
-    /// excludes it.
-    #[cold]
-    #[inline(never)]
-    fn plastic_flow<R: Real, const N: usize>(
-        &self,
-        column: usize,
-        columns: &[R],
-        before: &PointsBefore<R, N>,
-    ) -> Flow<R> {
-        let one = R::splat(1.0);
-        let before = self.yielded::<R, N>(column, |k| before[k].as_slice());
-        let after = self.yielded::<R, N>(column, |k| &columns[POINTS + k * self.stride..]);
-        let three_g = R::splat(3.0 * self.elastic.shear_modulus());
-        let tiny = R::splat(R::SMALLEST);
-        let left =
-            |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
-        let (mut keep, mut tangent) = ([one; 2], [one; 2]);
-        for c in 0..2 {
-            let lost = three_g * (after.plastic_strain[c] - before.plastic_strain[c]);
-            keep[c] = left(after.stress[c], lost);
-            tangent[c] = left(after.at_no_rate[c] - before.at_no_rate[c], lost);
-        }
-        Flow { keep, tangent }
     }
 
     /// Returns the lanes in which all points have failed; `None` if the law never fails.
@@ -809,13 +539,6 @@ fn power<R: Real>(sig: &[R], eps: &[R; 3]) -> R {
     sig[0].mul_add(eps[0], sig[1].mul_add(eps[1], sig[2] * eps[2]))
 }
 
-/// Returns the square of the von Mises stress of a point in plane stress [force^2/length^4].
-#[inline(always)]
-fn von_mises_squared<R: Real>(sig: &[R]) -> R {
-    let [x, y, t] = [sig[0], sig[1], sig[2]];
-    x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t))
-}
-
 #[inline(always)]
 fn half_of<R: Real>(value: R) -> R {
     R::splat(0.5) * value
@@ -853,7 +576,3 @@ fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
     }
     (zeta, weight)
 }
-
-#[cfg(test)]
-#[path = "section_tests.rs"]
-mod tests;
