@@ -209,7 +209,7 @@ impl Contact {
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.candidates.clear();
         self.near_list.clear();
-        self.histories.renew(&self.surface.slaves, |n| memory_of(nodes.id[n as usize]));
+        self.histories.renew(&self.surface.slaves, |n| memory_of(nodes.id[n]));
         self.facets.renew(&self.surface, &self.stiffness, nodes, &memory_of);
         self.table.by_area = self.facets.are_wanted();
         if self.with_edges {

@@ -63,14 +63,16 @@ impl Ties {
     /// Returns the vector to each slave from the point of its masters, zero for ties without
     /// offset [length].
     fn arms_of(&self, slaves: &[PackedNode], masters: &[PackedNode]) -> Vec<V3> {
-        let arm = |((job, shares), slave): ((&Tie, &Vec<(u32, f64)>), &PackedNode)| {
-            if self.arms && job.offset {
-                V3::from(slave.x) - V3::from(xyz(&blend(shares, |c| masters[c].x)))
-            } else {
-                V3::zeros()
-            }
-        };
-        self.definitions.iter().zip(&self.shares).zip(slaves).map(arm).collect()
+        let joined = self.definitions.iter().zip(&self.shares).zip(slaves);
+        joined
+            .map(|((job, shares), slave)| {
+                if self.arms && job.offset {
+                    V3::from(slave.x) - V3::from(xyz(&blend(shares, |c| masters[c].x)))
+                } else {
+                    V3::zeros()
+                }
+            })
+            .collect()
     }
 
     /// Returns the inertia that each slave adds to its masters [mass length^2].
