@@ -8,7 +8,8 @@ use crate::nodes::NodeView;
 use std::ops::Range;
 
 /// Element nodal forces. The slot is `(group * lanes + lane) * slots + corner`, with
-/// [`Shape::slots`](crumple_proto::mesh::Shape::slots) slots per element; the components are x, y, z, padding.
+/// [`Shape::slots`](crumple_proto::mesh::Shape::slots) slots per element; the components are x, y,
+/// z, padding.
 pub struct ElementNodalForces<'a> {
     /// Internal force on the corner, to be subtracted from the external force of the node [force].
     pub force: &'a mut [[f64; 4]],
@@ -63,7 +64,8 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     /// History of the whole block.
     pub history: H,
     /// Marks of the groups of the whole block whose elements are unstrained, see
-    /// [`Element::is_unstrained`](super::Element::is_unstrained). A pass clears a mark if the nodes no longer have one velocity.
+    /// [`Element::is_unstrained`](super::Element::is_unstrained). A pass clears a mark if the nodes
+    /// no longer have one velocity.
     pub unstrained: &'a mut [bool],
     /// Nodal columns.
     pub nodes: NodeView<'a>,
