@@ -1,4 +1,4 @@
-//! What other stages ask of contact: histories, counts, forces and memory.
+//! Data of contact that other stages read: histories, counts, forces, memory.
 
 use super::Contact;
 use super::diagnostics::crossing::{self, Crossing};
