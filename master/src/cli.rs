@@ -164,6 +164,10 @@ pub struct CheckArgs {
     #[arg(long, value_name = "T", num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "0", value_parser = moment)]
     pub step: Option<f64>,
+    /// Print one object of JSON: the findings with file, line, column and the text of the line,
+    /// the estimated memory, and the text that is printed without this option.
+    #[arg(long, conflicts_with = "step")]
+    pub json: bool,
 }
 
 /// `crumple run`.

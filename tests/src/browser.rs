@@ -185,19 +185,27 @@ impl Browser {
         }
     }
 
-    /// Presses and releases a key by its name.
+    /// Presses and releases a key by its name, such as `Home` or `Shift+ArrowLeft`.
     pub fn press(&mut self, key: &str) {
+        let (key, modifiers) = match key.strip_prefix("Shift+") {
+            Some(key) => (key, 8),
+            None => (key, 0),
+        };
         let code = match key {
             "Enter" => 13,
             "Home" => 36,
+            "ArrowLeft" => 37,
+            "ArrowUp" => 38,
+            "ArrowRight" => 39,
+            "ArrowDown" => 40,
             "Tab" => 9,
             "Escape" => 27,
             _ => 0,
         };
         let text = if key == "Enter" { "\r" } else { "" };
         for kind in ["keyDown", "keyUp"] {
-            let event =
-                json!({"type": kind, "key": key, "windowsVirtualKeyCode": code, "text": text});
+            let event = json!({"type": kind, "key": key, "windowsVirtualKeyCode": code,
+                               "text": text, "modifiers": modifiers});
             self.call("Input.dispatchKeyEvent", event);
         }
     }

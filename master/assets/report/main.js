@@ -72,6 +72,7 @@ class Page {
     this.times = this.model.frames.map((frame) => frame.time);
     this.begin = this.times[0];
     this.end = this.times[this.times.length - 1];
+    this.view.reset = () => this.look("iso");
     this.connect();
     this.dress();
     this.view.fit();

@@ -25,6 +25,9 @@ class View {
       if (!this.led) this.turned();
     });
     this.led = false;
+    /** Brings the camera back to its first place. */
+    this.reset = () => this.look("iso");
+    takeKeys(this);
     /** Called when the camera has moved. */
     this.turned = () => {};
     this.surface = null;
@@ -90,6 +93,15 @@ class View {
     this.controls.update();
     this.led = false;
     this.draw();
+  }
+
+  /** Changes where the camera is, as the offset from its target, and the target. */
+  place(change) {
+    const { target } = this.controls;
+    const offset = this.camera.position.clone().sub(target);
+    change(offset, target);
+    this.camera.position.copy(target).add(offset);
+    this.controls.update();
   }
 
   /** Looks from a named direction at the whole space that the model sweeps. */

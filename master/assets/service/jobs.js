@@ -70,9 +70,35 @@ class NewJob {
     byId("new-launcher").replaceChildren(...names.map((name) => element("option", name, { value: name })));
     if (names.includes("threads")) byId("new-launcher").value = "threads";
     byId("new-workers").max = Math.max(...Object.values(about.launchers));
+    byId("new-check").hidden = true;
   }
 
-  close() {}
+  close() {
+    if (this.source) this.source.close();
+    this.source = null;
+  }
+
+  /** Shows the findings of a job here when it is checked, so that its files can be corrected and sent again. */
+  follow(id) {
+    this.close();
+    const source = new EventSource(`/api/jobs/${id}/events`);
+    this.source = source;
+    byId("new-check-title").textContent = "The files are being checked …";
+    byId("new-check-job").textContent = `Job ${id}`;
+    byId("new-check-job").href = `#/job/${id}`;
+    byId("new-check-findings").replaceChildren();
+    byId("new-check").hidden = false;
+    source.addEventListener("state", async (event) => {
+      if (JSON.parse(event.data).state === "checking" || this.source !== source) return;
+      this.close();
+      const found = await guarded(() => getJson(`/api/jobs/${id}/check`));
+      if (!found) return;
+      const result = found.usable ? "The job can run" : "The job cannot run";
+      byId("new-check-title").textContent = `${result}: ${summaryOf(found)}`;
+      showFindings(byId("new-check-findings"), found);
+      byId("new-check-title").focus();
+    });
+  }
 
   async send(checkOnly) {
     const form = new FormData();
@@ -97,6 +123,8 @@ class NewJob {
     bar.hidden = false;
     const job = await guarded(() => sendForm("/api/jobs", form, (share) => (bar.value = share)));
     bar.hidden = true;
-    if (job) location.hash = `#/job/${job.id}`;
+    if (!job) return;
+    if (checkOnly) this.follow(job.id);
+    else location.hash = `#/job/${job.id}`;
   }
 }

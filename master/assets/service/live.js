@@ -15,7 +15,7 @@ class LivePicture {
     this.job = null;
     this.tops = {};
     const control = (name, text, attributes) => element(name, text, attributes);
-    this.canvas = control("canvas", undefined, { class: "canvas", tabindex: "0", "aria-label": "3D model: drag to rotate, scroll to zoom" });
+    this.canvas = control("canvas", undefined, { class: "canvas" });
     this.clock = control("output", "", { class: "clock", "aria-live": "off" });
     this.legend = control("div", undefined, { class: "legend" });
     this.absent = control("p", "", { class: "absent notice" });

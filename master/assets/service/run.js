@@ -92,7 +92,7 @@ class RunPage {
     byId("plots").replaceChildren();
     byId("run-log").replaceChildren();
     byId("run-files").replaceChildren();
-    byId("run-check").textContent = "";
+    byId("run-check").hidden = true;
     byId("run-now").textContent = "";
     const job = await guarded(() => getJson(`/api/jobs/${id}`));
     if (!job || this.id !== id) return;
@@ -177,9 +177,14 @@ class RunPage {
   }
 
   async check() {
-    if (byId("run-check").textContent) return;
-    const found = await getJson(`/api/jobs/${this.id}/check`).catch(() => null);
-    if (found) byId("run-check").textContent = found.text;
+    if (!byId("run-check").hidden) return;
+    const id = this.id;
+    const found = await getJson(`/api/jobs/${id}/check`).catch(() => null);
+    if (!found || this.id !== id) return;
+    byId("run-check-title").textContent = `Check: ${summaryOf(found)}`;
+    showFindings(byId("run-check-findings"), found);
+    byId("run-check").open = !found.usable;
+    byId("run-check").hidden = false;
   }
 
   async files() {

@@ -5,11 +5,12 @@ use crate::analysis::{cost, spectrum};
 use crate::cli::CheckArgs;
 use crate::input::check::{describe, figure};
 use crate::input::confine;
+use crate::input::findings::Findings;
 use crate::input::job::{self, Model, Report};
 use crate::stdout;
 
 /// Runs `crumple check`: prints the description to standard output, or all problems to standard
-/// error. Returns the exit code.
+/// error; with `--json`, the findings to standard output in both cases. Returns the exit code.
 pub fn run(args: &CheckArgs) -> u8 {
     if let Some(folder) = &args.job.options.within
         && let Err(error) = confine::to(folder)
@@ -17,20 +18,30 @@ pub fn run(args: &CheckArgs) -> u8 {
         eprintln!("error: {}: {error}", folder.display());
         return Report::EXIT_CODE;
     }
-    let read = || -> Result<(Model, String), Report> {
+    let read = || -> Result<(Model, String, f64), Report> {
         let model = job::read(&args.job.job, &args.job.options.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         let workers = model.workers(args.job.options.workers, cores)?;
-        let text = describe(&model) + &cost::describe(&model, workers);
-        Ok((model, text))
+        let (costs, memory_mb) = cost::describe(&model, workers);
+        let text = describe(&model) + &costs;
+        Ok((model, text, memory_mb))
     };
-    let (model, text) = match read() {
+    let (model, text, memory_mb) = match read() {
         Ok(read) => read,
+        Err(report) if args.json => {
+            print(&Findings::new(false, 0.0, &report.problems, report.to_string()));
+            return Report::EXIT_CODE;
+        }
         Err(report) => {
             eprint!("{report}");
             return Report::EXIT_CODE;
         }
     };
+    if args.json {
+        let warnings: Vec<_> = model.warnings.iter().map(|warning| model.show(warning)).collect();
+        print(&Findings::new(true, memory_mb, &warnings, text));
+        return 0;
+    }
     stdout::write(format_args!("{text}"));
     let Some(time) = args.step else { return 0 };
     match spectrum::assembled(&model, time) {
@@ -43,6 +54,11 @@ pub fn run(args: &CheckArgs) -> u8 {
             UNSTABLE
         }
     }
+}
+
+fn print(findings: &Findings) {
+    let line = serde_json::to_string(findings).expect("plain data is always JSON");
+    stdout::write(format_args!("{line}\n"));
 }
 
 /// Exit code if the step is larger than the stable step of the assembled system.

@@ -51,21 +51,23 @@ struct Sample {
     search_s: f64,
 }
 
-/// Returns the tables that `crumple check` prints for `workers` workers.
-pub fn describe(model: &Model, workers: usize) -> String {
+/// Returns the tables that `crumple check` prints for `workers` workers, and the memory of the run
+/// in total [MB]; 0 if it cannot be estimated.
+pub fn describe(model: &Model, workers: usize) -> (String, f64) {
     let mut out = String::new();
     // Writing to a string cannot fail.
-    if write(model, workers, &mut out).is_err() {
+    let memory_mb = write(model, workers, &mut out).unwrap_or_else(|_| {
         out.push_str("\nno costs: the sample cannot be set up\n");
-    }
-    out
+        0.0
+    });
+    (out, memory_mb)
 }
 
 fn write(
     model: &Model,
     workers: usize,
     out: &mut String,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<f64, Box<dyn std::error::Error>> {
     let (elements, nodes) = model.records();
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
     let (mut bytes, mut element_s, mut rows) = (0.0, 0.0, String::new());
@@ -151,10 +153,11 @@ fn write(
     write_rates(model, out)?;
     let master = (size_of::<ElementRecord>() * elements.len()
         + size_of::<NodeRecord>() * nodes.len()) as f64;
+    let memory_mb = 1e-6 * (bytes + master);
     writeln!(
         out,
         "  total: {:.1} MB with {:.1} MB of the master, {:.1} MB per worker of {workers}",
-        1e-6 * (bytes + master),
+        memory_mb,
         1e-6 * master,
         1e-6 * bytes / workers as f64
     )?;
@@ -166,7 +169,7 @@ fn write(
         1e3 * cycle_s,
         cycle_s * cycles
     )?;
-    Ok(())
+    Ok(memory_mb)
 }
 
 /// Cost of contact for one element.

@@ -5,5 +5,6 @@ pub mod confine;
 pub mod connectivity;
 pub mod deck;
 pub mod exodus;
+pub mod findings;
 pub mod job;
 pub mod reference;

@@ -171,15 +171,6 @@ pub struct FileEntry {
     pub size: u64,
 }
 
-/// Findings of `crumple check` on a job.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Findings {
-    /// True if the job can run.
-    pub usable: bool,
-    /// Description, warnings and errors, with the lines of the input.
-    pub text: String,
-}
-
 /// An entry of the audit log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AuditEntry {

@@ -2,9 +2,10 @@
 //! cannot harm the service.
 
 use super::folder::JobFolder;
+use crate::input::findings::Findings;
 use rustix::process::{Pid, Resource, Rlimit, prlimit};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Output, Stdio};
 use std::time::Duration;
 use tokio::process::Command;
 
@@ -15,17 +16,6 @@ const LONGEST: Duration = Duration::from_secs(300);
 /// Most bytes of text that are kept.
 const MOST_TEXT: usize = 1 << 20;
 
-/// Result of a check.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Checked {
-    /// True if the job can run.
-    pub usable: bool,
-    /// Output of the check.
-    pub text: String,
-    /// Estimated memory [MB].
-    pub memory_mb: f64,
-}
-
 /// Checks a job. `most_mb` is the most memory that the check may use [MB].
 pub async fn check(
     program: &Path,
@@ -34,17 +24,17 @@ pub async fn check(
     sets: &[String],
     workers: u32,
     most_mb: f64,
-) -> Checked {
-    let refused = |text: String| Checked { usable: false, text, memory_mb: 0.0 };
+) -> Findings {
+    let refused = |why: String| Findings::refused(&why, format!("error: {why}\n"));
     let mut command = Command::new(program);
-    command.arg("check").arg(format!("input/{main}")).args(["--within", "input"]);
+    command.arg("check").arg(format!("input/{main}")).args(["--json", "--within", "input"]);
     command.args(["--workers", &workers.to_string()]);
     command.args(sets.iter().map(|set| format!("--set={set}")));
     command.current_dir(folder.path()).env_remove("CRUMPLE_TOKEN");
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child = match command.kill_on_drop(true).spawn() {
         Ok(child) => child,
-        Err(error) => return refused(format!("error: the check cannot be started: {error}\n")),
+        Err(error) => return refused(format!("the check cannot be started: {error}")),
     };
     if let Some(pid) = child.id().and_then(|pid| Pid::from_raw(i32::try_from(pid).ok()?)) {
         let bytes = Some((most_mb.max(LEAST_MB) * 1e6) as u64);
@@ -52,36 +42,54 @@ pub async fn check(
         let _ = prlimit(Some(pid), Resource::As, Rlimit { current: bytes, maximum: bytes });
     }
     match tokio::time::timeout(LONGEST, child.wait_with_output()).await {
-        Err(_) => refused(format!("error: the check took longer than {} s\n", LONGEST.as_secs())),
-        Ok(Err(error)) => refused(format!("error: the check failed: {error}\n")),
-        Ok(Ok(output)) => {
-            let mut text = String::from_utf8_lossy(&output.stdout).into_owned();
-            text += &String::from_utf8_lossy(&output.stderr);
-            if output.status.code().is_none() {
-                text += "error: the check needs more memory than the service allows\n";
-            }
-            let memory_mb = memory(&text).unwrap_or(0.0);
-            let end = (0..=MOST_TEXT.min(text.len())).rev().find(|&i| text.is_char_boundary(i));
-            text.truncate(end.unwrap_or(0));
-            Checked { usable: output.status.success(), text, memory_mb }
-        }
+        Err(_) => refused(format!("the check took longer than {} s", LONGEST.as_secs())),
+        Ok(Err(error)) => refused(format!("the check failed: {error}")),
+        Ok(Ok(output)) => found(&output),
     }
 }
 
-/// Returns the total of the estimate in the text of a check [MB].
-fn memory(text: &str) -> Option<f64> {
-    let total = text.lines().find_map(|line| line.strip_prefix("  total: "))?;
-    total.split(" MB").next()?.parse().ok()
+/// Returns what the program printed, or why it printed no findings.
+fn found(output: &Output) -> Findings {
+    let mut found = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| {
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let why = match output.status.code() {
+            None => "the check needs more memory than the service allows",
+            Some(_) => {
+                said.lines().last().unwrap_or("the check failed").trim_start_matches("error: ")
+            }
+        };
+        Findings::refused(why, format!("{said}error: {why}\n"))
+    });
+    let end = (0..=MOST_TEXT.min(found.text.len())).rev().find(|&i| found.text.is_char_boundary(i));
+    found.text.truncate(end.unwrap_or(0));
+    found.usable &= output.status.success();
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::ExitStatus;
+
+    fn ended(status: i32, stdout: &str, stderr: &str) -> Findings {
+        let (stdout, stderr) = (stdout.as_bytes().to_vec(), stderr.as_bytes().to_vec());
+        found(&Output { status: ExitStatus::from_raw(status), stdout, stderr })
+    }
 
     #[test]
-    fn the_estimate_is_read_from_the_text() {
-        let text = "memory\n  total: 12.5 MB with 0.1 MB of the master, 6.2 MB per worker of 2\n";
-        assert_eq!(memory(text), Some(12.5));
-        assert_eq!(memory("total: 3 MB\n"), None);
+    fn a_check_without_findings_is_refused_with_its_last_line() {
+        let failed = ended(0x200, "", "one\nerror: input: no such folder\n");
+        assert_eq!(failed.findings[0].message, "input: no such folder");
+        let killed = ended(6, "{\"usable\": true", "memory allocation of 8 bytes failed\n");
+        assert!(killed.findings[0].message.contains("more memory"), "{killed:?}");
+        assert!(!failed.usable && !killed.usable && killed.text.starts_with("memory allocation"));
+    }
+
+    #[test]
+    fn text_is_shortened_between_two_characters() {
+        let long = Findings::new(true, 12.5, &[], "é".repeat(MOST_TEXT) + "a");
+        let found = ended(0, &serde_json::to_string(&long).unwrap(), "");
+        assert_eq!((found.text.len(), found.memory_mb, found.usable), (MOST_TEXT, 12.5, true));
     }
 }

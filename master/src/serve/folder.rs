@@ -5,7 +5,7 @@
 //! DIR/jobs/ID/input     files of the job as they were submitted
 //! DIR/jobs/ID/results   folder of results of `crumple run`
 //! DIR/jobs/ID/attempt-N one file for each process, see `run/attempt.rs`
-//! DIR/jobs/ID/check.txt what `crumple check` said; output.txt: what `crumple run` said
+//! DIR/jobs/ID/check.json what `crumple check` found; output.txt: what `crumple run` said
 //! ```
 
 use crate::input::confine::is_within;
@@ -79,9 +79,9 @@ impl JobFolder {
         self.0.join(Self::attempt_name(attempt))
     }
 
-    /// Returns the file with what `crumple check` said.
+    /// Returns the file with what `crumple check` found.
     pub fn findings(&self) -> PathBuf {
-        self.0.join("check.txt")
+        self.0.join("check.json")
     }
 
     /// Returns the file with what `crumple run` said.

@@ -9,6 +9,7 @@ use super::limits::{Amount, starts};
 use super::live::{Line, Live};
 use super::store::{Store, Stored};
 use super::views::Views;
+use crate::input::findings::Findings;
 use crate::run::attempt::{self, State};
 use crate::run::checkpoint::find::newest_cycle;
 use crumple_proto::exit_code::{BAD_INPUT, STOPPED, WORKER_LOST};
@@ -167,7 +168,11 @@ impl Keeper {
         let checked =
             check::check(&self.program, &folder, &job.job, &job.set, job.workers, limit.memory_mb)
                 .await;
-        tokio::fs::write(folder.findings(), &checked.text).await.map_err(|e| e.to_string())?;
+        let json = serde_json::to_vec(&checked).map_err(|e| e.to_string())?;
+        // A client never reads half of it.
+        let fresh = folder.findings().with_extension("new");
+        tokio::fs::write(&fresh, json).await.map_err(|e| e.to_string())?;
+        tokio::fs::rename(&fresh, folder.findings()).await.map_err(|e| e.to_string())?;
         let too_large = checked.usable && checked.memory_mb > limit.memory_mb;
         let (state, reason) = match checked.usable {
             _ if too_large => (
@@ -177,7 +182,7 @@ impl Keeper {
                     checked.memory_mb, job.launcher, limit.memory_mb
                 ),
             ),
-            false => (JobState::Refused, first_error(&checked.text)),
+            false => (JobState::Refused, first_error(&checked)),
             true if stored.check_only => (JobState::Checked, String::new()),
             true => (JobState::Queued, String::new()),
         };
@@ -427,10 +432,10 @@ fn need(stored: &Stored) -> Amount {
     Amount { workers: stored.job.workers, memory_mb: stored.job.memory_mb }
 }
 
-/// Returns the first error in a text, without the line that marks its place.
-fn first_error(text: &str) -> String {
-    let error = text.lines().find(|line| line.starts_with("error"));
-    shortened(error.or(text.lines().last()).unwrap_or("the check failed"))
+/// Returns the first error of a job.
+fn first_error(findings: &Findings) -> String {
+    let first = findings.findings.first().map(|finding| finding.message.as_str());
+    shortened(&format!("error: {}", first.unwrap_or("the check failed")))
 }
 
 fn shortened(text: &str) -> String {

@@ -41,7 +41,7 @@ fn a_job_has_the_bits_of_a_run_and_its_files_and_events_can_be_fetched() {
     let listed = service.get(&format!("/api/jobs/{id}/files")).json();
     let names: Vec<_> =
         listed.as_array().unwrap().iter().map(|f| f["path"].as_str().unwrap()).collect();
-    for name in ["input/job.toml", "results/history.csv", "results/report.html", "check.txt"] {
+    for name in ["input/job.toml", "results/history.csv", "results/report.html", "check.json"] {
         assert!(names.contains(&name), "{names:?}");
     }
     let whole = file("results/history.csv").body;

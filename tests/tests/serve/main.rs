@@ -2,11 +2,14 @@
 
 mod archives;
 mod attacks;
+mod camera;
 mod commands;
+mod findings;
 mod interface;
 mod jobs;
 mod kills;
 mod limits;
+mod mpirun;
 mod page;
 mod python;
 mod real_slurm;

@@ -4,9 +4,10 @@ use crumple_tests::browser::Browser;
 use crumple_tests::program::root;
 use crumple_tests::service::{Service, bars};
 use serde_json::json;
+use std::time::Instant;
 
 /// Opens the page with the token of an admin.
-fn signed_in(service: &Service, browser: &mut Browser) {
+pub(crate) fn signed_in(service: &Service, browser: &mut Browser) {
     browser.open(&format!("http://{}/#token={}", service.host, service.token));
     browser.wait("the list of jobs is shown", "!document.getElementById('jobs').hidden");
 }
@@ -51,12 +52,16 @@ fn a_job_is_uploaded_watched_steered_and_reported() {
     browser.evaluate("document.getElementById('new-workers').value = 2");
     browser.picture("new");
     browser.click("#new-form button[value=run]");
+    let submitted = Instant::now();
     browser.wait("there is a picture", &format!("{STATES} >= 1"));
     let covered = browser.evaluate(COVERED).as_f64().unwrap();
     assert!(covered > 0.01, "the model covers {covered} of the stage");
     let (first, time) = (browser.evaluate(PIXELS), "views.run.picture.model.frames[0].time");
     let began = browser.evaluate(time).as_f64().unwrap();
     browser.picture("running");
+    browser.wait("the model moves", &format!("{time} > {began}"));
+    let seconds = submitted.elapsed().as_secs_f64();
+    println!("the job is seen moving {seconds:.1} s after its submission");
     browser.wait("the picture follows", &format!("{STATES} >= 3 && {time} > {began}"));
     assert_ne!(browser.evaluate(PIXELS), first, "the picture has changed");
     let text = browser.evaluate("document.getElementById('plots').innerText").to_string();
@@ -183,6 +188,8 @@ fn the_page_fits_a_phone_and_is_used_by_keys() {
     browser.wait("the jobs are listed", "document.querySelector('[data-job]') !== null");
     walk(&mut browser, &format!("[data-job=\"{waits}\"]"));
     browser.press("Enter");
+    // The stream repeats the states of the job; in the first of them the button cannot be reached.
+    wait_for_log(&mut browser, "state: checked");
     browser.wait("the job is shown", "!document.querySelector('[data-order=resume]').disabled");
     walk(&mut browser, "[data-order=resume]");
     browser.press("Enter");

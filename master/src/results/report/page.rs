@@ -8,7 +8,7 @@ const STYLE: [&str; 2] = [
     include_str!("../../../assets/vendor/uPlot.min.css"),
     include_str!("../../../assets/report/page.css"),
 ];
-const SCRIPTS: [&str; 10] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("../../../assets/vendor/three.min.js"),
     include_str!("../../../assets/vendor/uPlot.min.js"),
     include_str!("../../../assets/report/decode.js"),
@@ -16,6 +16,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("../../../assets/report/legend.js"),
     include_str!("../../../assets/report/surface.js"),
     include_str!("../../../assets/report/walls.js"),
+    include_str!("../../../assets/report/keys.js"),
     include_str!("../../../assets/report/view.js"),
     include_str!("../../../assets/report/plots.js"),
     include_str!("../../../assets/report/main.js"),

@@ -4,8 +4,9 @@ use super::App;
 use super::guard::{Detail, may_order, require};
 use super::problem::{Answered, Problem};
 use crate::cli::Role;
+use crate::input::findings::Findings;
 use crate::run::checkpoint::find::newest_cycle;
-use crate::serve::api::{AuditEntry, Findings, Job, JobPage, JobState, Refusal, Resumption};
+use crate::serve::api::{AuditEntry, Job, JobPage, JobState, Refusal, Resumption};
 use crate::serve::store::{Filter, Stored};
 use crate::serve::tokens::Identity;
 use axum::Json;
@@ -72,18 +73,15 @@ pub async fn one(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<J
     Ok(Json(found(&app, id).await?.job))
 }
 
-/// Returns what `crumple check` said of a job.
+/// Returns what `crumple check` found in a job.
 #[utoipa::path(get, path = "/api/jobs/{id}/check",
     params(("id" = i64, Path, description = "job")),
     responses((status = 200, body = Findings), (status = 404, body = Refusal)))]
 pub async fn findings(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<Findings>> {
-    let job = found(&app, id).await?.job;
-    let path = app.keeper.root.job(id).findings();
-    match tokio::fs::read_to_string(&path).await {
-        // The check estimates the memory only if it finds no error.
-        Ok(text) => Ok(Json(Findings { usable: job.memory_mb > 0.0, text })),
-        Err(_) => Err(Problem::absent("the job has not been checked yet")),
-    }
+    found(&app, id).await?;
+    let read = tokio::fs::read(app.keeper.root.job(id).findings()).await;
+    let read = read.map_err(|_| Problem::absent("the job has not been checked yet"))?;
+    serde_json::from_slice(&read).map(Json).map_err(Problem::internal)
 }
 
 /// Returns the last progress of a run, as on its socket.

@@ -1,6 +1,7 @@
 //! Description of the interface, made from the types and handlers.
 
 use super::{events, files, jobs, login, metrics, orders, submit, view};
+use crate::input::findings;
 use crate::serve::api;
 use axum::Json;
 use utoipa::OpenApi;
@@ -40,7 +41,11 @@ use utoipa::OpenApi;
         api::Submission,
         api::Resumption,
         api::FileEntry,
-        api::Findings,
+        findings::Findings,
+        findings::Finding,
+        findings::Level,
+        findings::SourceLine,
+        findings::Mark,
         api::AuditEntry,
         api::About,
         api::Refusal,
