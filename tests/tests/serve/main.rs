@@ -3,6 +3,7 @@
 mod archives;
 mod attacks;
 mod commands;
+mod hostile;
 mod interface;
 mod jobs;
 mod kills;
@@ -12,4 +13,5 @@ mod python;
 mod real_slurm;
 mod slurm;
 mod tls;
+mod torture;
 mod view;
