@@ -12,5 +12,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source deploy/setup.sh
 export CRUMPLE_TORTURE_KILLS=${1:-100} CRUMPLE_TORTURE_SEED=${2:-1} CRUMPLE_TEST_LIMIT=900
 export OMPI_MCA_odls_base_sigkill_timeout=1
-cargo build --workspace --features crumple/mpi,crumple/vtkhdf
-exec cargo test --workspace --features crumple/mpi,crumple/vtkhdf --test serve torture -- --nocapture
+options=(--workspace --features crumple/mpi,crumple/vtkhdf)
+cargo build "${options[@]}"
+exec cargo test "${options[@]}" --test serve torture -- --nocapture

@@ -102,7 +102,8 @@ def job(scene, *sets):
 
 
 class Watchers:
-    """Clients that read the events of a job, on a thread of the lowest priority."""
+    """Clients that read the events of a job, on a thread that has the lowest priority once all
+    are connected."""
 
     def __init__(self, service, job, count):
         self.service, self.path, self.count = service, f"/api/jobs/{job}/events", count
@@ -111,7 +112,6 @@ class Watchers:
         self.thread.start()
 
     def run(self):
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 19)
         asyncio.run(self.all())
 
     async def all(self):
@@ -134,7 +134,10 @@ class Watchers:
 
     def wait_connected(self):
         while self.connected < self.count:
+            if not self.thread.is_alive():
+                raise SystemExit("error: the watchers ended")
             time.sleep(0.02)
+        os.setpriority(os.PRIO_PROCESS, self.thread.native_id, 19)
 
 
 def watched_run(service, cycles, count):
@@ -173,7 +176,8 @@ def watched_run(service, cycles, count):
 
 def watchers(program, args, report):
     with tempfile.TemporaryDirectory() as folder:
-        service = Service(program, folder, "--slots", "1")
+        # All watchers share one token, which has a rate.
+        service = Service(program, folder, "--slots", "1", "--rate", "2000")
         ratios = {"CPU": [], "wall": []}
         digests = set()
         for pair in range(args.pairs):
@@ -215,7 +219,7 @@ async def submit_at(service, start, delay, body):
 
 def submissions(program, args, report):
     with tempfile.TemporaryDirectory() as folder:
-        service = Service(program, folder, "--slots", "8")
+        service = Service(program, folder)
         body = json.dumps(job("bars", "output.field_interval=-1")).encode()
         number = args.rate * args.seconds
 
@@ -308,7 +312,7 @@ class Pretended:
     def run(self):
         stream, _ = self.listener.accept()
         self.begin.wait()
-        event = json.dumps({"answer": "event", "line": {"message": "redecomposition"}})
+        event = json.dumps({"answer": "event", "text": "a redecomposition of low order"})
         while self.sent < WEEK:
             piece = [self.line] * 60
             stream.sendall(("\n".join(piece) + f"\n{event}\n").encode())

@@ -249,7 +249,7 @@ fn addresses(client: &Client) -> Vec<Attack> {
     all.into_iter().map(named).collect()
 }
 
-/// Tokens, roles, cookies, hosts and origins.
+/// Tokens, cookies and roles.
 fn identities(client: &Client) -> Vec<Attack> {
     let service = client.service;
     let own = &service.token;
@@ -263,15 +263,7 @@ fn identities(client: &Client) -> Vec<Attack> {
         service.request("POST", &format!("/api/jobs{path}"), &headers, body)
     };
     let (stop, resume) = (format!("/{}/stop", client.job), format!("/{}/resume", client.job));
-    let host = |name: &str| ask(&[("Host", name), ("Authorization", bearer)]);
-    let login = |origin: &str| {
-        let headers = [("Content-Type", "application/json"), ("Origin", origin)];
-        let body = json!({"token": own}).to_string();
-        service.request("POST", "/login", &headers, body.as_bytes())
-    };
     let valid = "give a valid token";
-    let page = "page of the service only";
-    let name = "has another name";
     let cookie = format!("crumple_session={own}");
     let audit = service.request("GET", "/api/audit", &[("Authorization", &reader)], b"");
     let all: Vec<(&str, Vec<u8>, u16, &'static str)> = vec![
@@ -310,32 +302,48 @@ fn identities(client: &Client) -> Vec<Attack> {
             "belongs to admin",
         ),
         ("role: a reader reads the audit log", audit, 403, "needs admin"),
-        ("host: a foreign name (DNS rebinding)", host("evil.example"), 421, name),
-        ("host: another port", host("127.0.0.1:1"), 421, name),
+    ];
+    let named =
+        |(name, request, code, says)| attack(&format!("token: {name}"), request, code, says);
+    all.into_iter().map(named).collect()
+}
+
+/// Names of the host, and pages that begin a session.
+fn origins(client: &Client) -> Vec<Attack> {
+    let service = client.service;
+    let host = |name: &str| {
+        let headers = [("Host", name), ("Authorization", &*client.bearer)];
+        service.request("GET", "/api/jobs", &headers, b"")
+    };
+    let login = |origin: &str| {
+        let headers = [("Content-Type", "application/json"), ("Origin", origin)];
+        let body = json!({"token": service.token}).to_string();
+        service.request("POST", "/login", &headers, body.as_bytes())
+    };
+    let page = "page of the service only";
+    let name = "has another name";
+    let all: Vec<(&str, Vec<u8>, u16, &'static str)> = vec![
+        ("a foreign name (DNS rebinding)", host("evil.example"), 421, name),
+        ("the own name with another port", host("127.0.0.1:1"), 421, name),
         (
-            "host: a name that begins with the own",
+            "a name that begins with the own",
             host(&format!("{}.evil.example", service.host)),
             421,
             name,
         ),
-        ("host: none", host(""), 421, name),
-        ("origin: a foreign page begins a session", login("http://evil.example"), 403, page),
-        ("origin: null", login("null"), 403, page),
+        ("no name", host(""), 421, name),
+        ("a foreign page begins a session", login("http://evil.example"), 403, page),
+        ("a page without an origin", login("null"), 403, page),
+        ("the own with another scheme", login(&format!("https://{}", service.host)), 403, page),
         (
-            "origin: the own with another scheme",
-            login(&format!("https://{}", service.host)),
-            403,
-            page,
-        ),
-        (
-            "origin: one that begins with the own",
+            "a page whose origin begins with the own",
             login(&format!("http://{}.evil.example", service.host)),
             403,
             page,
         ),
     ];
     let named =
-        |(name, request, code, says)| attack(&format!("token: {name}"), request, code, says);
+        |(name, request, code, says)| attack(&format!("origin: {name}"), request, code, says);
     all.into_iter().map(named).collect()
 }
 
@@ -367,6 +375,12 @@ fn protocols(client: &Client) -> Vec<Attack> {
             NO_HTTP,
         ),
         ("a broken chunk", raw("Transfer-Encoding: chunked\r\n\r\nzz\r\n"), 400, ""),
+        (
+            "chunks and a length",
+            raw("Transfer-Encoding: chunked\r\nContent-Length: 4\r\n\r\nzz\r\n"),
+            400,
+            "",
+        ),
         (
             "an unknown coding",
             raw("Transfer-Encoding: chunked, xyz\r\n\r\n0\r\n\r\n"),
@@ -423,7 +437,7 @@ fn each_hostile_request_of_the_table_is_refused_and_the_service_goes_on() {
     link("/etc", "results/etc");
     drop(std::os::unix::net::UnixListener::bind(results.join("pipe")).unwrap());
     let client = Client { service: &service, bearer: format!("Bearer {}", service.token), job };
-    let tables = [names, uploads, submissions, addresses, identities, protocols];
+    let tables = [names, uploads, submissions, addresses, identities, origins, protocols];
     let all: Vec<Attack> = tables.iter().flat_map(|table| table(&client)).collect();
     let (process, before) = (service.id(), service.job(job));
     let mut faults = Vec::new();
