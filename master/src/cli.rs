@@ -228,6 +228,10 @@ pub struct RunArgs {
     /// end. If the file exists, nothing is run: `crumple serve` starts no job twice.
     #[arg(long, value_name = "FILE")]
     pub attempt: Option<PathBuf>,
+    /// File of the attempt of the supervisor that starts this process. If the supervisor has ended,
+    /// nothing is run.
+    #[arg(long, value_name = "FILE", hide = true)]
+    pub under: Option<PathBuf>,
 }
 
 /// `crumple attach`.
@@ -405,6 +409,9 @@ impl RunArgs {
         }
         if let Some(plan) = &self.steering {
             words.extend(["--steering".to_string(), plan.to_string_lossy().into_owned()]);
+        }
+        if let Some(attempt) = &self.attempt {
+            words.extend(["--under".to_string(), attempt.to_string_lossy().into_owned()]);
         }
         if let Some(level) = &self.log {
             words.extend(["--log".to_string(), level.clone()]);

@@ -186,6 +186,17 @@ impl Service {
 
     /// Sends a request with headers.
     pub fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Reply {
+        self.raw(&self.request(method, path, headers, body))
+    }
+
+    /// Returns the bytes of a request with headers.
+    pub fn request(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &[u8],
+    ) -> Vec<u8> {
         let mut text = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
         if !headers.iter().any(|(name, _)| *name == "Host") {
             text += &format!("Host: {}\r\n", self.host);
@@ -196,7 +207,7 @@ impl Service {
         if !body.is_empty() || method == "POST" {
             text += &format!("Content-Length: {}\r\n", body.len());
         }
-        self.raw(&[text.as_bytes(), b"\r\n", body].concat())
+        [text.as_bytes(), b"\r\n", body].concat()
     }
 
     /// Sends a request as admin.

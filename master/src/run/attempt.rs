@@ -42,7 +42,7 @@ impl Attempt {
         let mut file = File::create(&own).map_err(named)?;
         let made = (|| {
             file.try_lock().map_err(io::Error::from)?;
-            writeln!(file, "pid {}", std::process::id())?;
+            writeln!(file, "pid {}\nhost {}", std::process::id(), host())?;
             fs::hard_link(&own, path)
         })();
         let _ = fs::remove_file(&own); // one that stays is harmless
@@ -94,6 +94,20 @@ pub fn look(path: &Path) -> io::Result<State> {
     })
 }
 
+/// Returns the name of this machine.
+fn host() -> String {
+    fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default().trim().into()
+}
+
+/// Returns true if the process of an attempt has ended. On other machines than that of the process
+/// its lock may not be seen: there the answer is false.
+pub fn is_released(path: &Path) -> bool {
+    let is_here =
+        |text: String| text.lines().any(|line| line.strip_prefix("host ") == Some(&host()));
+    fs::read_to_string(path).is_ok_and(is_here)
+        && File::open(path).is_ok_and(|file| file.try_lock_shared().is_ok())
+}
+
 /// Returns true if a request to stop has arrived at the process of an attempt.
 ///
 /// # Errors
@@ -134,12 +148,17 @@ mod tests {
         assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
         assert_eq!(withdraw(&path).unwrap(), State::Running(std::process::id()));
         assert!(Attempt::claim(&path).is_err_and(|why| why.contains("nothing is run")));
+        assert!(!is_released(&path));
         assert!(!is_stopping(&path).unwrap());
         attempt.note_stop();
         assert!(is_stopping(&path).unwrap());
         assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
         drop(attempt); // as after a kill
         assert_eq!(look(&path).unwrap(), State::Lost);
+        assert!(is_released(&path));
+        let elsewhere = fs::read_to_string(&path).unwrap().replace("host ", "host other-");
+        fs::write(&path, elsewhere).unwrap();
+        assert!(!is_released(&path), "the lock of another machine may not be seen");
         std::fs::write(&path, "pid 1\ncode 130\n").unwrap();
         assert_eq!(look(&path).unwrap(), State::Ended(130));
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "no other file stays");

@@ -6,7 +6,7 @@ use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::results::summary::{Status, Summary};
 use crate::results::{d3plot, exodus, fields, report, steering, vtkhdf};
-use crate::run::attempt::Attempt;
+use crate::run::attempt::{self, Attempt};
 use crate::run::checkpoint::manifest::{Manifest, Stamp};
 use crate::run::checkpoint::{compare, find};
 use crate::run::control::{self, Guidance, Origin, Results, RunError};
@@ -127,7 +127,7 @@ fn begin(
     }
     let origin = Origin { stamp: compare::stamp(&model, sets), from: None };
     let out = args.out_dir();
-    let lock = locked(&out)?;
+    let lock = locked(args, &out)?;
     if !args.overwrite
         && let Some(why) = disk::watched(&out, || find::unfinished(&out))
     {
@@ -145,7 +145,7 @@ fn go_on(
 ) -> Result<Ready, Refusal> {
     let out = find::run_folder(dir)?;
     // The folder is locked first: another run may be changing its checkpoints.
-    let lock = locked(&out)?;
+    let lock = locked(args, &out)?;
     let mut candidates = find::Candidates::new(dir)?;
     loop {
         let (folder, manifest) = candidates.next_candidate()?;
@@ -172,8 +172,16 @@ fn go_on(
     }
 }
 
-fn locked(out: &Path) -> Result<Lock, String> {
-    disk::watched(out, || Lock::acquire(out))
+/// Locks the folder of results. A run whose supervisor was killed before counts as lost, so that
+/// another process may be about to run in its place: it runs nothing.
+fn locked(args: &RunArgs, out: &Path) -> Result<Lock, String> {
+    let lock = disk::watched(out, || Lock::acquire(out))?;
+    match args.under.as_deref().filter(|attempt| attempt::is_released(attempt)) {
+        None => Ok(lock),
+        Some(attempt) => {
+            Err(format!("{}: the supervisor has ended; nothing is run", attempt.display()))
+        }
+    }
 }
 
 /// Sets the time for which reading waits for a file system to that of the command line: that of the

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// Name of the file.
 const NAME: &str = "run.lock";
 
-/// Number of further tries to lock a folder, and the time between them. [`owner`] holds the lock
+/// Number of further tries to lock a folder, and the time between them. [`is_held`] holds the lock
 /// for some microseconds.
 const TRIES: u32 = 5;
 const WAIT: Duration = Duration::from_millis(10);
@@ -74,14 +74,10 @@ impl Lock {
     }
 }
 
-/// Returns the process that holds the lock of a folder.
-pub fn owner(folder: &Path) -> Option<u32> {
-    let path = folder.join(NAME);
-    let file = File::open(&path).ok()?;
-    match file.try_lock_shared() {
-        Err(TryLockError::WouldBlock) => std::fs::read_to_string(&path).ok()?.trim().parse().ok(),
-        _ => None,
-    }
+/// Returns true if a process holds the lock of a folder.
+pub fn is_held(folder: &Path) -> bool {
+    let file = File::open(folder.join(NAME));
+    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }
 
 impl Drop for Lock {
@@ -116,11 +112,11 @@ mod tests {
         let first = Lock::acquire(dir.path()).unwrap();
         let refused = Lock::acquire(dir.path()).err().unwrap();
         assert!(refused.contains(&std::process::id().to_string()), "{refused}");
-        assert_eq!(owner(dir.path()), Some(std::process::id()));
+        assert!(is_held(dir.path()));
         drop(first);
-        assert_eq!(owner(dir.path()), None);
+        assert!(!is_held(dir.path()));
         std::fs::write(dir.path().join(NAME), "99999").unwrap();
-        assert_eq!(owner(dir.path()), None, "the file without its lock");
+        assert!(!is_held(dir.path()), "the file without its lock");
         let second = Lock::acquire(dir.path()).unwrap();
         drop(second);
         assert!(!dir.path().join(NAME).exists());

@@ -108,7 +108,8 @@ impl Keeper {
         }
     }
 
-    /// Removes what arrived in part before the service ended.
+    /// Removes what arrived in part before the service ended, and adds the events that it did not
+    /// store any more.
     ///
     /// # Errors
     /// The database fails.
@@ -116,6 +117,9 @@ impl Keeper {
         for id in self.store.incoming().await.map_err(failed)? {
             let _ = tokio::fs::remove_dir_all(self.root.job(id).path()).await;
             self.store.forget(id).await.map_err(failed)?;
+        }
+        for id in self.store.unannounced().await.map_err(failed)? {
+            self.announce(id).await?;
         }
         Ok(())
     }
@@ -238,7 +242,7 @@ impl Keeper {
                 self.follow(job.id);
             }
             Seen::Ended(code) => return self.end(stored, code).await,
-            Seen::Lost => return self.lost(stored).await,
+            Seen::Lost => return self.lost(stored, 1).await,
         }
         let is_due = job.stopping
             && self.notes(|notes| {
@@ -267,7 +271,8 @@ impl Keeper {
         }
         let path = order.folder.attempt(order.attempt);
         match attempt::withdraw(&path).map_err(|error| format!("{}: {error}", path.display()))? {
-            State::Withdrawn => self.lost(stored).await,
+            // Only an attempt that this service has ordered says something about the job.
+            State::Withdrawn => self.lost(stored, u32::from(ordered.is_some())).await,
             _ => Ok(()), // a process has claimed it meanwhile
         }
     }
@@ -297,8 +302,9 @@ impl Keeper {
         self.announce(id).await
     }
 
-    /// Treats an attempt that has ended without an exit code.
-    async fn lost(&self, stored: &Stored) -> Turn {
+    /// Treats an attempt that has ended without an exit code, or has not begun. Adds `more` to the
+    /// processes that the job has lost.
+    async fn lost(&self, stored: &Stored, more: u32) -> Turn {
         let (id, folder) = (stored.job.id, self.root.job(stored.job.id));
         if let Some(code) = code_of_summary(&folder, stored.job.attempt) {
             return self.end(stored, code).await;
@@ -306,7 +312,7 @@ impl Keeper {
         if stored.job.stopping {
             return self.end(stored, STOPPED).await;
         }
-        let lost = stored.lost + 1;
+        let lost = stored.lost + more;
         if lost > MOST_LOST {
             let reason = format!("its process was lost {lost} times");
             let ended = self.store.end(id, JobState::Lost, WORKER_LOST, reason).await;
@@ -467,5 +473,72 @@ fn code_of_summary(folder: &JobFolder, attempt: u32) -> Option<u8> {
         "stopped" => Some(STOPPED),
         "failed" => Some(crumple_proto::exit_code::FAILED),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::serve::store::NewJob;
+
+    /// A launcher whose processes never claim their attempts.
+    struct NoProcess;
+
+    impl Launcher for NoProcess {
+        fn limit(&self) -> Amount {
+            Amount { workers: 1, memory_mb: 1e6 }
+        }
+
+        fn ranks(&self) -> Option<&str> {
+            None
+        }
+
+        fn start(&self, _: &Order) -> Result<String, String> {
+            Ok(String::new())
+        }
+
+        fn look(&self, _: &Order, _: &str) -> Result<Seen, String> {
+            Ok(Seen::Waiting)
+        }
+
+        fn stop(&self, _: &Order, _: &str) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn is_queued_elsewhere(&self, _: &str) -> bool {
+            false
+        }
+    }
+
+    #[tokio::test]
+    async fn a_job_that_starts_whenever_its_service_is_killed_is_not_given_up() {
+        let dir = tempfile::tempdir().unwrap();
+        let root = Root::make(dir.path()).unwrap();
+        let store = Store::open(&root.path("service.db")).unwrap();
+        let id = store.reserve("anna".into()).await.unwrap();
+        std::fs::create_dir_all(root.job(id).input()).unwrap();
+        let new = NewJob {
+            name: "job".into(),
+            owner: "anna".into(),
+            priority: 0,
+            workers: 1,
+            launcher: "threads".into(),
+            main: "job.toml".into(),
+            sets: Vec::new(),
+            retries: 0,
+            check_only: false,
+        };
+        store.submit(id, new).await.unwrap();
+        store.checked(id, JobState::Queued, 1.0, String::new()).await.unwrap();
+        let starts = 3 * MOST_LOST;
+        for _ in 0..starts {
+            let launcher: Arc<dyn Launcher> = Arc::new(NoProcess);
+            let launchers = BTreeMap::from([("threads", launcher)]);
+            let keeper = Keeper::new(store.clone(), root.clone(), launchers, PathBuf::new());
+            keeper.turn().await.unwrap();
+        }
+        let found = store.job(id).await.unwrap().unwrap();
+        let state = (found.job.state, found.job.attempt, found.lost);
+        assert_eq!(state, (JobState::Starting, starts, 0));
     }
 }

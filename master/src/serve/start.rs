@@ -14,6 +14,7 @@ use crate::cli::Role;
 use crate::cli::ServeArgs;
 use crate::stdout::say;
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED};
+use rustix::process::{Resource, getrlimit, setrlimit};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -32,6 +33,9 @@ pub const ACCESS_FILE: &str = "access.json";
 const MEMORY_SHARE: f64 = 0.8;
 /// Memory of a machine that does not say how much it has [MB].
 const UNKNOWN_MEMORY: f64 = 4000.0;
+
+/// Number of open files that the service asks of the system: more than its connections.
+const OPEN_FILES: u64 = 8192;
 
 /// Address and token of a service.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -63,6 +67,17 @@ pub fn run(args: &ServeArgs) -> u8 {
     }
 }
 
+/// Raises the limit of open files as far as the system allows. A shell often sets one that is below
+/// the number of connections, so that slow clients would keep out all others.
+fn allow_open_files() {
+    let mut limit = getrlimit(Resource::Nofile);
+    if limit.current.is_some_and(|now| now < OPEN_FILES) {
+        limit.current = Some(limit.maximum.map_or(OPEN_FILES, |most| most.min(OPEN_FILES)));
+        // Without it the service works with fewer clients.
+        let _ = setrlimit(Resource::Nofile, limit);
+    }
+}
+
 async fn serve(args: &ServeArgs) -> Result<(), String> {
     let shown = args.dir.display();
     let root = Root::make(&args.dir).map_err(|error| format!("{shown}: {error}"))?;
@@ -89,6 +104,7 @@ async fn serve(args: &ServeArgs) -> Result<(), String> {
         ));
     }
     let _lock = lock(&root)?;
+    allow_open_files();
     let listener = TcpListener::bind(args.listen)
         .await
         .map_err(|error| format!("--listen {}: {error}", args.listen))?;

@@ -17,9 +17,9 @@ const LINK_MODE: u32 = 0o120_777;
 const PIPE_MODE: u32 = 0o010_644;
 
 /// An entry of tar: name, type, target of a link, stated size, content.
-struct Member<'a>(&'a [u8], u8, &'a [u8], u64, &'a [u8]);
+pub(super) struct Member<'a>(pub &'a [u8], pub u8, pub &'a [u8], pub u64, pub &'a [u8]);
 
-fn file<'a>(name: &'a str, content: &'a [u8]) -> Member<'a> {
+pub(super) fn file<'a>(name: &'a str, content: &'a [u8]) -> Member<'a> {
     Member(name.as_bytes(), FILE, b"", content.len() as u64, content)
 }
 
@@ -47,11 +47,11 @@ fn open_tar(members: &[Member]) -> Vec<u8> {
     all
 }
 
-fn tar(members: &[Member]) -> Vec<u8> {
+pub(super) fn tar(members: &[Member]) -> Vec<u8> {
     [open_tar(members), vec![0; 1024]].concat()
 }
 
-fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub(super) fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
     encoder.write_all(bytes).unwrap();
     encoder.finish().unwrap()
@@ -65,7 +65,7 @@ fn deflate(bytes: &[u8]) -> Vec<u8> {
 
 /// An entry of a zip file.
 #[derive(Clone)]
-struct Entry {
+pub(super) struct Entry {
     name: Vec<u8>,
     /// 0 is stored, 8 is deflated.
     method: u16,
@@ -77,17 +77,21 @@ struct Entry {
     size: usize,
 }
 
-fn entry(name: &str, content: &[u8]) -> Entry {
+pub(super) fn entry(name: &str, content: &[u8]) -> Entry {
     let (content, size) = (content.to_vec(), content.len());
     let packed = content.clone();
     Entry { name: name.into(), method: 0, flags: 0, mode: 0o100_644, content, packed, size }
 }
 
-fn deflated(name: &str, content: &[u8], size: usize) -> Entry {
+pub(super) fn with_mode(name: &str, mode: u32) -> Entry {
+    Entry { mode, ..entry(name, b"/etc/passwd") }
+}
+
+pub(super) fn deflated(name: &str, content: &[u8], size: usize) -> Entry {
     Entry { method: 8, packed: deflate(content), size, ..entry(name, content) }
 }
 
-fn zip(entries: &[Entry]) -> Vec<u8> {
+pub(super) fn zip(entries: &[Entry]) -> Vec<u8> {
     let (mut all, mut directory) = (Vec::new(), Vec::new());
     for entry in entries {
         let mut crc = Crc::new();
@@ -218,7 +222,6 @@ fn hostile_entries_of_tar_are_refused() {
 fn hostile_entries_of_zip_are_refused() {
     let service = Service::start(&["--max-upload", "4"]);
     let good = || entry("job.toml", b"x");
-    let with_mode = |name: &str, mode| Entry { mode, ..entry(name, b"/etc/passwd") };
     let many: Vec<Entry> = (0..2001).map(|i| entry(&format!("{i}.k"), b"")).collect();
     let folders: Vec<Entry> = (0..4001).map(|i| entry(&format!("d{i}/"), b"")).collect();
     let zeros = vec![0; 5 << 20];

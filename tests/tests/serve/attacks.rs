@@ -18,7 +18,8 @@ pub(super) fn refused(service: &Service, what: &str, reply: &Reply, codes: &[u16
     assert!(!why.is_empty(), "{what}: {text}");
 }
 
-pub(super) fn multipart(service: &Service, parts: &[(&str, Option<&str>, &[u8])]) -> Reply {
+/// Returns a form with the boundary `xyz`.
+pub(super) fn form(parts: &[(&str, Option<&str>, &[u8])]) -> Vec<u8> {
     let mut body = Vec::new();
     for (name, file, content) in parts {
         let file = file.map(|file| format!("; filename=\"{file}\"")).unwrap_or_default();
@@ -27,9 +28,13 @@ pub(super) fn multipart(service: &Service, parts: &[(&str, Option<&str>, &[u8])]
         body.extend([head.as_bytes(), content, b"\r\n"].concat());
     }
     body.extend(b"--xyz--\r\n");
+    body
+}
+
+pub(super) fn multipart(service: &Service, parts: &[(&str, Option<&str>, &[u8])]) -> Reply {
     let bearer = format!("Bearer {}", service.token);
     let kind = ("Content-Type", "multipart/form-data; boundary=xyz");
-    service.ask("POST", "/api/jobs", &[("Authorization", &bearer), kind], &body)
+    service.ask("POST", "/api/jobs", &[("Authorization", &bearer), kind], &form(parts))
 }
 
 #[test]

@@ -1,47 +1,16 @@
 //! Services and runs that are killed: no job is lost, and none runs twice.
 
-use crumple_tests::program::send;
+use crumple_tests::program::{crumple_with, run, send};
 use crumple_tests::service::{Service, bars, children, endless};
 use rustix::process::Signal;
 use std::fs;
 use std::time::Duration;
-
-/// Number of kills of the service.
-const KILLS: usize = 12;
 
 /// Returns the process of an attempt.
 fn process(service: &Service, id: i64, attempt: u32) -> u32 {
     let path = service.folder(id).join(format!("attempt-{attempt}"));
     let text = service.wait("the attempt is claimed", |_| fs::read_to_string(&path).ok());
     text.lines().find_map(|line| line.strip_prefix("pid ")?.parse().ok()).unwrap()
-}
-
-#[test]
-fn a_service_that_is_killed_at_any_moment_loses_no_job_and_runs_none_twice() {
-    let mut service = Service::start(&["--slots", "1"]);
-    let mut ids = Vec::new();
-    for kill in 0..KILLS {
-        ids.push(service.submit(&bars(&[])));
-        std::thread::sleep(Duration::from_millis(fastrand::u64(0..400)));
-        service.kill();
-        if kill % 3 == 0 {
-            std::thread::sleep(Duration::from_millis(fastrand::u64(0..300)));
-        }
-        service.again();
-    }
-    for id in &ids {
-        let job = service.wait_for(*id, "completed");
-        // One attempt has run; the others were withdrawn before they began.
-        let attempts = job["attempt"].as_i64().unwrap();
-        let texts: Vec<String> = (1..=attempts)
-            .map(|n| fs::read_to_string(service.folder(*id).join(format!("attempt-{n}"))))
-            .map(|text| text.unwrap_or_default())
-            .collect();
-        let ran = texts.iter().filter(|text| text.contains("pid ")).count();
-        assert_eq!(ran, 1, "job {id}: {texts:?}");
-    }
-    let all = service.get("/api/jobs?limit=500").json();
-    assert_eq!(all["total"].as_u64(), Some(ids.len() as u64));
 }
 
 #[test]
@@ -122,6 +91,22 @@ fn a_run_whose_supervisor_is_killed_is_not_started_again() {
     assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &serde_json::json!({})).status, 202);
     service.wait_for(id, "stopped");
     assert!(!std::path::Path::new(&format!("/proc/{run}/cwd")).exists());
+}
+
+/// A supervisor that is killed in the first moments of its run: the service starts another one.
+#[test]
+fn a_run_whose_supervisor_has_ended_before_it_runs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("attempt-1");
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap();
+    fs::write(&path, format!("pid 1\nhost {host}")).unwrap();
+    let words = ["run", "cases/bars", "--quiet", "--under", path.to_str().unwrap()];
+    let ended = run(crumple_with(&words)).with_code(2);
+    assert!(ended.said().contains("the supervisor has ended; nothing is run"), "{}", ended.said());
+    assert!(!ended.out().join("history.csv").exists());
+    let attempt = fs::File::open(&path).unwrap();
+    attempt.lock().unwrap();
+    run(crumple_with(&words)).with_code(0);
 }
 
 #[test]

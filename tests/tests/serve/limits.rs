@@ -1,7 +1,10 @@
-//! Limits of the disk, and of clients that do not read.
+//! Limits of the disk and of open files, clients that do not read, and many at the same time.
 
 use super::attacks::{multipart, refused};
-use crumple_tests::service::{Service, bars};
+use crumple_tests::program::crumple;
+use crumple_tests::service::{Service, bars, endless};
+use rustix::process::{Resource, getrlimit, setrlimit};
+use serde_json::json;
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -83,4 +86,86 @@ fn a_client_that_does_not_read_is_disconnected_and_a_slow_one_is_not() {
     }
     assert!(rest < LARGE, "the stalled client had {rest} bytes");
     assert_eq!(service.get("/api/jobs").status, 200);
+}
+
+#[test]
+fn the_service_raises_a_limit_of_open_files_that_is_below_its_connections() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = File::create(folder.path().join("said")).unwrap();
+    let mut command = std::process::Command::new("sh");
+    let script = "ulimit -Sn 256; exec \"$0\" serve --listen 127.0.0.1:0 --dir \"$1\"";
+    command.args(["-c", script]).arg(crumple()).arg(folder.path().join("service"));
+    let mut child = command.stdout(said).spawn().unwrap();
+    let limits = (0..1000).find_map(|_| {
+        std::thread::sleep(Duration::from_millis(20));
+        let said = fs::read_to_string(folder.path().join("said")).unwrap();
+        let begun = said.contains("#token=");
+        begun.then(|| fs::read_to_string(format!("/proc/{}/limits", child.id())).unwrap())
+    });
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let limits = limits.expect("the service starts");
+    let line = limits.lines().find(|line| line.starts_with("Max open files")).unwrap();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [soft, hard] = [3, 4].map(|i| words[i].parse().unwrap_or(u64::MAX));
+    assert_eq!(soft, hard.min(8192), "{line}");
+}
+
+#[test]
+fn watchers_beyond_the_limit_are_refused_and_other_requests_are_not() {
+    const MOST: usize = 2000;
+    let mut files = getrlimit(Resource::Nofile);
+    files.current = files.maximum;
+    setrlimit(Resource::Nofile, files).unwrap();
+    let service = Service::start(&["--rate", "100000"]);
+    let id = service.submit(&endless());
+    service.wait_for(id, "running");
+    let bearer = format!("Bearer {}", service.token);
+    let path = format!("/api/jobs/{id}/events");
+    let request = service.request("GET", &path, &[("Authorization", &bearer)], b"");
+    let watch = || {
+        let mut stream = TcpStream::connect(&service.host).unwrap();
+        stream.write_all(&request).unwrap();
+        let mut code = [0; 12];
+        stream.read_exact(&mut code).unwrap();
+        (code == *b"HTTP/1.1 200").then_some(stream)
+    };
+    let mut watchers: Vec<TcpStream> = (0..MOST).map(|_| watch().unwrap()).collect();
+    let refusal = service.raw(&request);
+    refused(&service, "one watcher more", &refusal, &[503]);
+    assert_eq!(refusal.json()["error"], "the service has too many watchers");
+    assert_eq!(service.get("/api/jobs").status, 200);
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &json!({})).status, 202);
+    service.wait_for(id, "stopped");
+    let last = watchers.last_mut().unwrap();
+    let mut text = String::new();
+    last.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    let _ = last.read_to_string(&mut text);
+    assert!(text.contains("event: end"), "the last watcher sees the end: {text}");
+}
+
+#[test]
+fn orders_at_the_same_time_take_effect_once() {
+    const CLIENTS: usize = 16;
+    let service = Service::start(&[]);
+    let mut job = bars(&["checkpoint.every=off"]);
+    job["check_only"] = json!(true);
+    let id = service.submit(&job);
+    service.wait_for(id, "checked");
+    let order = |name: &str| {
+        let path = format!("/api/jobs/{id}/{name}");
+        std::thread::scope(|scope| {
+            let all: Vec<_> = (0..CLIENTS)
+                .map(|_| scope.spawn(|| service.post(&path, &json!({})).status))
+                .collect();
+            all.into_iter().map(|one| one.join().unwrap()).collect::<Vec<u16>>()
+        })
+    };
+    let codes = order("resume");
+    let done = codes.iter().filter(|code| **code == 202).count();
+    assert!(done == 1 && codes.iter().all(|code| [202, 409].contains(code)), "{codes:?}");
+    assert_eq!(service.wait_for(id, "completed")["attempt"], 1);
+    let codes = order("stop");
+    assert!(codes.iter().all(|code| *code == 409), "{codes:?}");
+    assert_eq!(service.job(id)["state"], "completed");
 }

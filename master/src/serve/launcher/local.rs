@@ -3,7 +3,7 @@
 
 use super::{Launcher, Order, Seen, stop_by_socket};
 use crate::run::attempt::{self, State};
-use crate::run::lock::owner;
+use crate::run::lock::is_held;
 use crate::serve::limits::Amount;
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
@@ -68,10 +68,9 @@ impl Launcher for Local {
             State::Running(_) => Seen::Running,
             State::Ended(code) => Seen::Ended(code),
             // The run goes on if only its supervisor was killed.
-            State::Lost | State::Withdrawn => match owner(&order.folder.results()) {
-                Some(_) => Seen::Running,
-                None => Seen::Lost,
-            },
+            State::Lost | State::Withdrawn if is_held(&order.folder.results()) => Seen::Running,
+            State::Withdrawn => Seen::Waiting,
+            State::Lost => Seen::Lost,
         })
     }
 
@@ -84,7 +83,7 @@ impl Launcher for Local {
             }
             State::Running(_) => stop_by_socket(order),
             // Only its supervisor was killed.
-            _ if owner(&order.folder.results()).is_some() => stop_by_socket(order),
+            _ if is_held(&order.folder.results()) => stop_by_socket(order),
             _ => {}
         }
         Ok(())

@@ -57,6 +57,21 @@ impl Store {
         .await
     }
 
+    /// Returns the jobs whose present state is not their last event: the service was killed between
+    /// the two.
+    ///
+    /// # Errors
+    /// The database fails.
+    pub async fn unannounced(&self) -> Outcome<Vec<i64>> {
+        self.call(|db| {
+            let sql = "SELECT id FROM job WHERE state != 'incoming' AND state IS NOT (SELECT \
+                       json_extract(data, '$.state') FROM event WHERE event.job = job.id AND kind \
+                       = 'state' ORDER BY event.id DESC LIMIT 1)";
+            db.prepare_cached(sql)?.query_map([], |row| row.get(0))?.collect()
+        })
+        .await
+    }
+
     /// Stores a token by its hash. Replaces one of the same name.
     ///
     /// # Errors
@@ -138,5 +153,26 @@ impl Store {
             query.query_map([limit], entry)?.collect()
         })
         .await
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_state_without_its_event_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(&folder.path().join("service.db")).unwrap();
+        let id = store.reserve("anna".into()).await.unwrap();
+        assert!(store.unannounced().await.unwrap().is_empty(), "its files arrive");
+        store.end(id, crate::serve::api::JobState::Failed, 1, String::new()).await.unwrap();
+        assert_eq!(store.unannounced().await.unwrap(), [id], "no event");
+        let add = |state: &str| store.add_event(id, "state", format!("{{\"state\":\"{state}\"}}"));
+        add("running").await.unwrap();
+        assert_eq!(store.unannounced().await.unwrap(), [id], "an earlier state");
+        add("failed").await.unwrap();
+        store.add_event(id, "event", "{}".into()).await.unwrap();
+        assert!(store.unannounced().await.unwrap().is_empty());
     }
 }
