@@ -158,8 +158,7 @@ fn write_part(
     let part = &settings.parts[number as usize];
     let per_element = |b: usize| b as f64 / sample.elements as f64;
     let blocks = &sample.blocks;
-    let bytes =
-        [blocks.history, blocks.force, blocks.moment, blocks.connectivity].map(per_element);
+    let bytes = [blocks.history, blocks.force, blocks.moment, blocks.connectivity].map(per_element);
     let rigid = is_idle(scene.model, number);
     let ns = if rigid { 0.0 } else { 1e9 * sample.elements_s / sample.elements as f64 };
     let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
