@@ -132,7 +132,8 @@ fn block_on_strip(law: &Law, friction: f64, force: f64) -> (Scene, Block) {
 }
 
 /// Returns the swing of the normal force about `force` [N] until `end` [s], as a fraction of it,
-/// rms. Means over an eighth of the time to cross a facet: many oscillations over the block's depth.
+/// rms. Means are over an eighth of the time to cross a facet: many oscillations over the block's
+/// depth.
 fn swing(push: &Push, force: f64, end: f64) -> f64 {
     let window = FACET / SPEED / 8.0;
     let from = 5.0 * RAMPED;

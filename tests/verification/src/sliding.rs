@@ -401,7 +401,7 @@ fn reversed_block(law: &Law) -> (Scene, Block) {
     (scene, block)
 }
 
-/// What is observed of the block of C09.
+/// Quantities of the block of C09 that are observed in a run.
 struct Reversals {
     /// Way of its lower face [m].
     slid: f64,

@@ -44,8 +44,8 @@ impl DeckConverter {
         self.shell_formulation(record, section, sections, elements, table);
     }
 
-    /// Returns the thickness of a part of shells: the mean of the corners of its section, or that of
-    /// its elements [length].
+    /// Returns the thickness of a part of shells: that of its elements, or the mean of the corners
+    /// of its section [length].
     fn shell_thickness(&mut self, id: i64, card: &Record, elements: PartElements<'_>) -> f64 {
         let corners = ["t1", "t2", "t3", "t4"].map(|t| card.real(t));
         let given = if corners[1..].iter().all(|&t| t == 0.0) { [corners[0]; 4] } else { corners };
