@@ -216,23 +216,7 @@ impl Plan {
             (front_kick.0, front_kick.1, -front),
             (rear_kick.0, rear_kick.1, rear),
         ];
-        for ((from, to, rise), key) in
-            curves.iter().zip(["horn_length", "front_kick_to", "rear_kick_to"])
-        {
-            // Largest curvature of the S-curve; a quad at the inner flange must keep two thirds of
-            // its length.
-            let needed = (0.5 * depth * 5.7735 * rise.abs() * 3.0).sqrt().max(1.0);
-            if to - from < needed {
-                wrong.push(Problem::error(
-                    format!("scene.{key}"),
-                    format!(
-                        "an S-curve of height {rise} mm over {:.0} mm is too sharp for this rail",
-                        to - from
-                    ),
-                    format!("make it at least {needed:.0} mm long, or lower"),
-                ));
-            }
-        }
+        check_curves(&curves, depth, &mut wrong);
         if !wrong.is_empty() {
             return Err(wrong);
         }
@@ -251,22 +235,7 @@ impl Plan {
             small(middles[1], 1),
             small(middles[2], 3),
         ];
-        let keys = [
-            "front_beam_at",
-            "horn_length",
-            "gearbox_member_at",
-            "middle_member_at",
-            "rear_member_at",
-        ];
-        for (pair, key) in members.windows(2).zip(&keys[1..]) {
-            if pair[1].first <= pair[0].first + pair[0].along {
-                wrong.push(Problem::error(
-                    format!("scene.{key}"),
-                    "this cross member touches the previous one or is ahead of it",
-                    format!("keep the order {} and a gap between them", keys.join(", ")),
-                ));
-            }
-        }
+        check_members(&members, &mut wrong);
         if parts[0] >= parts[1] {
             wrong.push(Problem::error(
                 "scene.rear_part_from",
@@ -305,6 +274,41 @@ impl Plan {
         all.truncate(self.ring(self.turn) + 1);
         all.extend(&coarse[self.turn * self.refine + 1..]);
         all
+    }
+}
+
+/// Reports S-curves that are too sharp for the rail: start, end and rise [mm].
+fn check_curves(curves: &[(f64, f64, f64); 3], depth: f64, wrong: &mut Vec<Problem>) {
+    let keys = ["horn_length", "front_kick_to", "rear_kick_to"];
+    for ((from, to, rise), key) in curves.iter().zip(keys) {
+        // Largest curvature of the S-curve; a quad at the inner flange must keep two thirds of its
+        // length.
+        let needed = (0.5 * depth * 5.7735 * rise.abs() * 3.0).sqrt().max(1.0);
+        if to - from < needed {
+            wrong.push(Problem::error(
+                format!("scene.{key}"),
+                format!(
+                    "an S-curve of height {rise} mm over {:.0} mm is too sharp for this rail",
+                    to - from
+                ),
+                format!("make it at least {needed:.0} mm long, or lower"),
+            ));
+        }
+    }
+}
+
+/// Reports cross members that touch each other.
+fn check_members(members: &[Member; 5], wrong: &mut Vec<Problem>) {
+    let keys =
+        ["front_beam_at", "horn_length", "gearbox_member_at", "middle_member_at", "rear_member_at"];
+    for (pair, key) in members.windows(2).zip(&keys[1..]) {
+        if pair[1].first <= pair[0].first + pair[0].along {
+            wrong.push(Problem::error(
+                format!("scene.{key}"),
+                "this cross member touches the previous one or is ahead of it",
+                format!("keep the order {} and a gap between them", keys.join(", ")),
+            ));
+        }
     }
 }
 

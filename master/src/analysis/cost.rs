@@ -63,48 +63,76 @@ pub fn describe(model: &Model, workers: usize) -> (String, f64) {
     (out, memory_mb)
 }
 
+/// A model as records, with its nodes by id.
+struct Scene<'a> {
+    model: &'a Model,
+    elements: &'a [ElementRecord],
+    nodes: &'a [NodeRecord],
+    record: HashMap<NodeId, &'a NodeRecord>,
+}
+
+impl<'a> Scene<'a> {
+    fn new(model: &'a Model, (elements, nodes): &'a (Vec<ElementRecord>, Vec<NodeRecord>)) -> Self {
+        let record = nodes.iter().map(|r| (r.id, r)).collect();
+        Self { model, elements, nodes, record }
+    }
+
+    /// Selects a sample of a part, see [`pick`].
+    fn pick(&self, part: u32, count: usize) -> Vec<ElementRecord> {
+        pick(self.elements, part, count, &self.record)
+    }
+
+    /// Runs some steps with some elements, see [`try_out`].
+    fn try_out(&self, elements: &[ElementRecord], contact: bool) -> Result<Sample, RankLost> {
+        try_out(&quiet(self.model, contact), elements, &self.record)
+    }
+}
+
+/// Costs of a scene, added up over its parts, nodes and contact.
+#[derive(Default)]
+struct Costs {
+    bytes: f64,
+    /// CPU time of a cycle [s].
+    cycle_s: f64,
+    /// Bytes of a node for translation and rotation.
+    columns: [f64; 2],
+    /// Largest time of a node in a cycle, over all parts [s].
+    node_s: f64,
+    /// Bytes of a checkpoint.
+    saved: usize,
+    /// Bytes of an element, a node and a pair history in a checkpoint.
+    saved_items: [usize; 3],
+}
+
 fn write(
     model: &Model,
     workers: usize,
     out: &mut String,
 ) -> Result<f64, Box<dyn std::error::Error>> {
-    let (elements, nodes) = model.records();
-    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
-    let (mut bytes, mut element_s, mut rows) = (0.0, 0.0, String::new());
-    let (mut parted, mut node_s) = (Vec::new(), 0.0f64);
-    let (mut columns, mut saved, mut saved_items) = ([0.0f64; 2], 0, [0; 3]);
-    for (number, part) in (0u32..).zip(&model.settings.parts) {
-        let count = elements.iter().filter(|e| e.part == number).count();
-        if count == 0 {
-            continue;
+    let records = model.records();
+    let scene = Scene::new(model, &records);
+    let mut costs = Costs::default();
+    write_parts(&scene, &mut costs, out)?;
+    write_nodes(&scene, &mut costs, out)?;
+    write_contact(&scene, &mut costs, out)?;
+    write_checkpoint(&scene, &mut costs, out)?;
+    write_rates(model, out)?;
+    Ok(write_totals(&scene, &costs, workers, out)?)
+}
+
+/// Measures a sample of each part, and writes the table of parts.
+fn write_parts(
+    scene: &Scene<'_>,
+    costs: &mut Costs,
+    out: &mut String,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let mut rows = String::new();
+    for number in 0..scene.model.settings.parts.len() as u32 {
+        let count = scene.elements.iter().filter(|e| e.part == number).count();
+        if count > 0 {
+            let sample = scene.try_out(&scene.pick(number, SAMPLE), false)?;
+            write_part(scene, (number, count), &sample, costs, &mut rows)?;
         }
-        let s = try_out(&quiet(model, false), &pick(&elements, number, SAMPLE, &record), &record)?;
-        if model.settings.contact.is_some() {
-            parted.extend(pick(&elements, number, TOUCHING, &record));
-        }
-        let each = |b: usize| b as f64 / s.elements as f64;
-        let rigid = is_idle(model, number);
-        let ns = if rigid { 0.0 } else { 1e9 * s.elements_s / s.elements as f64 };
-        let of =
-            [s.blocks.history, s.blocks.force, s.blocks.moment, s.blocks.connectivity].map(each);
-        let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
-        let rigid = if rigid { "  rigid or skin: no forces" } else { "" };
-        let [history, force, moment, connectivity] = of;
-        writeln!(
-            rows,
-            "  {name:<20} {count:>9}  {history:>8.0} {force:>7.0} {moment:>8.0} \
-             {connectivity:>13.0}  {ns:>8.1}{rigid}"
-        )?;
-        bytes += of.iter().sum::<f64>() * count as f64;
-        saved += s.saved[0] * count;
-        saved_items = s.saved;
-        let cycles =
-            |e: &&ElementRecord| if e.slow { model.settings.subcycles as f64 } else { 1.0 };
-        let computed: f64 =
-            elements.iter().filter(|e| e.part == number).map(|e| 1.0 / cycles(&e)).sum();
-        element_s += 1e-9 * ns * computed;
-        node_s = node_s.max((s.assemble_s + s.advance_s) / s.nodes as f64);
-        columns = s.columns.map(|b| b as f64 / s.nodes as f64);
     }
     writeln!(
         out,
@@ -116,88 +144,131 @@ fn write(
         "  part                  elements   history  forces  moments  connectivity  ns/cycle"
     )?;
     out.push_str(&rows);
-    let all = nodes.len() as f64;
-    let turning = if model.settings.rotations { "" } else { " (no rotations)" };
-    writeln!(
-        out,
-        "  per node: {:.0} bytes for translation, {:.0} for rotation{turning}; {:.1} ns/cycle \
-         for assembly, acceleration and motion",
-        columns[0],
-        columns[1],
-        1e9 * node_s
-    )?;
-    bytes += (columns[0] + columns[1]) * all;
-    let mut cycle_s = element_s + node_s * all;
-    if model.settings.contact.is_some() {
-        let sample = try_out(&quiet(model, true), &parted, &record)?;
-        let each = write_contact(model, &sample, out)?;
-        bytes += each.bytes * elements.len() as f64;
-        cycle_s += each.cycle_s * elements.len() as f64;
-    } else {
-        writeln!(out, "  contact: none, 0 bytes, 0 ns")?;
-    }
-    let ([_, of_node, of_pair], count) = (saved_items, elements.len().max(1));
-    saved += of_node * nodes.len();
-    writeln!(
-        out,
-        "  checkpoint: {:.1} MB without compression, {} bytes per element with its nodes; \
-         {of_node} more for each further worker that has a node, {of_pair} for a contact pair at \
-         each node that keeps it",
-        1e-6 * saved as f64,
-        saved / count
-    )?;
-    if model.job.checkpoint.copy_interval().unwrap_or_default().is_some() {
-        writeln!(out, "  copy in memory (checkpoint.in_memory): as many bytes as a checkpoint")?;
-        bytes += saved as f64;
-    }
-    write_rates(model, out)?;
-    let master = (size_of::<ElementRecord>() * elements.len()
-        + size_of::<NodeRecord>() * nodes.len()) as f64;
-    let memory_mb = 1e-6 * (bytes + master);
-    writeln!(
-        out,
-        "  total: {:.1} MB with {:.1} MB of the master, {:.1} MB per worker of {workers}",
-        memory_mb,
-        1e-6 * master,
-        1e-6 * bytes / workers as f64
-    )?;
-    let cycles = (model.settings.end_time / model.first_dt().0).ceil();
-    writeln!(
-        out,
-        "  a cycle takes about {:.3} ms of CPU time, the run of at least {cycles:.0} cycles \
-         {:.1} s, without plasticity and later contact",
-        1e3 * cycle_s,
-        cycle_s * cycles
-    )?;
-    Ok(memory_mb)
+    Ok(())
 }
 
-/// Cost of contact for one element.
-struct ContactCost {
-    bytes: f64,
-    /// Time of a cycle [s].
-    cycle_s: f64,
-}
-
-/// Writes the line of contact, and returns its cost for one element.
-fn write_contact(
-    model: &Model,
+/// Writes the row of a part with `count` elements.
+fn write_part(
+    scene: &Scene<'_>,
+    (number, count): (u32, usize),
     sample: &Sample,
+    costs: &mut Costs,
     out: &mut String,
-) -> Result<ContactCost, std::fmt::Error> {
-    let each = |number: f64| number / sample.elements as f64;
-    let (bytes, cycle_s) = (each(sample.contact as f64), each(sample.contact_s));
-    let has_friction =
-        model.settings.contact.iter().flat_map(|c| c.each()).any(|c| c.friction > 0.0);
+) -> std::fmt::Result {
+    let settings = &scene.model.settings;
+    let part = &settings.parts[number as usize];
+    let per_element = |b: usize| b as f64 / sample.elements as f64;
+    let blocks = &sample.blocks;
+    let bytes = [blocks.history, blocks.force, blocks.moment, blocks.connectivity].map(per_element);
+    let rigid = is_idle(scene.model, number);
+    let ns = if rigid { 0.0 } else { 1e9 * sample.elements_s / sample.elements as f64 };
+    let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
+    let rigid = if rigid { "  rigid or skin: no forces" } else { "" };
+    let [history, force, moment, connectivity] = bytes;
+    writeln!(
+        out,
+        "  {name:<20} {count:>9}  {history:>8.0} {force:>7.0} {moment:>8.0} \
+         {connectivity:>13.0}  {ns:>8.1}{rigid}"
+    )?;
+    let cycles = |e: &ElementRecord| if e.slow { settings.subcycles as f64 } else { 1.0 };
+    let elements = scene.elements.iter().filter(|e| e.part == number);
+    let computed: f64 = elements.map(|e| 1.0 / cycles(e)).sum();
+    costs.bytes += bytes.iter().sum::<f64>() * count as f64;
+    costs.cycle_s += 1e-9 * ns * computed;
+    costs.saved += sample.saved[0] * count;
+    costs.saved_items = sample.saved;
+    costs.node_s = costs.node_s.max((sample.assemble_s + sample.advance_s) / sample.nodes as f64);
+    costs.columns = sample.columns.map(|b| b as f64 / sample.nodes as f64);
+    Ok(())
+}
+
+fn write_nodes(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> std::fmt::Result {
+    let count = scene.nodes.len() as f64;
+    let turning = if scene.model.settings.rotations { "" } else { " (no rotations)" };
+    let [translation, rotation] = costs.columns;
+    costs.bytes += (translation + rotation) * count;
+    costs.cycle_s += costs.node_s * count;
+    writeln!(
+        out,
+        "  per node: {translation:.0} bytes for translation, {rotation:.0} for rotation{turning}; \
+         {:.1} ns/cycle for assembly, acceleration and motion",
+        1e9 * costs.node_s
+    )
+}
+
+/// Measures the contact of a sample of all parts, and writes its line.
+fn write_contact(
+    scene: &Scene<'_>,
+    costs: &mut Costs,
+    out: &mut String,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let settings = &scene.model.settings;
+    let Some(contact) = &settings.contact else {
+        writeln!(out, "  contact: none, 0 bytes, 0 ns")?;
+        return Ok(());
+    };
+    let parts = 0..settings.parts.len() as u32;
+    let picked: Vec<ElementRecord> = parts.flat_map(|part| scene.pick(part, TOUCHING)).collect();
+    let sample = scene.try_out(&picked, true)?;
+    let per_element = |number: f64| number / sample.elements as f64;
+    let (bytes, cycle_s) = (per_element(sample.contact as f64), per_element(sample.contact_s));
+    let has_friction = contact.each().any(|c| c.friction > 0.0);
     let friction = if has_friction { "with friction" } else { "no friction" };
     writeln!(
         out,
         "  contact: {bytes:.0} bytes and {:.1} ns/cycle per element for the initial mesh, \
          {friction}; a global search, not in every cycle, {:.0} ns per element",
         1e9 * cycle_s,
-        1e9 * each(sample.search_s)
+        1e9 * per_element(sample.search_s)
     )?;
-    Ok(ContactCost { bytes, cycle_s })
+    costs.bytes += bytes * scene.elements.len() as f64;
+    costs.cycle_s += cycle_s * scene.elements.len() as f64;
+    Ok(())
+}
+
+/// Writes the lines of a checkpoint and of its copy in memory.
+fn write_checkpoint(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> std::fmt::Result {
+    let [_, of_node, of_pair] = costs.saved_items;
+    costs.saved += of_node * scene.nodes.len();
+    writeln!(
+        out,
+        "  checkpoint: {:.1} MB without compression, {} bytes per element with its nodes; \
+         {of_node} more for each further worker that has a node, {of_pair} for a contact pair at \
+         each node that keeps it",
+        1e-6 * costs.saved as f64,
+        costs.saved / scene.elements.len().max(1)
+    )?;
+    if scene.model.job.checkpoint.copy_interval().unwrap_or_default().is_some() {
+        writeln!(out, "  copy in memory (checkpoint.in_memory): as many bytes as a checkpoint")?;
+        costs.bytes += costs.saved as f64;
+    }
+    Ok(())
+}
+
+fn write_totals(
+    scene: &Scene<'_>,
+    costs: &Costs,
+    workers: usize,
+    out: &mut String,
+) -> Result<f64, std::fmt::Error> {
+    let master = (size_of::<ElementRecord>() * scene.elements.len()
+        + size_of::<NodeRecord>() * scene.nodes.len()) as f64;
+    let memory_mb = 1e-6 * (costs.bytes + master);
+    writeln!(
+        out,
+        "  total: {memory_mb:.1} MB with {:.1} MB of the master, {:.1} MB per worker of {workers}",
+        1e-6 * master,
+        1e-6 * costs.bytes / workers as f64
+    )?;
+    let cycles = (scene.model.settings.end_time / scene.model.first_dt().0).ceil();
+    writeln!(
+        out,
+        "  a cycle takes about {:.3} ms of CPU time, the run of at least {cycles:.0} cycles \
+         {:.1} s, without plasticity and later contact",
+        1e3 * costs.cycle_s,
+        costs.cycle_s * cycles
+    )?;
+    Ok(memory_mb)
 }
 
 /// Names the materials whose strain rates are not part of the times.
@@ -222,14 +293,14 @@ fn write_rates(model: &Model, out: &mut String) -> std::fmt::Result {
 /// # Errors
 /// A sample could not be set up.
 pub fn element_seconds(model: &Model) -> Result<Vec<f64>, RankLost> {
-    let (elements, nodes) = model.records();
-    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let records = model.records();
+    let scene = Scene::new(model, &records);
     let of_part = |number: u32| {
-        let picked = pick(&elements, number, SAMPLE, &record);
+        let picked = scene.pick(number, SAMPLE);
         if picked.is_empty() || is_idle(model, number) {
             return Ok(0.0);
         }
-        try_out(&quiet(model, false), &picked, &record).map(|s| s.elements_s / s.lanes as f64)
+        scene.try_out(&picked, false).map(|s| s.elements_s / s.lanes as f64)
     };
     (0..model.settings.parts.len() as u32).map(of_part).collect()
 }

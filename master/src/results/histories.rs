@@ -52,65 +52,41 @@ impl Histories {
         model: &Model,
         last: Option<&HistoryPart>,
     ) -> Result<Self, Unwritten> {
-        let is_kept = |name: &&str| tables.lengths.is_some_and(|l| l.contains_key(*name));
-        for path in NAMES.iter().filter(|name| !is_kept(name)).map(|name| tables.dir.join(name)) {
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err((path, error)),
-                _ => {}
-            }
-        }
+        remove_old_files(tables)?;
         let (settings, asked) = (&model.settings, &model.settings.histories);
         let u = Labels::from_units(&model.job.units);
-        let begin = |name: &str, columns: &[(&str, &str)]| -> Result<Table, Unwritten> {
-            let header = columns.iter().map(|(name, unit)| match *unit {
-                "" => name.to_string(),
-                unit => format!("{name} [{unit}]"),
-            });
-            let first = [format!("time [{}]", u.time)];
-            tables.open(name, first.into_iter().chain(header))
-        };
+        let open = |name: &str, columns: Columns<'_>| tables.open(name, columns.header(&u.time));
+        let (length, force, momentum) = (u.length.as_str(), u.force.as_str(), u.momentum.as_str());
+        let (mass, energy) = (u.mass.as_str(), u.energy.as_str());
         let of_parts = asked.parts.then(|| {
-            let (e, p) = (u.energy.as_str(), u.momentum.as_str());
-            let energies = [("kinetic", e), ("internal", e), ("hourglass", e)];
-            let momentum = [("momentum x", p), ("momentum y", p), ("momentum z", p)];
-            let first = [("part", ""), ("name", ""), ("mass", u.mass.as_str())];
-            begin(NAMES[0], &[&first[..], &energies, &momentum].concat())
+            let scalars =
+                [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)];
+            open(NAMES[0], Columns(&["part", "name"], &scalars, &[("momentum", momentum)]))
         });
-        let f = u.force.as_str();
-        let force = [("force x", f), ("force y", f), ("force z", f)];
         let of_walls = (model.job.output.walls && !settings.walls.is_empty()).then(|| {
-            let p = u.momentum.as_str();
-            let impulse = [("impulse x", p), ("impulse y", p), ("impulse z", p)];
-            let mean = [("mean force x", f), ("mean force y", f), ("mean force z", f)];
-            let l = u.length.as_str();
-            let gone = [("displacement x", l), ("displacement y", l), ("displacement z", l)];
-            begin(NAMES[1], &[&[("wall", "")][..], &impulse, &mean, &gone].concat())
+            let vectors = [("impulse", momentum), ("mean force", force), ("displacement", length)];
+            open(NAMES[1], Columns(&["wall"], &[], &vectors))
         });
         let of_contacts = asked.contacts.then(|| {
-            let parts = begin(NAMES[2], &[&[("part", ""), ("name", "")][..], &force].concat())?;
-            Ok::<_, Unwritten>((
-                parts,
-                begin(NAMES[3], &[&[("on part", ""), ("from part", "")][..], &force].concat())?,
-            ))
+            let parts = open(NAMES[2], Columns(&["part", "name"], &[], &[("force", force)]))?;
+            let pairs = Columns(&["on part", "from part"], &[], &[("force", force)]);
+            Ok::<_, Unwritten>((parts, open(NAMES[3], pairs)?))
         });
         let of_nodes = (!asked.nodes.is_empty()).then(|| {
-            let (l, v, a) = (u.length.as_str(), u.velocity.as_str(), u.acceleration.as_str());
-            let columns = [
-                [("x", l), ("y", l), ("z", l)],
-                [("displacement x", l), ("displacement y", l), ("displacement z", l)],
-                [("velocity x", v), ("velocity y", v), ("velocity z", v)],
-                [("acceleration x", a), ("acceleration y", a), ("acceleration z", a)],
+            let vectors = [
+                ("displacement", length),
+                ("velocity", &u.velocity),
+                ("acceleration", &u.acceleration),
             ];
-            begin(NAMES[4], &[&[("nodes", ""), ("id", "")][..], columns.as_flattened()].concat())
+            let place = ["x", "y", "z"].map(|axis| (axis, length));
+            open(NAMES[4], Columns(&["nodes", "id"], &place, &vectors))
         });
         let of_sections = (!asked.sections.is_empty()).then(|| {
-            let (l, m) = (u.length.as_str(), u.moment.as_str());
-            let moment = [("moment x", m), ("moment y", m), ("moment z", m)];
-            let middle = [("middle x", l), ("middle y", l), ("middle z", l)];
-            begin(NAMES[5], &[&[("section", "")][..], &force, &moment, &middle].concat())
+            let vectors = [("force", force), ("moment", &u.moment), ("middle", length)];
+            open(NAMES[5], Columns(&["section"], &[], &vectors))
         });
         let of_transducers = (!asked.transducers.is_empty())
-            .then(|| begin(NAMES[6], &[&[("transducer", "")][..], &force].concat()));
+            .then(|| open(NAMES[6], Columns(&["transducer"], &[], &[("force", force)])));
         let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
         let touching = (0..settings.parts.len() as u32)
             .filter(|&i| touches(settings.parts[i as usize].id))
@@ -232,6 +208,34 @@ impl Histories {
             table.flush()?;
         }
         Ok(())
+    }
+}
+
+/// Removes the files of an older run, except those that a checkpoint continues.
+fn remove_old_files(tables: Tables<'_>) -> Result<(), Unwritten> {
+    let is_kept = |name: &&str| tables.lengths.is_some_and(|l| l.contains_key(*name));
+    for path in NAMES.iter().filter(|name| !is_kept(name)).map(|name| tables.dir.join(name)) {
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err((path, error)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Columns of a file after the time: words, scalars and vectors, these with their units.
+struct Columns<'c>(&'c [&'c str], &'c [(&'c str, &'c str)], &'c [(&'c str, &'c str)]);
+
+impl Columns<'_> {
+    fn header(self, time: &str) -> Vec<String> {
+        let Self(words, scalars, vectors) = self;
+        let mut header = vec![format!("time [{time}]")];
+        header.extend(words.iter().map(|name| name.to_string()));
+        header.extend(scalars.iter().map(|(name, unit)| format!("{name} [{unit}]")));
+        for (name, unit) in vectors {
+            header.extend(["x", "y", "z"].map(|axis| format!("{name} {axis} [{unit}]")));
+        }
+        header
     }
 }
 

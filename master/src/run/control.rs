@@ -1,27 +1,28 @@
 //! The run on one page: distribute the model, receive reports, decide, write results, stop.
 
+mod begin;
 mod distribute;
 mod finish;
+mod receive;
 mod steer;
 mod view;
 mod watch;
 
 use crate::input::job::Model;
-use crate::results::fields::{self, Series};
-use crate::results::history::{Course, Extras, History};
+use crate::results::fields::Series;
+use crate::results::history::History;
 use crate::results::summary::{Outline, Restart, Summary};
 use crate::results::table::Tables;
 use crate::results::trace::Trace;
 use crate::results::workers;
-use crate::run::balance::{Balance, Limits};
-use crate::run::checkpoint::find::{Resumption, tidy};
+use crate::run::balance::Balance;
+use crate::run::checkpoint::find::Resumption;
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
 use crate::run::progress::{Progress, RunState};
 use crate::run::service::Desk;
 use crate::run::service::signals::StopFlag;
 use crumple_proto::boxes::CutTree;
-use crumple_proto::checkpoint::Captured;
 use crumple_proto::disk;
 use crumple_proto::exit_code::{BAD_INPUT, WORKER_LOST};
 use crumple_proto::message::{Action, ToMaster, ToWorker};
@@ -35,12 +36,11 @@ use std::time::{Duration, Instant};
 use steer::Steering;
 use view::Viewing;
 
-/// Most messages that are taken from a worker before signals and clients have their turn: a run may
-/// write rows faster than the master can take them.
-const MOST_MESSAGES: usize = 100;
 /// Sleep of the master when there is nothing to do, so that it does not occupy a core that
 /// workers need.
 const NAP: Duration = Duration::from_micros(500);
+/// Time for which the master waits for recordings after the loss of a worker.
+const LAST_WORDS: Duration = Duration::from_secs(2);
 
 /// Reason why a run has no summary.
 #[derive(Debug, thiserror::Error)]
@@ -198,109 +198,8 @@ impl<'a> Guidance<'a> {
         Self { quiet: true, stop, desk: None }
     }
 }
-impl<'a> Control<'a> {
-    fn new(
-        model: &'a mut Model,
-        comm: &'a mut dyn Transport,
-        Results { out, trace }: Results<'_>,
-        (Origin { stamp, mut from }, tree): (Origin, CutTree),
-        (quiet, desk): (bool, Option<Desk>),
-    ) -> Result<Self, RunError> {
-        let workers = comm.size() - 1;
-        let (job, settings) = (&model.job, &model.settings);
-        let folder = out.join(fields::DIR);
-        let failed = |path: &Path| {
-            let path = path.to_owned();
-            move |error| RunError::Output { path, error }
-        };
-        std::fs::create_dir_all(out).map_err(failed(out))?;
-        let deleted = &job.restart.delete;
-        let elements = model.mesh.elements.iter().filter(|e| !deleted.contains(&e.part)).count();
-        let mut checkpoints = Checkpoints::new(out, &job.checkpoint, workers, elements);
-        checkpoints.set_stamp(stamp);
-        let mut series = Series::new(&folder);
-        if let Some((from, _)) = &mut from {
-            from.begin_lost_histories();
-        }
-        let known = from.as_ref().map(|(from, _)| from.master.clone());
-        match &mut from {
-            Some((from, _)) => {
-                from.removed = tidy(checkpoints.dir(), Some(&from.folder));
-                checkpoints.newest =
-                    Some((from.manifest.captured.cycle, from.manifest.captured.time));
-                series.restore(&from.master.steps).map_err(failed(&folder))?;
-                remove_file(&out.join("summary.json"))?; // of the run before
-            }
-            None => {
-                tidy(checkpoints.dir(), None);
-                if folder.exists() {
-                    std::fs::remove_dir_all(&folder).map_err(failed(&folder))?; // of an earlier run
-                }
-            }
-        }
-        let lengths = known.as_ref().map(|known| &known.lengths);
-        let course = known.as_ref().map_or_else(Course::default, |known| known.course.clone());
-        let history = History::new(Tables { dir: out, lengths }, workers, model, course)
-            .map_err(|(path, error)| RunError::Output { path, error })?;
-        let of_workers = workers::Workers::new(Tables { dir: out, lengths }, workers, model)
-            .map_err(|(path, error)| RunError::Output { path, error })?;
-        let trace = trace.map(|path| {
-            let failed = |error| RunError::Trace { path: path.to_owned(), error };
-            Trace::new(path, workers).map_err(failed)
-        });
-        let trace = trace.transpose()?;
-        let limits = Limits {
-            imbalance: job.parallel.imbalance,
-            low_every_at_least: job.parallel.low_every_at_least,
-            forced: job.parallel.force_every > 0,
-        };
-        let known = known.unwrap_or_default();
-        let mut balance = Balance::new(workers, limits);
-        if from.is_some() {
-            balance.restore(&known.accounts);
-        }
-        let mut restarts = known.restarts;
-        let from = from.map(|(from, changes)| {
-            let Captured { cycle, time, .. } = from.manifest.captured;
-            let transport = comm.name().into();
-            restarts.push(Restart { cycle, time, workers, transport, changes });
-            from
-        });
-        let [penetration_warned, energy_warned, step_warned] = known.warned;
-        Ok(Self {
-            began: Instant::now(),
-            tree,
-            balance,
-            series,
-            progress: Progress::new(settings.end_time, quiet),
-            out: out.to_owned(),
-            orders: 0,
-            stop_ordered: false,
-            ready: Vec::new(),
-            ready_since: None,
-            pieces: BTreeMap::new(),
-            trouble: None,
-            penetration_warned,
-            energy_warned,
-            step_warned,
-            checkpoints,
-            from,
-            restarts,
-            wall_before: known.wall_s,
-            steering: Steering::new(desk, known.steering),
-            viewing: Viewing::new(out),
-            closings: vec![None; workers],
-            trace,
-            states: Vec::new(),
-            outline: Outline::from_mesh(&model.mesh),
-            model,
-            comm,
-            workers,
-            history,
-            of_workers,
-        })
-    }
 
+impl Control<'_> {
     /// Supervises the run and writes its results.
     fn conclude(&mut self, stop: &StopFlag) -> Result<Summary, RunError> {
         let ended = self.supervise(stop);
@@ -441,118 +340,6 @@ impl<'a> Control<'a> {
         self.wall_before + self.began.elapsed().as_secs_f64()
     }
 
-    /// Receives messages that have arrived from workers. Returns true if there was one.
-    fn listen(&mut self) -> Result<bool, RunError> {
-        let mut heard = false;
-        for worker in 0..self.workers {
-            for _ in 0..MOST_MESSAGES {
-                if self.closings[worker].is_some() {
-                    break;
-                }
-                let Some(message) = poll_message(self.comm, worker + 1, Tag::Report)? else {
-                    break;
-                };
-                heard = true;
-                self.receive(worker, message)?;
-            }
-        }
-        Ok(heard)
-    }
-
-    fn receive(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
-        match message {
-            ToMaster::Report(report) => {
-                let _span = tracing::trace_span!("report", worker, cycle = report.cycle).entered();
-                let imbalance = self.balance.imbalance();
-                let path = self.out.join(workers::FILE);
-                disk::watched(&path, || self.of_workers.add(worker, &report, imbalance))
-                    .map_err(|e| self.unwritten(e))?;
-                self.balance.add_report(worker, *report);
-            }
-            ToMaster::History(part) => {
-                let b = &self.balance;
-                let wall = self.wall();
-                let extras = Extras {
-                    wall,
-                    cpu_total: b.total_s,
-                    cpu_critical: b.critical_s,
-                    cpu_renewal: b.renewal_s.iter().copied().fold(0.0, f64::max),
-                    low: b.low,
-                    high: b.high,
-                    erosions: b.erosions(),
-                    classes: b.classes(),
-                };
-                let path = self.out.join("history.csv");
-                disk::watched(&path, || self.history.add_part(*part, extras))
-                    .map_err(|e| RunError::Output { path, error: e.into() })?;
-                self.watch_energy();
-                self.watch_contact();
-                self.watch_work();
-                self.watch_files();
-            }
-            ToMaster::Fields { index, time } => {
-                let pieces = self.pieces.entry(index).or_default();
-                *pieces += 1;
-                if *pieces == self.workers {
-                    let _span = tracing::debug_span!("output", index, time).entered();
-                    let path = self.series.dir().to_owned();
-                    self.series
-                        .add(index, time, self.workers)
-                        .map_err(|error| RunError::Output { path, error })?;
-                    tracing::info!(index, time, "fields written");
-                }
-            }
-            ToMaster::Warning(warning) => {
-                tracing::warn!(worker, warning);
-                self.announce(&format!("warning: worker {worker}: {warning}"));
-            }
-            ToMaster::Captured(captured, repeat) => {
-                if self.checkpoints.add_captured(captured, repeat) {
-                    let cycle = captured.cycle;
-                    let _span = tracing::debug_span!("checkpoint", cycle).entered();
-                    self.finish_reports()?;
-                    let state = self.state();
-                    self.checkpoints.add_master([cycle, repeat], state);
-                    self.take_deferred();
-                }
-            }
-            ToMaster::Copied(captured, repeat, seconds) => {
-                if self.checkpoints.copies.add(seconds) {
-                    self.finish_reports()?;
-                    let state = self.state();
-                    self.checkpoints.copies.set(captured, repeat, state);
-                    self.take_deferred();
-                }
-            }
-            ToMaster::Saved(saved) => {
-                self.checkpoints.add_saved(saved);
-            }
-            ToMaster::Viewed(viewed) => self.take_viewed(viewed),
-            ToMaster::Steered(number, at) => self.take_steered(number, at),
-            ToMaster::Ready => {
-                self.ready.push(worker);
-                self.ready_since.get_or_insert_with(Instant::now);
-            }
-            ToMaster::Trouble(trouble) => {
-                tracing::error!(worker, ?trouble, "trouble");
-                self.trouble = Some(trouble);
-            }
-            ToMaster::Recording(recording) => {
-                if let Some(trace) = &mut self.trace {
-                    trace.add_recording(worker, *recording);
-                }
-            }
-            ToMaster::Closing(closing, states) => {
-                self.closings[worker] = Some(*closing);
-                self.states.extend(states);
-            }
-            ToMaster::Extents(_) | ToMaster::Histograms(_) => {
-                tracing::warn!(worker, "unexpected answer: no request is pending")
-            }
-        }
-        Ok(())
-    }
-
     /// Reports the end of a checkpoint.
     fn show_checkpoint(&mut self, ended: Result<String, String>) {
         self.answer_checkpoint(&ended);
@@ -569,17 +356,6 @@ impl<'a> Control<'a> {
     fn warn(&mut self, warning: &str) {
         tracing::warn!(warning);
         self.announce(&format!("warning: {warning}"));
-    }
-
-    /// Writes the rows of `workers.csv` that wait.
-    fn finish_reports(&mut self) -> Result<(), RunError> {
-        let (imbalance, path) = (self.balance.imbalance(), self.out.join(workers::FILE));
-        disk::watched(&path, || self.of_workers.finish(imbalance)).map_err(|e| self.unwritten(e))
-    }
-
-    /// Returns the error for a failure to write `workers.csv`.
-    fn unwritten(&self, error: csv::Error) -> RunError {
-        RunError::Output { path: self.out.join(workers::FILE), error: error.into() }
     }
 
     fn order(&mut self, action: Action) {
@@ -610,16 +386,3 @@ impl<'a> Control<'a> {
         });
     }
 }
-
-/// Removes a file if it exists.
-fn remove_file(path: &Path) -> Result<(), RunError> {
-    match std::fs::remove_file(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(RunError::Output { path: path.to_owned(), error })
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Time for which the master waits for recordings after the loss of a worker.
-const LAST_WORDS: Duration = Duration::from_secs(2);

@@ -54,102 +54,141 @@ fn manifest_of(folder: &Path) -> (PathBuf, Option<SystemTime>) {
 /// Runs the job, at most `retries` times more than once. Returns the exit code of the last run. The
 /// file of the attempt notes a request to stop.
 pub fn run(args: &RunArgs, retries: u32, attempt: Option<&Attempt>) -> u8 {
-    let out = match &args.resume {
-        None => args.out_dir(),
-        Some(dir) => match run_folder(dir) {
-            Ok(out) => out,
-            Err(why) => {
-                eprintln!("error: {why}");
-                return Report::EXIT_CODE;
-            }
-        },
+    let out = match args.resume.as_ref().map_or_else(|| Ok(args.out_dir()), |dir| run_folder(dir)) {
+        Ok(out) => out,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Report::EXIT_CODE;
+        }
     };
     let service = Service::start(Manner::Patient);
     let stop = service.stop();
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut workers = args.options.workers.unwrap_or_else(cores);
-    let earlier = Earlier::new(&out);
-    // Until the run has written a checkpoint, it starts again as at first, with all changes.
-    let mut own = None;
-    // Losses in a row without a new checkpoint.
-    let mut in_vain = 0;
+    let mut supervised = Supervised::new(args, out);
     for lost in 0..=retries {
-        let before = summary_of(&out).map(|(written, _)| written);
-        // Times of the file system alone: its clock may differ from that of this machine.
-        let log = out.join("log.jsonl");
-        let logged = modified(&log);
-        let has_begun = || modified(&log) != logged;
-        let child = start(args, &out, own.is_some(), workers);
-        // Launchers of MPI end their ranks at TERM, but pass on USR2.
-        let to_stop = if args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
-        let asked = || attempt.into_iter().for_each(Attempt::note_stop);
-        let ended = child.and_then(|child| wait(child, stop, to_stop, has_begun, asked));
-        let status = match ended {
-            Ok(status) => status,
+        let (how, has_begun) = match supervised.run_once(stop, attempt) {
+            Ok(End::Code(code)) => return code,
+            Ok(End::Lost { how, has_begun }) => (how, has_begun),
             Err(error) => {
                 eprintln!("error: the run cannot be started or watched: {error}");
                 return Report::EXIT_CODE;
             }
         };
-        let code = status.code();
-        let code_of_run = code.and_then(|code| u8::try_from(code).ok());
-        if let Some(code) = code_of_run.filter(|code| ENDED.contains(code)) {
-            return code;
-        }
-        // A launcher that was interrupted has its own code. The summary has the end of the run.
-        let stopped = |(written, text): (SystemTime, String)| {
-            Some(written) != before && text.contains("\"status\": \"stopped\"")
-        };
-        if summary_of(&out).is_some_and(stopped) {
-            return STOPPED;
-        }
-        let what = match (code, status.signal()) {
-            (Some(code), _) => format!("exit code {code}"),
-            (None, signal) => format!("signal {}", signal.unwrap_or_default()),
-        };
         if stop.is_raised() {
-            if !has_begun() {
+            if !has_begun {
                 return STOPPED; // before its first cycle it has nothing to keep
             }
-            eprintln!("error: the run was lost ({what}) while it stopped");
-            show_way_on(args, &out, earlier.newest_other(&out));
+            eprintln!("error: the run was lost ({how}) while it stopped");
+            supervised.note_loss();
+            supervised.show_way_on();
             return WORKER_LOST;
         }
-        let newest = earlier.newest_other(&out);
-        in_vain = if newest > own { 0 } else { in_vain + 1 };
-        own = newest;
-        let cycle = match (own, &args.resume) {
-            (Some(cycle), _) => format!("cycle {cycle}"),
-            (None, Some(dir)) => dir.display().to_string(),
-            (None, None) => "the start".to_string(),
-        };
-        let fewer = in_vain > 1 && workers > 1 && has_ranks(args);
+        supervised.note_loss();
         if lost == retries {
             let times = if lost == 0 { "once".to_string() } else { format!("{} times", lost + 1) };
-            eprintln!("error: the run was lost ({what}) {times}; no retry is left");
-            show_way_on(args, &out, own);
-        } else if in_vain > 1 && !fewer {
-            eprintln!(
-                "error: the run was lost again ({what}) without a new checkpoint after {cycle}"
-            );
+            eprintln!("error: the run was lost ({how}) {times}; no retry is left");
+            supervised.show_way_on();
+        } else if !supervised.prepare_retry(&how) {
             return WORKER_LOST;
-        } else {
-            let mut next = format!("it continues from {cycle}");
-            if fewer {
-                (workers, in_vain) = (workers / 2, 0);
-                next += &format!(", with {workers} workers: a host may have failed");
-            }
-            eprintln!("warning: the run was lost ({what}); {next}");
         }
     }
     WORKER_LOST
 }
 
-/// Prints the command that continues the run: from its own newest checkpoint, or as it began.
-fn show_way_on(args: &RunArgs, out: &Path, own: Option<u64>) {
-    let own = own.map(|_| out);
-    if let Some(from) = own.or(args.resume.as_deref()) {
-        eprintln!("  continue with: crumple run --resume {}", from.display());
+/// End of one process of the run.
+enum End {
+    /// The run ended as it should, with this exit code.
+    Code(u8),
+    /// The run was lost: exit code or signal, and whether it had begun to write its log.
+    Lost { how: String, has_begun: bool },
+}
+
+/// A run that starts again when it is lost.
+struct Supervised<'a> {
+    args: &'a RunArgs,
+    out: PathBuf,
+    earlier: Earlier,
+    workers: usize,
+    /// Cycle of the newest checkpoint that the run has written. Without one, the run starts again
+    /// as at first, with all changes.
+    own: Option<u64>,
+    /// Losses in a row without a new checkpoint.
+    in_vain: u32,
+}
+
+impl<'a> Supervised<'a> {
+    fn new(args: &'a RunArgs, out: PathBuf) -> Self {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let workers = args.options.workers.unwrap_or_else(cores);
+        Self { args, earlier: Earlier::new(&out), out, workers, own: None, in_vain: 0 }
+    }
+
+    /// Starts the run and waits for its end or its loss.
+    fn run_once(&self, stop: &StopFlag, attempt: Option<&Attempt>) -> std::io::Result<End> {
+        let before = summary_of(&self.out).map(|(written, _)| written);
+        // Times of the file system alone: its clock may differ from that of this machine.
+        let log = self.out.join("log.jsonl");
+        let logged = modified(&log);
+        let has_begun = || modified(&log) != logged;
+        let child = start(self.args, &self.out, self.own.is_some(), self.workers)?;
+        // Launchers of MPI end their ranks at TERM, but pass on USR2.
+        let to_stop = if self.args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
+        let asked = || attempt.into_iter().for_each(Attempt::note_stop);
+        let status = wait(child, stop, to_stop, has_begun, asked)?;
+        let code = status.code();
+        let code_of_run = code.and_then(|code| u8::try_from(code).ok());
+        if let Some(code) = code_of_run.filter(|code| ENDED.contains(code)) {
+            return Ok(End::Code(code));
+        }
+        // A launcher that was interrupted has its own code. The summary has the end of the run.
+        let stopped = |(written, text): (SystemTime, String)| {
+            Some(written) != before && text.contains("\"status\": \"stopped\"")
+        };
+        if summary_of(&self.out).is_some_and(stopped) {
+            return Ok(End::Code(STOPPED));
+        }
+        let how = match (code, status.signal()) {
+            (Some(code), _) => format!("exit code {code}"),
+            (None, signal) => format!("signal {}", signal.unwrap_or_default()),
+        };
+        Ok(End::Lost { how, has_begun: has_begun() })
+    }
+
+    /// Finds the newest checkpoint of the run, and counts losses without a new one.
+    fn note_loss(&mut self) {
+        let newest = self.earlier.newest_other(&self.out);
+        self.in_vain = if newest > self.own { 0 } else { self.in_vain + 1 };
+        self.own = newest;
+    }
+
+    /// Prepares the next start, with fewer workers after losses without a new checkpoint, if the
+    /// launcher allows it. Returns false if the next start would be as much in vain.
+    fn prepare_retry(&mut self, how: &str) -> bool {
+        let cycle = match (self.own, &self.args.resume) {
+            (Some(cycle), _) => format!("cycle {cycle}"),
+            (None, Some(dir)) => dir.display().to_string(),
+            (None, None) => "the start".to_string(),
+        };
+        let mut next = format!("it continues from {cycle}");
+        if self.in_vain > 1 {
+            if self.workers <= 1 || !has_ranks(self.args) {
+                eprintln!(
+                    "error: the run was lost again ({how}) without a new checkpoint after {cycle}"
+                );
+                return false;
+            }
+            (self.workers, self.in_vain) = (self.workers / 2, 0);
+            next += &format!(", with {} workers: a host may have failed", self.workers);
+        }
+        eprintln!("warning: the run was lost ({how}); {next}");
+        true
+    }
+
+    /// Prints the command that continues the run: from its own newest checkpoint, or as it began.
+    fn show_way_on(&self) {
+        let own = self.own.map(|_| self.out.as_path());
+        if let Some(from) = own.or(self.args.resume.as_deref()) {
+            eprintln!("  continue with: crumple run --resume {}", from.display());
+        }
     }
 }
 

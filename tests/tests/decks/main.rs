@@ -1,6 +1,8 @@
-//! Keyword decks: formats and problems, models, joints, arbitrary bytes, runs.
+//! Keyword decks: formats and problems, models, contacts, joints, arbitrary bytes, runs.
 
+mod base;
 mod bytes;
+mod contacts;
 mod formats;
 mod joints;
 mod models;

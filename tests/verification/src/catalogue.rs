@@ -2,10 +2,10 @@
 //! with the reason.
 
 use super::{
-    Entry, bars, beam_contact, beams, contact, crashes, crush, dynamic_relaxation, edges, elements,
-    experiments, facets, hertz, invariance, joints, lines, materials, plates, pressure_patch,
-    ridges, rigid, sections, sheets, sliding, solid_bars, solid_cells, solid_patches, stability,
-    stacks, steps, taylor, walls,
+    Entry, bars, beam_contact, beams, contact, crashes, crush, drum, dynamic_relaxation, edges,
+    elements, experiments, facets, hertz, invariance, joints, lines, materials, plates,
+    pressure_patch, ridges, rigid, sections, sheets, sliding, solid_bars, solid_cells,
+    solid_patches, stability, stacks, steps, taylor, walls,
 };
 
 const fn entry(
@@ -280,7 +280,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "C18",
         "Sliding across facets and off edges",
-        &[facets::FLAT, facets::EDGE, facets::DRUM],
+        &[facets::FLAT, facets::EDGE, drum::DRUM],
         "a node that rests beyond the free edge of a shell",
     ),
     entry(

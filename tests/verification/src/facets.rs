@@ -1,5 +1,5 @@
 //! Effect of facets in contact: a cube dropped on a corner at different places of a mesh (C03),
-//! blocks that slide over many facets, flat or around a drum (C18).
+//! blocks that slide over many flat facets and off their edge (C18).
 
 use super::contact::{carrier, tip};
 use super::laws::Law;
@@ -8,9 +8,8 @@ use super::row::CheckRow;
 use super::scene::{STEEL, Scene};
 use super::sliding::FLUTTER;
 use super::solid_bars::INVISCID;
+use super::solids::Block;
 use super::{Bench, Check};
-use crumple_worker::energy::momentum;
-use std::f64::consts::{PI, TAU};
 
 /// Check of C03.
 pub const DROPPED: Check = Check { name: "cube on a corner", quick: true, run: dropped };
@@ -18,12 +17,10 @@ pub const DROPPED: Check = Check { name: "cube on a corner", quick: true, run: d
 pub const FLAT: Check = Check { name: "over 50 flat facets", quick: false, run: flat };
 /// Check of C18, off the edge.
 pub const EDGE: Check = Check { name: "off the last edge", quick: true, run: edge };
-/// Check of C18, drum.
-pub const DRUM: Check = Check { name: "inside a drum of 72 facets", quick: false, run: drum };
 
-const FIXED: &str = "x y z rx ry rz";
-const THICKNESS: f64 = 2e-3;
-const CATALOGUE: &str = "limit of the catalogue";
+pub(super) const FIXED: &str = "x y z rx ry rz";
+pub(super) const THICKNESS: f64 = 2e-3;
+pub(super) const CATALOGUE: &str = "limit of the catalogue";
 
 fn dropped(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const N: usize = 4;
@@ -102,76 +99,87 @@ fn dropped(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     Ok(all)
 }
 
-fn flat(bench: &Bench) -> Result<Vec<CheckRow>, String> {
+/// Size of the block of C18 on flat facets [m], side of a facet [m], speed [m/s], and time of the
+/// ramp of the normal force [s].
+const SIZE: [f64; 3] = [0.02, 0.02, 0.01];
+const FACET: f64 = 4e-3;
+const SPEED: f64 = 10.0;
+const RAMPED: f64 = 0.2e-3;
+
+/// Builds a block that a normal force [N] presses on a strip of facets.
+fn block_on_strip(law: &Law, friction: f64, force: f64) -> (Scene, Block) {
     const FACETS: usize = 50;
-    let (size, facet, way, v, ramped) = ([0.02, 0.02, 0.01], 4e-3, 0.2, 10.0, 0.2e-3);
-    let whole = STEEL.rho * size.iter().product::<f64>();
+    let way = 0.2;
     let (s, c) = 7f64.to_radians().sin_cos();
+    let mut scene = Scene::new(if friction > 0.0 { 1.2 } else { 1.0 } * way / SPEED);
+    // The strip is wide enough for a block that crosses its lines at 7 degrees.
+    let base = scene.grid(1, [FACETS + 10, 6], |x, y| {
+        let [x, y] = [FACET * ((FACETS + 10) as f64 * x - 5.0), 0.066 * (y - 0.7)];
+        [c * x - s * y, s * x + c * y, -0.5 * THICKNESS]
+    });
+    let block =
+        scene.block(2, [2, 2, 1], |p| [SIZE[0] * p[0], SIZE[1] * (p[1] - 0.5), SIZE[2] * p[2]]);
+    scene.elastic("steel", STEEL);
+    scene.part(1, "steel", THICKNESS, "points = 2");
+    scene.solid_part(2, "steel", INVISCID);
+    scene.fix(base.all(), FIXED);
+    scene.start(block.all(), [SPEED, 0.0, 0.0], [0.0; 3]);
+    scene.start(base.all(), [0.0; 3], [0.0; 3]);
+    scene.ramp(RAMPED);
+    scene.press(&block.last(2), force / (SIZE[0] * SIZE[1]));
+    scene.add(&format!("{}friction = {friction:?}", law.table()));
+    (scene, block)
+}
+
+/// Returns the swing of the normal force about `force` [N] until `end` [s], as a fraction of it,
+/// rms. Means are over an eighth of the time to cross a facet: many oscillations over the block's
+/// depth.
+fn swing(push: &Push, force: f64, end: f64) -> f64 {
+    let window = FACET / SPEED / 8.0;
+    let from = 5.0 * RAMPED;
+    let count = ((end - from) / window) as usize;
+    let off = (0..count).map(|k| {
+        let t = from + k as f64 * window;
+        (push.mean_force(t, t + window) / force - 1.0).powi(2)
+    });
+    (off.sum::<f64>() / count as f64).sqrt()
+}
+
+fn flat(bench: &Bench) -> Result<Vec<CheckRow>, String> {
+    let whole = STEEL.rho * SIZE.iter().product::<f64>();
     let mut all = Vec::new();
     for law in Law::ALL {
         for (friction, force) in [(0.0, 400.0), (0.3, 20.0)] {
-            let mut scene = Scene::new(if friction > 0.0 { 1.2 } else { 1.0 } * way / v);
-            // The strip is wide enough for a block that crosses its lines at 7 degrees.
-            let base = scene.grid(1, [FACETS + 10, 6], |x, y| {
-                let [x, y] = [facet * ((FACETS + 10) as f64 * x - 5.0), 0.066 * (y - 0.7)];
-                [c * x - s * y, s * x + c * y, -0.5 * THICKNESS]
-            });
-            let block = scene
-                .block(2, [2, 2, 1], |p| [size[0] * p[0], size[1] * (p[1] - 0.5), size[2] * p[2]]);
-            scene.elastic("steel", STEEL);
-            scene.part(1, "steel", THICKNESS, "points = 2");
-            scene.solid_part(2, "steel", INVISCID);
-            scene.fix(base.all(), FIXED);
-            scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
-            scene.start(base.all(), [0.0; 3], [0.0; 3]);
-            scene.add(&format!(
-                "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramped:?}, 1.0]]"
-            ));
-            let top = scene.set(&block.last(2));
-            let pressure = force / (size[0] * size[1]);
-            scene.add(&format!(
-                "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
-            ));
-            scene.add(&format!("{}friction = {friction:?}", law.table()));
+            let (scene, block) = block_on_strip(law, friction, force);
             let mut push = Push::default();
-            let (mut speed, mut aside) = (Vec::new(), 0.0f64);
+            let (mut last, mut aside) = (SPEED, 0.0f64);
             let name = format!("C18 flat {} {friction}", law.name);
             let run = bench.watch(&name, &scene, |e| {
                 let (t, now) =
                     (e.clock.time - 0.5 * e.clock.last_dt, mean_velocity(e, block.all(), 2));
-                push.add_sample(t, whole * now + force * (t - 0.5 * ramped).max(0.0));
-                speed.push((e.clock.time, mean_velocity(e, block.all(), 0)));
+                push.add_sample(t, whole * now + force * (t - 0.5 * RAMPED).max(0.0));
+                last = mean_velocity(e, block.all(), 0);
                 aside = aside.max(mean_velocity(e, block.all(), 1).abs());
             })?;
             let variant = format!("{}, friction {friction}", law.name);
-            // Means over an eighth of the time to cross a facet: many oscillations over the
-            // block's depth.
-            let window = facet / v / 8.0;
-            let (from, end) = (5.0 * ramped, run.engine.clock.time);
-            let count = ((end - from) / window) as usize;
-            let off = (0..count).map(|k| {
-                let t = from + k as f64 * window;
-                (push.mean_force(t, t + window) / force - 1.0).powi(2)
-            });
-            let rms = (off.sum::<f64>() / count as f64).sqrt();
+            let end = run.engine.clock.time;
             let row = CheckRow::new(
                 "swing of the normal force, rms over an eighth of a facet",
                 &variant,
                 "",
-                rms,
+                swing(&push, force, end),
             );
             all.push(row.at_most(0.02, CATALOGUE).known(if friction > 0.0 && !law.is_spring() {
                 FLUTTER
             } else {
                 ""
             }));
-            let row = CheckRow::new("largest velocity aside / v", &variant, "", aside / v);
+            let row = CheckRow::new("largest velocity aside / v", &variant, "", aside / SPEED);
             all.push(row.at_most(1e-3, "[D] by symmetry"));
             all.push(run.given_row(&variant));
-            let last = speed[speed.len() - 1].1;
             if friction > 0.0 {
                 let slow = friction * force / whole;
-                let expected = v - slow * (end - 0.5 * ramped);
+                let expected = SPEED - slow * (end - 0.5 * RAMPED);
                 let row = CheckRow::new("speed at the end", &variant, "m/s", last);
                 all.push(row.near(expected, 0.005, "[D] v - mu N t/m; tolerance of A07"));
             } else {
@@ -179,7 +187,7 @@ fn flat(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                     "loss of speed over 50 facets / v",
                     &variant,
                     "",
-                    (1.0 - last / v).abs(),
+                    (1.0 - last / SPEED).abs(),
                 );
                 all.push(row.at_most(1e-3, CATALOGUE));
             }
@@ -250,116 +258,6 @@ fn edge(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             CheckRow::new("falls at the end / g t", &variant, "", fell / free)
                 .reference(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2 ms"),
         );
-    }
-    Ok(all)
-}
-
-fn drum(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    const FACETS: usize = 72;
-    const POLYGON: &str =
-        "[C] rigid block in this polygon, plastic impacts, tests/references/drum.py";
-    let (radius, side, v, half_turn) = (0.1, 8e-3, 10.0, PI);
-    let mut all = Vec::new();
-    for law in Law::ALL {
-        for friction in [0.0, 0.3] {
-            // Friction reduces the velocity as exp(-mu angle).
-            let time = if friction > 0.0 {
-                ((friction * half_turn).exp() - 1.0) / friction
-            } else {
-                half_turn
-            };
-            // The drum's facets are chords; the block's face is flat, and its front and rear
-            // edges slide on them.
-            let inner = radius * (PI / FACETS as f64).cos() - 0.5 * THICKNESS;
-            let low = (inner * inner - 0.25 * side * side).sqrt();
-            let centre = low - 0.5 * side;
-            let mut scene = Scene::new(time * centre / v);
-            let drum = scene.grid(1, [FACETS, 4], |t, y| {
-                let (s, c) = (TAU * (t + 0.5 / FACETS as f64)).sin_cos();
-                [radius * s, 0.04 * (y - 0.5), -radius * c]
-            });
-            let block = scene.block(2, [1; 3], |p| {
-                let [x, y, z] = p.map(|q| side * (q - 0.5));
-                // The lines of the two meshes are at 7 degrees about the radius.
-                let (s, c) = 7f64.to_radians().sin_cos();
-                [c * x - s * y, s * x + c * y, z - centre + 2e-5]
-            });
-            scene.elastic("steel", STEEL);
-            scene.part(1, "steel", THICKNESS, "points = 2");
-            scene.solid_part(2, "steel", INVISCID);
-            scene.fix(drum.all(), FIXED);
-            // The block turns about the axis of the drum as a rigid body.
-            let set = scene.set(block.all());
-            let spin = -v / centre;
-            scene.add(&format!(
-                "[[initial_velocity]]\nnodes = \"{set}\"\nvelocity = [0.0, 0.0, 0.0]\n\
-                 spin = [0.0, {spin:?}, 0.0]"
-            ));
-            scene.start(drum.all(), [0.0; 3], [0.0; 3]);
-            scene.add(&format!("{}friction = {friction:?}", law.table()));
-            let (mut before, mut angle, mut start) = (None, 0.0, 0.0);
-            let name = format!("C18 drum {} {friction}", law.name);
-            let run = bench.watch(&name, &scene, |e| {
-                let at = [0, 2]
-                    .map(|c| block.all().iter().map(|&n| position(e, n)[c]).sum::<f64>() / 8.0);
-                let now = at[0].atan2(-at[1]);
-                if let Some(then) = before {
-                    let step: f64 = now - then;
-                    angle += step - TAU * (step / TAU).round();
-                }
-                before = Some(now);
-                if e.clock.cycle == 0 {
-                    start = e.ledger.energies(&e.nodes, &e.blocks).values().kinetic;
-                }
-            })?;
-            let variant = format!("{}, friction {friction}, in the drum", law.name);
-            let crossed = angle.abs() / TAU * FACETS as f64;
-            let end = run.engine.ledger.energies(&run.engine.nodes, &run.engine.blocks).values();
-            let kept = (end.kinetic + end.internal + end.hourglass) / start;
-            if friction == 0.0 {
-                // A corner of the polygon turns the path by 5 degrees: no law that treats facets
-                // as flat can keep all of the energy.
-                let change = (kept - 1.0) / crossed;
-                all.push(
-                    CheckRow::new("energy lost per facet", &variant, "", -change)
-                        .at_most(0.00661, POLYGON),
-                );
-                all.push(
-                    CheckRow::new("energy won per facet", &variant, "", change)
-                        .at_most(5e-4, CATALOGUE),
-                );
-                let row = CheckRow::new("change of energy per facet", &variant, "", change);
-                all.push(row.reference(5e-4, "limit of the catalogue, for a smooth surface"));
-            } else {
-                let expected = (-2.0 * friction * angle.abs()).exp();
-                let row =
-                    CheckRow::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
-                all.push(match law.is_spring() {
-                    // The block is thrown off at corners, turns over and flies.
-                    true => row.reference(
-                        0.904,
-                        "[C] rigid block in a nearly round drum, tests/references/drum.py",
-                    ),
-                    false => row.within(
-                        0.8027,
-                        0.1014,
-                        "[C] rigid block, plastic impacts: 0.7013 in this polygon, 0.9041 in a \
-                         nearly round drum, tests/references/drum.py",
-                    ),
-                });
-            }
-            let row = CheckRow::new("facets crossed", &variant, "", crossed);
-            all.push(row.reference(0.5 * FACETS as f64, "[D] half a turn"));
-            all.push(run.given_row(&variant));
-            let aside =
-                momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
-            let row = CheckRow::new("momentum along the axis / m v", &variant, "", aside);
-            all.push(if friction > 0.0 {
-                row.reference(0.0, "[D] zero except for the 7 degrees")
-            } else {
-                row.at_most(1e-3, "[D] no friction; bound of C03")
-            });
-        }
     }
     Ok(all)
 }

@@ -183,74 +183,20 @@ fn scenes(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 /// Moves ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction,
 /// for 1e5 steps.
 fn closed_box(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    const EACH: usize = 10;
-    let (room, side, thickness) = (0.07, 0.01, 1e-3);
     let mut all = Vec::new();
     // Springs without dashpots have to keep the energy; with dashpots they may not give any.
     let damped =
         Law::ALL.iter().filter(|law| law.is_spring()).map(|law| (law, law.table(), " damped"));
     for (law, contact, how) in Law::ALL.iter().map(|law| (law, law.undamped(), "")).chain(damped) {
-        let mut scene = Scene::new(1.0);
-        // Positions on a lattice of 3 x 3 x 3, velocities from -10 to 10 m/s by a linear
-        // congruential generator.
-        let mut state = 1u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
-        };
-        for body in 0..2 * EACH {
-            let at = [body % 3, body / 3 % 3, body / 9]
-                .map(|i| (i as f64 + 0.5) * room / 3.0 - 0.5 * side);
-            let part = body as u32 + 1;
-            let velocity = [0; 3].map(|_| 10.0 * random());
-            let nodes = if body % 2 == 0 {
-                scene.solid_part(part, "steel", INVISCID);
-                scene
-                    .block(part, [1; 3], |p| std::array::from_fn(|c| at[c] + side * p[c]))
-                    .all()
-                    .to_vec()
-            } else {
-                scene.part(part, "steel", thickness, "points = 2");
-                scene
-                    .grid(part, [1, 1], |x, y| {
-                        [at[0] + side * x, at[1] + side * y, at[2] + 0.5 * side]
-                    })
-                    .all()
-                    .to_vec()
-            };
-            scene.start(&nodes, velocity, [0.0; 3]);
-        }
-        scene.elastic("steel", STEEL);
-        for c in 0..3 {
-            let unit = |s: f64| std::array::from_fn(|k| if k == c { s } else { 0.0 });
-            scene.wall([0.0; 3], unit(1.0), 0.0);
-            scene.wall([room; 3], unit(-1.0), 0.0);
-        }
+        let mut scene = bodies_in_box();
         scene.add(&contact);
-        // A single shell is not stable at a larger step (A23).
-        scene.time("max_cycles = 100000\nsafety = 0.8");
         let mut hit = 0;
         let run = bench.run(&format!("A29 box {}{how}", law.name), &scene, |e| {
             hit += u64::from(e.contact.as_ref().is_some_and(|c| c.owned_pairs().next().is_some()));
             ControlFlow::Continue(())
         })?;
         let variant = format!("{}{how}, 10 cubes and 10 plates, 1e5 steps", law.name);
-        let pushed = |c: usize| {
-            run.engine.constraints.walls.impulses.iter().map(|p| p[c].value()).sum::<f64>()
-        };
-        let now = momentum(&run.engine.nodes).0;
-        let sizes: f64 =
-            (0..run.engine.nodes.local_count).map(|i| run.engine.nodes.mass[i] * 10.0).sum();
-        let off =
-            (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
-        let off = if run.trouble { f64::INFINITY } else { off / sizes };
-        let row = CheckRow::new(
-            "change of momentum less the impulse of the box / m v",
-            &variant,
-            "",
-            off,
-        );
-        all.push(row.at_most(1e-10, "limit of the catalogue"));
+        all.push(momentum_row(&run, &variant));
         let energies = &run.energies;
         let kept = (energies.kinetic + energies.internal + energies.hourglass) / run.initial;
         let row = CheckRow::new("energy at the end / at the start", &variant, "", kept);
@@ -278,4 +224,59 @@ fn closed_box(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         );
     }
     Ok(all)
+}
+
+/// Builds the bodies on a lattice of 3 x 3 x 3 in the box, with velocities from -10 to 10 m/s by a
+/// linear congruential generator.
+fn bodies_in_box() -> Scene {
+    const EACH: usize = 10;
+    let (room, side, thickness) = (0.07, 0.01, 1e-3);
+    let mut scene = Scene::new(1.0);
+    let mut state = 1u64;
+    let mut random = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+    };
+    for body in 0..2 * EACH {
+        let at =
+            [body % 3, body / 3 % 3, body / 9].map(|i| (i as f64 + 0.5) * room / 3.0 - 0.5 * side);
+        let part = body as u32 + 1;
+        let velocity = [0; 3].map(|_| 10.0 * random());
+        let nodes = if body % 2 == 0 {
+            scene.solid_part(part, "steel", INVISCID);
+            scene
+                .block(part, [1; 3], |p| std::array::from_fn(|c| at[c] + side * p[c]))
+                .all()
+                .to_vec()
+        } else {
+            scene.part(part, "steel", thickness, "points = 2");
+            scene
+                .grid(part, [1, 1], |x, y| [at[0] + side * x, at[1] + side * y, at[2] + 0.5 * side])
+                .all()
+                .to_vec()
+        };
+        scene.start(&nodes, velocity, [0.0; 3]);
+    }
+    scene.elastic("steel", STEEL);
+    for c in 0..3 {
+        let unit = |s: f64| std::array::from_fn(|k| if k == c { s } else { 0.0 });
+        scene.wall([0.0; 3], unit(1.0), 0.0);
+        scene.wall([room; 3], unit(-1.0), 0.0);
+    }
+    // A single shell is not stable at a larger step (A23).
+    scene.time("max_cycles = 100000\nsafety = 0.8");
+    scene
+}
+
+/// Returns the row of the momentum that neither the bodies nor the box have.
+fn momentum_row(run: &Finished, variant: &str) -> CheckRow {
+    let pushed =
+        |c: usize| run.engine.constraints.walls.impulses.iter().map(|p| p[c].value()).sum::<f64>();
+    let now = momentum(&run.engine.nodes).0;
+    let sizes: f64 =
+        (0..run.engine.nodes.local_count).map(|i| run.engine.nodes.mass[i] * 10.0).sum();
+    let off = (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
+    let off = if run.trouble { f64::INFINITY } else { off / sizes };
+    CheckRow::new("change of momentum less the impulse of the box / m v", variant, "", off)
+        .at_most(1e-10, "limit of the catalogue")
 }

@@ -20,6 +20,7 @@ pub mod catalogue;
 mod contact;
 mod crashes;
 mod crush;
+mod drum;
 mod dynamic_relaxation;
 mod edges;
 mod elements;

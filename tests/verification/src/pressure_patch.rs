@@ -41,10 +41,7 @@ fn patch(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
             scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
             let top = scene.set(&two.last(2));
-            scene.add(&format!(
-                "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
-                2.0 * period
-            ));
+            scene.ramp(2.0 * period);
             scene.add(&format!(
                 "[[pressure]]\nnodes = \"{top}\"\npressure = {PRESSURE:?}\ncurve = \"ramp\""
             ));

@@ -250,21 +250,16 @@ fn roofs(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         let loaded = if load > 0.0 { format!(" under {load} kg") } else { String::new() };
         let name = format!("roofs of {slope} degrees{loaded}, ridges crossing at {angle}");
         all.extend(compare(bench, &name, 1, THICKNESS, |scene| {
-            let roof = |part, z: f64, angle, ridge_up| Roof {
-                part,
-                at: [0.0, 0.0, z],
-                angle,
+            let sloping = |part, z: f64, angle, ridge_up| Roof {
                 slope,
-                ridge_up,
-                post: false,
-                cells: CELLS,
+                ..roof(part, [0.0, 0.0, z], angle, ridge_up)
             };
-            let (above, rims) = roof(1, 0.5 * (THICKNESS + AIR), angle, false).build(scene);
+            let (above, rims) = sloping(1, HALF_GAP, angle, false).build(scene);
             if load > 0.0 {
                 scene.mass(&rims.0, load);
             }
-            let (_, feet) = roof(2, -0.5 * (THICKNESS + AIR), 0.0, true).build(scene);
-            (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, "points = 3"));
+            let (_, feet) = sloping(2, -HALF_GAP, 0.0, true).build(scene);
+            add_shell_parts(scene);
             scene.start(&above, [0.0, 0.0, -V], [0.0; 3]);
             scene.fix(&feet.0, "x y z");
         })?);
@@ -272,99 +267,103 @@ fn roofs(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     Ok(all)
 }
 
+/// Distance of the ridges from the plane between them [m].
+const HALF_GAP: f64 = 0.5 * (THICKNESS + AIR);
+
 /// Collides joints of shells and solids: a narrow plate on the rims of a T, a ridge on a ridge
 /// with a post, a cage of angles, a ridge on the edge of a solid.
 fn joints(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    let z = 0.5 * (THICKNESS + AIR);
-    let roof = |part, at, angle, ridge_up| Roof {
-        part,
-        at,
-        angle,
-        slope: 45.0,
-        ridge_up,
-        post: false,
-        cells: CELLS,
-    };
-    let shells = |scene: &mut Scene| {
-        (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, "points = 3"))
-    };
     let mut all =
-        compare(bench, "a plate on the stem and the flange of a T", 1, THICKNESS, |scene| {
-            let plate = scene.grid(1, [5, 1], |x, y| [0.012 * (y - 0.5), LENGTH * (x - 0.5), z]);
-            // The T lies on its side, so that the rims of the stem and of half the flange are
-            // up.
-            const ARM: f64 = 0.025;
-            let tip = ARM / 2f64.sqrt();
-            let joint: Vec<u32> = (0..=CELLS)
-                .map(|i| scene.node([LENGTH * (i as f64 / CELLS as f64 - 0.5), 0.0, -z - tip]))
-                .collect();
-            let mut feet = joint.clone();
-            for (across, up) in [(tip, 0.0), (-tip, 0.0), (tip, -2.0 * tip)] {
-                let ends: Vec<u32> = joint
-                    .iter()
-                    .map(|&n| {
-                        let [x, ..] = scene.at(n);
-                        scene.node([x, across, -z + up])
-                    })
-                    .collect();
-                (0..CELLS).for_each(|i| {
-                    _ = scene.shell(2, &[joint[i], joint[i + 1], ends[i + 1], ends[i]])
-                });
-                if up < 0.0 {
-                    feet.extend(ends);
-                }
-            }
-            shells(scene);
-            scene.start(plate.all(), [0.0, 0.0, -V], [0.0; 3]);
-            scene.fix(&feet, "x y z");
-        })?;
-    all.extend(compare(bench, "a ridge on a ridge with a post", 1, THICKNESS, |scene| {
-        let (above, _) = roof(1, [0.0, 0.0, z], 90.0, false).build(scene);
-        let (_, feet) = Roof { post: true, ..roof(2, [0.0, 0.0, -z], 0.0, true) }.build(scene);
-        shells(scene);
-        scene.start(&above, [0.0, 0.0, -V], [0.0; 3]);
-        scene.fix(&feet.0, "x y z");
-    })?);
-    all.extend(compare(bench, "a cage of angles under 1 kg", 1, THICKNESS, |scene| {
-        let mut above = Vec::new();
-        for (k, cells) in [(-1.0, 5), (0.0, 4), (1.0, 5)] {
-            let part =
-                |part, ridge_up, at, angle| Roof { cells, ..roof(part, at, angle, ridge_up) };
-            above.extend(part(1, false, [0.045 * k, 0.0, z], 90.0).build(scene).0);
-            let (_, feet) = part(2, true, [0.0, 0.045 * k, -z], 0.0).build(scene);
-            scene.fix(&feet.0, "x y z");
-        }
-        shells(scene);
-        scene.mass(&above, 1.0);
-        scene.start(&above, [V, 0.5 * V, -V], [0.0; 3]);
-    })?);
-    all.extend(compare(bench, "a ridge on a solid's edge", 1, 0.5 * THICKNESS, |scene| {
-        let (above, _) = roof(1, [0.0, 0.0, 0.5 * THICKNESS + AIR], 90.0, false).build(scene);
-        // A bar that stands on an edge.
-        const DIAGONAL: f64 = 0.02;
-        let mut bottom = Vec::new();
-        let ring: Vec<[u32; 4]> = (0..=CELLS)
-            .map(|i| {
-                let x = LENGTH * (i as f64 / CELLS as f64 - 0.5);
-                let ring = [
-                    (0.0, 0.0),
-                    (-DIAGONAL, -DIAGONAL),
-                    (0.0, -2.0 * DIAGONAL),
-                    (DIAGONAL, -DIAGONAL),
-                ];
-                let nodes = ring.map(|(y, z)| scene.node([x, y, z]));
-                bottom.push(nodes[2]);
-                nodes
+        compare(bench, "a plate on the stem and the flange of a T", 1, THICKNESS, plate_on_t)?;
+    all.extend(compare(bench, "a ridge on a ridge with a post", 1, THICKNESS, ridge_on_post)?);
+    all.extend(compare(bench, "a cage of angles under 1 kg", 1, THICKNESS, cage)?);
+    all.extend(compare(bench, "a ridge on a solid's edge", 1, 0.5 * THICKNESS, ridge_on_solid)?);
+    Ok(all)
+}
+
+/// Returns a roof of 45 degrees without a post.
+fn roof(part: u32, at: [f64; 3], angle: f64, ridge_up: bool) -> Roof {
+    Roof { part, at, angle, slope: 45.0, ridge_up, post: false, cells: CELLS }
+}
+
+fn add_shell_parts(scene: &mut Scene) {
+    (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, "points = 3"));
+}
+
+/// Returns the places along a ridge at which it has nodes [m].
+fn along_ridge() -> impl Iterator<Item = f64> {
+    (0..=CELLS).map(|i| LENGTH * (i as f64 / CELLS as f64 - 0.5))
+}
+
+/// The T lies on its side, so that the rims of the stem and of half the flange are up.
+fn plate_on_t(scene: &mut Scene) {
+    const ARM: f64 = 0.025;
+    let z = HALF_GAP;
+    let plate = scene.grid(1, [5, 1], |x, y| [0.012 * (y - 0.5), LENGTH * (x - 0.5), z]);
+    let tip = ARM / 2f64.sqrt();
+    let joint: Vec<u32> = along_ridge().map(|x| scene.node([x, 0.0, -z - tip])).collect();
+    let mut feet = joint.clone();
+    for (across, up) in [(tip, 0.0), (-tip, 0.0), (tip, -2.0 * tip)] {
+        let ends: Vec<u32> = joint
+            .iter()
+            .map(|&n| {
+                let [x, ..] = scene.at(n);
+                scene.node([x, across, -z + up])
             })
             .collect();
-        for pair in ring.windows(2) {
-            let [[a, b, c, d], [e, f, g, h]] = [pair[0], pair[1]];
-            scene.solid(2, [a, b, c, d, e, f, g, h]);
+        (0..CELLS)
+            .for_each(|i| _ = scene.shell(2, &[joint[i], joint[i + 1], ends[i + 1], ends[i]]));
+        if up < 0.0 {
+            feet.extend(ends);
         }
-        scene.part(1, "steel", THICKNESS, "points = 3");
-        scene.solid_part(2, "steel", "");
-        scene.start(&above, [0.0, 0.0, -V], [0.0; 3]);
-        scene.fix(&bottom, "x y z");
-    })?);
-    Ok(all)
+    }
+    add_shell_parts(scene);
+    scene.start(plate.all(), [0.0, 0.0, -V], [0.0; 3]);
+    scene.fix(&feet, "x y z");
+}
+
+fn ridge_on_post(scene: &mut Scene) {
+    let (above, _) = roof(1, [0.0, 0.0, HALF_GAP], 90.0, false).build(scene);
+    let (_, feet) = Roof { post: true, ..roof(2, [0.0, 0.0, -HALF_GAP], 0.0, true) }.build(scene);
+    add_shell_parts(scene);
+    scene.start(&above, [0.0, 0.0, -V], [0.0; 3]);
+    scene.fix(&feet.0, "x y z");
+}
+
+/// Three angles across three others, under 1 kg.
+fn cage(scene: &mut Scene) {
+    let mut above = Vec::new();
+    for (k, cells) in [(-1.0, 5), (0.0, 4), (1.0, 5)] {
+        let part = |part, ridge_up, at, angle| Roof { cells, ..roof(part, at, angle, ridge_up) };
+        above.extend(part(1, false, [0.045 * k, 0.0, HALF_GAP], 90.0).build(scene).0);
+        let (_, feet) = part(2, true, [0.0, 0.045 * k, -HALF_GAP], 0.0).build(scene);
+        scene.fix(&feet.0, "x y z");
+    }
+    add_shell_parts(scene);
+    scene.mass(&above, 1.0);
+    scene.start(&above, [V, 0.5 * V, -V], [0.0; 3]);
+}
+
+/// A ridge on a bar that stands on an edge.
+fn ridge_on_solid(scene: &mut Scene) {
+    const DIAGONAL: f64 = 0.02;
+    let (above, _) = roof(1, [0.0, 0.0, 0.5 * THICKNESS + AIR], 90.0, false).build(scene);
+    let mut bottom = Vec::new();
+    let ring: Vec<[u32; 4]> = along_ridge()
+        .map(|x| {
+            let ring =
+                [(0.0, 0.0), (-DIAGONAL, -DIAGONAL), (0.0, -2.0 * DIAGONAL), (DIAGONAL, -DIAGONAL)];
+            let nodes = ring.map(|(y, z)| scene.node([x, y, z]));
+            bottom.push(nodes[2]);
+            nodes
+        })
+        .collect();
+    for pair in ring.windows(2) {
+        let [[a, b, c, d], [e, f, g, h]] = [pair[0], pair[1]];
+        scene.solid(2, [a, b, c, d, e, f, g, h]);
+    }
+    scene.part(1, "steel", THICKNESS, "points = 3");
+    scene.solid_part(2, "steel", "");
+    scene.start(&above, [0.0, 0.0, -V], [0.0; 3]);
+    scene.fix(&bottom, "x y z");
 }

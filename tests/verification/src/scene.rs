@@ -272,6 +272,25 @@ impl Scene {
         }
     }
 
+    /// Adds a curve through these points: time [s] and factor.
+    pub fn curve(&mut self, name: &str, points: impl IntoIterator<Item = (f64, f64)>) {
+        let list: String = points.into_iter().map(|(t, f)| format!("[{t:?}, {f:?}],")).collect();
+        self.add(&format!("[[curve]]\nname = \"{name}\"\npoints = [{list}]"));
+    }
+
+    /// Adds the curve `ramp`, from 0 to 1 at the time `until` [s].
+    pub fn ramp(&mut self, until: f64) {
+        self.curve("ramp", [(0.0, 0.0), (until, 1.0)]);
+    }
+
+    /// Adds a pressure [Pa] on the faces between these nodes, which follows the curve `ramp`.
+    pub fn press(&mut self, nodes: &[u32], pressure: f64) {
+        let set = self.set(nodes);
+        self.add(&format!(
+            "[[pressure]]\nnodes = \"{set}\"\npressure = {pressure:?}\ncurve = \"ramp\""
+        ));
+    }
+
     /// Adds mass to nodes, `mass` [kg] in total.
     pub fn mass(&mut self, nodes: &[u32], mass: f64) {
         let set = self.set(nodes);

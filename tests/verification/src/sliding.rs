@@ -9,8 +9,8 @@ use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::solids::Block;
 use super::{Bench, Check};
+use crumple_worker::engine::Engine;
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// Check of A07.
 pub const STOP: Check = Check {
@@ -87,19 +87,6 @@ fn touch(scene: &mut Scene, law: &Law) {
     scene.add(&format!("{}friction = {MU:?}", law.table()));
 }
 
-fn curve(scene: &mut Scene, name: &str, points: impl Iterator<Item = (f64, f64)>) {
-    let list = points.fold(String::new(), |mut list, (t, f)| {
-        // Writing into a string cannot fail.
-        let _ = write!(list, "[{t:?}, {f:?}],");
-        list
-    });
-    scene.add(&format!("[[curve]]\nname = \"{name}\"\npoints = [{list}]"));
-}
-
-fn ramp(scene: &mut Scene, until: f64) {
-    curve(scene, "ramp", [(0.0, 0.0), (until, 1.0)].into_iter());
-}
-
 fn mass() -> f64 {
     STEEL.rho * SIZE.iter().product::<f64>()
 }
@@ -121,12 +108,9 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<CheckRow>, String> {
         scene.fix(&base, "x y z rx ry rz");
         scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
         scene.start(&base, [0.0; 3], [0.0; 3]);
-        ramp(&mut scene, ramped);
-        let top = scene.set(&block.last(2));
+        scene.ramp(ramped);
         let pressure = force / (SIZE[0] * SIZE[1]);
-        scene.add(&format!(
-            "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
-        ));
+        scene.press(&block.last(2), pressure);
         touch(&mut scene, law);
         let (mut stopped, mut drift, mut aside) = (f64::NAN, 0.0f64, 0.0f64);
         let run = bench.watch(&format!("A07 {} {kind:?}", law.name), &scene, |e| {
@@ -237,51 +221,57 @@ const CYCLES: [Cycle; 5] = [
     Cycle { r: 3.0, slips: 0.9971, fastest: 0.25 * TAU, slid: 10.2233 },
 ];
 
+/// Gravity of A08, with which it has a shorter period [m/s^2].
+const SHAKEN_G: f64 = 2.5e3;
+/// Period of the base [s]. So slow that the penalty spring is stiff: with it, r = 1.8 slips longer
+/// by 0.06 of the cycle at 2 ms, by 0.004 at 8 ms.
+const PERIOD: f64 = 8e-3;
+/// Time in which the block comes to rest on the base [s], and number of cycles after it.
+const SETTLE: f64 = 0.5 * PERIOD;
+const SHAKES: f64 = 6.0;
+
+/// Builds a block on a base whose velocity has the amplitude `r` mu g/w. Returns the nodes of the
+/// base and the block.
+fn shaken_block(law: &Law, r: f64) -> (Scene, Vec<u32>, Block) {
+    // Fewer points would make the steps in the base's acceleration noticeable.
+    const POINTS: usize = 1000;
+    let omega = TAU / PERIOD;
+    let mut scene = Scene::new(SETTLE + SHAKES * PERIOD);
+    let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
+    // Rigid like the block of the reference. A block of bricks bends and flutters (see
+    // [`FLUTTER`]), which counts as slip.
+    scene.add("[[rigid]]\nname = \"block\"\nparts = [2]");
+    scene.ramp(0.5 * SETTLE);
+    let count = (SHAKES * POINTS as f64) as usize;
+    let times = (0..=count).map(|k| k as f64 * PERIOD / POINTS as f64);
+    let sine = times.skip(1).map(|t| (SETTLE + t, (omega * t).sin()));
+    scene.curve("shake", std::iter::once((0.0, 0.0)).chain(sine));
+    scene
+        .add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"", -SHAKEN_G));
+    let set = scene.set(&base);
+    // The base is rigid: friction on its surface does not bend it.
+    scene.fix(&base, "rx ry rz");
+    // Zero until the block is at rest.
+    scene.add(&format!(
+        "[[motion]]\nnodes = \"{set}\"\nvelocity = [{:?}, 0.0, 0.0]\ncurve = \"shake\"",
+        r * (MU * SHAKEN_G / omega)
+    ));
+    touch(&mut scene, law);
+    (scene, base, block)
+}
+
 fn shaken(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured in the same way in \
                      tests/references/slip.py";
-    // Fewer points would make the steps in the base's acceleration noticeable.
-    const POINTS: usize = 1000;
-    // So slow that the penalty spring is stiff: with it, r = 1.8 slips longer by 0.06 of the
-    // cycle at 2 ms, by 0.004 at 8 ms.
-    let (g, period) = (2.5e3, 8e-3);
-    let omega = TAU / period;
-    let unit = MU * g / omega;
-    let (settle, cycles) = (0.5 * period, 6.0);
+    let omega = TAU / PERIOD;
+    let unit = MU * SHAKEN_G / omega;
     let mut all = Vec::new();
     for law in Law::ALL {
         for Cycle { r, slips, fastest, slid } in CYCLES {
-            let mut scene = Scene::new(settle + cycles * period);
-            let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
-            // Rigid like the block of the reference. A block of bricks bends and flutters (see
-            // [`FLUTTER`]), which counts as slip.
-            scene.add("[[rigid]]\nname = \"block\"\nparts = [2]");
-            ramp(&mut scene, 0.5 * settle);
-            let shake = |t: f64| (omega * t).sin();
-            let count = (cycles * POINTS as f64) as usize;
-            let times = (0..=count).map(|k| k as f64 * period / POINTS as f64);
-            curve(
-                &mut scene,
-                "shake",
-                std::iter::once((0.0, 0.0)).chain(times.skip(1).map(|t| (settle + t, shake(t)))),
-            );
-            scene.add(&format!(
-                "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"",
-                -g
-            ));
-            let set = scene.set(&base);
-            // The base is rigid: friction on its surface does not bend it.
-            scene.fix(&base, "rx ry rz");
-            // Velocity of the base, with the amplitude a0/omega = r unit. It is zero until the
-            // block is at rest.
-            scene.add(&format!(
-                "[[motion]]\nnodes = \"{set}\"\nvelocity = [{:?}, 0.0, 0.0]\ncurve = \"shake\"",
-                r * unit
-            ));
-            touch(&mut scene, law);
+            let (scene, base, block) = shaken_block(law, r);
             let (mut slipping, mut whole, mut way, mut most) = (0.0, 0.0, 0.0, 0.0f64);
             let (mut net, mut farthest) = (0.0f64, 0.0f64);
-            let last = settle + (cycles - 1.0) * period;
+            let last = SETTLE + (SHAKES - 1.0) * PERIOD;
             let run = bench.watch(&format!("A08 {} r {r}", law.name), &scene, |e| {
                 if e.clock.time > last {
                     let dt = e.clock.last_dt;
@@ -302,27 +292,8 @@ fn shaken(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             );
             all.push(run.given_row(&variant));
             if r < 1.0 {
-                // Stick springs are elastic, so their vibration does not count as slip.
-                let row = CheckRow::new(
-                    "left behind after a cycle / amplitude",
-                    &variant,
-                    "",
-                    net.abs() * omega / (r * unit),
-                );
-                all.push(
-                    row.at_most(
-                        1e-3,
-                        "[D] zero for a rigid block; bound of the vibration, as in C09",
-                    )
-                    .known(creep(law)),
-                );
-                let row = CheckRow::new(
-                    "farthest from its place in a cycle / amplitude",
-                    &variant,
-                    "",
-                    farthest * omega / (r * unit),
-                );
-                all.push(row.reference(0.0, "catalogue: 1e-6, F/k_t for springs"));
+                let [net, farthest] = [net.abs(), farthest].map(|way| way * omega / (r * unit));
+                all.extend(stuck_rows(law, &variant, net, farthest));
                 continue;
             }
             all.push(
@@ -337,6 +308,20 @@ fn shaken(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     Ok(all)
 }
 
+/// Returns the rows of a block that should stick to the shaken base: displacement at the end and
+/// largest displacement in a cycle, as fractions of the amplitude.
+fn stuck_rows(law: &Law, variant: &str, net: f64, farthest: f64) -> [CheckRow; 2] {
+    // Stick springs are elastic, so their vibration does not count as slip.
+    let left = CheckRow::new("left behind after a cycle / amplitude", variant, "", net);
+    let far =
+        CheckRow::new("farthest from its place in a cycle / amplitude", variant, "", farthest);
+    [
+        left.at_most(1e-3, "[D] zero for a rigid block; bound of the vibration, as in C09")
+            .known(creep(law)),
+        far.reference(0.0, "catalogue: 1e-6, F/k_t for springs"),
+    ]
+}
+
 fn incline(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     // A thousandfold gravity turns seconds into milliseconds.
     let g = 9810.0;
@@ -348,7 +333,7 @@ fn incline(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             let mut scene = Scene::new(time);
             let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
             scene.fix(&base, "x y z rx ry rz");
-            ramp(&mut scene, ramped);
+            scene.ramp(ramped);
             scene.add(&format!(
                 "[[gravity]]\nacceleration = [{:?}, 0.0, {:?}]\ncurve = \"ramp\"",
                 g * s,
@@ -389,60 +374,105 @@ fn creep(law: &Law) -> &'static str {
     if law.is_spring() { CREEP } else { PASSES }
 }
 
-fn reversal(bench: &Bench) -> Result<Vec<CheckRow>, String> {
+/// Normal force of C09 [N], period of the load [s], and time of the ramp of the normal force [s].
+const PRESSED: f64 = 400.0;
+const LOAD_PERIOD: f64 = 1e-3;
+const RAMPED: f64 = 0.2e-3;
+/// Number of cycles of the load.
+const LOAD_CYCLES: usize = 20;
+
+/// Builds a block on a base, pulled to and fro by 1.5 mu N.
+fn reversed_block(law: &Law) -> (Scene, Block) {
     const POINTS: usize = 50;
-    const CYCLES: usize = 20;
-    let (force, period, ramped) = (400.0, 1e-3, 0.2e-3);
-    let mut all = Vec::new();
-    for law in Law::ALL {
-        let mut scene = Scene::new(ramped + CYCLES as f64 * period);
-        let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
-        scene.fix(&base, "x y z rx ry rz");
-        ramp(&mut scene, ramped);
-        let points = (0..=CYCLES * POINTS).map(|k| k as f64 / POINTS as f64);
-        let wave = points.map(|p| (ramped + p * period, (TAU * p).sin()));
-        curve(&mut scene, "wave", std::iter::once((0.0, 0.0)).chain(wave));
-        let (top, set) = (scene.set(&block.last(2)), scene.set(&block.layer(2, 0)));
-        let pressure = force / (SIZE[0] * SIZE[1]);
-        scene.add(&format!(
-            "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
-        ));
-        scene.add(&format!(
-            "[[load]]\nnodes = \"{set}\"\nforce = [{:?}, 0.0, 0.0]\ncurve = \"wave\"",
-            1.5 * MU * force
-        ));
-        touch(&mut scene, law);
-        let (mut slid, mut means, mut early) = (0.0, vec![(0.0, 0u32); CYCLES], 0.0f64);
-        let (mut turns, mut held) = (0, 0.0);
-        let (mut low, mut high, mut heat, mut back) =
-            (f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64);
-        let run = bench.watch(&format!("C09 {}", law.name), &scene, |e| {
-            let x = displacement(e, block.at([1, 1, 0]))[0];
-            let since = (e.clock.time - ramped) / period;
-            if since > 0.0 {
-                slid += mean_velocity(e, &block.layer(2, 0), 0).abs() * e.clock.last_dt;
-                let cycle = (since as usize).min(CYCLES - 1);
-                means[cycle] = (means[cycle].0 + x, means[cycle].1 + 1);
-                // |T| is below mu N until sin = 2/3.
-                if since < (2.0f64 / 3.0).asin() / TAU {
-                    early = early.max(x.abs());
-                    let now = contact_force(e, block.all(), 0);
-                    // The rest of the ramp, 3e-8 of mu N on springs, can have either sign.
-                    if now.abs() > 1e-6 * MU * force {
-                        turns += u32::from(now * held < 0.0);
-                        held = now;
-                    }
-                }
-                if cycle > CYCLES / 2 {
-                    (low, high) = (low.min(x), high.max(x));
+    let mut scene = Scene::new(RAMPED + LOAD_CYCLES as f64 * LOAD_PERIOD);
+    let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
+    scene.fix(&base, "x y z rx ry rz");
+    scene.ramp(RAMPED);
+    let points = (0..=LOAD_CYCLES * POINTS).map(|k| k as f64 / POINTS as f64);
+    let wave = points.map(|p| (RAMPED + p * LOAD_PERIOD, (TAU * p).sin()));
+    scene.curve("wave", std::iter::once((0.0, 0.0)).chain(wave));
+    scene.press(&block.last(2), PRESSED / (SIZE[0] * SIZE[1]));
+    let set = scene.set(&block.layer(2, 0));
+    scene.add(&format!(
+        "[[load]]\nnodes = \"{set}\"\nforce = [{:?}, 0.0, 0.0]\ncurve = \"wave\"",
+        1.5 * MU * PRESSED
+    ));
+    touch(&mut scene, law);
+    (scene, block)
+}
+
+/// Quantities of the block of C09 that are observed in a run.
+struct Reversals {
+    /// Way of its lower face [m].
+    slid: f64,
+    /// Sum of displacements [m] and number of steps per cycle.
+    means: Vec<(f64, u32)>,
+    /// Largest displacement while it should stick [m], and turns of the friction force meanwhile.
+    early: f64,
+    turns: u32,
+    held: f64,
+    /// Range of the displacement in the second half [m].
+    low: f64,
+    high: f64,
+    /// Largest friction work, and largest loss of it [J].
+    heat: f64,
+    back: f64,
+}
+
+impl Reversals {
+    fn new() -> Self {
+        Self {
+            slid: 0.0,
+            means: vec![(0.0, 0); LOAD_CYCLES],
+            early: 0.0,
+            turns: 0,
+            held: 0.0,
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            heat: 0.0,
+            back: 0.0,
+        }
+    }
+
+    fn add_step(&mut self, e: &Engine, block: &Block) {
+        let x = displacement(e, block.at([1, 1, 0]))[0];
+        let since = (e.clock.time - RAMPED) / LOAD_PERIOD;
+        if since > 0.0 {
+            self.slid += mean_velocity(e, &block.layer(2, 0), 0).abs() * e.clock.last_dt;
+            let cycle = (since as usize).min(LOAD_CYCLES - 1);
+            self.means[cycle] = (self.means[cycle].0 + x, self.means[cycle].1 + 1);
+            // |T| is below mu N until sin = 2/3.
+            if since < (2.0f64 / 3.0).asin() / TAU {
+                self.early = self.early.max(x.abs());
+                let now = contact_force(e, block.all(), 0);
+                // The rest of the ramp, 3e-8 of mu N on springs, can have either sign.
+                if now.abs() > 1e-6 * MU * PRESSED {
+                    self.turns += u32::from(now * self.held < 0.0);
+                    self.held = now;
                 }
             }
-            let now = -e.ledger.energies(&e.nodes, &e.blocks).values().friction;
-            back = back.max(heat - now);
-            heat = heat.max(now);
-        })?;
-        let mean = |c: usize| means[c].0 / f64::from(means[c].1);
-        let amplitude = 0.5 * (high - low);
+            if cycle > LOAD_CYCLES / 2 {
+                (self.low, self.high) = (self.low.min(x), self.high.max(x));
+            }
+        }
+        let now = -e.ledger.energies(&e.nodes, &e.blocks).values().friction;
+        self.back = self.back.max(self.heat - now);
+        self.heat = self.heat.max(now);
+    }
+
+    fn mean(&self, cycle: usize) -> f64 {
+        self.means[cycle].0 / f64::from(self.means[cycle].1)
+    }
+}
+
+fn reversal(bench: &Bench) -> Result<Vec<CheckRow>, String> {
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let (scene, block) = reversed_block(law);
+        let mut seen = Reversals::new();
+        let run =
+            bench.watch(&format!("C09 {}", law.name), &scene, |e| seen.add_step(e, &block))?;
+        let amplitude = 0.5 * (seen.high - seen.low);
         let variant = format!("{}, 1.5 mu N at 1 kHz", law.name);
         let known = creep(law);
         all.push(
@@ -450,7 +480,7 @@ fn reversal(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                 "largest displacement while it should stick / amplitude",
                 &variant,
                 "",
-                early / amplitude,
+                seen.early / amplitude,
             )
             .at_most(1e-3, "[D] zero for a stiff block; 1e-3 for its own elasticity")
             .known(known),
@@ -459,20 +489,17 @@ fn reversal(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             "turns of the friction force while it should stick",
             &variant,
             "",
-            f64::from(turns),
+            f64::from(seen.turns),
         );
         all.push(row.at_most(1.0, "limit of the catalogue"));
-        all.push(
-            CheckRow::new(
-                "friction work / mu N way",
-                &variant,
-                "",
-                -run.energies.friction / (MU * force * slid),
-            )
-            .near(1.0, 0.005, "limit of the catalogue"),
-        );
-        let given =
-            CheckRow::new("friction work given back / all of it", &variant, "", back / heat);
+        let work = -run.energies.friction / (MU * PRESSED * seen.slid);
+        all.push(CheckRow::new("friction work / mu N way", &variant, "", work).near(
+            1.0,
+            0.005,
+            "limit of the catalogue",
+        ));
+        let back = seen.back / seen.heat;
+        let given = CheckRow::new("friction work given back / all of it", &variant, "", back);
         // A stick spring returns (mu N)^2/2k at a reversal. With F/k a thousandth of the
         // amplitude, as above, that is a 160th of a thousandth of the work of 20 cycles.
         all.push(match law.is_spring() {
@@ -483,7 +510,7 @@ fn reversal(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             false => given.at_most(1e-6, "[D] never negative; round-off").known(known),
         });
         all.push(run.given_row(&variant));
-        let drift = (mean(CYCLES - 1) - mean(4)).abs() / amplitude;
+        let drift = (seen.mean(LOAD_CYCLES - 1) - seen.mean(4)).abs() / amplitude;
         all.push(
             CheckRow::new("drift from cycle 5 to 20 / amplitude", &variant, "", drift)
                 .at_most(0.01, "limit of the catalogue"),

@@ -272,7 +272,7 @@ fn ring(scene: &mut Scene, [a, b]: [f64; 2], n: usize, pressure: f64, ramp: f64)
     scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
     scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
     let inner = scene.set(&ring.layer(0, 0));
-    scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramp:?}, 1.0]]"));
+    scene.ramp(ramp);
     scene.add(&format!(
         "[[pressure]]\nnodes = \"{inner}\"\npressure = {pressure:?}\ncurve = \"ramp\""
     ));

@@ -61,10 +61,7 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
         On::Block => scene.fix(support.all(), "x y z"),
         On::Rod => scene.fix(&support.layer(2, 0), "z"),
     }
-    scene.add(&format!(
-        "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
-        500.0 * transit
-    ));
+    scene.ramp(500.0 * transit);
     let top = scene.set(&rod.last(2));
     scene.add(&format!(
         "[[pressure]]\nnodes = \"{top}\"\npressure = {:?}\ncurve = \"ramp\"",

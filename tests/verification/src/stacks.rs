@@ -40,7 +40,7 @@ fn pressed(law: &Law, [below, above]: [usize; 2], more: &str, end: f64) -> (Scen
     scene.elastic("steel", STEEL);
     (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, ""));
     grids.iter().for_each(|g| scene.fix(g.all(), "x y rz"));
-    scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 0.3e-3));
+    scene.ramp(0.3e-3);
     for (part, sign) in [(1, -1.0), (2, 1.0)] {
         scene.add(&format!(
             "[[pressure]]\nparts = [{part}]\npressure = {:?}\ncurve = \"ramp\"",
@@ -230,10 +230,7 @@ fn stack(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         scene.elastic("steel", STEEL);
         (1..=BLOCKS as u32 + 1).for_each(|part| scene.solid_part(part, "steel", INVISCID));
         scene.fix(base.all(), "x y z");
-        scene.add(&format!(
-            "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
-            5.0 * period
-        ));
+        scene.ramp(5.0 * period);
         scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"", -g));
         scene.add(&law.table());
         scene.time(&format!("damping = {:?}", 4.0 * DAMPING));
@@ -298,10 +295,7 @@ fn corner(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         for c in 0..3 {
             scene.wall([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c))), friction);
         }
-        scene.add(&format!(
-            "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
-            100.0 * period
-        ));
+        scene.ramp(100.0 * period);
         scene.add(&format!("[[gravity]]\nacceleration = {:?}\ncurve = \"ramp\"", [-g; 3]));
         scene.time(&format!("damping = {:?}", 4.0 * DAMPING));
         let (mut from, mut fastest) = (None, 0.0f64);

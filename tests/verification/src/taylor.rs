@@ -217,6 +217,19 @@ const SPRINGS: &str = "penalty springs are compliant in addition to the cells, a
 /// Largest force of the reference on A11 [N].
 const FORCE: f64 = 344.8;
 
+/// Adds a rigid wall, or with a contact law a block that is stiff compared to the ball.
+fn add_floor(scene: &mut Scene, law: Option<&Law>, ball: Elastic) {
+    let Some(law) = law else {
+        return scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0);
+    };
+    let base = scene
+        .block(2, [6, 6, 1], |p| [0.03 * p[0] - 1e-4, 0.03 * p[1] - 1e-4, 0.005 * (p[2] - 1.0)]);
+    scene.elastic("stone", Elastic { e: 100.0 * ball.e, nu: 0.0, rho: 100.0 * ball.rho });
+    scene.solid_part(2, "stone", INVISCID);
+    scene.fix(base.all(), "x y z");
+    scene.add(&law.table());
+}
+
 fn ball(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     const D: &str = "[D] Hertz, a half space";
     // Hertz neglects that a finite sphere deforms as a whole, an effect of first order in the
@@ -236,21 +249,7 @@ fn ball(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         let nodes = scene.quarter_ball(1, ([0.0, 0.0, radius + air], radius), [8, 6], 0.6);
         scene.elastic("rubber", rubber);
         scene.solid_part(1, "rubber", INVISCID);
-        match law {
-            None => scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0),
-            Some(law) => {
-                let base = scene.block(2, [6, 6, 1], |p| {
-                    [0.03 * p[0] - 1e-4, 0.03 * p[1] - 1e-4, 0.005 * (p[2] - 1.0)]
-                });
-                scene.elastic(
-                    "stone",
-                    Elastic { e: 100.0 * rubber.e, nu: 0.0, rho: 100.0 * rubber.rho },
-                );
-                scene.solid_part(2, "stone", INVISCID);
-                scene.fix(base.all(), "x y z");
-                scene.add(&law.table());
-            }
-        }
+        add_floor(&mut scene, law, rubber);
         scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
         scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
         scene.start(&nodes, [0.0, 0.0, -v], [0.0; 3]);

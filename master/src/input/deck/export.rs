@@ -8,6 +8,7 @@ mod bodies;
 mod contact;
 mod curves;
 mod loads;
+mod materials;
 mod springs;
 mod walls;
 
@@ -15,7 +16,6 @@ use super::number::shortest;
 use crate::input::job::{Model, Report};
 use crumple_proto::job::{Job, Output, Parallel, Part, Setting, Time};
 use crumple_proto::mesh::{MeshElement, OwnSection, Shape};
-use crumple_proto::partition::{Material, Param};
 use crumple_worker::fem::elements::{HourglassForm, formulation, points_of};
 use curves::TimeCurves;
 use std::collections::{BTreeMap, BTreeSet};
@@ -143,7 +143,7 @@ pub fn export(model: &Model) -> Result<String, String> {
     let mut next = 1 + model.settings.materials.len() as u64;
     let bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
     next += bodies.materials.len() as u64;
-    materials(&mut deck, model, &bodies.materials);
+    materials::write(&mut deck, model, &bodies.materials);
     parts(&mut deck, model, &bodies.materials, next)?;
     let sets = node_sets(&mut deck, model);
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
@@ -185,124 +185,8 @@ fn control(deck: &mut Deck, job: &Job) {
     }
 }
 
-fn materials(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>) {
-    let deforms = |m: &Material| {
-        model.job.part.iter().any(|p| p.material == m.name && !rigid.contains_key(&p.id))
-    };
-    for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
-        let number = |key: &str| match material.parameters.get(key) {
-            Some(Param::Number(x)) => *x,
-            _ => 0.0,
-        };
-        let pair = |key: &str| match material.parameters.get(key) {
-            Some(Param::List(list)) if list.len() == 2 => [list[0], list[1]],
-            _ => [0.0; 2],
-        };
-        let first = [
-            Id(mid),
-            Number(material.density),
-            Number(number("youngs_modulus")),
-            Number(number("poisson")),
-        ];
-        let title = line(&material.name);
-        match material.law.as_str() {
-            "elastic" => {
-                deck.keyword("MAT_ELASTIC_TITLE");
-                deck.text(&title);
-                deck.card(&first);
-            }
-            "j2" => {
-                let [c, p] = pair("cowper_symonds");
-                let table = curve(deck, material);
-                deck.keyword("MAT_PIECEWISE_LINEAR_PLASTICITY_TITLE");
-                deck.text(&title);
-                let (yield_stress, fail) =
-                    (Number(number("yield_stress")), Number(number("failure_strain")));
-                let (e, h) = (number("youngs_modulus"), number("hardening_modulus"));
-                deck.card(&[
-                    first[0],
-                    first[1],
-                    first[2],
-                    first[3],
-                    yield_stress,
-                    Number(e * h / (e + h)),
-                    fail,
-                ]);
-                deck.card(&[Number(c), Number(p), table.map_or(Blank, Id)]);
-                deck.card(&[]);
-                deck.card(&[]);
-                if h > 0.0 {
-                    // The tangent modulus alone does not reproduce it to the last bit.
-                    deck.entry(
-                        "material",
-                        Table::from_iter([
-                            named(&material.name),
-                            ("hardening_modulus".into(), h.into()),
-                        ]),
-                    );
-                }
-            }
-            "johnson_cook" => johnson_cook(deck, material, mid, &title, number),
-            law => {
-                deck.text(&format!("$ material {title}: law {} has no keyword", line(law)));
-            }
-        }
-    }
-}
-
 fn named(name: &str) -> (String, Value) {
     ("name".into(), name.into())
-}
-
-fn johnson_cook(
-    deck: &mut Deck,
-    material: &Material,
-    mid: u64,
-    title: &str,
-    number: impl Fn(&str) -> f64,
-) {
-    let (e, nu) = (number("youngs_modulus"), number("poisson"));
-    deck.keyword("MAT_JOHNSON_COOK_TITLE");
-    deck.text(title);
-    deck.card(&[
-        Id(mid),
-        Number(material.density),
-        Number(e / (2.0 * (1.0 + nu))),
-        Number(e),
-        Number(nu),
-    ]);
-    let keys =
-        ["a", "b", "n", "c", "m", "melting_temperature", "reference_temperature", "reference_rate"];
-    deck.card(&keys.map(|key| Number(number(key))));
-    let d = match material.parameters.get("damage") {
-        Some(Param::List(d)) if d.len() == 5 => [d[0], d[1], d[2], d[3], d[4]],
-        _ => [0.0; 5],
-    };
-    deck.card(&[
-        Number(number("specific_heat")),
-        Blank,
-        Blank,
-        Blank,
-        Number(d[0]),
-        Number(d[1]),
-        Number(d[2]),
-        Number(d[3]),
-    ]);
-    deck.card(&[Number(d[4])]);
-    if let Some(Param::Number(share)) = material.parameters.get("taylor_quinney") {
-        deck.entry(
-            "material",
-            Table::from_iter([named(&material.name), ("taylor_quinney".into(), (*share).into())]),
-        );
-    }
-}
-
-/// Writes the hardening table of a material as a curve, and returns its id.
-fn curve(deck: &mut Deck, material: &Material) -> Option<u64> {
-    let Some(Param::Table(rows)) = material.parameters.get("hardening") else { return None };
-    let pairs: Vec<[f64; 2]> =
-        rows.iter().filter(|row| row.len() == 2).map(|row| [row[0], row[1]]).collect();
-    Some(points(deck, &pairs))
 }
 
 /// Writes a curve through these points, and returns its id.

@@ -138,63 +138,32 @@ impl Reader<'_> {
     fn blocks(&mut self, file: u32, path: &Path, mut format: Format) {
         let text = std::mem::take(&mut self.texts.files[file as usize].text);
         let bytes = text.as_bytes();
-        let main = file == 0;
-        let mut at = match first_keyword(bytes) {
-            Some(at) => at,
-            None => {
-                if main && !bytes.is_empty() {
-                    let help = "begin the deck with *KEYWORD; text before it is not read";
-                    self.trouble.warning(
-                        Place::Deck { file, start: 0, end: 0 },
-                        "the deck has no *KEYWORD",
-                        help,
-                    );
-                }
-                0
-            }
-        };
+        let begin = first_keyword(bytes).unwrap_or_else(|| {
+            self.warn_of_no_keyword(file, bytes);
+            0
+        });
         let mut block: Option<KeywordBlock> = None;
         let mut fragment: Option<Vec<u8>> = None;
         let mut stray = None;
         let mut ended = false;
-        while at < bytes.len() {
-            let stop = bytes[at..].iter().position(|&b| b == b'\n').map_or(bytes.len(), |n| at + n);
-            let mut end = stop;
-            while end > at && bytes[end - 1].is_ascii_whitespace() {
-                end -= 1;
-            }
-            let line = &bytes[at..end];
-            let span = (at as u32, end as u32);
-            at = stop + 1;
+        for (line, span) in lines(bytes, begin) {
             match line.first() {
-                Some(b'$') => {
-                    if line.len() >= FRAGMENT.len()
-                        && line[..FRAGMENT.len()].eq_ignore_ascii_case(FRAGMENT)
-                    {
-                        let own = fragment.get_or_insert_with(|| blank(bytes));
-                        let from = span.0 as usize + FRAGMENT.len();
-                        own[from..end].copy_from_slice(&bytes[from..end]);
-                    }
-                }
+                Some(b'$') => copy_fragment(bytes, line, span, &mut fragment),
                 Some(b'*') => {
                     if let Some(block) = block.take() {
                         self.end_block(block, &text, path, format);
                     }
-                    let head = Head::read(line, format);
-                    match head.name.as_str() {
+                    let Head { name, format: own } = Head::read(line, format);
+                    match name.as_str() {
                         "END" => {
                             ended = true;
                             break;
                         }
-                        "KEYWORD" => format = head.format,
+                        "KEYWORD" => format = own,
                         _ => {
-                            block = Some(KeywordBlock {
-                                file,
-                                head: span,
-                                name: head.name,
-                                format: head.format,
-                                lines: Vec::new(),
-                            });
+                            let lines = Vec::new();
+                            block =
+                                Some(KeywordBlock { file, head: span, name, format: own, lines });
                         }
                     }
                 }
@@ -208,27 +177,37 @@ impl Reader<'_> {
         if let Some(block) = block.take() {
             self.end_block(block, &text, path, format);
         }
-        if main && !ended && !bytes.is_empty() {
-            let last = Place::Deck { file, start: bytes.len() as u32, end: bytes.len() as u32 };
-            self.trouble.warning(
-                last,
-                "the deck has no *END",
-                "if the file is complete, add *END as its last line",
-            );
+        if !ended {
+            self.warn_of_no_end(file, bytes);
         }
         if let Some((start, end)) = stray {
             let help = "write its keyword, a line that begins with *, above it";
-            self.trouble.error(
-                Place::Deck { file, start, end },
-                "a card precedes the first keyword",
-                help,
-            );
+            let place = Place::Deck { file, start, end };
+            self.trouble.error(place, "a card precedes the first keyword", help);
         }
         // All characters outside the fragment that are not ASCII were replaced by blanks, so it
         // is UTF-8 like the text.
         let fragment = fragment.and_then(|f| String::from_utf8(f).ok());
         let own = &mut self.texts.files[file as usize];
         (own.text, own.fragment) = (text, fragment);
+    }
+
+    /// Warns if the main file has text but no `*KEYWORD`.
+    fn warn_of_no_keyword(&mut self, file: u32, bytes: &[u8]) {
+        if file == 0 && !bytes.is_empty() {
+            let help = "begin the deck with *KEYWORD; text before it is not read";
+            let place = Place::Deck { file, start: 0, end: 0 };
+            self.trouble.warning(place, "the deck has no *KEYWORD", help);
+        }
+    }
+
+    /// Warns if the main file has text but no `*END`.
+    fn warn_of_no_end(&mut self, file: u32, bytes: &[u8]) {
+        if file == 0 && !bytes.is_empty() {
+            let last = Place::Deck { file, start: bytes.len() as u32, end: bytes.len() as u32 };
+            let help = "if the file is complete, add *END as its last line";
+            self.trouble.warning(last, "the deck has no *END", help);
+        }
     }
 
     /// Stores a block, or reads the file that it includes.
@@ -357,6 +336,27 @@ fn first_keyword(bytes: &[u8]) -> Option<usize> {
         at += line.len() + 1;
     }
     None
+}
+
+/// Returns the lines from a byte on, without white space at their ends, and their bytes.
+fn lines(bytes: &[u8], mut at: usize) -> impl Iterator<Item = (&[u8], (u32, u32))> {
+    std::iter::from_fn(move || {
+        let rest = bytes.get(at..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        let line = rest[..length].trim_ascii_end();
+        let span = (at as u32, (at + line.len()) as u32);
+        at += length + 1;
+        Some((line, span))
+    })
+}
+
+/// Copies the text of a comment after `$crumple:` to its place in the fragment.
+fn copy_fragment(bytes: &[u8], line: &[u8], span: (u32, u32), fragment: &mut Option<Vec<u8>>) {
+    if line.len() >= FRAGMENT.len() && line[..FRAGMENT.len()].eq_ignore_ascii_case(FRAGMENT) {
+        let own = fragment.get_or_insert_with(|| blank(bytes));
+        let (from, end) = (span.0 as usize + FRAGMENT.len(), span.1 as usize);
+        own[from..end].copy_from_slice(&bytes[from..end]);
+    }
 }
 
 fn blank(bytes: &[u8]) -> Vec<u8> {

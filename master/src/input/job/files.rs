@@ -22,45 +22,60 @@ pub(super) fn read_mesh(
     sources: &mut Sources,
     findings: &mut Findings,
 ) -> Option<mesh::Read> {
-    let MeshSource {
-        generator,
-        file,
-        exodus,
-        nodes,
-        shells,
-        solids,
-        beams,
-        springs,
-        node_sets,
-        thicknesses,
-        offsets,
-        ..
-    } = &job.mesh;
-    let rows = ![
-        nodes.is_empty(),
-        shells.is_empty(),
-        solids.is_empty(),
-        beams.is_empty(),
-        springs.is_empty(),
-    ]
-    .iter()
-    .all(|&empty| empty);
     if findings.any_faulty_below("mesh") {
         return None;
     }
+    let given = &job.mesh;
     let own_sets = || {
-        let own = node_sets.iter();
+        let own = given.node_sets.iter();
         own.map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()))
     };
     let in_folder = |name: &String| path.parent().unwrap_or(Path::new("")).join(name);
-    let others = [generator.is_some(), file.is_some(), exodus.is_some(), rows];
-    let count = others.iter().filter(|&&given| given).count();
-    if let Some(deck) = deck.filter(|_| count == 0) {
+    let count = count_sources(given);
+    let read = if let Some(deck) = deck.filter(|_| count == 0) {
         let mut mesh = deck.mesh;
         mesh.node_sets.extend(own_sets());
-        let read = mesh::Read::of_deck(mesh, deck.lists);
-        return Some(mesh::with_own_sections(read, [thicknesses, offsets], findings));
-    }
+        mesh::Read::of_deck(mesh, deck.lists)
+    } else if !check_sources(given, count, findings) {
+        return None;
+    } else if let Some(file) = &given.file {
+        return read_mesh_file(&in_folder(file), sources, findings);
+    } else if let Some(generator) = &given.generator {
+        mesh::generate(generator, job, findings)?
+    } else if let Some(exodus) = &given.exodus {
+        match crate::input::exodus::read(&in_folder(exodus)) {
+            Ok(mut mesh) => {
+                mesh.node_sets.extend(own_sets());
+                mesh::Read::elsewhere(mesh, "mesh.exodus")
+            }
+            Err(problems) => {
+                problems.into_iter().for_each(|problem| findings.add(problem));
+                return None;
+            }
+        }
+    } else {
+        return mesh::from_rows(given, findings);
+    };
+    Some(mesh::with_own_sections(read, [&given.thicknesses, &given.offsets], findings))
+}
+
+/// Returns the number of meshes that the job gives without a deck.
+fn count_sources(given: &MeshSource) -> usize {
+    let MeshSource { nodes, shells, solids, beams, springs, .. } = given;
+    let has_rows = !(nodes.is_empty()
+        && shells.is_empty()
+        && solids.is_empty()
+        && beams.is_empty()
+        && springs.is_empty());
+    let sources =
+        [given.generator.is_some(), given.file.is_some(), given.exodus.is_some(), has_rows];
+    sources.iter().filter(|&&given| given).count()
+}
+
+/// Reports a job without a mesh or with several, and keys that its mesh cannot have. Returns false
+/// if there is an error.
+fn check_sources(given: &MeshSource, count: usize, findings: &mut Findings) -> bool {
+    let MeshSource { generator, file, node_sets, thicknesses, offsets, .. } = given;
     if count != 1 {
         let (message, one) = match count {
             0 => ("the job has no mesh", "give"),
@@ -71,7 +86,7 @@ pub(super) fn read_mesh(
              mesh.shells or mesh.solids"
         );
         findings.add(Problem::error("mesh", message, help));
-        return None;
+        return false;
     }
     if (generator.is_some() || file.is_some()) && !node_sets.is_empty() {
         findings.add(Problem::error(
@@ -79,32 +94,15 @@ pub(super) fn read_mesh(
             "mesh.node_sets is for mesh.nodes, mesh.exodus or a deck only",
             "remove them: a generator or a mesh file defines its own node sets",
         ));
-        return None;
+        return false;
     }
     if file.is_some() && !(thicknesses.is_empty() && offsets.is_empty()) {
         let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
         let message = format!("{key} is not for a mesh file");
         findings.add(Problem::error(key, message, "write them in the mesh file"));
-        return None;
+        return false;
     }
-    if let Some(file) = file {
-        return read_mesh_file(&in_folder(file), sources, findings);
-    }
-    let read = match (generator, exodus) {
-        (Some(generator), _) => mesh::generate(generator, job, findings)?,
-        (_, Some(exodus)) => match crate::input::exodus::read(&in_folder(exodus)) {
-            Ok(mut mesh) => {
-                mesh.node_sets.extend(own_sets());
-                mesh::Read::elsewhere(mesh, "mesh.exodus")
-            }
-            Err(problems) => {
-                problems.into_iter().for_each(|problem| findings.add(problem));
-                return None;
-            }
-        },
-        _ => return mesh::from_rows(&job.mesh, findings),
-    };
-    Some(mesh::with_own_sections(read, [thicknesses, offsets], findings))
+    true
 }
 
 fn read_mesh_file(

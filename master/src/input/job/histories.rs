@@ -167,40 +167,73 @@ fn section(
 ) -> Option<SectionCut> {
     let path = format!("output.section.{i}");
     let nodes = sets.ids(&asked.nodes, format!("{path}.nodes"), findings);
-    let mut known = are_parts(&asked.parts, &format!("{path}.parts"), "a section", job, findings);
+    let is_valid = check_section(asked, &path, job, mesh, findings);
+    let nodes = nodes.filter(|_| is_valid)?;
+    let found = elements_of_section(asked, &nodes, mesh, sets);
+    if found.is_empty() {
+        let message = format!(
+            "a section has no elements: none of the requested elements has a node of `{}`",
+            asked.nodes
+        );
+        let help = "name other `parts`, `elements` or another `side`";
+        findings.add(Problem::error(path, message, help));
+        return None;
+    }
+    if found.iter().all(|e| rigid(e.part)) {
+        let message = "a section has rigid elements only, in which no forces are computed";
+        findings.add(Problem::error(path, message, "take elements of a deformable part"));
+        return None;
+    }
+    let name = if asked.name.is_empty() { asked.nodes.clone() } else { asked.name.clone() };
+    Some(SectionCut { name, nodes, elements: found.into_iter().map(|e| e.id).collect() })
+}
+
+/// Checks parts, elements and side of a section. Returns false if there is an error.
+fn check_section(
+    asked: &SectionHistory,
+    path: &str,
+    job: &Job,
+    mesh: &Mesh,
+    findings: &mut Findings,
+) -> bool {
+    let mut is_valid =
+        are_parts(&asked.parts, &format!("{path}.parts"), "a section", job, findings);
     if !asked.elements.is_empty() {
         let there: HashSet<u64> = mesh.elements.iter().map(|e| e.id.label()).collect();
         for (k, id) in asked.elements.iter().enumerate().filter(|(_, id)| !there.contains(id)) {
             let message = format!("a section: there is no element {id}");
-            findings.add(Problem::error(
-                format!("{path}.elements.{k}"),
-                message,
-                "list ids of elements of the mesh",
-            ));
-            known = false;
+            let help = "list ids of elements of the mesh";
+            findings.add(Problem::error(format!("{path}.elements.{k}"), message, help));
+            is_valid = false;
         }
     }
     if asked.parts.is_empty() && asked.elements.is_empty() && asked.side.is_none() {
         let help = "name `parts`, `elements` or a `side`: the forces of all elements at a node sum \
                     to the force that accelerates it";
         findings.add(Problem::error(path, "a section has no elements", help));
-        return None;
+        is_valid = false;
     }
     if let Some(side) = asked.side.filter(|s| s.iter().all(|c| *c == 0.0)) {
         let message = format!("the side {side:?} of a section has no direction");
-        findings.add(Problem::error(
-            format!("{path}.side"),
-            message,
-            "give the direction from the nodes to the elements",
-        ));
-        known = false;
+        let help = "give the direction from the nodes to the elements";
+        findings.add(Problem::error(format!("{path}.side"), message, help));
+        is_valid = false;
     }
-    let nodes = nodes.filter(|_| known)?;
+    is_valid
+}
+
+/// Returns the requested elements with a node of the section, on its side.
+fn elements_of_section<'m>(
+    asked: &SectionHistory,
+    nodes: &[NodeId],
+    mesh: &'m Mesh,
+    sets: &NodeSets<'_>,
+) -> Vec<&'m MeshElement> {
     let place = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| mesh.nodes[n].x);
     let mean = |ids: &[NodeId]| -> [f64; 3] {
         std::array::from_fn(|c| ids.iter().map(|&id| place(id)[c]).sum::<f64>() / ids.len() as f64)
     };
-    let middle = mean(&nodes);
+    let middle = mean(nodes);
     let of_side = |e: &MeshElement| {
         let centre = mean(e.corners());
         asked
@@ -213,29 +246,5 @@ fn section(
             || asked.elements.contains(&e.id.label())
     };
     let ends = |e: &MeshElement| e.corners().iter().any(|n| nodes.binary_search(n).is_ok());
-    let found: Vec<&MeshElement> =
-        mesh.elements.iter().filter(|e| listed(e) && ends(e) && of_side(e)).collect();
-    if found.is_empty() {
-        let message = format!(
-            "a section has no elements: none of the requested elements has a node of `{}`",
-            asked.nodes
-        );
-        findings.add(Problem::error(
-            path,
-            message,
-            "name other `parts`, `elements` or another `side`",
-        ));
-        return None;
-    }
-    if found.iter().all(|e| rigid(e.part)) {
-        let help = "take elements of a deformable part";
-        findings.add(Problem::error(
-            path,
-            "a section has rigid elements only, in which no forces are computed",
-            help,
-        ));
-        return None;
-    }
-    let name = if asked.name.is_empty() { asked.nodes.clone() } else { asked.name.clone() };
-    Some(SectionCut { name, nodes, elements: found.into_iter().map(|e| e.id).collect() })
+    mesh.elements.iter().filter(|e| listed(e) && ends(e) && of_side(e)).collect()
 }

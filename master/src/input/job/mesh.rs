@@ -274,7 +274,7 @@ fn element(
 }
 
 /// Vectors from beams towards their second axes [length].
-type Axes = Vec<(ElemId, [f64; 3])>;
+pub type Axes = Vec<(ElemId, [f64; 3])>;
 
 /// Checks ids, connectivity and shapes, removes nodes that no element uses, and sorts all
 /// entities by id. Returns the mesh and the vectors from beams towards their second axes,

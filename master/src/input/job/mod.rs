@@ -37,6 +37,7 @@ mod units;
 mod unused;
 mod validate;
 mod walls;
+mod warnings;
 
 pub use laws::Blocks;
 pub use model::Model;
@@ -52,6 +53,7 @@ use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
+use crumple_proto::tie::Tie;
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, Source};
@@ -205,65 +207,16 @@ fn build(
         Some(deck) => (std::mem::take(&mut deck.mapping), std::mem::take(&mut deck.unsupported)),
         None => Default::default(),
     };
-    contact::from_list(&mut sources.job.tree);
-    let mut tree = sources.job.tree.clone();
-    sets::apply(&mut tree, sets, findings);
-    // Places of problems are looked up in the tree as written, with `--set` but before repairs.
-    sources.job.tree = tree.clone();
-    validate::job(&mut tree, findings);
+    let (tree, job) = read_keys(sources, sets, findings)?;
+    let read = read_mesh(&job, path, deck, sources, findings);
     let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
-    let mut job: Job = match tree.to_value().try_into() {
-        Ok(job) => job,
-        Err(error) => {
-            findings.add(Problem::error("", error.message(), "correct the job"));
-            return None;
-        }
-    };
-    restart::add(&mut job, findings);
-    let mesh = read_mesh(&job, path, deck, sources, findings);
     resolve::check(&job, workers_given, findings);
-
-    let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
-    let parts_known = !findings.any_faulty_below("part");
-    let mut mesh =
-        mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
-    let sound = mesh.as_mut().filter(|_| !findings.any_error());
-    let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes, findings));
-    let (mut mesh, axes) = mesh.unzip();
-    let ties = mesh
-        .as_mut()
-        .filter(|_| !findings.any_error())
-        .map(|mesh| ties::resolve(&job, mesh, findings))
-        .unwrap_or_default();
-    let figures = mesh.as_ref().and_then(quality);
-    let (mut settings, order) = {
-        let sides = figures.as_ref().map(|q| (q.min_side.value, q.median_side));
-        resolve::settings(&job, sides, &mesh.as_ref().map(thickest).unwrap_or_default())
-    };
-    settings.axes = axes.unwrap_or_default();
-    settings.with_own_offsets =
-        mesh.as_ref().map_or(Vec::new(), |mesh| with_own_offsets(mesh, &settings));
-    settings.ties = ties;
-    let used = match &mesh {
-        Some(mesh) => state::shapes_in_use(mesh, &settings),
-        None => vec![laws::Used::default(); order.len()],
-    };
-    let blocks = Blocks::build(&settings, &order, &used, findings);
-    let mut of_job = vec![laws::Used::default(); job.part.len()];
-    order.iter().zip(&used).for_each(|(&place, used)| of_job[place] = *used);
-    unused::check(&tree, &job, &of_job, findings);
+    let mut checked = check_mesh(&job, read, findings);
+    let (mut settings, blocks) = choose_laws(&tree, &job, &mut checked, findings);
+    let CheckedMesh { mesh, renumbered, quality, .. } = checked;
     let mesh = mesh?;
-    let sets = state::NodeSets::new(&mesh);
-    let mut nodes = state::nodes(&job, &mesh, &sets, findings);
-    let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
-    settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
-    settings.walls = walls::resolve(&job, &sets, findings);
-    settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
-    ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
-    ties::lead(&settings.ties, &mut settings.loads.motions);
-    settings.histories = histories::resolve(&job, &mesh, &settings, &sets, findings);
-    settings.rotations =
-        !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
+    let smallest = quality.as_ref().map_or(0.0, |q| q.min_side.value);
+    let nodes = constrain(&job, &mesh, &mut settings, smallest, findings);
     if findings.any_error() {
         return None;
     }
@@ -275,9 +228,9 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
-    let warnings = state::warnings(&job, &mesh, &settings, &elements, &nodes);
+    let warnings = warnings::of_model(&job, &mesh, &settings, &elements, &nodes);
     Some(Built {
-        quality: figures?,
+        quality: quality?,
         renumbered,
         job,
         mesh,
@@ -289,6 +242,103 @@ fn build(
         mapping,
         unsupported,
     })
+}
+
+/// Applies the command line, checks all keys and returns them, as a tree and as a job.
+fn read_keys(
+    sources: &mut Sources,
+    sets: &[String],
+    findings: &mut Findings,
+) -> Option<(Node, Job)> {
+    contact::from_list(&mut sources.job.tree);
+    let mut tree = sources.job.tree.clone();
+    sets::apply(&mut tree, sets, findings);
+    // Places of problems are looked up in the tree as written, with `--set` but before repairs.
+    sources.job.tree = tree.clone();
+    validate::job(&mut tree, findings);
+    let mut job: Job = match tree.to_value().try_into() {
+        Ok(job) => job,
+        Err(error) => {
+            findings.add(Problem::error("", error.message(), "correct the job"));
+            return None;
+        }
+    };
+    restart::add(&mut job, findings);
+    Some((tree, job))
+}
+
+/// The mesh after its checks, if there is one.
+struct CheckedMesh {
+    mesh: Option<Mesh>,
+    axes: mesh::Axes,
+    renumbered: Option<Renumbered>,
+    ties: Vec<Tie>,
+    quality: Option<Quality>,
+}
+
+/// Checks the mesh, renumbers it if that is useful, and moves tied nodes onto their surfaces.
+fn check_mesh(job: &Job, read: Option<mesh::Read>, findings: &mut Findings) -> CheckedMesh {
+    let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let parts_known = !findings.any_faulty_below("part");
+    let mut mesh =
+        read.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    let sound = mesh.as_mut().filter(|_| !findings.any_error());
+    let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes, findings));
+    let (mut mesh, axes) = mesh.unzip();
+    let ties = mesh
+        .as_mut()
+        .filter(|_| !findings.any_error())
+        .map(|mesh| ties::resolve(job, mesh, findings))
+        .unwrap_or_default();
+    let quality = mesh.as_ref().and_then(quality);
+    CheckedMesh { mesh, axes: axes.unwrap_or_default(), renumbered, ties, quality }
+}
+
+/// Chooses the element formulations and laws of all parts, and reports keys that they do not use.
+fn choose_laws(
+    tree: &Node,
+    job: &Job,
+    checked: &mut CheckedMesh,
+    findings: &mut Findings,
+) -> (Settings, Blocks) {
+    let sides = checked.quality.as_ref().map(|q| (q.min_side.value, q.median_side));
+    let mesh = checked.mesh.as_ref();
+    let (mut settings, order) =
+        resolve::settings(job, sides, &mesh.map(thickest).unwrap_or_default());
+    settings.axes = std::mem::take(&mut checked.axes);
+    settings.with_own_offsets = mesh.map_or(Vec::new(), |mesh| with_own_offsets(mesh, &settings));
+    settings.ties = std::mem::take(&mut checked.ties);
+    let used = match mesh {
+        Some(mesh) => state::shapes_in_use(mesh, &settings),
+        None => vec![laws::Used::default(); order.len()],
+    };
+    let blocks = Blocks::build(&settings, &order, &used, findings);
+    let mut of_job = vec![laws::Used::default(); job.part.len()];
+    order.iter().zip(&used).for_each(|(&place, used)| of_job[place] = *used);
+    unused::check(tree, job, &of_job, findings);
+    (settings, blocks)
+}
+
+/// Adds loads, walls, rigid bodies, ties and histories to the settings. Returns the initial state
+/// of the nodes. `smallest` is the shortest side of an element [length].
+fn constrain(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &mut Settings,
+    smallest: f64,
+    findings: &mut Findings,
+) -> NodeStart {
+    let sets = state::NodeSets::new(mesh);
+    let mut nodes = state::nodes(job, mesh, &sets, findings);
+    settings.loads = loads::resolve(job, mesh, &sets, smallest, &mut nodes, findings);
+    settings.walls = walls::resolve(job, &sets, findings);
+    settings.rigid = rigid::resolve(job, mesh, settings, &sets, &mut nodes, findings);
+    ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
+    ties::lead(&settings.ties, &mut settings.loads.motions);
+    settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
+    settings.rotations =
+        !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
+    nodes
 }
 
 /// Returns the indices of the parts with shells of individual offset, ascending.

@@ -49,6 +49,22 @@ struct End {
     need: f64,
 }
 
+impl End {
+    /// Returns the fraction of its mass that an offset leaves its elements and springs.
+    fn arm_share(&self) -> f64 {
+        if self.has_arm { ARM_SHARE } else { 1.0 }
+    }
+}
+
+/// A spring of the mesh.
+struct Spring {
+    /// Index of its element.
+    element: usize,
+    /// Indices of its nodes.
+    nodes: [usize; 2],
+    discrete: Discrete,
+}
+
 /// Sets the stable steps of springs in `start`, and the reduced steps of other elements at
 /// springs and ties. Reports free nodes without mass, and springs without length.
 pub fn steps(
@@ -61,87 +77,124 @@ pub fn steps(
 ) {
     let place: HashMap<NodeId, usize> =
         mesh.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect();
-    let mut springs: Vec<(usize, [usize; 2], Discrete)> = Vec::new();
+    let springs = find_springs(mesh, blocks, start, &place, findings);
+    let ends = of_nodes(mesh, settings, nodes, start, &place);
+    massless(mesh, &ends, findings);
+    if springs.is_empty() && !ends.iter().any(|e| e.has_arm) {
+        return;
+    }
+    let bodies = settings.rigid.iter().map(|b| BodyMass::new(b, mesh, &ends, &place)).collect();
+    let mut masses = Masses { mesh, ends, bodies };
+    let needs = masses.needs(&springs, start);
+    masses.add_needs(&springs, &needs);
+    for (spring, &need) in springs.iter().zip(&needs).filter(|(_, need)| **need > 0.0) {
+        let soft = spring.nodes.map(|n| masses.softness(n, Some(need)));
+        start.stable_dt[spring.element] = spring.discrete.stable_dt(soft.iter().sum());
+    }
+    reduce_steps(&masses, blocks, start, &place);
+}
+
+/// Returns the springs of the mesh, and reports springs without length.
+fn find_springs(
+    mesh: &Mesh,
+    blocks: &Blocks,
+    start: &ElementStart,
+    place: &HashMap<NodeId, usize>,
+    findings: &mut Findings,
+) -> Vec<Spring> {
+    let mut springs = Vec::new();
     let mut short: Vec<&MeshElement> = Vec::new();
     for (i, element) in mesh.elements.iter().enumerate().filter(|(_, e)| e.shape == Shape::Line2) {
-        let Some(formulation) = blocks.element(start.part[i] as usize, element.shape) else {
-            continue;
-        };
-        let Some(discrete) = formulation.discrete() else { continue };
-        let ends = [0, 1].map(|c| place[&element.nodes[c]]);
-        if discrete.along_line && mesh.nodes[ends[0]].x == mesh.nodes[ends[1]].x {
+        let formulation = blocks.element(start.part[i] as usize, element.shape);
+        let Some(discrete) = formulation.and_then(|f| f.discrete()) else { continue };
+        let nodes = [0, 1].map(|c| place[&element.nodes[c]]);
+        if discrete.along_line && mesh.nodes[nodes[0]].x == mesh.nodes[nodes[1]].x {
             short.push(element);
         }
-        springs.push((i, ends, discrete));
+        springs.push(Spring { element: i, nodes, discrete });
     }
     if let Some(first) = short.first() {
         let message =
             format!("{} springs have no length; the first is element {}", short.len(), first.id);
         findings.add(Problem::error("mesh", message, "give their part a `spring.direction`"));
     }
-    let mut ends = of_nodes(mesh, settings, nodes, start, &place);
-    massless(mesh, &ends, findings);
-    if springs.is_empty() && !ends.iter().any(|e| e.has_arm) {
-        return;
-    }
-    let mut bodies: Vec<BodyMass> =
-        settings.rigid.iter().map(|b| BodyMass::new(b, mesh, &ends, &place)).collect();
-    let softness = |n: usize, ends: &[End], bodies: &[BodyMass], need: Option<f64>| {
-        let end = &ends[n];
+    springs
+}
+
+/// Masses of nodes and rigid bodies for springs.
+struct Masses<'a> {
+    mesh: &'a Mesh,
+    ends: Vec<End>,
+    bodies: Vec<BodyMass>,
+}
+
+impl Masses<'_> {
+    /// Returns the change of velocity of a node per unit impulse [1/mass]: with the part of its
+    /// mass that a spring with this need gets, or with all of its mass.
+    fn softness(&self, n: usize, need: Option<f64>) -> f64 {
+        let end = &self.ends[n];
         let part = |all: f64| {
             need.map_or(1.0, |need| need / all * if end.shared { taken(all) } else { 1.0 })
         };
-        let arm = if end.has_arm { ARM_SHARE } else { 1.0 };
-        let loose = 1.0 / (arm * end.mass * part(end.need));
-        let of_body = |b: &BodyMass| b.softness(&mesh.nodes[n].x) / part(b.need);
-        let body = end.body.map_or(f64::INFINITY, |b| of_body(&bodies[b]));
+        let loose = 1.0 / (end.arm_share() * end.mass * part(end.need));
+        let of_body = |b: &BodyMass| b.softness(&self.mesh.nodes[n].x) / part(b.need);
+        let body = end.body.map_or(f64::INFINITY, |b| of_body(&self.bodies[b]));
         if end.held { 0.0 } else { loose.min(body) }
-    };
-    let alone: Vec<f64> = springs
-        .iter()
-        .map(|s| s.1.map(|n| softness(n, &ends, &bodies, None)).iter().sum())
-        .collect();
-    let least = start.stable_dt.iter().copied().fold(f64::INFINITY, f64::min);
-    let step = if least.is_finite() {
-        least
-    } else {
-        springs
-            .iter()
-            .zip(&alone)
-            .map(|((_, _, d), &soft)| d.stable_dt(soft))
-            .fold(f64::INFINITY, f64::min)
-    };
-    let need = |discrete: &Discrete, soft: f64| {
-        if soft > 0.0 { discrete.require(soft, step) } else { 0.0 }
-    };
-    let needs: Vec<f64> =
-        springs.iter().zip(&alone).map(|((_, _, d), &soft)| need(d, soft)).collect();
-    for ((_, at, _), need) in springs.iter().zip(&needs) {
-        for &n in at {
-            ends[n].need += need;
-            ends[n].body.into_iter().for_each(|b| bodies[b].need += need);
+    }
+
+    /// Returns the fraction of the masses at its ends with which each spring is stable at the step
+    /// of the smallest other element, or of the stiffest spring if there are only springs.
+    fn needs(&self, springs: &[Spring], start: &ElementStart) -> Vec<f64> {
+        let alone = |spring: &Spring| spring.nodes.map(|n| self.softness(n, None)).iter().sum();
+        let alone: Vec<f64> = springs.iter().map(alone).collect();
+        let smallest = |steps: &mut dyn Iterator<Item = f64>| steps.fold(f64::INFINITY, f64::min);
+        let least = smallest(&mut start.stable_dt.iter().copied());
+        let both = springs.iter().zip(&alone);
+        let step = if least.is_finite() {
+            least
+        } else {
+            smallest(&mut both.clone().map(|(spring, &soft)| spring.discrete.stable_dt(soft)))
+        };
+        let need = |(spring, &soft): (&Spring, &f64)| {
+            if soft > 0.0 { spring.discrete.require(soft, step) } else { 0.0 }
+        };
+        both.map(need).collect()
+    }
+
+    /// Adds the needs of springs to those of their nodes and rigid bodies.
+    fn add_needs(&mut self, springs: &[Spring], needs: &[f64]) {
+        for (spring, need) in springs.iter().zip(needs) {
+            for &n in &spring.nodes {
+                self.ends[n].need += need;
+                self.ends[n].body.into_iter().for_each(|b| self.bodies[b].need += need);
+            }
         }
     }
-    for ((i, at, discrete), &need) in springs.iter().zip(&needs) {
-        if need > 0.0 {
-            let soft = at.map(|n| softness(n, &ends, &bodies, Some(need)));
-            start.stable_dt[*i] = discrete.stable_dt(soft.iter().sum());
-        }
+
+    /// Returns the fraction of the mass of a node that springs and ties leave to other elements.
+    fn left(&self, n: usize) -> f64 {
+        let end = &self.ends[n];
+        let need = end.body.map_or(end.need, |b| self.bodies[b].need);
+        if end.held { 1.0 } else { end.arm_share() * (1.0 - taken(need)) }
     }
-    for (i, element) in mesh.elements.iter().enumerate() {
+}
+
+/// Reduces the steps of other elements at springs and ties.
+fn reduce_steps(
+    masses: &Masses<'_>,
+    blocks: &Blocks,
+    start: &mut ElementStart,
+    place: &HashMap<NodeId, usize>,
+) {
+    for (i, element) in masses.mesh.elements.iter().enumerate() {
         let formulation = blocks.element(start.part[i] as usize, element.shape);
         let Some(formulation) =
             formulation.filter(|f| f.discrete().is_none() && start.stable_dt[i].is_finite())
         else {
             continue;
         };
-        let left = |id: &NodeId| {
-            let end = &ends[place[id]];
-            let need = end.body.map_or(end.need, |b| bodies[b].need);
-            let arm = if end.has_arm { ARM_SHARE } else { 1.0 };
-            if end.held { 1.0 } else { arm * (1.0 - taken(need)) }
-        };
-        let share = element.corners().iter().map(left).fold(1.0, f64::min);
+        let left = element.corners().iter().map(|id| masses.left(place[id]));
+        let share = left.fold(1.0, f64::min);
         if share < 1.0 {
             start.share[i] = share * formulation.single_element_step().powi(2);
             start.stable_dt[i] *= start.share[i].sqrt();

@@ -7,13 +7,10 @@ use super::springs;
 use super::units;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Contact, Job, MaterialSpec, Part};
+use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
-use crumple_proto::tie::Tie;
-use crumple_proto::wall::WallMotion;
-use crumple_worker::contact::beams;
 use std::collections::HashMap;
 
 /// Per node, in the order of the mesh.
@@ -280,116 +277,6 @@ pub fn elements(
     start
 }
 
-/// Returns warnings about the numbers of a valid model.
-pub fn warnings(
-    job: &Job,
-    mesh: &Mesh,
-    settings: &Settings,
-    elements: &ElementStart,
-    nodes: &NodeStart,
-) -> Vec<Problem> {
-    let mut warnings = Vec::new();
-    let still =
-        nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
-    let led = settings.rigid.iter().any(|r| !r.motions.is_empty())
-        || settings.walls.iter().any(|w| w.motion != WallMotion::Still);
-    if still && !led && !settings.loads.act() {
-        let message = "nothing moves: no node has an initial velocity, and there are no loads";
-        warnings.push(Problem::warning(
-            "initial_velocity",
-            message,
-            "add an [[initial_velocity]] or a load",
-        ));
-    }
-    let fastest = fastest_wave(job);
-    let speed = nodes
-        .velocity
-        .iter()
-        .map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt())
-        .fold(0.0, f64::max);
-    if fastest > 0.0 && speed > fastest {
-        let message = format!(
-            "a node starts with the speed {speed:.4e}, faster than any wave in the materials \
-             ({fastest:.4e})"
-        );
-        let help = "check its units: velocities are in the length unit of the coordinates per time \
-                    unit of the job";
-        let place =
-            if job.initial_velocity.len() == 1 { "initial_velocity.0" } else { "initial_velocity" };
-        warnings.push(Problem::warning(place, message, help));
-    }
-    for (index, part) in settings.parts.iter().enumerate() {
-        if !elements.part.contains(&(index as u32)) {
-            let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
-            let message = format!("part {} `{}` has no elements", part.id, part.name);
-            warnings.push(Problem::warning(
-                format!("part.{place}.id"),
-                message,
-                "remove it, or check the part ids of the mesh",
-            ));
-        }
-    }
-    warnings
-        .extend(settings.contact.as_ref().and_then(|c| beams_without_contact(c, settings, mesh)));
-    let meets = |t: &Tie| settings.walls.iter().any(|w| w.allows(t.node));
-    if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
-        let message = format!(
-            "{count} tied nodes do not touch rigid walls: walls act on the masters of tied nodes \
-             only"
-        );
-        let help =
-            "tie the side away from the wall, or exclude the tied nodes by the wall's `except`";
-        warnings.push(Problem::warning("wall", message, help));
-    }
-    let structure = deformable_mass(elements);
-    let added = scaled_mass(elements);
-    if added > 0.05 * structure {
-        let message =
-            format!("mass scaling adds {:.1} % of the structure's mass", 100.0 * added / structure);
-        warnings.push(Problem::warning(
-            "time.mass_scaling_dt",
-            message,
-            "use a smaller step, or a mesh without tiny elements",
-        ));
-    }
-    // Rigid bodies and skins have no stable step.
-    let mut steps: Vec<f64> =
-        elements.stable_dt.iter().copied().filter(|dt| dt.is_finite()).collect();
-    let middle = steps.len() / 2;
-    let median = if steps.is_empty() {
-        0.0
-    } else {
-        *steps.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    if let Some((at, dt)) = smallest(&elements.stable_dt).filter(|&(_, dt)| dt < 0.1 * median) {
-        let message = format!(
-            "element {} alone sets the time step: its stable step is {:.0} times below the median",
-            mesh.elements[at].id,
-            median / dt
-        );
-        let help = "remesh it, or use time.subcycles or time.mass_scaling_dt";
-        warnings.push(Problem::warning("", message, help));
-    }
-    warnings
-}
-
-/// Warns if beams other than welds are not in contact.
-fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) -> Option<Problem> {
-    let without = |p: &&Part| {
-        let is_bare =
-            p.beam.as_ref().is_some_and(|b| b.weld.is_none()) && beams::half(contact, p).is_none();
-        is_bare && mesh.elements.iter().any(|e| e.part == p.id)
-    };
-    let ids: Vec<String> =
-        settings.parts.iter().filter(without).map(|p| p.id.to_string()).collect();
-    let message = format!(
-        "beams are not in contact: other parts pass through them (parts {})",
-        ids.join(", ")
-    );
-    let help = "set contact.beams = true, or put shells around them where their contact matters";
-    (!ids.is_empty()).then(|| Problem::warning("contact.beams", message, help))
-}
-
 /// Returns the largest `sqrt(E/rho)` of a job's materials [length/time].
 pub fn fastest_wave(job: &Job) -> f64 {
     let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
@@ -403,7 +290,7 @@ pub fn scaled_mass(elements: &ElementStart) -> f64 {
 
 /// Returns the mass of the elements with a stable step, without those of rigid bodies, before
 /// scaling [mass].
-fn deformable_mass(elements: &ElementStart) -> f64 {
+pub fn deformable_mass(elements: &ElementStart) -> f64 {
     elements
         .mass
         .iter()

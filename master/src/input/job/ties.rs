@@ -1,25 +1,21 @@
 //! Ties of a job: search for the face of each tied node, checks, and conversion to numbers and
 //! ids.
 
-use super::loads::outer_faces;
+mod surface;
+
 use super::state::{NodeSets, NodeStart};
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, Tie as TieSpec};
 use crumple_proto::loads::Motion;
-use crumple_proto::mesh::{Mesh, MeshElement, Shape, free_faces};
+use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::tie::Tie;
-use crumple_worker::constraints::ties::project::{Face, Foot, diagonal, feet};
+use crumple_worker::constraints::ties::project::Foot;
 use std::collections::{HashMap, HashSet};
+use surface::Surface;
 
-/// Default tolerance, as a fraction of the sum of thicknesses, and of the shorter diagonal of the
-/// face.
-const OF_THICKNESSES: f64 = 0.6;
-const OF_DIAGONAL: f64 = 0.05;
-/// Shape value below which it is round-off of the projection.
-const NO_SHARE: f64 = 1e-12;
 /// Displacement of a node onto its face, as a fraction of the face's diagonal, above which it is
 /// reported.
 const TOLD_MOVE: f64 = 1e-3;
@@ -69,13 +65,18 @@ impl<'a> Ground<'a> {
         Self {
             sets: NodeSets::new(mesh),
             free: free_faces(&mesh.elements),
-            shells: of_nodes(mesh, &thick),
+            shells: surface::thickest_shells(mesh, &thick),
             thick,
             turning,
             rigid: job.rigid.iter().flat_map(|r| r.parts.iter().copied()).collect(),
             job,
             mesh,
         }
+    }
+
+    /// Returns the coordinates of a node [length].
+    fn place(&self, id: NodeId) -> [f64; 3] {
+        self.sets.place(id).map_or([0.0; 3], |n| self.mesh.nodes[n].x)
     }
 }
 
@@ -88,7 +89,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> 
     let mut stands: Vec<Stand> = Vec::new();
     let ground = Ground::new(job, mesh);
     for (entry, spec) in job.tie.iter().enumerate() {
-        stands.extend(of_entry(spec, entry, &ground, findings));
+        stands.extend(tied_nodes(spec, entry, &ground, findings));
     }
     drop(ground);
     stands.sort_by_key(|s| (s.tie.node, s.entry));
@@ -152,13 +153,13 @@ fn check_entry(job: &Job, spec: &TieSpec, path: impl Fn(&str) -> String, finding
 }
 
 /// Returns the tied nodes of one entry.
-fn of_entry(
+fn tied_nodes(
     spec: &TieSpec,
     entry: usize,
     ground: &Ground<'_>,
     findings: &mut Findings,
 ) -> Vec<Stand> {
-    let Ground { job, mesh, sets, free, thick, shells, turning, .. } = ground;
+    let Ground { job, mesh, sets, .. } = ground;
     let path = |key: &str| format!("tie.{entry}.{key}");
     let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
     check_entry(job, spec, path, findings);
@@ -166,84 +167,15 @@ fn of_entry(
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
     }
-    if spec.parts.is_empty() && spec.faces.is_none() {
-        let help = "name `parts`, a node set as `faces`, or both; or a `node`";
-        findings.add(Problem::error(format!("tie.{entry}"), "a tie has no surface", help));
-        return Vec::new();
-    }
-    let within = match &spec.faces {
-        None => None,
-        Some(set) => match sets.ids(set, path("faces"), findings) {
-            Some(ids) => Some(ids),
-            None => return Vec::new(),
-        },
-    };
-    let Some(nodes) = nodes else { return Vec::new() };
-    let of_part = |part: u32| spec.parts.is_empty() || spec.parts.contains(&part);
-    let surface = outer_faces(mesh, free, of_part, within.as_deref());
-    if surface.is_empty() {
-        let message = format!("{}: its surface has no face", name(job, entry));
-        let help =
-            "name a part that has shells or solids, or a set that holds all nodes of each face";
-        findings.add(Problem::error(format!("tie.{entry}"), message, help));
-        return Vec::new();
-    }
-    let corners = |&(e, f): &(usize, usize)| {
-        let element = &mesh.elements[e];
-        element.shape.faces()[f].map(|c| element.nodes[c])
-    };
-    let corners: Vec<[NodeId; 4]> = surface.iter().map(corners).collect();
-    let at = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| mesh.nodes[n].x);
-    let places: Vec<Face> = corners.iter().map(|c| c.map(at)).collect();
-    let points: Vec<[f64; 3]> = nodes.iter().map(|&n| mesh.nodes[n].x).collect();
-    let of_face = |f: usize| {
-        let element = &mesh.elements[surface[f].0];
-        if spec.thicknesses[1] > 0.0 {
-            return spec.thicknesses[1];
-        }
-        if element.shape.is_shell() { of_shell(element, thick) } else { 0.0 }
-    };
-    let id = |p: usize| mesh.nodes[nodes[p]].id;
-    let of_node = |p: usize| match spec.thicknesses[0] {
-        given if given > 0.0 => given,
-        _ => shells.get(&id(p)).copied().unwrap_or(0.0),
-    };
-    let reach = |f: usize, thickness: f64| match spec.tolerance {
-        given if given > 0.0 => given,
-        _ => (OF_THICKNESSES * (of_face(f) + thickness)).max(OF_DIAGONAL * diagonal(&places[f])),
-    };
-    let thickest = (0..points.len()).map(of_node).fold(0.0, f64::max);
-    let tolerance =
-        |f: usize, p: usize| if corners[f].contains(&id(p)) { -1.0 } else { reach(f, of_node(p)) };
-    let found = feet(&places, &points, |f| reach(f, thickest), tolerance);
-    tell_lost(job, entry, &found, id, findings);
-    // Members of a rigid body keep their positions.
-    let rigid = |f: usize| ground.rigid.contains(&mesh.elements[surface[f].0].part);
-    let stand = |(p, foot): (usize, Option<Foot>)| {
-        let foot = foot?;
-        let carriers = shared(&corners[foot.face], &foot.shape);
-        let turns = carriers.iter().all(|c| turning.contains(&c.0));
-        let stays = rigid(foot.face) || spec.offset && turns;
-        Some(Stand {
-            tie: Tie {
-                node: id(p),
-                masters: carriers,
-                near: Vec::new(),
-                faces: vec![mesh.elements[surface[foot.face].0].id],
-                rotations: spec.rotations && turns,
-                offset: spec.offset && turns && !rigid(foot.face),
-            },
-            entry,
-            node: nodes[p],
-            point: if stays { points[p] } else { foot.point },
-            moved: if stays { 0.0 } else { foot.distance / diagonal(&places[foot.face]) },
-        })
-    };
-    let mut stands: Vec<Stand> = found.into_iter().enumerate().filter_map(stand).collect();
+    let surface = Surface::new(spec, entry, ground, nodes.is_some(), findings);
+    let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
+    let thickest = surface.thickest(&nodes);
+    let found = surface.project(&nodes, thickest);
+    tell_lost(job, entry, &found, |p| mesh.nodes[nodes[p]].id, findings);
+    let stand = |(&node, foot): (&usize, Option<Foot>)| Some(surface.stand(entry, node, &foot?));
+    let mut stands: Vec<Stand> = nodes.iter().zip(found).filter_map(stand).collect();
     if job.contact.is_some() {
-        let reaches =
-            corners.iter().enumerate().flat_map(|(f, c)| c.map(|id| (id, reach(f, thickest))));
-        face_back(ground, &mut stands, &surface, reaches.collect());
+        surface.face_back(&mut stands, thickest);
     }
     stands
 }
@@ -320,77 +252,6 @@ fn to_node(
         moved: 0.0,
     };
     nodes.into_iter().map(stand).collect()
-}
-
-/// Records which nodes of a surface project onto faces between tied nodes. `reaches` holds the
-/// surface's nodes, each with its faces' tolerances [length].
-fn face_back(
-    ground: &Ground<'_>,
-    stands: &mut [Stand],
-    surface: &[(usize, usize)],
-    reaches: Vec<(NodeId, f64)>,
-) {
-    let Ground { mesh, sets, free, .. } = ground;
-    let mut tied: Vec<NodeId> = stands.iter().map(|s| s.tie.node).collect();
-    tied.sort_unstable();
-    let mut reach: HashMap<NodeId, f64> = HashMap::new();
-    for (id, own) in reaches {
-        let most = reach.entry(id).or_insert(own);
-        *most = most.max(own);
-    }
-    let at = |id: &NodeId| sets.place(*id).map_or([0.0; 3], |n| mesh.nodes[n].x);
-    let own: HashSet<(usize, usize)> = surface.iter().copied().collect();
-    let between = outer_faces(mesh, free, |_| true, Some(&tied))
-        .into_iter()
-        .filter(|face| !own.contains(face));
-    let between: Vec<[NodeId; 4]> = between
-        .map(|(e, f)| mesh.elements[e].shape.faces()[f].map(|c| mesh.elements[e].nodes[c]))
-        .collect();
-    let mut points: Vec<NodeId> =
-        reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
-    points.sort_unstable();
-    let places: Vec<Face> = between.iter().map(|c| c.each_ref().map(at)).collect();
-    let widest = reach.values().copied().fold(0.0, f64::max);
-    let found = feet(
-        &places,
-        &points.iter().map(at).collect::<Vec<_>>(),
-        |_| widest,
-        |_, p| reach[&points[p]],
-    );
-    let mut near: HashMap<NodeId, Vec<NodeId>> = HashMap::new();
-    for (point, foot) in points.iter().zip(found).filter_map(|(p, foot)| Some((p, foot?))) {
-        between[foot.face].iter().for_each(|tied| near.entry(*tied).or_default().push(*point));
-    }
-    for s in stands {
-        s.tie.near = near.remove(&s.tie.node).unwrap_or_default();
-        s.tie.near.dedup();
-    }
-}
-
-/// Returns the thickness of a shell [length].
-fn of_shell(e: &MeshElement, thick: &HashMap<u32, f64>) -> f64 {
-    if e.own.thickness > 0.0 { e.own.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
-}
-
-/// Returns the thickness of the thickest shell at each node [length].
-fn of_nodes(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
-    let mut all: HashMap<NodeId, f64> = HashMap::new();
-    for e in mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Quad4 | Shape::Tri3)) {
-        let own = of_shell(e, thick);
-        for &n in e.corners() {
-            let most = all.entry(n).or_insert(own);
-            *most = most.max(own);
-        }
-    }
-    all
-}
-
-/// Returns the shape values of a face's nodes by ascending node, without those of round-off.
-fn shared(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
-    let mut shares: Vec<(NodeId, f64)> =
-        corners.iter().copied().zip(shape.iter().copied()).filter(|s| s.1 > NO_SHARE).collect();
-    whole(&mut shares);
-    shares
 }
 
 /// Sorts shape values, merges those of the same node, and scales their sum to 1.

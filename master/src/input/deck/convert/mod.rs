@@ -15,6 +15,7 @@ mod rigid;
 mod sections;
 mod segments;
 mod sets;
+mod shells;
 mod space;
 mod springs;
 mod tables;

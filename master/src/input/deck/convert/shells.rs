@@ -1,0 +1,242 @@
+//! Converts the sections of shells: thickness, offset and element formulation of a part.
+
+use super::DeckConverter;
+use super::parts::PartElements;
+use super::sections::{self, DeckSection, Sections};
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use crumple_proto::mesh::MeshElement;
+use crumple_worker::fem::elements::LARGEST_OFFSET;
+use std::collections::BTreeMap;
+
+/// Difference of offsets over half the thickness that is round-off of the deck.
+const SAME_OFFSET: f64 = 1e-6;
+
+impl DeckConverter {
+    /// Converts a part of shells.
+    pub(super) fn shell(
+        &mut self,
+        record: &Record,
+        section: &DeckSection,
+        sections: &Sections,
+        elements: PartElements<'_>,
+        table: &mut Table,
+    ) {
+        let card = &section.record;
+        let id = record.integer("pid");
+        if elements.shapes.solids {
+            let message =
+                format!("part {id} has solids and *SECTION_SHELL {}", card.integer("secid"));
+            self.trouble.error(
+                record.place("secid"),
+                message,
+                "give the solids a separate part with a *SECTION_SOLID",
+            );
+        }
+        let thickness = self.shell_thickness(id, card, elements);
+        table.put("thickness", card.place("t1"), thickness);
+        match card.integer("nip") {
+            0 => table.put("points", card.place("nip"), 2),
+            n => table.put("points", card.place("nip"), n),
+        }
+        self.shell_offset(record, card, thickness, table);
+        self.shell_formulation(record, section, sections, elements, table);
+    }
+
+    /// Returns the thickness of a part of shells: that of its elements, or the mean of the corners
+    /// of its section [length].
+    fn shell_thickness(&mut self, id: i64, card: &Record, elements: PartElements<'_>) -> f64 {
+        let corners = ["t1", "t2", "t3", "t4"].map(|t| card.real(t));
+        let given = if corners[1..].iter().all(|&t| t == 0.0) { [corners[0]; 4] } else { corners };
+        let mean = if given[1..].iter().all(|&t| t == given[0]) {
+            given[0]
+        } else {
+            given.iter().sum::<f64>() / 4.0
+        };
+        if given.iter().any(|&t| t != mean) {
+            self.map(
+                format!("part {id}"),
+                format!("thicknesses {given:?} at the corners"),
+                format!("their mean {mean}"),
+            );
+        }
+        match elements.thickness {
+            Some(own) => self.own_thickness(id, own, given, mean),
+            None => mean,
+        }
+    }
+
+    /// Converts the offset of the middle surface, and notes parts of shells that have one.
+    fn shell_offset(&mut self, record: &Record, card: &Record, thickness: f64, table: &mut Table) {
+        let id = record.integer("pid");
+        // LS-DYNA's nloc is the position of the nodes in the section, `offset` that of the middle
+        // surface relative to the nodes.
+        let of_section = if card.real("nloc") == 0.0 { 0.0 } else { -card.real("nloc") };
+        let offset = self.own_offset((id, record.place("pid")), of_section, thickness);
+        if offset != 0.0 {
+            table.put("offset", card.place("nloc"), offset);
+        }
+        let of_this = |s: &MeshElement| i64::from(s.part) == id && s.own.offset.is_some();
+        if offset != 0.0 || self.rows.shells.iter().any(of_this) {
+            let own_contact_thickness =
+                ["contact_thickness", "contact_thickness_scale"].iter().any(|key| table.has(key));
+            self.with_offset.push((id, own_contact_thickness));
+        }
+    }
+
+    /// Converts the formulation of shells with its hourglass control, and lists what differs.
+    fn shell_formulation(
+        &mut self,
+        record: &Record,
+        section: &DeckSection,
+        sections: &Sections,
+        elements: PartElements<'_>,
+        table: &mut Table,
+    ) {
+        let card = &section.record;
+        let of = format!("part {}", record.integer("pid"));
+        let (elform, asked) = match card.integer("elform") {
+            0 => {
+                let theory = sections.defaults.theory;
+                (theory, format!("shells, theory {theory}"))
+            }
+            given => (given, format!("shells, elform {given}")),
+        };
+        let Some(form) = sections::shell(elform) else {
+            self.unsupported_value(
+                card,
+                "elform",
+                "no formulation of shells is similar; use 2 or 16",
+            );
+            return;
+        };
+        table.put("element", card.place("elform"), form.element);
+        let bt = form.element == "belytschko_tsay";
+        let warping = form.warping || (matches!(elform, 2) && sections.defaults.warping.is_some());
+        if bt && warping {
+            table.put("warping", sections.defaults.warping.unwrap_or(card.place("elform")), true);
+        }
+        if let Some(place) = sections.defaults.thinning {
+            table.put("thinning", place, true);
+        }
+        let mut used = Vec::new();
+        if elements.shapes.quads || !elements.shapes.triangles {
+            let terms = if bt && warping { " with warping terms" } else { "" };
+            used.push(format!("{}{terms}", form.element));
+        }
+        if elements.shapes.triangles {
+            used.push("c0_triangle".to_string());
+        }
+        let mut used = used.join(", ");
+        if bt {
+            let (form, origin) = self.hourglass(record, sections, table, false);
+            used += &format!("; hourglass {form}{origin}");
+        }
+        self.map(&of, asked, used);
+        let shear = card.real("shrf");
+        if (shear - 5.0 / 6.0).abs() > 1e-3 {
+            self.map(&of, format!("shear factor {shear}"), "5/6");
+        }
+        if !matches!(card.real("qr"), 0.0) {
+            self.map(&of, format!("qr {}: integration rule", card.real("qr")), "Gauss points");
+        }
+    }
+
+    /// Returns the shells of each part with individual thicknesses at the corners, by index.
+    pub(super) fn thickness_of_elements(&self) -> BTreeMap<i64, Vec<(usize, [f64; 4])>> {
+        let mut all: BTreeMap<i64, Vec<(usize, [f64; 4])>> = BTreeMap::new();
+        for &(at, corners) in &self.rows.thickness {
+            if let Some(shell) = self.rows.shells.get(at) {
+                all.entry(i64::from(shell.part)).or_default().push((at, corners));
+            }
+        }
+        all
+    }
+
+    /// Sets the thickness of shells to the mean of their corners. Corners without a thickness
+    /// have that of the section. One point in the plane cannot resolve more. Returns the
+    /// thickness of the part: that of its section, or of all its shells if it is uniform.
+    fn own_thickness(
+        &mut self,
+        id: i64,
+        own: &[(usize, [f64; 4])],
+        corners: [f64; 4],
+        mean: f64,
+    ) -> f64 {
+        let mean_of = |&(at, own): &(usize, [f64; 4])| {
+            let shell = self.rows.shells.get(at)?;
+            let n = shell.shape.corners();
+            let all: [f64; 4] =
+                std::array::from_fn(|c| if own[c] > 0.0 { own[c] } else { corners[c] });
+            let even = all[1..n].iter().all(|&t| t == all[0]);
+            Some((at, if even { all[0] } else { all[..n].iter().sum::<f64>() / n as f64 }))
+        };
+        let means: Vec<(usize, f64)> = own.iter().filter_map(mean_of).collect();
+        let (least, most) =
+            means.iter().fold((f64::INFINITY, 0.0_f64), |m, t| (m.0.min(t.1), m.1.max(t.1)));
+        let covers =
+            means.len() == self.rows.shells.iter().filter(|s| i64::from(s.part) == id).count();
+        if covers && least == most {
+            self.map(
+                format!("part {id}"),
+                format!("thickness {most} of all its shells"),
+                "thickness of the part",
+            );
+            return most;
+        }
+        for &(at, thickness) in &means {
+            self.rows.shells[at].own.thickness = thickness;
+        }
+        let asked = format!("thickness of {} of its shells, {least} to {most}", means.len());
+        self.map(format!("part {id}"), asked, "one for each shell, the mean of its corners");
+        let average = means.iter().map(|t| t.1).sum::<f64>() / means.len() as f64;
+        if mean == 0.0 && covers { average } else { mean }
+    }
+
+    /// Returns the offset of the shells of a part over half their thickness: that of
+    /// `*ELEMENT_SHELL_OFFSET`, if it is the same for all of them, or that of the section. Shells
+    /// with another offset get their own.
+    fn own_offset(&mut self, (id, place): (i64, Place), of_section: f64, thickness: f64) -> f64 {
+        let mut offsets: BTreeMap<usize, f64> = BTreeMap::new();
+        for &(at, offset) in &self.rows.offsets {
+            if self.rows.shells.get(at).is_some_and(|s| i64::from(s.part) == id) {
+                offsets.insert(at, offset);
+            }
+        }
+        if offsets.is_empty() {
+            return of_section;
+        }
+        for (&at, offset) in &mut offsets {
+            let own = self.rows.shells[at].own.thickness;
+            *offset *= 2.0 / if own > 0.0 { own } else { thickness };
+        }
+        let all = self.rows.shells.iter().filter(|s| i64::from(s.part) == id).count();
+        let of_others = (offsets.len() < all).then_some(of_section);
+        let (least, most) = offsets
+            .values()
+            .copied()
+            .chain(of_others)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |m, r| (m.0.min(r), m.1.max(r)));
+        let asked = format!("offsets of {} of its shells", offsets.len());
+        if most - least <= SAME_OFFSET * (1.0 + most.abs()) {
+            let used = format!("offset {most} of the part, over half the thickness");
+            self.map(format!("part {id}"), asked, used);
+            return most;
+        }
+        for (&at, &offset) in &offsets {
+            self.rows.shells[at].own.offset = Some(offset);
+        }
+        if least.abs().max(most.abs()) > LARGEST_OFFSET {
+            let message = format!(
+                "part {id}: the offsets of its shells are {least} to {most} times half their \
+                 thickness"
+            );
+            let help = "they have to be from -10 to 10 (-1 to 1 is usual)";
+            self.trouble.error(place, message, help);
+        }
+        let used = format!("one for each shell, {least} to {most} over half the thickness");
+        self.map(format!("part {id}"), asked, used);
+        of_section
+    }
+}

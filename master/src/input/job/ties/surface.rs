@@ -1,0 +1,217 @@
+//! The surface of a tie: search for the face of each tied node, and for nodes near faces between
+//! tied nodes.
+
+use super::{Ground, Stand, name, whole};
+use crate::input::job::loads::outer_faces;
+use crate::input::job::validate::Findings;
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::Tie as TieSpec;
+use crumple_proto::mesh::{Mesh, MeshElement, Shape};
+use crumple_proto::problem::Problem;
+use crumple_proto::tie::Tie;
+use crumple_worker::constraints::ties::project::{Face, Foot, diagonal, feet};
+use std::collections::{HashMap, HashSet};
+
+/// Default tolerance, as a fraction of the sum of thicknesses, and of the shorter diagonal of the
+/// face.
+const OF_THICKNESSES: f64 = 0.6;
+const OF_DIAGONAL: f64 = 0.05;
+/// Shape value below which it is round-off of the projection.
+const NO_SHARE: f64 = 1e-12;
+
+/// The surface of an entry.
+pub(super) struct Surface<'a> {
+    spec: &'a TieSpec,
+    ground: &'a Ground<'a>,
+    /// Element and number of each face.
+    faces: Vec<(usize, usize)>,
+    /// Nodes of each face, and their places.
+    corners: Vec<[NodeId; 4]>,
+    places: Vec<Face>,
+}
+
+impl<'a> Surface<'a> {
+    /// Finds the faces of an entry, if its nodes are known. Reports an entry without a surface.
+    pub(super) fn new(
+        spec: &'a TieSpec,
+        entry: usize,
+        ground: &'a Ground<'a>,
+        with_nodes: bool,
+        findings: &mut Findings,
+    ) -> Option<Self> {
+        let Ground { job, mesh, sets, free, .. } = ground;
+        if spec.parts.is_empty() && spec.faces.is_none() {
+            let help = "name `parts`, a node set as `faces`, or both; or a `node`";
+            findings.add(Problem::error(format!("tie.{entry}"), "a tie has no surface", help));
+            return None;
+        }
+        let within = match &spec.faces {
+            None => None,
+            Some(set) => Some(sets.ids(set, format!("tie.{entry}.faces"), findings)?),
+        };
+        if !with_nodes {
+            return None;
+        }
+        let of_part = |part: u32| spec.parts.is_empty() || spec.parts.contains(&part);
+        let faces = outer_faces(mesh, free, of_part, within.as_deref());
+        if faces.is_empty() {
+            let message = format!("{}: its surface has no face", name(job, entry));
+            let help = "name a part that has shells or solids, or a set that holds all nodes of \
+                        each face";
+            findings.add(Problem::error(format!("tie.{entry}"), message, help));
+            return None;
+        }
+        let corners: Vec<[NodeId; 4]> = faces.iter().map(|&face| corners_of(mesh, face)).collect();
+        let places = corners.iter().map(|c| c.map(|id| ground.place(id))).collect();
+        Some(Self { spec, ground, faces, corners, places })
+    }
+
+    fn element(&self, face: usize) -> &MeshElement {
+        &self.ground.mesh.elements[self.faces[face].0]
+    }
+
+    fn id(&self, node: usize) -> NodeId {
+        self.ground.mesh.nodes[node].id
+    }
+
+    /// Returns the thickness of a face [length].
+    fn face_thickness(&self, face: usize) -> f64 {
+        let element = self.element(face);
+        match self.spec.thicknesses[1] {
+            given if given > 0.0 => given,
+            _ if element.shape.is_shell() => shell_thickness(element, &self.ground.thick),
+            _ => 0.0,
+        }
+    }
+
+    /// Returns the thickness at a node that is to be tied [length].
+    fn node_thickness(&self, node: usize) -> f64 {
+        match self.spec.thicknesses[0] {
+            given if given > 0.0 => given,
+            _ => self.ground.shells.get(&self.id(node)).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// Returns the largest thickness at these nodes [length].
+    pub(super) fn thickest(&self, nodes: &[usize]) -> f64 {
+        nodes.iter().map(|&n| self.node_thickness(n)).fold(0.0, f64::max)
+    }
+
+    /// Returns the distance from a face within which a node of this thickness is tied [length].
+    fn reach(&self, face: usize, thickness: f64) -> f64 {
+        match self.spec.tolerance {
+            given if given > 0.0 => given,
+            _ => (OF_THICKNESSES * (self.face_thickness(face) + thickness))
+                .max(OF_DIAGONAL * diagonal(&self.places[face])),
+        }
+    }
+
+    /// Projects nodes onto the nearest face within reach. `thickest` is their largest thickness.
+    pub(super) fn project(&self, nodes: &[usize], thickest: f64) -> Vec<Option<Foot>> {
+        let points: Vec<[f64; 3]> = nodes.iter().map(|&n| self.ground.mesh.nodes[n].x).collect();
+        let tolerance =
+            |face: usize, p: usize| match self.corners[face].contains(&self.id(nodes[p])) {
+                true => -1.0,
+                false => self.reach(face, self.node_thickness(nodes[p])),
+            };
+        feet(&self.places, &points, |face| self.reach(face, thickest), tolerance)
+    }
+
+    /// Ties a node at its projection.
+    pub(super) fn stand(&self, entry: usize, node: usize, foot: &Foot) -> Stand {
+        let (spec, element) = (self.spec, self.element(foot.face));
+        let masters = shape_values(&self.corners[foot.face], &foot.shape);
+        let turns = masters.iter().all(|c| self.ground.turning.contains(&c.0));
+        // Members of a rigid body keep their positions.
+        let is_rigid = self.ground.rigid.contains(&element.part);
+        let stays = is_rigid || spec.offset && turns;
+        let moved = foot.distance / diagonal(&self.places[foot.face]);
+        Stand {
+            tie: Tie {
+                node: self.id(node),
+                masters,
+                near: Vec::new(),
+                faces: vec![element.id],
+                rotations: spec.rotations && turns,
+                offset: spec.offset && turns && !is_rigid,
+            },
+            entry,
+            node,
+            point: if stays { self.ground.mesh.nodes[node].x } else { foot.point },
+            moved: if stays { 0.0 } else { moved },
+        }
+    }
+
+    /// Records which nodes of the surface project onto faces between tied nodes. `thickest` is the
+    /// largest thickness at tied nodes [length].
+    pub(super) fn face_back(&self, stands: &mut [Stand], thickest: f64) {
+        let Ground { mesh, free, .. } = self.ground;
+        let mut tied: Vec<NodeId> = stands.iter().map(|s| s.tie.node).collect();
+        tied.sort_unstable();
+        let mut reach: HashMap<NodeId, f64> = HashMap::new();
+        for (face, corners) in self.corners.iter().enumerate() {
+            let own = self.reach(face, thickest);
+            for &id in corners {
+                let most = reach.entry(id).or_insert(own);
+                *most = most.max(own);
+            }
+        }
+        let own: HashSet<(usize, usize)> = self.faces.iter().copied().collect();
+        let between: Vec<[NodeId; 4]> = outer_faces(mesh, free, |_| true, Some(&tied))
+            .into_iter()
+            .filter(|face| !own.contains(face))
+            .map(|face| corners_of(mesh, face))
+            .collect();
+        let mut points: Vec<NodeId> =
+            reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
+        points.sort_unstable();
+        let places: Vec<Face> = between.iter().map(|c| c.map(|id| self.ground.place(id))).collect();
+        let widest = reach.values().copied().fold(0.0, f64::max);
+        let found = feet(
+            &places,
+            &points.iter().map(|&id| self.ground.place(id)).collect::<Vec<_>>(),
+            |_| widest,
+            |_, p| reach[&points[p]],
+        );
+        let mut near: HashMap<NodeId, Vec<NodeId>> = HashMap::new();
+        for (point, foot) in points.iter().zip(found).filter_map(|(p, foot)| Some((p, foot?))) {
+            between[foot.face].iter().for_each(|tied| near.entry(*tied).or_default().push(*point));
+        }
+        for s in stands {
+            s.tie.near = near.remove(&s.tie.node).unwrap_or_default();
+            s.tie.near.dedup();
+        }
+    }
+}
+
+/// Returns the nodes of a face, given by element and number.
+fn corners_of(mesh: &Mesh, (element, face): (usize, usize)) -> [NodeId; 4] {
+    let element = &mesh.elements[element];
+    element.shape.faces()[face].map(|c| element.nodes[c])
+}
+
+/// Returns the thickness of a shell [length].
+fn shell_thickness(e: &MeshElement, thick: &HashMap<u32, f64>) -> f64 {
+    if e.own.thickness > 0.0 { e.own.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
+}
+
+/// Returns the thickness of the thickest shell at each node [length].
+pub(super) fn thickest_shells(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
+    let mut all: HashMap<NodeId, f64> = HashMap::new();
+    for e in mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Quad4 | Shape::Tri3)) {
+        let own = shell_thickness(e, thick);
+        for &n in e.corners() {
+            let most = all.entry(n).or_insert(own);
+            *most = most.max(own);
+        }
+    }
+    all
+}
+
+/// Returns the shape values of a face's nodes by ascending node, without those of round-off.
+fn shape_values(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
+    let mut shares: Vec<(NodeId, f64)> =
+        corners.iter().copied().zip(shape.iter().copied()).filter(|s| s.1 > NO_SHARE).collect();
+    whole(&mut shares);
+    shares
+}

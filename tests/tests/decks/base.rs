@@ -1,0 +1,37 @@
+//! The deck of tests that add a few lines: a plate of two shells above a cube.
+
+use crumple::input::job::{Model, read};
+use std::fs;
+
+/// The plate and the cube; units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below;
+/// nodes 1 to 8 the cube, 11 to 16 the plate.
+pub const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,1\ncube\n2,2,1\n\
+    *SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+    *SECTION_SOLID\n2,1\n*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n\
+    7,10,10,10\n8,0,10,10\n\
+    11,0,0,12\n12,10,0,12\n13,20,0,12\n14,0,10,12\n15,10,10,12\n16,20,10,12\n*ELEMENT_SHELL\n\
+    1,1,11,12,15,14\n\
+    2,1,12,13,16,15\n*ELEMENT_SOLID\n1,2,1,2,3,4,5,6,7,8\n";
+pub const STEEL: &str = "*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n";
+pub const MOVES: &str = "*INITIAL_VELOCITY\n0\n1.0\n";
+
+pub fn model_of(text: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{text}*END\n")).unwrap();
+    read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// Reads the base with an elastic material and these lines.
+pub fn with(lines: &str) -> Model {
+    model_of(&format!("{BASE}{STEEL}{MOVES}{lines}"))
+}
+
+/// Reads the base with these lines, and with `--set`.
+pub fn read_with(sets: &[&str], lines: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{lines}*END\n")).unwrap();
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
+}

@@ -1,0 +1,198 @@
+//! Contact cards and the interfaces that they become.
+
+use super::base::{BASE, MOVES, STEEL, model_of, read_with, with};
+use crumple::input::job::{Model, read};
+use std::fs;
+
+#[test]
+fn contacts_become_interfaces() {
+    let model = with(
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,first\n1,0,3\n0.1,0.1\n\n\
+        *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\
+        0.4,0.2,3.0\n\n2\n",
+    );
+    let contact = model.job.contact.as_ref().unwrap();
+    assert_eq!(
+        (contact.name.as_str(), contact.friction, contact.parts.as_slice()),
+        ("first", 0.1, [1].as_slice())
+    );
+    let [pair] = contact.interface.as_slice() else {
+        panic!("one interface: {:?}", contact.interface)
+    };
+    assert_eq!((pair.parts.as_slice(), pair.against.as_slice()), ([1].as_slice(), [2].as_slice()));
+    assert_eq!(
+        (pair.friction, pair.friction_dynamic, pair.friction_decay),
+        (Some(0.4), Some(0.2), Some(3.0))
+    );
+    let pair = contact.each().nth(1).unwrap();
+    assert_eq!(
+        (pair.thickness, pair.thickness_scale, pair.birth, pair.death),
+        (None, 1.0, 0.0, None)
+    );
+    assert!(crumple::input::check::describe(&model).contains("contact 2: soft 2 -> not used"));
+    assert!(
+        with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n")
+            .job
+            .contact
+            .unwrap()
+            .parts
+            .is_empty(),
+        "all"
+    );
+}
+
+/// fs 2 selects the table fd: curves of the coefficient over the speed at ascending pressures. They
+/// follow the table, or it names them.
+#[test]
+fn friction_of_a_table_depends_on_pressure_and_speed() {
+    let curves = "*DEFINE_CURVE\n31\n0.0,0.3\n2.0,0.2\n*DEFINE_CURVE\n30\n0.0,0.1\n";
+    let contact = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n2.0,7,0.0,0.05\n\n";
+    let rows = vec![[0.0, 0.0, 0.3], [0.0, 2.0, 0.2], [0.5, 0.0, 0.1]];
+    for table in [
+        format!("*DEFINE_TABLE\n7,0.001\n0.0\n500.0\n{curves}"),
+        format!("{curves}*DEFINE_TABLE_2D\n7\n0.0,31\n0.5,30\n"),
+    ] {
+        let model = with(&format!("{contact}{table}"));
+        let found = model.job.contact.as_ref().unwrap();
+        assert_eq!((&found.friction_table, found.friction_limit), (&rows, Some(0.05)), "{table}");
+        assert!(crumple::input::check::describe(&model).contains("fs 2, fd 7: a table"));
+    }
+    for (table, problem) in [
+        ("", "there is no *DEFINE_TABLE with the id 7"),
+        ("*DEFINE_TABLE\n7\n0.0\n1.0\n*DEFINE_CURVE\n31\n0.0,0.3\n", "2 values"),
+        ("*DEFINE_TABLE_2D\n7\n0.0,32\n", "there is no *DEFINE_CURVE with the id 32"),
+        ("*DEFINE_TABLE_2D\n7\n1.0,31\n1.0,30\n", "do not ascend"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deck.k");
+        let text = format!("{BASE}{STEEL}{MOVES}{contact}{table}*END\n");
+        fs::write(&path, text).unwrap();
+        let report = read(&path, &[]).err().expect("a report").to_string();
+        assert!(report.contains(problem), "{report}");
+    }
+}
+
+/// Only the contact whose card asks for it is of segments; the map of the deck shows it.
+#[test]
+fn mortar_contacts_take_the_law_of_segments() {
+    let pair = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_MORTAR_ID\n2,second\n1,2,3,3\n\n\n";
+    let law = |model: &Model| {
+        model.job.contact.as_ref().unwrap().each().map(|c| c.law).collect::<Vec<_>>()
+    };
+    let model = with(&format!("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n{pair}"));
+    assert_eq!(law(&model), ["lagrange", "mortar"]);
+    assert!(crumple::input::check::describe(&model).contains("second: MORTAR -> law mortar"));
+    let model = with(
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_MORTAR\n1,0,3\n\n\n\
+         *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\n\n",
+    );
+    assert_eq!(law(&model), ["mortar", "lagrange"]);
+}
+
+#[test]
+fn contacts_of_a_single_surface_come_before_those_of_two() {
+    let model = with(
+        "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n0.4,0.4,,,,,0.25,0.5\n,,0.6,0.2\n\
+         *CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n0.1,0.1\n,,,,0.5\n",
+    );
+    let contact = model.job.contact.as_ref().unwrap();
+    assert!(contact.parts.is_empty(), "all");
+    assert_eq!((contact.friction, contact.thickness_scale), (0.1, 0.5));
+    let pair = contact.each().nth(1).unwrap();
+    assert_eq!(
+        (pair.friction, pair.thickness, pair.thickness_scale),
+        (0.4, Some(0.4), 1.0),
+        "no values of the first contact"
+    );
+    assert_eq!((pair.birth, pair.death), (0.25, Some(0.5)));
+}
+
+/// Two of three parts have the same friction; each pair of different kinds gets the mean.
+#[test]
+fn friction_of_parts_is_what_a_contact_asks_for() {
+    let deck = BASE.replace(
+        "*PART\nplate\n1,1,1\ncube\n2,2,1\n",
+        "*PART_CONTACT\nplate\n1,1,1\n0.3,0.1,2.0,0.05,1.5,0.8\ncube\n2,2,1\n0.1,0.1\n",
+    );
+    let contact = "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n-1.0\n\n";
+    let model = model_of(&format!("{deck}{STEEL}{MOVES}{contact}"));
+    let all: Vec<_> = model.job.contact.as_ref().unwrap().each().collect();
+    let of = |one: u32, other: u32| {
+        let ids: Vec<u32> = model.job.part.iter().map(|p| p.id).collect();
+        let meets = |side: &[usize], part: u32| side.iter().any(|&place| ids[place] == part);
+        let between = |c: &&crumple_proto::job::Contact| {
+            let [a, b] = c.sides(&ids);
+            meets(&a, one) && meets(&b, other) || meets(&a, other) && meets(&b, one)
+        };
+        let c = all.iter().rfind(between).unwrap();
+        (c.friction, c.friction_dynamic, c.friction_decay, c.friction_limit.filter(|&l| l > 0.0))
+    };
+    assert_eq!(of(1, 1), (0.3, Some(0.1), 2.0, Some(0.05)));
+    assert_eq!((of(2, 2).0, of(2, 2).1, of(2, 2).3), (0.1, None, None));
+    assert_eq!(
+        of(1, 2),
+        (0.2, Some(0.1), 1.0, Some(0.05)),
+        "the mean friction and the lower limit"
+    );
+    let plate = &model.job.part[0];
+    assert_eq!((plate.contact_thickness, plate.contact_thickness_scale), (Some(1.5), 0.8));
+    let said = crumple::input::check::describe(&model);
+    assert!(
+        said.contains(
+            "fs -1: friction of the parts -> 3 interfaces; for two parts the mean of their values"
+        ),
+        "{said}"
+    );
+    let alike = deck.replace("0.1,0.1\n", "0.3,0.1,2.0,0.05\n");
+    let model = model_of(&format!("{alike}{STEEL}{MOVES}{contact}"));
+    let contact = model.job.contact.as_ref().unwrap();
+    assert_eq!(
+        (contact.friction, contact.friction_limit, contact.interface.len()),
+        (0.3, Some(0.05), 0)
+    );
+}
+
+/// An exported deck that is read again has the same contact: several cards, sets of parts, and
+/// settings that no card has.
+#[test]
+fn exported_contacts_are_read_as_they_were() {
+    let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n\
+         0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
+         *CONTACT_AUTOMATIC_SINGLE_SURFACE\n1,0,3\n0.2,0.2\n,,1.5\n\
+         *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID\n2,pair\n1,2,3,3\n0.4,0.4,,,,,0.25,0.5\n\n";
+    let job = read_with(&["contact.interface.pair.law=penalty", "contact.sweeps=7"], contacts);
+    let numbers = |model: &Model| -> Vec<String> {
+        let ids: Vec<u32> = model.job.part.iter().map(|p| p.id).collect();
+        let all = model.job.contact.as_ref().unwrap().each();
+        let plain = |c: crumple_proto::job::Contact| {
+            let sides = c.sides(&ids);
+            // A limit of 0 means no limit, and sides are distinguished by their parts.
+            let limit = c.friction_limit.filter(|&l| l > 0.0);
+            let death = c.death.filter(|&t| t < model.job.end_time);
+            format!(
+                "{sides:?} {:?}",
+                crumple_proto::job::Contact {
+                    friction_limit: limit,
+                    death,
+                    parts: vec![],
+                    against: vec![],
+                    ..c
+                }
+            )
+        };
+        all.map(plain).collect()
+    };
+    let text = crumple::input::deck::export::export(&job).unwrap();
+    for card in [
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID",
+        "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID",
+        "*SET_PART_LIST",
+    ] {
+        assert!(text.lines().any(|l| l == card), "no {card} in\n{text}");
+    }
+    assert_eq!(text.matches("*CONTACT_").count(), 3, "{text}");
+    let again = model_of(&text.replace("*END\n", ""));
+    assert_eq!(numbers(&job), numbers(&again), "{text}");
+    let twice = crumple::input::deck::export::export(&again).unwrap();
+    assert_eq!(numbers(&job), numbers(&model_of(&twice.replace("*END\n", ""))), "exported twice");
+}
