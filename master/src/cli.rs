@@ -3,7 +3,7 @@
 mod service;
 
 pub use service::{
-    FetchArgs, JobsArgs, OneJobArgs, ResumeArgs, Role, ServeArgs, ServerArgs, SubmitArgs,
+    FetchArgs, JobsArgs, OneJobArgs, ResumeArgs, Role, ServeArgs, ServerArgs, StopArgs, SubmitArgs,
 };
 
 use clap::{Args, Parser, Subcommand};
@@ -59,7 +59,7 @@ pub enum Command {
     /// run.
     Watch(OneJobArgs),
     /// Stop a job of a service. One that runs writes a checkpoint.
-    Stop(OneJobArgs),
+    Stop(StopArgs),
     /// Continue a job of a service from its newest checkpoint, or start one that was only checked.
     Resume(ResumeArgs),
     /// Copy files of a job from a service.

@@ -164,11 +164,12 @@ class RunPage {
     const mine = this.about.role === "admin" || (this.about.role === "submit" && this.about.name === job.owner);
     const allowed = {
       checkpoint: runs, pause: runs, continue: runs, set: runs,
-      stop: !FINAL.includes(job.state),
+      stop: !FINAL.includes(job.state), kill: job.stopping && !job.forced,
       resume: ["checked", "completed", "failed", "lost", "stopped"].includes(job.state),
     };
     for (const button of byId("run-orders").querySelectorAll("[data-order]")) {
       button.disabled = !mine || !allowed[button.dataset.order];
+      if (button.dataset.order === "kill") button.hidden = button.disabled;
     }
     const rests = FINAL.includes(job.state) || job.state === "queued";
     byId("run-report").hidden = true; // a run that continues removes its report
@@ -302,6 +303,7 @@ class RunPage {
       pause: "Hold the run between two cycles?",
       continue: "Go on with the paused run?",
       stop: "Stop the job? A run writes its results and a checkpoint.",
+      kill: "Kill the job? It was asked to stop and may still be writing. It keeps its last checkpoint only.",
       set: "Change a setting of the run:",
       resume: "Continue from the newest checkpoint. A change is key=value, such as end_time=40; it may be empty.",
     };
@@ -310,6 +312,7 @@ class RunPage {
     const path = `/api/jobs/${this.id}`;
     const done = await guarded(() => {
       if (name === "stop") return postJson(`${path}/stop`, {});
+      if (name === "kill") return postJson(`${path}/stop?force=true`, {});
       if (name === "resume") return postJson(`${path}/resume`, { workers: answer.workers, set: answer.value ? [answer.value] : [] });
       if (name === "set") return postJson(`${path}/orders`, { request: "set", key: answer.key, value: Number(answer.value) });
       return postJson(`${path}/orders`, { request: name });

@@ -93,9 +93,13 @@ class Job:
             raise JobError(self)
         return self
 
-    def stop(self) -> Job:
-        """Stops it: one that waits never starts, one that runs writes a checkpoint."""
-        self._about = self._service._json("POST", f"/api/jobs/{self.id}/stop", json={})
+    def stop(self, *, force: bool = False) -> Job:
+        """Stops it: one that waits never starts, one that runs writes a checkpoint.
+
+        With `force`, a job that was asked before and does not stop is killed.
+        """
+        path = f"/api/jobs/{self.id}/stop?force={str(force).lower()}"
+        self._about = self._service._json("POST", path, json={})
         return self
 
     def resume(

@@ -194,6 +194,20 @@ pub struct OneJobArgs {
     pub server: ServerArgs,
 }
 
+/// `crumple stop`.
+#[derive(Args, Clone, Debug)]
+pub struct StopArgs {
+    /// Number of the job.
+    pub job: i64,
+    /// Kill the processes of a job that was asked to stop and does not. What it has computed since
+    /// its last checkpoint is lost.
+    #[arg(long)]
+    pub force: bool,
+    /// The service.
+    #[command(flatten)]
+    pub server: ServerArgs,
+}
+
 /// `crumple resume`.
 #[derive(Args, Clone, Debug)]
 pub struct ResumeArgs {

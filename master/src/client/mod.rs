@@ -4,7 +4,7 @@ mod server;
 mod stream;
 mod upload;
 
-use crate::cli::{FetchArgs, JobsArgs, OneJobArgs, ResumeArgs, SubmitArgs};
+use crate::cli::{FetchArgs, JobsArgs, OneJobArgs, ResumeArgs, StopArgs, SubmitArgs};
 use crate::serve::api::{FileEntry, Job, JobPage, Resumption, Submission};
 use crate::stdout::{say, write};
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED};
@@ -90,12 +90,13 @@ pub fn watch(args: &OneJobArgs) -> u8 {
 }
 
 /// `crumple stop`. Returns the exit code.
-pub fn stop(args: &OneJobArgs) -> u8 {
+pub fn stop(args: &StopArgs) -> u8 {
     let stopped = || -> Ended {
         let server = Server::find(&args.server)?;
-        let path = format!("/api/jobs/{}/stop", args.job);
+        let path = format!("/api/jobs/{}/stop?force={}", args.job, args.force);
         let job: Job = server.post(&path, &serde_json::json!({}))?;
-        say!("job {}: {}", job.id, if job.stopping { "stopping" } else { job.state.name() });
+        let state = if job.stopping { "stopping" } else { job.state.name() };
+        say!("job {}: {state}", job.id);
         Ok(COMPLETED)
     };
     code_of(stopped())

@@ -112,6 +112,8 @@ pub struct Job {
     pub attempt: u32,
     /// True if a user wants it to stop.
     pub stopping: bool,
+    /// True if its processes are to be killed.
+    pub forced: bool,
 }
 
 /// A job as it is submitted. As multipart, it is the part `options`, and each file is a part

@@ -61,8 +61,9 @@ struct Notes {
     followed: HashSet<i64>,
     /// When this process ordered an attempt.
     ordered: HashMap<i64, Instant>,
-    /// When a run was asked to stop.
-    asked: HashMap<i64, Instant>,
+    /// When a run was asked to stop, by the number of its job; with true, when its processes were
+    /// killed.
+    asked: HashMap<(i64, bool), Instant>,
 }
 
 /// The database or a launcher has failed; the loop tries again.
@@ -140,7 +141,7 @@ impl Keeper {
         let ids: HashSet<i64> = active.iter().map(|stored| stored.job.id).collect();
         self.notes(|notes| {
             notes.ordered.retain(|id, _| ids.contains(id));
-            notes.asked.retain(|id, _| ids.contains(id));
+            notes.asked.retain(|(id, _), _| ids.contains(id));
         });
         self.live.tidy(|id| ids.contains(&id));
         self.start_those_that_fit().await
@@ -244,14 +245,19 @@ impl Keeper {
             Seen::Ended(code) => return self.end(stored, code).await,
             Seen::Lost => return self.lost(stored, 1).await,
         }
+        let (key, forced) = ((job.id, job.forced), job.forced);
         let is_due = job.stopping
             && self.notes(|notes| {
-                let asked = notes.asked.get(&job.id);
+                let asked = notes.asked.get(&key);
                 asked.is_none_or(|asked| asked.elapsed() > ASK_AGAIN)
             });
         if is_due && (seen == Seen::Running || !handle.is_empty()) {
-            self.notes(|notes| notes.asked.insert(job.id, Instant::now()));
-            self.ask(job, move |launcher| launcher.stop(&order, &handle)).await?;
+            self.notes(|notes| notes.asked.insert(key, Instant::now()));
+            let end = move |launcher: &dyn Launcher| match forced {
+                true => launcher.kill(&order, &handle),
+                false => launcher.stop(&order, &handle),
+            };
+            self.ask(job, end).await?;
         }
         Ok(())
     }
@@ -308,6 +314,14 @@ impl Keeper {
         let (id, folder) = (stored.job.id, self.root.job(stored.job.id));
         if let Some(code) = code_of_summary(&folder, stored.job.attempt) {
             return self.end(stored, code).await;
+        }
+        if stored.job.forced {
+            let from = newest_cycle(&folder.results());
+            let kept = from.map_or("nothing".into(), |cycle| format!("the state of cycle {cycle}"));
+            let reason = format!("killed, since it did not stop; it keeps {kept}");
+            let ended = self.store.end(id, JobState::Stopped, STOPPED, reason).await;
+            ended.map_err(failed)?;
+            return self.announce(id).await;
         }
         if stored.job.stopping {
             return self.end(stored, STOPPED).await;
@@ -502,6 +516,10 @@ mod tests {
         }
 
         fn stop(&self, _: &Order, _: &str) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn kill(&self, _: &Order, _: &str) -> Result<(), String> {
             Ok(())
         }
 

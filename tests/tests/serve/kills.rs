@@ -74,6 +74,36 @@ fn a_job_whose_processes_are_killed_continues_from_its_checkpoint() {
     service.wait_for(id, "stopped");
 }
 
+/// A stopped process answers neither signals nor its socket.
+#[test]
+fn a_job_that_does_not_stop_is_killed() {
+    let service = Service::start(&[]);
+    let id = service.submit(&endless());
+    service.wait_for(id, "running");
+    let supervisor = process(&service, id, 1);
+    let runs = service.wait("the run has begun", |_| {
+        let runs = children(supervisor);
+        (!runs.is_empty()).then_some(runs)
+    });
+    runs.iter().chain([&supervisor]).for_each(|&pid| send(pid, Signal::STOP));
+    let (ask, force) = (format!("/api/jobs/{id}/stop"), format!("/api/jobs/{id}/stop?force=true"));
+    let refused = service.post(&force, &serde_json::json!({}));
+    assert_eq!(refused.status, 409, "it was not asked before");
+    assert_eq!(service.post(&ask, &serde_json::json!({})).status, 202);
+    std::thread::sleep(Duration::from_secs(2));
+    assert_eq!(service.job(id)["state"], "running");
+    let folder = service.folder(id).join("../..").to_string_lossy().into_owned();
+    run(crumple_with(&["stop", &id.to_string(), "--force", "--dir", &folder])).with_code(0);
+    let job = service.wait_for(id, "stopped");
+    assert!(job["reason"].as_str().unwrap().starts_with("killed"), "{job}");
+    for pid in runs.into_iter().chain([supervisor]) {
+        service.wait("the process has ended", |_| {
+            let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+            (stat.is_empty() || stat.contains(") Z")).then_some(())
+        });
+    }
+}
+
 #[test]
 fn a_run_whose_supervisor_is_killed_is_not_started_again() {
     let service = Service::start(&[]);

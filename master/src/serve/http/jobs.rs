@@ -96,19 +96,35 @@ pub async fn progress(State(app): State<App>, Path(id): Path<i64>) -> Answered<R
     Ok(([(CONTENT_TYPE, "application/json")], line.to_string()).into_response())
 }
 
-/// Stops a job: one that waits never starts, one that runs keeps its state.
+/// How a job is stopped.
+#[derive(Debug, Deserialize, IntoParams)]
+pub struct StopQuery {
+    /// Kill the processes of a job that was asked to stop and does not.
+    #[serde(default)]
+    force: bool,
+}
+
+/// Stops a job: one that waits never starts, one that runs keeps its state. With `force`, a job that
+/// was asked before is killed: it keeps the state of its last checkpoint.
 #[utoipa::path(post, path = "/api/jobs/{id}/stop",
-    params(("id" = i64, Path, description = "job")),
+    params(("id" = i64, Path, description = "job"), StopQuery),
     responses((status = 202, body = Job), (status = 403, body = Refusal),
               (status = 404, body = Refusal), (status = 409, body = Refusal)))]
 pub async fn stop(
     State(app): State<App>,
     Extension(identity): Extension<Identity>,
     Path(id): Path<i64>,
+    Query(query): Query<StopQuery>,
 ) -> Answered<(StatusCode, Json<Job>)> {
     let stored = found(&app, id).await?;
     may_order(&identity, &stored.job.owner)?;
-    if app.keeper.store.stop(id, identity.name).await?.is_none() {
+    let active = matches!(stored.job.state, JobState::Starting | JobState::Running);
+    if query.force && active && !stored.job.stopping {
+        return Err(Problem::conflict(
+            "the job was not asked to stop: ask it first, without force, so that it keeps its state",
+        ));
+    }
+    if app.keeper.store.stop(id, identity.name, query.force).await?.is_none() {
         return Err(Problem::conflict(format!("the job is {} already", stored.job.state.name())));
     }
     app.keeper.announce(id).await.map_err(Problem::internal)?;

@@ -1,11 +1,12 @@
 //! Runs as processes of this machine. Workers are threads, or ranks that `mpirun` starts, also on
 //! other hosts. A run survives the service.
 
+use super::processes::{kill_tree, send};
 use super::{Launcher, Order, Seen, stop_by_socket};
 use crate::run::attempt::{self, State};
-use crate::run::lock::is_held;
+use crate::run::lock::{is_held, owner};
 use crate::serve::limits::Amount;
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 use std::fs::File;
 use std::io;
 use std::path::PathBuf;
@@ -20,13 +21,6 @@ pub struct Local {
     pub program: PathBuf,
     /// Command that starts ranks, with `{ranks}` in place of their number; none for threads.
     pub ranks: Option<String>,
-}
-
-fn signal(pid: u32) -> io::Result<()> {
-    match i32::try_from(pid).ok().and_then(Pid::from_raw) {
-        Some(pid) => Ok(kill_process(pid, Signal::TERM)?),
-        None => Ok(()),
-    }
 }
 
 impl Launcher for Local {
@@ -79,7 +73,7 @@ impl Launcher for Local {
         let path = order.folder.attempt(order.attempt);
         match attempt::look(&path).map_err(failed)? {
             State::Running(pid) if !attempt::is_stopping(&path).map_err(failed)? => {
-                signal(pid).map_err(failed)?;
+                send(pid, Signal::TERM).map_err(failed)?;
             }
             State::Running(_) => stop_by_socket(order),
             // Only its supervisor was killed.
@@ -87,6 +81,16 @@ impl Launcher for Local {
             _ => {}
         }
         Ok(())
+    }
+
+    fn kill(&self, order: &Order, _: &str) -> Result<(), String> {
+        let failed = |error: io::Error| format!("the run cannot be killed: {error}");
+        let path = order.folder.attempt(order.attempt);
+        if let State::Running(supervisor) = attempt::look(&path).map_err(failed)? {
+            kill_tree(supervisor).map_err(failed)?;
+        }
+        // Its supervisor may have been killed before.
+        owner(&order.folder.results()).map_or(Ok(()), kill_tree).map_err(failed)
     }
 
     fn is_queued_elsewhere(&self, _: &str) -> bool {

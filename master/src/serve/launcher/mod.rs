@@ -2,6 +2,7 @@
 //! them.
 
 pub mod local;
+mod processes;
 pub mod slurm;
 
 use super::folder::JobFolder;
@@ -80,6 +81,12 @@ pub trait Launcher: Send + Sync {
     /// # Errors
     /// It cannot be reached.
     fn stop(&self, order: &Order, handle: &str) -> Result<(), String>;
+
+    /// Kills all processes of an attempt. It may be called again.
+    ///
+    /// # Errors
+    /// They cannot be reached.
+    fn kill(&self, order: &Order, handle: &str) -> Result<(), String>;
 
     /// Returns true if an attempt that waits will run without the service.
     fn is_queued_elsewhere(&self, handle: &str) -> bool;

@@ -97,6 +97,14 @@ impl Launcher for Slurm {
         output(command_with(command, handle)).map(drop)
     }
 
+    fn kill(&self, _: &Order, handle: &str) -> Result<(), String> {
+        if !is_number(handle) {
+            return Ok(());
+        }
+        // Slurm sends TERM, and KILL after its KillWait.
+        output(command_with(Command::new("scancel"), handle)).map(drop)
+    }
+
     fn is_queued_elsewhere(&self, handle: &str) -> bool {
         is_number(handle)
     }

@@ -8,6 +8,9 @@ use strum::IntoEnumIterator;
 
 /// State of a job whose files are still arriving. Clients do not see it.
 const INCOMING: &str = "incoming";
+/// Values of the column `stopping`.
+const ASKED: u8 = 1;
+const FORCED: u8 = 2;
 const COLUMNS: &str = "id, name, owner, state, priority, workers, launcher, main, sets, retries, \
                        memory_mb, submitted, started, ended, code, reason, attempt, stopping, \
                        later_sets, handle, lost, check_only";
@@ -95,6 +98,7 @@ fn stored(row: &Row) -> Outcome<Stored> {
             reason: row.get(15)?,
             attempt: row.get(16)?,
             stopping: row.get(17)?,
+            forced: row.get::<_, u8>(17)? == FORCED,
         },
         later_sets: list(row.get(18)?),
         handle: row.get(19)?,
@@ -340,12 +344,12 @@ impl Store {
         self.call(move |db| db.execute(sql, params![id, lost, reason]).map(drop)).await
     }
 
-    /// Notes that a job is to stop. One that has no process ends at once. Returns its state before,
-    /// or `None` if there is none or it has ended.
+    /// Notes that a job is to stop, if `forced` by the end of its processes. One that has no process
+    /// ends at once. Returns its state before, or `None` if there is none or it has ended.
     ///
     /// # Errors
     /// The database fails.
-    pub async fn stop(&self, id: i64, who: String) -> Outcome<Option<JobState>> {
+    pub async fn stop(&self, id: i64, who: String, forced: bool) -> Outcome<Option<JobState>> {
         self.call(move |db| {
             let tx = db.transaction()?;
             let sql = "SELECT state FROM job WHERE id = ?1";
@@ -359,7 +363,8 @@ impl Store {
                            WHERE id = ?1";
                 tx.execute(sql, params![id, reason, now()])?;
             } else if open.is_some() {
-                tx.execute("UPDATE job SET stopping = 1 WHERE id = ?1", [id])?;
+                let sql = "UPDATE job SET stopping = MAX(stopping, ?2) WHERE id = ?1";
+                tx.execute(sql, params![id, if forced { FORCED } else { ASKED }])?;
             }
             tx.commit()?;
             Ok(open)
