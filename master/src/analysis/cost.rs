@@ -250,8 +250,7 @@ fn write_totals(
     workers: usize,
     out: &mut String,
 ) -> std::fmt::Result {
-    let master = (size_of::<ElementRecord>() * scene.elements.len()
-        + size_of::<NodeRecord>() * scene.nodes.len()) as f64;
+    let master = (size_of_val(scene.elements) + size_of_val(scene.nodes)) as f64;
     writeln!(
         out,
         "  total: {:.1} MB with {:.1} MB of the master, {:.1} MB per worker of {workers}",
