@@ -245,14 +245,14 @@ fn write_checkpoint(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> s
     Ok(())
 }
 
+/// Writes the totals of the run. Returns its memory [MB].
 fn write_totals(
     scene: &Scene<'_>,
     costs: &Costs,
     workers: usize,
     out: &mut String,
 ) -> Result<f64, std::fmt::Error> {
-    let master = (size_of::<ElementRecord>() * scene.elements.len()
-        + size_of::<NodeRecord>() * scene.nodes.len()) as f64;
+    let master = (size_of_val(scene.elements) + size_of_val(scene.nodes)) as f64;
     let memory_mb = 1e-6 * (costs.bytes + master);
     writeln!(
         out,

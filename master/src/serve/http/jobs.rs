@@ -104,8 +104,8 @@ pub struct StopQuery {
     force: bool,
 }
 
-/// Stops a job: one that waits never starts, one that runs keeps its state. With `force`, a job that
-/// was asked before is killed: it keeps the state of its last checkpoint.
+/// Stops a job: one that waits never starts, one that runs keeps its state. With `force`, a job
+/// that was asked before is killed: it keeps the state of its last checkpoint.
 #[utoipa::path(post, path = "/api/jobs/{id}/stop",
     params(("id" = i64, Path, description = "job"), StopQuery),
     responses((status = 202, body = Job), (status = 403, body = Refusal),
@@ -121,7 +121,7 @@ pub async fn stop(
     let active = matches!(stored.job.state, JobState::Starting | JobState::Running);
     if query.force && active && !stored.job.stopping {
         return Err(Problem::conflict(
-            "the job was not asked to stop: ask it first, without force, so that it keeps its state",
+            "the job was not asked to stop: ask it first, without force; it then keeps its state",
         ));
     }
     if app.keeper.store.stop(id, identity.name, query.force).await?.is_none() {

@@ -344,8 +344,8 @@ impl Store {
         self.call(move |db| db.execute(sql, params![id, lost, reason]).map(drop)).await
     }
 
-    /// Notes that a job is to stop, if `forced` by the end of its processes. One that has no process
-    /// ends at once. Returns its state before, or `None` if there is none or it has ended.
+    /// Notes that a job is to stop, if `forced` by the end of its processes. One that has no
+    /// process ends at once. Returns its state before, or `None` if there is none or it has ended.
     ///
     /// # Errors
     /// The database fails.
