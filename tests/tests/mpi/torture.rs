@@ -106,9 +106,11 @@ impl Record {
         self.losses[which].push(loss);
     }
 
-    /// Returns the number of kills after which more work was lost than that of the second interval.
+    /// Returns the number of kills after which more work was lost than that of the second interval,
+    /// without a warning before.
     fn late(&self) -> usize {
-        self.losses[1].iter().filter(|&&loss| loss > INTERVALS[1]).count()
+        let late = self.losses[1].iter().filter(|&&loss| loss > INTERVALS[1]).count();
+        late - self.announced[1]
     }
 }
 
@@ -214,7 +216,8 @@ fn command(words: &[String], workers: usize, mpi: bool) -> Command {
 }
 
 /// Runs a scene, kills it up to `KILLS` times, and lets it end. A kill is at a random time within
-/// the duration of the undisturbed run, or within two intervals after a checkpoint is complete.
+/// the duration of the undisturbed run, or within one and a half intervals after a checkpoint is
+/// complete.
 fn one_round(
     random: &mut fastrand::Rng,
     whole: &Undisturbed,
@@ -254,7 +257,7 @@ fn one_round(
                 let late = begun.elapsed().is_ok_and(|time| time > 3 * whole.took);
                 (late || newest_cycle(out) > known).then_some(())
             });
-            Duration::from_secs_f64(2.0 * INTERVALS[which] * random.f64())
+            Duration::from_secs_f64(1.5 * INTERVALS[which] * random.f64())
         });
         let ranks = if mpi { running.ranks() } else { Vec::new() };
         let victim = random.usize(..=workers);

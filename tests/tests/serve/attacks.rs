@@ -383,14 +383,16 @@ fn the_service_answers_to_its_own_name_only() {
     refused(&service, "no host", &without, &[421]);
 }
 
-#[test]
-fn requests_that_are_no_requests_are_refused() {
-    let service = Service::start(&[]);
+/// Sends a body that is said to be JSON.
+fn post_text(service: &Service, path: &str, body: &str) -> Reply {
     let bearer = format!("Bearer {}", service.token);
-    let json_kind = ("Content-Type", "application/json");
-    let post = |path: &str, body: &str| {
-        service.ask("POST", path, &[("Authorization", &bearer), json_kind], body.as_bytes())
-    };
+    let headers = [("Authorization", &*bearer), ("Content-Type", "application/json")];
+    service.ask("POST", path, &headers, body.as_bytes())
+}
+
+#[test]
+fn submissions_that_are_none_are_refused() {
+    let service = Service::start(&[]);
     let deep = "[".repeat(100_000);
     let submissions = [
         "",
@@ -407,7 +409,7 @@ fn requests_that_are_no_requests_are_refused() {
         "{\"files\": {\"a.toml\": 1}}",
     ];
     for body in submissions {
-        let reply = post("/api/jobs", body);
+        let reply = post_text(&service, "/api/jobs", body);
         assert!([400, 413, 415, 422].contains(&reply.status), "{:.40}: {}", body, reply.head);
     }
     let mut job = bars(&[]);
@@ -437,21 +439,26 @@ fn requests_that_are_no_requests_are_refused() {
         );
         job = before;
     }
+}
+
+#[test]
+fn orders_and_questions_that_are_none_are_refused() {
+    let service = Service::start(&[]);
     let id = service.submit(&bars(&[]));
     service.wait_for(id, "completed");
     let orders = format!("/api/jobs/{id}/orders");
     for body in
         ["", "{}", "{\"request\": \"watch\"}", "{\"request\": \"halt\"}", "{\"request\": \"set\"}"]
     {
-        refused(&service, body, &post(&orders, body), &[422]);
+        refused(&service, body, &post_text(&service, &orders, body), &[422]);
     }
     refused(
         &service,
         "an order to a job that has ended",
-        &post(&orders, "{\"request\": \"stop\"}"),
+        &post_text(&service, &orders, "{\"request\": \"stop\"}"),
         &[409],
     );
-    refused(&service, "a large order", &post(&orders, &" ".repeat(100_000)), &[413]);
+    refused(&service, "a large order", &post_text(&service, &orders, &" ".repeat(100_000)), &[413]);
     for query in
         ["state=x", "limit=-1", "limit=x", "before=x", "other=1", "state=queued&state=running"]
     {
@@ -459,6 +466,7 @@ fn requests_that_are_no_requests_are_refused() {
         assert!([400, 422].contains(&reply.status), "{query}: {}", reply.head);
     }
     assert_eq!(service.get("/api/jobs?name=%27%3B%20DROP%20TABLE%20job").json()["total"], 0);
+    let bearer = format!("Bearer {}", service.token);
     let after = [("Authorization", &*bearer), ("Last-Event-ID", "1 OR 1=1")];
     refused(
         &service,
@@ -466,6 +474,12 @@ fn requests_that_are_no_requests_are_refused() {
         &service.ask("GET", &format!("/api/jobs/{id}/events"), &after, b""),
         &[422],
     );
+}
+
+#[test]
+fn requests_that_are_no_requests_are_refused() {
+    let service = Service::start(&[]);
+    let bearer = format!("Bearer {}", service.token);
     for method in ["PUT", "DELETE", "PATCH", "TRACE", "CONNECT"] {
         let reply = service.ask(method, "/api/jobs", &[("Authorization", &bearer)], b"");
         assert!([400, 404, 405, 421].contains(&reply.status), "{method}: {}", reply.head);

@@ -111,9 +111,9 @@ pub fn find_pairs(
     dt: f64,
     out: &mut Vec<Pair>,
 ) {
-    let found = |m: &ProjectedPair| {
-        let geometry = PairGeometry::new((nodes, surface), slave_index, m, dt)
-            .filter(|v| alive[v.interface as usize])?;
+    let found = |pair: &ProjectedPair| {
+        let geometry = PairGeometry::new((nodes, surface), slave_index, pair, dt)
+            .filter(|geometry| alive[geometry.interface as usize])?;
         evaluate_pair(nodes, surface, &geometry, memory)
     };
     let mut finds: Vec<PairCandidate> = projected.iter().filter_map(found).collect();
@@ -343,7 +343,7 @@ fn evaluate_pair(
     } else {
         (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0)
     };
-    let pair = Pair { side, ..geometry.pair(nodes, surface, normal) };
+    let pair = geometry.pair(nodes, surface, normal, side);
     let is_line = surface.has_lines && segment.is_line();
     Some(PairCandidate {
         pair: pair.with_history(old, gap, tolerated),

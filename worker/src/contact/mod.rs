@@ -379,7 +379,8 @@ impl Contact {
         if pairs.len() > of_nodes {
             pairs.sort_unstable_by_key(|p| p.key);
         }
-        self.complete_pairs(nodes, alive, steps, &mut pairs);
+        let started = std::mem::replace(&mut self.interface_started, alive);
+        self.complete_pairs(nodes, &started, steps, &mut pairs);
         self.table.pairs = pairs;
         if self.by_mass {
             self.table.weight_by_mass(nodes);
@@ -427,15 +428,15 @@ impl Contact {
     }
 
     /// Sets the values of the pairs that do not depend on the search: initial gaps of interfaces
-    /// that start, lever arms, friction and the first force.
+    /// that had not `started` in the last step, lever arms, friction and the first force. Records
+    /// the nodes that are touched and the largest penetration.
     fn complete_pairs(
         &mut self,
         nodes: &Nodes,
-        alive: Vec<bool>,
+        started: &[bool],
         steps: StepSizes,
         pairs: &mut [Pair],
     ) {
-        let started = std::mem::replace(&mut self.interface_started, alive);
         for p in pairs {
             if !started[p.interface as usize] {
                 p.initial_gap = p.tolerated_gap;

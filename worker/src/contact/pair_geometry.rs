@@ -111,8 +111,8 @@ impl<'a> PairGeometry<'a> {
         inside > FOLDED * offset.norm()
     }
 
-    /// Returns the pair without history; it acts along `normal`.
-    pub fn pair(&self, nodes: &Nodes, surface: &Surface, normal: V3) -> Pair {
+    /// Returns the pair without history; it acts along `normal`, from this `side` of the segment.
+    pub fn pair(&self, nodes: &Nodes, surface: &Surface, normal: V3, side: f64) -> Pair {
         let PairGeometry { segment, slave, near, .. } = *self;
         let [a, b, c, d] = near.shape;
         let shape = padded([1.0, a, b, c, d]);
@@ -121,6 +121,7 @@ impl<'a> PairGeometry<'a> {
             shape,
             weight: shape,
             normal,
+            side,
             lever_arms: self.lever_arms(nodes, surface, &normal),
             interface: self.interface,
             contact_thickness: self.scale,

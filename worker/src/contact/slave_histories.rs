@@ -10,14 +10,14 @@ pub struct SlaveHistories {
     /// For each slave the pairs of the last step first, then lost pairs, both ascending.
     all: Vec<PairHistory>,
     /// Indices of the slaves that have histories, ascending.
-    with: Vec<u32>,
+    having: Vec<u32>,
     /// Indices of the slaves that have got their first history since the near list was made or
     /// made up to date, ascending.
-    with_first: Vec<u32>,
+    having_first: Vec<u32>,
 }
 
 /// Order of the histories of a slave.
-fn order(history: &PairHistory) -> impl Ord + use<> {
+fn by_age_and_key(history: &PairHistory) -> impl Ord + use<> {
     (history.age > 0, history.name)
 }
 
@@ -27,14 +27,14 @@ impl SlaveHistories {
     pub fn renew(&mut self, slaves: &[u32], of: impl Fn(usize) -> Vec<PairHistory>) {
         self.all.clear();
         self.start.clear();
-        self.with.clear();
+        self.having.clear();
         for (i, &slave) in (0..).zip(slaves) {
             let start = self.all.len();
             self.start.push(start as u32);
             self.all.extend(of(slave as usize).into_iter().filter(|m| m.name.is_node()));
-            self.all[start..].sort_unstable_by_key(order);
+            self.all[start..].sort_unstable_by_key(by_age_and_key);
             if self.all.len() > start {
-                self.with.push(i);
+                self.having.push(i);
             }
         }
         self.start.push(self.all.len() as u32);
@@ -48,25 +48,25 @@ impl SlaveHistories {
 
     /// Returns the indices of the slaves that have got their first history, ascending.
     pub fn with_first(&self) -> &[u32] {
-        &self.with_first
+        &self.having_first
     }
 
     /// Empties the list of the slaves that have got their first history.
     pub fn forget_first(&mut self) {
-        self.with_first.clear();
+        self.having_first.clear();
     }
 
     /// Returns the bytes in use without the histories and without spare capacity.
     pub fn bytes(&self) -> usize {
-        [&self.start, &self.with, &self.with_first].iter().map(|l| size_of_val(&l[..])).sum()
+        [&self.start, &self.having, &self.having_first].iter().map(|l| size_of_val(&l[..])).sum()
     }
 
     /// Stores the histories of the own pairs of a step, ascending by slave, and those of lost
     /// pairs.
     pub fn store(&mut self, slaves: &[u32], pairs: &[Pair]) {
         let before = std::mem::take(&mut self.all);
-        let with = std::mem::take(&mut self.with);
-        let mut had = with.iter().map(|&i| i as usize).peekable();
+        let having = std::mem::take(&mut self.having);
+        let mut had = having.iter().map(|&i| i as usize).peekable();
         let mut own = pairs.iter().filter(|p| p.is_owned && p.key.is_node()).peekable();
         // Most slaves have neither a pair nor a history. Their runs start where the next one does.
         let mut next = 0;
@@ -82,16 +82,16 @@ impl SlaveHistories {
                 self.all.push(p.to_history());
             }
             if had.next_if_eq(&i).is_none() {
-                self.with_first.push(i as u32);
+                self.having_first.push(i as u32);
             }
             for m in &before[old] {
                 if !self.all[start..].iter().any(|n| n.name == m.name) {
                     self.all.extend(m.after_loss());
                 }
             }
-            self.all[start..].sort_unstable_by_key(order);
+            self.all[start..].sort_unstable_by_key(by_age_and_key);
             if self.all.len() > start {
-                self.with.push(i as u32);
+                self.having.push(i as u32);
             }
         }
         self.start[next..].fill(self.all.len() as u32);

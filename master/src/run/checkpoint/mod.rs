@@ -157,8 +157,8 @@ pub struct Checkpoints {
     stamp: Stamp,
     /// Time of the last order, or of the start.
     last: Instant,
-    /// Time from the order of a checkpoint to its end: the longest of the last ones. Nothing
-    /// before the first one.
+    /// Time from the order or the begin of a checkpoint to its end: the longest of the last ones.
+    /// Nothing before the first one.
     took: Option<Duration>,
     /// The warning that the interval is too short, until it is given; once.
     short: Option<String>,
@@ -250,8 +250,7 @@ impl Checkpoints {
         self.took.map_or(interval / 2, |took| (2 * took).min(interval / 2))
     }
 
-    /// Counts the time from the order of a checkpoint to its end. A longer one counts for some of
-    /// the next ones too. Prepares a warning, once, if the interval cannot be kept.
+    /// Counts the time that a checkpoint took. A longer one counts for some of the next ones too. Prepares a warning, once, if the interval cannot be kept.
     fn add_time(&mut self, took: Duration) {
         self.took = Some(self.took.map_or(took, |known| took.max(known * 3 / 4)));
         let Some(interval) = self.interval.filter(|&interval| took > interval / 2) else { return };
@@ -385,10 +384,12 @@ impl Checkpoints {
         let Finishing { captured, copy_s, write_s, thread, .. } =
             self.finishing.take_if(|f| f.thread.is_finished())?;
         let ended = thread.join();
+        // The workers begin those at simulated times without an order.
+        let began = if self.ordered { self.last } else { self.since };
         (self.ordered, self.complained) = (false, false);
         Some(match ended.unwrap_or_else(|_| Err("the thread that writes ended early".into())) {
             Ok(bytes) => {
-                self.add_time(self.last.elapsed());
+                self.add_time(began.elapsed());
                 self.summary.written += 1;
                 self.summary.bytes = bytes;
                 self.summary.copy_s += copy_s;
@@ -501,6 +502,25 @@ mod tests {
             assert!(all.take_due(false, false), "{took:?}");
             all.ordered = false;
         }
+        assert_eq!(all.complain(), None);
+    }
+
+    /// The time since the last order has nothing to do with a checkpoint that was not ordered.
+    #[test]
+    fn a_checkpoint_at_a_simulated_time_takes_only_its_own_time() {
+        let run = tempfile::tempdir().unwrap();
+        let mut all = checkpoints(run.path());
+        all.interval = Some(Duration::from_secs(1000));
+        all.last = Instant::now().checked_sub(Duration::from_secs(900)).unwrap();
+        let folder = all.dir().join(partial_name(1, 0));
+        std::fs::create_dir_all(&folder).unwrap();
+        save(
+            &mut all,
+            1,
+            Ok(vec![write(&folder, COMMON, &[&[1]], Default::default(), &|| ()).unwrap()]),
+        );
+        assert!(all.wait().iter().all(Result::is_ok));
+        assert!(all.took.unwrap() < Duration::from_secs(100), "{:?}", all.took);
         assert_eq!(all.complain(), None);
     }
 
