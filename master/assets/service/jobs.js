@@ -90,13 +90,19 @@ class NewJob {
     byId("new-check").hidden = false;
     source.addEventListener("state", async (event) => {
       if (JSON.parse(event.data).state === "checking" || this.source !== source) return;
-      this.close();
+      source.close();
       const found = await guarded(() => getJson(`/api/jobs/${id}/check`));
-      if (!found) return;
+      if (!found || this.source !== source) return;
       const result = found.usable ? "The job can run" : "The job cannot run";
       byId("new-check-title").textContent = `${result}: ${summaryOf(found)}`;
       showFindings(byId("new-check-findings"), found);
       byId("new-check-title").focus();
+    });
+    source.addEventListener("error", () => {
+      // The browser tries again by itself, except after a refusal.
+      if (source.readyState === EventSource.CLOSED && this.source === source) {
+        byId("new-check-title").textContent = "The state of the check is not known: the service refuses to tell it. Sign in again.";
+      }
     });
   }
 

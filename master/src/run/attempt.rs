@@ -42,7 +42,10 @@ impl Attempt {
         let mut file = File::create(&own).map_err(named)?;
         let made = (|| {
             file.try_lock().map_err(io::Error::from)?;
-            writeln!(file, "pid {}\nhost {}", std::process::id(), host())?;
+            writeln!(file, "pid {}", std::process::id())?;
+            if let Some(host) = host() {
+                writeln!(file, "host {host}")?;
+            }
             fs::hard_link(&own, path)
         })();
         let _ = fs::remove_file(&own); // one that stays is harmless
@@ -94,16 +97,17 @@ pub fn look(path: &Path) -> io::Result<State> {
     })
 }
 
-/// Returns the name of this machine.
-fn host() -> String {
-    fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default().trim().into()
+/// Returns the name of this machine, if it has one.
+fn host() -> Option<String> {
+    let name = fs::read_to_string("/proc/sys/kernel/hostname").ok()?.trim().to_string();
+    (!name.is_empty()).then_some(name)
 }
 
 /// Returns true if the process of an attempt has ended. On other machines than that of the process
 /// its lock may not be seen: there the answer is false.
 pub fn is_released(path: &Path) -> bool {
-    let is_here =
-        |text: String| text.lines().any(|line| line.strip_prefix("host ") == Some(&host()));
+    let Some(host) = host() else { return false };
+    let is_here = |text: String| text.lines().any(|line| line.strip_prefix("host ") == Some(&host));
     fs::read_to_string(path).is_ok_and(is_here)
         && File::open(path).is_ok_and(|file| file.try_lock_shared().is_ok())
 }

@@ -80,12 +80,6 @@ pub fn is_held(folder: &Path) -> bool {
     file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }
 
-/// Returns the process that holds the lock of a folder, if it has written its number.
-pub fn owner(folder: &Path) -> Option<u32> {
-    let number = || std::fs::read_to_string(folder.join(NAME)).ok()?.trim().parse().ok();
-    is_held(folder).then(number)?
-}
-
 impl Drop for Lock {
     fn drop(&mut self) {
         // A file that stays is harmless: it is not locked.
@@ -119,12 +113,10 @@ mod tests {
         let refused = Lock::acquire(dir.path()).err().unwrap();
         assert!(refused.contains(&std::process::id().to_string()), "{refused}");
         assert!(is_held(dir.path()));
-        assert_eq!(owner(dir.path()), Some(std::process::id()));
         drop(first);
         assert!(!is_held(dir.path()));
         std::fs::write(dir.path().join(NAME), "99999").unwrap();
         assert!(!is_held(dir.path()), "the file without its lock");
-        assert_eq!(owner(dir.path()), None);
         let second = Lock::acquire(dir.path()).unwrap();
         drop(second);
         assert!(!dir.path().join(NAME).exists());

@@ -73,16 +73,15 @@ pub fn run(args: &RunArgs, retries: u32, attempt: Option<&Attempt>) -> u8 {
                 return Report::EXIT_CODE;
             }
         };
+        if stop.is_raised() && !has_begun {
+            return STOPPED; // before its first cycle it has nothing to keep
+        }
+        supervised.note_loss();
         if stop.is_raised() {
-            if !has_begun {
-                return STOPPED; // before its first cycle it has nothing to keep
-            }
             eprintln!("error: the run was lost ({how}) while it stopped");
-            supervised.note_loss();
             supervised.show_way_on();
             return WORKER_LOST;
         }
-        supervised.note_loss();
         if lost == retries {
             let times = if lost == 0 { "once".to_string() } else { format!("{} times", lost + 1) };
             eprintln!("error: the run was lost ({how}) {times}; no retry is left");

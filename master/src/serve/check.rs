@@ -52,13 +52,17 @@ pub async fn check(
 fn found(output: &Output) -> Findings {
     let mut found = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        let why = match output.status.code() {
-            None => "the check needs more memory than the service allows",
-            Some(_) => {
-                said.lines().last().unwrap_or("the check failed").trim_start_matches("error: ")
+        let named = said.lines().rev().find_map(|line| line.strip_prefix("error: "));
+        match (output.status.code(), named) {
+            (Some(_), Some(why)) => Findings::refused(why, said.clone()),
+            (code, _) => {
+                let why = match code {
+                    None => "the check needs more memory than the service allows",
+                    Some(_) => "the check failed",
+                };
+                Findings::refused(why, format!("{said}error: {why}\n"))
             }
-        };
-        Findings::refused(why, format!("{said}error: {why}\n"))
+        }
     });
     let end = (0..=MOST_TEXT.min(found.text.len())).rev().find(|&i| found.text.is_char_boundary(i));
     found.text.truncate(end.unwrap_or(0));

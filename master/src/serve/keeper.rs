@@ -245,7 +245,9 @@ impl Keeper {
             Seen::Ended(code) => return self.end(stored, code).await,
             Seen::Lost => return self.lost(stored, 1).await,
         }
-        let (key, forced) = ((job.id, job.forced), job.forced);
+        // It is asked before it is killed, also if both orders have arrived since the last turn.
+        let forced = job.forced && self.notes(|notes| notes.asked.contains_key(&(job.id, false)));
+        let key = (job.id, forced);
         let is_due = job.stopping
             && self.notes(|notes| {
                 let asked = notes.asked.get(&key);
@@ -299,8 +301,14 @@ impl Keeper {
 
     async fn end(&self, stored: &Stored, code: u8) -> Turn {
         let folder = self.root.job(stored.job.id);
+        let is_killed = stored.job.forced && code_of_summary(&folder, stored.job.attempt).is_none();
         let reason = match code {
             0 => String::new(),
+            _ if is_killed => {
+                let from = newest_cycle(&folder.results());
+                let kept = from.map_or("nothing".into(), |c| format!("the state of cycle {c}"));
+                format!("killed, since it did not stop; it keeps {kept}")
+            }
             _ => reason(&folder),
         };
         let id = stored.job.id;
@@ -314,14 +322,6 @@ impl Keeper {
         let (id, folder) = (stored.job.id, self.root.job(stored.job.id));
         if let Some(code) = code_of_summary(&folder, stored.job.attempt) {
             return self.end(stored, code).await;
-        }
-        if stored.job.forced {
-            let from = newest_cycle(&folder.results());
-            let kept = from.map_or("nothing".into(), |cycle| format!("the state of cycle {cycle}"));
-            let reason = format!("killed, since it did not stop; it keeps {kept}");
-            let ended = self.store.end(id, JobState::Stopped, STOPPED, reason).await;
-            ended.map_err(failed)?;
-            return self.announce(id).await;
         }
         if stored.job.stopping {
             return self.end(stored, STOPPED).await;

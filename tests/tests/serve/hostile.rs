@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::fs;
 
 /// Least number of attacks.
-const LEAST: usize = 60;
+const LEAST: usize = 130;
 /// The connection is closed without an answer.
 const CLOSED: u16 = 0;
 /// Refusal by the parser of HTTP, which has no body.

@@ -1,8 +1,10 @@
 //! Services and runs that are killed: no job is lost, and none runs twice.
 
-use crumple_tests::program::{crumple_with, run, send};
+use super::mpirun::MPIRUN;
+use crumple_tests::program::{crumple_with, mpi_or_skip, run, send};
 use crumple_tests::service::{Service, bars, children, endless};
 use rustix::process::Signal;
+use serde_json::Value;
 use std::fs;
 use std::time::Duration;
 
@@ -74,34 +76,56 @@ fn a_job_whose_processes_are_killed_continues_from_its_checkpoint() {
     service.wait_for(id, "stopped");
 }
 
-/// A stopped process answers neither signals nor its socket.
-#[test]
-fn a_job_that_does_not_stop_is_killed() {
-    let service = Service::start(&[]);
-    let id = service.submit(&endless());
+/// Stops all processes of a job, which then answer neither signals nor the socket, and stops the
+/// job by force.
+fn assert_killed(service: &Service, job: &Value, processes: usize) {
+    let id = service.submit(job);
     service.wait_for(id, "running");
-    let supervisor = process(&service, id, 1);
-    let runs = service.wait("the run has begun", |_| {
-        let runs = children(supervisor);
-        (!runs.is_empty()).then_some(runs)
+    let supervisor = process(service, id, 1);
+    let below = service.wait("the run has begun", |_| {
+        let mut all = children(supervisor);
+        all.extend(all.clone().into_iter().flat_map(children));
+        let log = fs::read_to_string(service.folder(id).join("results/log.jsonl"));
+        (all.len() == processes && log.is_ok_and(|log| !log.is_empty())).then_some(all)
     });
-    runs.iter().chain([&supervisor]).for_each(|&pid| send(pid, Signal::STOP));
+    below.iter().chain([&supervisor]).for_each(|&pid| send(pid, Signal::STOP));
     let (ask, force) = (format!("/api/jobs/{id}/stop"), format!("/api/jobs/{id}/stop?force=true"));
     let refused = service.post(&force, &serde_json::json!({}));
     assert_eq!(refused.status, 409, "it was not asked before");
     assert_eq!(service.post(&ask, &serde_json::json!({})).status, 202);
-    std::thread::sleep(Duration::from_secs(2));
+    service.wait("the request to stop has arrived", |_| {
+        let status = fs::read_to_string(format!("/proc/{supervisor}/status")).unwrap();
+        let pending = status.lines().find_map(|line| line.strip_prefix("ShdPnd:")).unwrap();
+        let pending = u64::from_str_radix(pending.trim(), 16).unwrap();
+        (pending >> (Signal::TERM.as_raw() - 1) & 1 == 1).then_some(())
+    });
     assert_eq!(service.job(id)["state"], "running");
     let folder = service.folder(id).join("../..").to_string_lossy().into_owned();
     run(crumple_with(&["stop", &id.to_string(), "--force", "--dir", &folder])).with_code(0);
     let job = service.wait_for(id, "stopped");
     assert!(job["reason"].as_str().unwrap().starts_with("killed"), "{job}");
-    for pid in runs.into_iter().chain([supervisor]) {
+    let audit = service.get("/api/audit").json().to_string();
+    assert!(audit.contains("\"detail\":\"force\""), "{audit}");
+    for pid in below.into_iter().chain([supervisor]) {
         service.wait("the process has ended", |_| {
             let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
             (stat.is_empty() || stat.contains(") Z")).then_some(())
         });
     }
+}
+
+#[test]
+fn a_job_that_does_not_stop_is_killed() {
+    assert_killed(&Service::start(&[]), &endless(), 1);
+}
+
+#[test]
+fn a_job_by_mpirun_that_does_not_stop_is_killed() {
+    let Some(()) = mpi_or_skip() else { return };
+    let service = Service::start(&["--mpirun", MPIRUN]);
+    let mut job = endless();
+    job["launcher"] = "mpirun".into();
+    assert_killed(&service, &job, 3); // mpirun, master and worker
 }
 
 #[test]

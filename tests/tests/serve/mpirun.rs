@@ -5,7 +5,7 @@ use crumple_tests::service::{Service, endless};
 use serde_json::{Value, json};
 
 /// One machine, more ranks than cores, perhaps root in a container.
-const MPIRUN: &str = "mpirun --allow-run-as-root --oversubscribe -n {ranks}";
+pub const MPIRUN: &str = "mpirun --allow-run-as-root --oversubscribe -n {ranks}";
 
 /// A job on two ranks is paused, saved, stopped and continued on three; it has the bits of a job
 /// on threads that was never held.

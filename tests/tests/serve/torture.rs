@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 
 /// Kills of the service in the suite.
 const KILLS: u64 = 12;
+/// Number of kills from which each state must have been met, and each kind of process killed.
+const ENOUGH: u64 = 100;
 /// Numbers of elements of the jobs: 0.2 s to 1 s on one core.
 const SIZES: [usize; 3] = [100, 300, 600];
 /// States in which a job stays.
@@ -214,6 +216,7 @@ fn a_service_that_is_killed_at_any_moment_loses_no_job_and_runs_none_twice() {
     let all = service.wait("all jobs have ended", |service| {
         let all = service.get("/api/jobs?limit=500").json();
         let jobs = all["jobs"].as_array().unwrap().clone();
+        assert_eq!(all["total"], jobs.len(), "one page shows them all");
         let open = |job: &Value| !FINAL.contains(&job["state"].as_str().unwrap());
         (!jobs.iter().any(open)).then_some(jobs)
     });
@@ -229,6 +232,11 @@ fn a_service_that_is_killed_at_any_moment_loses_no_job_and_runs_none_twice() {
         .wait("no process is left", |service| processes(&service.dir()).is_empty().then_some(()));
     assert_clean(&service.dir());
     record.show(began.elapsed());
+    if kills >= ENOUGH {
+        let met = OPEN.map(|state| record.met[state]);
+        let struck = [record.supervisors, record.masters];
+        assert!(met.iter().chain(&struck).all(|&count| count > 0), "{met:?} {struck:?}");
+    }
 }
 
 /// A job is completed by its last attempt only, with one last state and the right bits.

@@ -250,7 +250,8 @@ impl Checkpoints {
         self.took.map_or(interval / 2, |took| (2 * took).min(interval / 2))
     }
 
-    /// Counts the time that a checkpoint took. A longer one counts for some of the next ones too. Prepares a warning, once, if the interval cannot be kept.
+    /// Counts the time that a checkpoint took. A longer one counts for some of the next ones too.
+    /// Prepares a warning, once, if the interval cannot be kept.
     fn add_time(&mut self, took: Duration) {
         self.took = Some(self.took.map_or(took, |known| took.max(known * 3 / 4)));
         let Some(interval) = self.interval.filter(|&interval| took > interval / 2) else { return };

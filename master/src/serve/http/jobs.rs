@@ -115,7 +115,7 @@ pub async fn stop(
     Extension(identity): Extension<Identity>,
     Path(id): Path<i64>,
     Query(query): Query<StopQuery>,
-) -> Answered<(StatusCode, Json<Job>)> {
+) -> Answered<Response> {
     let stored = found(&app, id).await?;
     may_order(&identity, &stored.job.owner)?;
     let active = matches!(stored.job.state, JobState::Starting | JobState::Running);
@@ -129,7 +129,9 @@ pub async fn stop(
     }
     app.keeper.announce(id).await.map_err(Problem::internal)?;
     app.keeper.wake.notify_one();
-    Ok((StatusCode::ACCEPTED, Json(found(&app, id).await?.job)))
+    let detail = Detail(if query.force { "force" } else { "" }.into());
+    let job = Json(found(&app, id).await?.job);
+    Ok((Extension(detail), (StatusCode::ACCEPTED, job)).into_response())
 }
 
 /// Starts a job that was only checked, or continues one from its newest checkpoint.

@@ -1,10 +1,10 @@
 //! Runs as processes of this machine. Workers are threads, or ranks that `mpirun` starts, also on
 //! other hosts. A run survives the service.
 
-use super::processes::{kill_tree, send};
+use super::processes::{kill_all_in, send};
 use super::{Launcher, Order, Seen, stop_by_socket};
 use crate::run::attempt::{self, State};
-use crate::run::lock::{is_held, owner};
+use crate::run::lock::is_held;
 use crate::serve::limits::Amount;
 use rustix::process::Signal;
 use std::fs::File;
@@ -84,13 +84,11 @@ impl Launcher for Local {
     }
 
     fn kill(&self, order: &Order, _: &str) -> Result<(), String> {
-        let failed = |error: io::Error| format!("the run cannot be killed: {error}");
-        let path = order.folder.attempt(order.attempt);
-        if let State::Running(supervisor) = attempt::look(&path).map_err(failed)? {
-            kill_tree(supervisor).map_err(failed)?;
+        match kill_all_in(order.folder.path(), &self.program) {
+            Ok(0) => Err("the run cannot be killed: it has no process on this machine".into()),
+            Ok(_) => Ok(()),
+            Err(error) => Err(format!("the run cannot be killed: {error}")),
         }
-        // Its supervisor may have been killed before.
-        owner(&order.folder.results()).map_or(Ok(()), kill_tree).map_err(failed)
     }
 
     fn is_queued_elsewhere(&self, _: &str) -> bool {

@@ -82,7 +82,7 @@ pub trait Launcher: Send + Sync {
     /// It cannot be reached.
     fn stop(&self, order: &Order, handle: &str) -> Result<(), String>;
 
-    /// Kills all processes of an attempt. It may be called again.
+    /// Kills all processes of an attempt, or has them killed. It may be called again.
     ///
     /// # Errors
     /// They cannot be reached.

@@ -334,18 +334,19 @@ impl Store {
         .await
     }
 
-    /// Queues an active job again: its process was lost.
+    /// Queues an active job again: its process was lost. One that is to stop stays as it is.
     ///
     /// # Errors
     /// The database fails.
     pub async fn requeue(&self, id: i64, lost: u32, reason: String) -> Outcome<()> {
         let sql = "UPDATE job SET state = 'queued', lost = ?2, reason = ?3 \
-                   WHERE id = ?1 AND state IN ('starting', 'running')";
+                   WHERE id = ?1 AND state IN ('starting', 'running') AND NOT stopping";
         self.call(move |db| db.execute(sql, params![id, lost, reason]).map(drop)).await
     }
 
-    /// Notes that a job is to stop, if `forced` by the end of its processes. One that has no
-    /// process ends at once. Returns its state before, or `None` if there is none or it has ended.
+    /// Notes that a job is to stop; with `forced`, that its processes are to be killed. One that
+    /// has no process ends at once. Returns its state before, or `None` if there is none or it has
+    /// ended.
     ///
     /// # Errors
     /// The database fails.
