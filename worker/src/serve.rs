@@ -274,9 +274,10 @@ impl Worker {
             }
             if self.engine.clock.cycle.is_multiple_of(REPORT_EVERY) {
                 self.send_report(comm)?;
-                if let Some(saved) = self.writer.poll() {
-                    post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
-                }
+            }
+            // In each cycle: until the master knows of the files, they are no checkpoint.
+            if let Some(saved) = self.writer.poll() {
+                post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
             }
         }
         if !self.report.cpu.is_empty() {
