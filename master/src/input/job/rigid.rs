@@ -29,12 +29,12 @@ pub fn resolve(
         return bodies;
     }
     let mut owner: HashMap<NodeId, usize> = HashMap::new();
-    let ground = Ground::new(mesh, sets);
+    let context = BodyContext::new(mesh, sets);
     for (i, rigid) in job.rigid.iter().enumerate() {
         let path = format!("rigid.{i}");
         numbers(rigid, i, job, findings);
         let fixed = dof_bits(&rigid.fixed, &format!("{path}.fixed"), findings);
-        let nodes = members(rigid, &path, &ground, findings);
+        let nodes = members(rigid, &path, &context, findings);
         if let Some((other, first)) = nodes.iter().find_map(|id| owner.get(id).map(|o| (*o, *id))) {
             let message = format!(
                 "rigid bodies `{}` and `{}` have nodes in common; the first is node {first}",
@@ -134,7 +134,7 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
 }
 
 /// Data of a mesh that all bodies need.
-struct Ground<'a> {
+struct BodyContext<'a> {
     mesh: &'a Mesh,
     sets: &'a NodeSets<'a>,
     /// Indices of the elements of each part.
@@ -143,7 +143,7 @@ struct Ground<'a> {
     turning: HashSet<NodeId>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> BodyContext<'a> {
     fn new(mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
         let mut of_part: HashMap<u32, Vec<usize>> = HashMap::new();
         for (at, e) in mesh.elements.iter().enumerate() {
@@ -161,8 +161,13 @@ impl<'a> Ground<'a> {
 }
 
 /// Returns the nodes of a body, ascending.
-fn members(rigid: &Rigid, path: &str, ground: &Ground<'_>, findings: &mut Findings) -> Vec<NodeId> {
-    let Ground { mesh, sets, of_part, turning } = ground;
+fn members(
+    rigid: &Rigid,
+    path: &str,
+    context: &BodyContext<'_>,
+    findings: &mut Findings,
+) -> Vec<NodeId> {
+    let BodyContext { mesh, sets, of_part, turning } = context;
     if rigid.parts.is_empty() && rigid.nodes.is_none() {
         let help = "name `parts`, a node set as `nodes`, or both";
         findings.add(Problem::error(path, "a rigid body has no parts and no nodes", help));

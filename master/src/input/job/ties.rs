@@ -18,17 +18,17 @@ use surface::Surface;
 
 /// Displacement of a node onto its face, as a fraction of the face's diagonal, above which it is
 /// reported.
-const TOLD_MOVE: f64 = 1e-3;
+const WARN_MOVE: f64 = 1e-3;
 /// Relative difference between the initial velocities of a node and of its masters above which it
 /// is reported.
-const TOLD_VELOCITY: f64 = 0.01;
+const WARN_VELOCITY: f64 = 0.01;
 /// Maximum number of node ids in a message.
 const NAMED: usize = 5;
 /// Number of ties in a chain from which the chain is taken for a circle.
 const LONGEST_CHAIN: usize = 100;
 
 /// A tied node with its entry in the job, its index in the mesh, and its position on the face.
-struct Stand {
+struct Projected {
     tie: Tie,
     entry: usize,
     node: usize,
@@ -37,7 +37,7 @@ struct Stand {
 }
 
 /// Data of a job and its mesh that all entries need.
-struct Ground<'a> {
+struct TieContext<'a> {
     job: &'a Job,
     mesh: &'a Mesh,
     sets: NodeSets<'a>,
@@ -52,7 +52,7 @@ struct Ground<'a> {
     rigid: HashSet<u32>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> TieContext<'a> {
     fn new(job: &'a Job, mesh: &'a Mesh) -> Self {
         let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
         let turning = mesh
@@ -86,14 +86,14 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> 
     if job.tie.is_empty() {
         return Vec::new();
     }
-    let mut stands: Vec<Stand> = Vec::new();
-    let ground = Ground::new(job, mesh);
+    let mut projected: Vec<Projected> = Vec::new();
+    let context = TieContext::new(job, mesh);
     for (entry, spec) in job.tie.iter().enumerate() {
-        stands.extend(tied_nodes(spec, entry, &ground, findings));
+        projected.extend(tied_nodes(spec, entry, &context, findings));
     }
-    drop(ground);
-    stands.sort_by_key(|s| (s.tie.node, s.entry));
-    for pair in stands.windows(2).filter(|pair| pair[0].tie.node == pair[1].tie.node) {
+    drop(context);
+    projected.sort_by_key(|s| (s.tie.node, s.entry));
+    for pair in projected.windows(2).filter(|pair| pair[0].tie.node == pair[1].tie.node) {
         let message = format!(
             "node {} is tied twice: by {} and {}",
             pair[0].tie.node,
@@ -103,13 +103,13 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> 
         let help = "remove it from one of the sets";
         findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
     }
-    for s in &stands {
+    for s in &projected {
         mesh.nodes[s.node].x = s.point;
     }
     for entry in 0..job.tie.len() {
-        tell_moved(job, entry, &stands, findings);
+        report_moved(job, entry, &projected, findings);
     }
-    chained(job, stands, findings)
+    chained(job, projected, findings)
 }
 
 /// Returns the name of an entry in messages.
@@ -156,10 +156,10 @@ fn check_entry(job: &Job, spec: &TieSpec, path: impl Fn(&str) -> String, finding
 fn tied_nodes(
     spec: &TieSpec,
     entry: usize,
-    ground: &Ground<'_>,
+    context: &TieContext<'_>,
     findings: &mut Findings,
-) -> Vec<Stand> {
-    let Ground { job, mesh, sets, .. } = ground;
+) -> Vec<Projected> {
+    let TieContext { job, mesh, sets, .. } = context;
     let path = |key: &str| format!("tie.{entry}.{key}");
     let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
     check_entry(job, spec, path, findings);
@@ -167,21 +167,21 @@ fn tied_nodes(
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
     }
-    let surface = Surface::new(spec, entry, ground, nodes.is_some(), findings);
+    let surface = Surface::new(spec, entry, context, nodes.is_some(), findings);
     let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
     let thickest = surface.thickest(&nodes);
     let found = surface.project(&nodes, thickest);
-    tell_lost(job, entry, &found, |p| mesh.nodes[nodes[p]].id, findings);
-    let stand = |(&node, foot): (&usize, Option<Foot>)| Some(surface.stand(entry, node, &foot?));
-    let mut stands: Vec<Stand> = nodes.iter().zip(found).filter_map(stand).collect();
+    report_distant(job, entry, &found, |p| mesh.nodes[nodes[p]].id, findings);
+    let tied = |(&node, foot): (&usize, Option<Foot>)| Some(surface.tied(entry, node, &foot?));
+    let mut projected: Vec<Projected> = nodes.iter().zip(found).filter_map(tied).collect();
     if job.contact.is_some() {
-        surface.face_back(&mut stands, thickest);
+        surface.face_back(&mut projected, thickest);
     }
-    stands
+    projected
 }
 
 /// Warns of nodes whose initial velocity differs from that of their masters.
-fn tell_unlike<'t>(
+fn report_velocities<'t>(
     ties: impl Iterator<Item = &'t Tie>,
     sets: &NodeSets<'_>,
     start: &NodeStart,
@@ -193,7 +193,7 @@ fn tell_unlike<'t>(
         let carried = tie.masters.iter().map(|&(id, share)| velocity(id).map(|v| v * share));
         let carried = carried.fold([0.0; 3], |sum, v| [0, 1, 2].map(|c| sum[c] + v[c]));
         let size = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-        size([0, 1, 2].map(|c| own[c] - carried[c])) > TOLD_VELOCITY * size(own).max(size(carried))
+        size([0, 1, 2].map(|c| own[c] - carried[c])) > WARN_VELOCITY * size(own).max(size(carried))
             && !tie.offset
     };
     let nodes: Vec<NodeId> = ties.filter(unlike).map(|t| t.node).collect();
@@ -220,7 +220,7 @@ fn to_node(
     nodes: Vec<usize>,
     mesh: &Mesh,
     findings: &mut Findings,
-) -> Vec<Stand> {
+) -> Vec<Projected> {
     let mut wrong = |key: &str, message: String, help: &str| {
         findings.add(Problem::error(format!("tie.{entry}.{key}"), message, help));
     };
@@ -237,7 +237,7 @@ fn to_node(
     if nodes.iter().any(|&n| mesh.nodes[n].id == carrier) {
         wrong("nodes", format!("node {carrier} is tied to itself"), "remove it from the set");
     }
-    let stand = |node: usize| Stand {
+    let tied = |node: usize| Projected {
         tie: Tie {
             node: mesh.nodes[node].id,
             masters: vec![(carrier, 1.0)],
@@ -251,7 +251,7 @@ fn to_node(
         point: mesh.nodes[node].x,
         moved: 0.0,
     };
-    nodes.into_iter().map(stand).collect()
+    nodes.into_iter().map(tied).collect()
 }
 
 /// Sorts shape values, merges those of the same node, and scales their sum to 1.
@@ -271,7 +271,7 @@ fn named(nodes: &[NodeId]) -> String {
     format!("{}{}", list.join(", "), if nodes.len() > NAMED { ", ..." } else { "" })
 }
 
-fn tell_lost(
+fn report_distant(
     job: &Job,
     entry: usize,
     found: &[Option<Foot>],
@@ -300,9 +300,9 @@ fn tell_lost(
     }
 }
 
-fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings) {
-    let moved: Vec<&Stand> =
-        stands.iter().filter(|s| s.entry == entry && s.moved > TOLD_MOVE).collect();
+fn report_moved(job: &Job, entry: usize, projected: &[Projected], findings: &mut Findings) {
+    let moved: Vec<&Projected> =
+        projected.iter().filter(|s| s.entry == entry && s.moved > WARN_MOVE).collect();
     let Some(most) = moved.iter().max_by(|a, b| a.moved.total_cmp(&b.moved)) else { return };
     let message = format!(
         "{}: {} nodes are moved onto its surface; node {} most, by {:.1} % of the diagonal of its \
@@ -320,15 +320,15 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
 }
 
 /// Replaces masters that are tied nodes themselves by their own masters.
-fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
+fn chained(job: &Job, projected: Vec<Projected>, findings: &mut Findings) -> Vec<Tie> {
     let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
-        stands.iter().map(|s| (s.tie.node, s.tie.masters.clone())).collect();
+        projected.iter().map(|s| (s.tie.node, s.tie.masters.clone())).collect();
     let on: HashMap<NodeId, Vec<ElemId>> =
-        stands.iter().map(|s| (s.tie.node, s.tie.faces.clone())).collect();
+        projected.iter().map(|s| (s.tie.node, s.tie.faces.clone())).collect();
     let kinds: HashMap<NodeId, (bool, bool)> =
-        stands.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
-    let mut ties = Vec::with_capacity(stands.len());
-    for Stand { mut tie, entry, .. } in stands {
+        projected.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
+    let mut ties = Vec::with_capacity(projected.len());
+    for Projected { mut tie, entry, .. } in projected {
         let cannot = |&(rotations, offset): &(bool, bool)| {
             tie.offset || offset || tie.rotations && !rotations
         };
@@ -429,7 +429,7 @@ pub fn join(
         "are on faces that are only partly rigid",
         "leave a row of elements between, or make the whole face rigid",
     );
-    tell_unlike(ties.iter().filter(|t| body(t).0.is_none()), sets, start, findings);
+    report_velocities(ties.iter().filter(|t| body(t).0.is_none()), sets, start, findings);
     ties.retain(|tie| match body(tie) {
         (Some(b), true) => {
             bodies[b].nodes.push(tie.node);

@@ -14,7 +14,7 @@ use std::collections::HashSet;
 
 /// Speed at which a wall expels a node, as a fraction of the wave speed, above which it is
 /// reported. Smaller speeds are round-off of the mesh.
-const TOLD_SPEED: f64 = 1e-6;
+const WARN_SPEED: f64 = 1e-6;
 /// Fraction of the wave speed above which the run would fail, because no material carries such a
 /// strain.
 const THROWN: f64 = 0.1;
@@ -257,7 +257,7 @@ pub fn behind(
         let depth =
             |x: &[f64; 3]| (0..3).map(|c| (wall.point[c] - x[c]) * wall.direction[c]).sum::<f64>();
         let meets = free.iter().filter(|n| wall.allows(n.id));
-        let deep = meets.map(|n| (depth(&n.x), n.id)).filter(|d| d.0 / dt > TOLD_SPEED * wave);
+        let deep = meets.map(|n| (depth(&n.x), n.id)).filter(|d| d.0 / dt > WARN_SPEED * wave);
         let (count, (most, id)) = deep.fold((0, (0.0, NodeId(0))), |(count, most), d| {
             (count + 1, if d.0 > most.0 { d } else { most })
         });

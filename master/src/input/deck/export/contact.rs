@@ -68,8 +68,8 @@ fn names(all: &[Contact]) -> Vec<String> {
             name => name,
         };
     let names: Vec<String> = (1..).zip(all).map(name).collect();
-    let told_apart = names.iter().collect::<BTreeSet<_>>().len() == names.len();
-    if told_apart { names } else { (1..=all.len()).map(numbered).collect() }
+    let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    if are_unique { names } else { (1..=all.len()).map(numbered).collect() }
 }
 
 /// Returns the keys of an interface that no card holds; `None` if there are none.

@@ -32,8 +32,8 @@ pub fn write(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field, curves: &m
     let kinds: Option<Vec<WallCard>> = job.wall.iter().map(kind).collect();
     let names: Vec<String> =
         (1..).zip(&job.wall).map(|(number, wall)| name(wall, number)).collect();
-    let told_apart = names.iter().collect::<BTreeSet<_>>().len() == names.len();
-    let Some(kinds) = kinds.filter(|kinds| kinds.is_sorted() && told_apart) else {
+    let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    let Some(kinds) = kinds.filter(|kinds| kinds.is_sorted() && are_unique) else {
         return list(deck, "wall", &job.wall);
     };
     for (((wall, kind), name), number) in job.wall.iter().zip(kinds).zip(&names).zip(1..) {

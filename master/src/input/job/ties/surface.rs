@@ -1,7 +1,7 @@
 //! The surface of a tie: search for the face of each tied node, and for nodes near faces between
 //! tied nodes.
 
-use super::{Ground, Stand, name, whole};
+use super::{Projected, TieContext, name, whole};
 use crate::input::job::loads::outer_faces;
 use crate::input::job::validate::Findings;
 use crumple_proto::ids::NodeId;
@@ -22,7 +22,7 @@ const NO_SHARE: f64 = 1e-12;
 /// The surface of an entry.
 pub(super) struct Surface<'a> {
     spec: &'a TieSpec,
-    ground: &'a Ground<'a>,
+    context: &'a TieContext<'a>,
     /// Element and number of each face.
     faces: Vec<(usize, usize)>,
     /// Nodes of each face, and their places.
@@ -35,11 +35,11 @@ impl<'a> Surface<'a> {
     pub(super) fn new(
         spec: &'a TieSpec,
         entry: usize,
-        ground: &'a Ground<'a>,
+        context: &'a TieContext<'a>,
         with_nodes: bool,
         findings: &mut Findings,
     ) -> Option<Self> {
-        let Ground { job, mesh, sets, free, .. } = ground;
+        let TieContext { job, mesh, sets, free, .. } = context;
         if spec.parts.is_empty() && spec.faces.is_none() {
             let help = "name `parts`, a node set as `faces`, or both; or a `node`";
             findings.add(Problem::error(format!("tie.{entry}"), "a tie has no surface", help));
@@ -62,16 +62,16 @@ impl<'a> Surface<'a> {
             return None;
         }
         let corners: Vec<[NodeId; 4]> = faces.iter().map(|&face| corners_of(mesh, face)).collect();
-        let places = corners.iter().map(|c| c.map(|id| ground.place(id))).collect();
-        Some(Self { spec, ground, faces, corners, places })
+        let places = corners.iter().map(|c| c.map(|id| context.place(id))).collect();
+        Some(Self { spec, context, faces, corners, places })
     }
 
     fn element(&self, face: usize) -> &MeshElement {
-        &self.ground.mesh.elements[self.faces[face].0]
+        &self.context.mesh.elements[self.faces[face].0]
     }
 
     fn id(&self, node: usize) -> NodeId {
-        self.ground.mesh.nodes[node].id
+        self.context.mesh.nodes[node].id
     }
 
     /// Returns the thickness of a face [length].
@@ -79,7 +79,7 @@ impl<'a> Surface<'a> {
         let element = self.element(face);
         match self.spec.thicknesses[1] {
             given if given > 0.0 => given,
-            _ if element.shape.is_shell() => shell_thickness(element, &self.ground.thick),
+            _ if element.shape.is_shell() => shell_thickness(element, &self.context.thick),
             _ => 0.0,
         }
     }
@@ -88,7 +88,7 @@ impl<'a> Surface<'a> {
     fn node_thickness(&self, node: usize) -> f64 {
         match self.spec.thicknesses[0] {
             given if given > 0.0 => given,
-            _ => self.ground.shells.get(&self.id(node)).copied().unwrap_or(0.0),
+            _ => self.context.shells.get(&self.id(node)).copied().unwrap_or(0.0),
         }
     }
 
@@ -108,7 +108,7 @@ impl<'a> Surface<'a> {
 
     /// Projects nodes onto the nearest face within reach. `thickest` is their largest thickness.
     pub(super) fn project(&self, nodes: &[usize], thickest: f64) -> Vec<Option<Foot>> {
-        let points: Vec<[f64; 3]> = nodes.iter().map(|&n| self.ground.mesh.nodes[n].x).collect();
+        let points: Vec<[f64; 3]> = nodes.iter().map(|&n| self.context.mesh.nodes[n].x).collect();
         let tolerance =
             |face: usize, p: usize| match self.corners[face].contains(&self.id(nodes[p])) {
                 true => -1.0,
@@ -118,15 +118,15 @@ impl<'a> Surface<'a> {
     }
 
     /// Ties a node at its projection.
-    pub(super) fn stand(&self, entry: usize, node: usize, foot: &Foot) -> Stand {
+    pub(super) fn tied(&self, entry: usize, node: usize, foot: &Foot) -> Projected {
         let (spec, element) = (self.spec, self.element(foot.face));
         let masters = shape_values(&self.corners[foot.face], &foot.shape);
-        let turns = masters.iter().all(|c| self.ground.turning.contains(&c.0));
+        let turns = masters.iter().all(|c| self.context.turning.contains(&c.0));
         // Members of a rigid body keep their positions.
-        let is_rigid = self.ground.rigid.contains(&element.part);
+        let is_rigid = self.context.rigid.contains(&element.part);
         let stays = is_rigid || spec.offset && turns;
         let moved = foot.distance / diagonal(&self.places[foot.face]);
-        Stand {
+        Projected {
             tie: Tie {
                 node: self.id(node),
                 masters,
@@ -137,16 +137,16 @@ impl<'a> Surface<'a> {
             },
             entry,
             node,
-            point: if stays { self.ground.mesh.nodes[node].x } else { foot.point },
+            point: if stays { self.context.mesh.nodes[node].x } else { foot.point },
             moved: if stays { 0.0 } else { moved },
         }
     }
 
     /// Records which nodes of the surface project onto faces between tied nodes. `thickest` is the
     /// largest thickness at tied nodes [length].
-    pub(super) fn face_back(&self, stands: &mut [Stand], thickest: f64) {
-        let Ground { mesh, free, .. } = self.ground;
-        let mut tied: Vec<NodeId> = stands.iter().map(|s| s.tie.node).collect();
+    pub(super) fn face_back(&self, projected: &mut [Projected], thickest: f64) {
+        let TieContext { mesh, free, .. } = self.context;
+        let mut tied: Vec<NodeId> = projected.iter().map(|s| s.tie.node).collect();
         tied.sort_unstable();
         let mut reach: HashMap<NodeId, f64> = HashMap::new();
         for (face, corners) in self.corners.iter().enumerate() {
@@ -165,11 +165,12 @@ impl<'a> Surface<'a> {
         let mut points: Vec<NodeId> =
             reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
         points.sort_unstable();
-        let places: Vec<Face> = between.iter().map(|c| c.map(|id| self.ground.place(id))).collect();
+        let places: Vec<Face> =
+            between.iter().map(|c| c.map(|id| self.context.place(id))).collect();
         let widest = reach.values().copied().fold(0.0, f64::max);
         let found = feet(
             &places,
-            &points.iter().map(|&id| self.ground.place(id)).collect::<Vec<_>>(),
+            &points.iter().map(|&id| self.context.place(id)).collect::<Vec<_>>(),
             |_| widest,
             |_, p| reach[&points[p]],
         );
@@ -177,7 +178,7 @@ impl<'a> Surface<'a> {
         for (point, foot) in points.iter().zip(found).filter_map(|(p, foot)| Some((p, foot?))) {
             between[foot.face].iter().for_each(|tied| near.entry(*tied).or_default().push(*point));
         }
-        for s in stands {
+        for s in projected {
             s.tie.near = near.remove(&s.tie.node).unwrap_or_default();
             s.tie.near.dedup();
         }
