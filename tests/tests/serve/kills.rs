@@ -9,7 +9,7 @@ use std::fs;
 use std::time::Duration;
 
 /// Returns the process of an attempt.
-fn process(service: &Service, id: i64, attempt: u32) -> u32 {
+pub(crate) fn process(service: &Service, id: i64, attempt: u32) -> u32 {
     let path = service.folder(id).join(format!("attempt-{attempt}"));
     let text = service.wait("the attempt is claimed", |_| fs::read_to_string(&path).ok());
     text.lines().find_map(|line| line.strip_prefix("pid ")?.parse().ok()).unwrap()

@@ -1,8 +1,10 @@
 //! The page in Chromium, as a user meets it.
 
+use super::kills::process;
 use crumple_tests::browser::Browser;
-use crumple_tests::program::root;
-use crumple_tests::service::{Service, bars};
+use crumple_tests::program::{root, send};
+use crumple_tests::service::{Service, bars, children, endless};
+use rustix::process::Signal;
 use serde_json::json;
 use std::time::Instant;
 
@@ -91,6 +93,34 @@ fn a_job_is_uploaded_watched_steered_and_reported() {
     browser.wait("the report is drawn", "document.documentElement.dataset.state === 'ready'");
     browser.picture("report");
     assert_eq!(browser.evaluate("document.documentElement.dataset.errors"), "0");
+    let problems = browser.problems();
+    assert!(problems.is_empty(), "{problems:#?}");
+}
+
+/// The button that kills a job appears when it was asked to stop.
+#[test]
+fn a_job_that_hangs_is_killed_from_the_page() {
+    let Some(mut browser) = Browser::start() else { return };
+    let service = Service::start(&[]);
+    let id = service.submit(&endless());
+    let supervisor = process(&service, id, 1);
+    let runs = service.wait("the run has begun", |_| {
+        let runs = children(supervisor);
+        (!runs.is_empty()).then_some(runs)
+    });
+    service.wait_for(id, "running");
+    runs.iter().chain([&supervisor]).for_each(|&pid| send(pid, Signal::STOP));
+    signed_in(&service, &mut browser);
+    browser.evaluate(&format!("location.hash = '#/job/{id}'"));
+    let hidden = "document.querySelector('button[data-order=kill]').hidden";
+    browser.wait("the job is shown", "!document.querySelector('[data-order=stop]').disabled");
+    assert_eq!(browser.evaluate(hidden), true);
+    order(&mut browser, "stop", &[]);
+    browser.wait("the job can be killed", &format!("!{hidden}"));
+    browser.picture("hangs");
+    order(&mut browser, "kill", &[]);
+    wait_for_log(&mut browser, "state: stopped killed");
+    assert_eq!(browser.evaluate(hidden), true);
     let problems = browser.problems();
     assert!(problems.is_empty(), "{problems:#?}");
 }
