@@ -82,9 +82,13 @@ mod tests {
     }
 
     #[test]
-    fn a_check_without_findings_is_refused_with_its_last_line() {
-        let failed = ended(0x200, "", "one\nerror: input: no such folder\n");
+    fn a_check_without_findings_is_refused_with_its_last_error() {
+        let said = "one\nerror: input: no such folder\nnote: more\n";
+        let failed = ended(0x200, "", said);
         assert_eq!(failed.findings[0].message, "input: no such folder");
+        assert_eq!(failed.text, said, "the error stands there once");
+        let silent = ended(0x200, "", "");
+        assert_eq!((&*silent.text, silent.usable), ("error: the check failed\n", false));
         let killed = ended(6, "{\"usable\": true", "memory allocation of 8 bytes failed\n");
         assert!(killed.findings[0].message.contains("more memory"), "{killed:?}");
         assert!(!failed.usable && !killed.usable && killed.text.starts_with("memory allocation"));
