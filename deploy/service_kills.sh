@@ -13,5 +13,5 @@ source deploy/setup.sh
 export CRUMPLE_TORTURE_KILLS=${1:-100} CRUMPLE_TORTURE_SEED=${2:-1} CRUMPLE_TEST_LIMIT=900
 export OMPI_MCA_odls_base_sigkill_timeout=1
 options=(--workspace --features crumple/mpi,crumple/vtkhdf)
-cargo build "${options[@]}"
+cargo test "${options[@]}" --no-run
 exec cargo test "${options[@]}" --test serve torture -- --nocapture

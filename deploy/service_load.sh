@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Load of the service: watchers of a run, submissions, a long list, a week of events. Writes
-# cases/bench/service_load.csv (deploy/service_load.py). It takes half an hour on two idle cores.
+# cases/bench/service_load.csv (deploy/service_load.py). It takes some minutes.
 #
 #   deploy/service_load.sh [OPTIONS]      options of deploy/service_load.py, such as --watchers 100
 #

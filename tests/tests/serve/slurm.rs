@@ -92,6 +92,25 @@ fn a_job_of_slurm_is_found_again_and_stopped_by_a_signal() {
     assert_eq!(asked[..2], ["--batch", "--signal=TERM"], "{asked:?}");
 }
 
+/// A job that does not stop at a signal is cancelled as a whole.
+#[test]
+fn a_job_of_slurm_that_does_not_stop_is_cancelled() {
+    let programs = programs();
+    let spool = programs.path().display().to_string();
+    let deaf = SCANCEL.replace("for last", "[ $# -gt 1 ] && exit\nfor last");
+    fs::write(programs.path().join("scancel"), deaf.replace("$SPOOL", &spool)).unwrap();
+    let service = Service::start_with_path(&["--slurm"], Some(programs.path()));
+    let id = service.submit(&by_slurm(endless()));
+    service.wait_for(id, "running");
+    let cancelled = || words(&programs.path().join("cancelled"));
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop"), &json!({})).status, 202);
+    service.wait("Slurm was asked for a signal", |_| (cancelled().len() == 3).then_some(()));
+    assert_eq!(service.job(id)["state"], "running");
+    assert_eq!(service.post(&format!("/api/jobs/{id}/stop?force=true"), &json!({})).status, 202);
+    service.wait_for(id, "stopped");
+    assert_eq!(cancelled().len(), 1, "the number alone: {:?}", cancelled());
+}
+
 #[test]
 fn a_job_that_waits_at_slurm_is_not_started_again() {
     let programs = programs();

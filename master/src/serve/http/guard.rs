@@ -279,6 +279,12 @@ pub async fn no_such_path() -> Problem {
     Problem::absent("there is no such path; see /api/openapi.json")
 }
 
+/// Answers requests by methods that a path does not have.
+pub async fn no_such_method() -> Problem {
+    let why = "the path has no method of this name; see /api/openapi.json";
+    Problem(StatusCode::METHOD_NOT_ALLOWED, why.into())
+}
+
 /// Checks that a token has a role.
 ///
 /// # Errors

@@ -84,12 +84,14 @@ pub fn router(keeper: Arc<Keeper>, settings: Settings) -> Router {
         .route("/metrics", get(metrics::metrics))
         .layer(DefaultBodyLimit::max(SMALL_BODY))
         .merge(submit)
+        .method_not_allowed_fallback(guard::no_such_method)
         .layer(from_fn_with_state(app.clone(), guard::identify));
     let open = Router::new()
         .route("/login", post(login::login))
         .route("/health", get(metrics::health))
         .route("/ready", get(metrics::ready))
         .merge(page::routes())
+        .method_not_allowed_fallback(guard::no_such_method)
         .layer(DefaultBodyLimit::max(SMALL_BODY));
     guarded
         .merge(open)
