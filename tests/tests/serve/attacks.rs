@@ -1,5 +1,5 @@
-//! Attacks that take more than one request: each is refused with a plain error, and the service goes
-//! on. Those of one request are the table in `hostile.rs`.
+//! Attacks that take more than one request: each is refused with a plain error, and the service
+//! goes on. Those of one request are the table in `hostile.rs`.
 
 use crumple_tests::service::{Reply, Service, bars};
 use serde_json::{Value, json};
