@@ -74,6 +74,10 @@ impl Peers for ContactCoupling<'_> {
         self.pair_exchange.exchange_vectors(self.comm, pairs, |pair| &mut pair.predictor_force)
     }
 
+    fn exchange_flags(&mut self, flags: &mut [bool]) -> Result<(), RankLost> {
+        self.pair_exchange.exchange_flags(self.comm, flags)
+    }
+
     fn exchange_phases(&mut self, phases: &mut [u32], changed: bool) -> Result<bool, RankLost> {
         self.pair_exchange.exchange_phases(self.comm, phases, changed)
     }

@@ -116,6 +116,10 @@ impl Peers for Free {
         Ok(())
     }
 
+    fn exchange_flags(&mut self, _: &mut [bool]) -> Result<(), RankLost> {
+        Ok(())
+    }
+
     fn exchange_phases(&mut self, _: &mut [u32], changed: bool) -> Result<bool, RankLost> {
         Ok(!changed)
     }

@@ -7,6 +7,7 @@
 //! schedule (`pairs/schedule.rs`) for changes within Gauss-Seidel sweeps.
 
 mod pair;
+mod redundant;
 mod schedule;
 
 pub use pair::{

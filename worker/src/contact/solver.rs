@@ -98,6 +98,9 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
         // With prediction and correction, the masses of edges are split: a slave edge can be in
         // several pairs, and these do not include each other's corrections as pairs of one segment
         // do.
+        if self.laws.converge() {
+            t.remove_redundant_forces(self.around, |p| self.laws.of_pair(p).converges())?;
+        }
         let is_split = |pair: &Pair| match self.laws.of_pair(pair).iteration() {
             Iteration::Split => true,
             Iteration::Correct { .. } => pair.key.is_edge(),
@@ -147,19 +150,15 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
             // A worker without pairs has no schedule. It takes part in the global reductions
             // only.
             let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated)? > 1.0;
-            self.exchange_and_apply_forces(t, changed)?;
             let advice = acceleration.update(&t.pairs, &before, changed, self.around)?;
             swept.unsettled = advice.changed;
+            if let Some(forces) = advice.forces.filter(|_| left > 0) {
+                let own = t.pairs.iter_mut().filter(|p| p.is_owned);
+                own.zip(forces).for_each(|(p, force)| p.force = force);
+            }
+            self.exchange_and_apply_forces(t, advice.changed)?;
             if !advice.changed {
                 break;
-            }
-            if let Some(forces) = advice.forces.filter(|_| left > 0) {
-                t.pairs
-                    .iter_mut()
-                    .filter(|p| p.is_owned)
-                    .zip(forces)
-                    .for_each(|(p, f)| p.force = f);
-                self.exchange_and_apply_forces(t, true)?;
             }
         }
         Ok(())

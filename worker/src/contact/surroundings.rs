@@ -87,6 +87,11 @@ pub trait Peers {
     /// # Errors
     /// A worker is gone.
     fn exchange_predictor_forces(&mut self, pairs: &mut [Pair]) -> Result<(), RankLost>;
+    /// Exchanges flags of shared pairs, by pair.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    fn exchange_flags(&mut self, flags: &mut [bool]) -> Result<(), RankLost>;
     /// Exchanges the phases of shared pairs, by pair. `changed` is true if an own pair has a new
     /// phase. Returns true if no connected worker has changed one, so that the phases are final.
     ///

@@ -151,6 +151,29 @@ impl PairExchange {
         Ok(())
     }
 
+    /// Exchanges flags of shared pairs, by pair.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn exchange_flags(
+        &mut self,
+        comm: &mut dyn Transport,
+        flags: &mut [bool],
+    ) -> Result<(), RankLost> {
+        let Self { shared, mail, .. } = self;
+        for with in &*shared {
+            mail.start();
+            with.sent.iter().for_each(|&i| mail.push(u64::from(flags[i as usize])));
+            mail.send(comm, with.worker, Tag::Sweep)?;
+        }
+        for with in &*shared {
+            mail.receive(comm, with.worker, Tag::Sweep)?;
+            let all = with.received.iter().zip(mail.rest::<u64>());
+            all.for_each(|(&i, &flag)| flags[i as usize] = flag != 0);
+        }
+        Ok(())
+    }
+
     /// Exchanges the phases of shared pairs in the schedule of a sweep, see
     /// [`crate::contact::surroundings::Peers::exchange_phases`].
     ///
