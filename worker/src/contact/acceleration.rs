@@ -132,8 +132,8 @@ impl Acceleration {
         {
             way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
         }
-        let part = local_product(&own, &ends, &way, peers)?;
-        let forces_of = |((p, end), way): ((&&Pair, &V3), &V3)| within(p, end + way * part);
+        let part = usable_fraction(&own, &ends, &way, peers)?;
+        let forces_of = |((p, end), way): ((&&Pair, &V3), &V3)| within_friction_cone(p, end + way * part);
         let forces = own.iter().zip(&ends).zip(&way).map(forces_of).collect();
         Ok(AccelerationStep { changed, forces: Some(forces) })
     }
@@ -146,7 +146,7 @@ impl Acceleration {
 ///
 /// # Errors
 /// A worker is gone.
-fn local_product(
+fn usable_fraction(
     own: &[&Pair],
     ends: &[V3],
     way: &[V3],
@@ -161,7 +161,7 @@ fn local_product(
 }
 
 /// Returns the force of a pair projected onto its friction cone, zero if it is tensile.
-fn within(pair: &Pair, force: V3) -> V3 {
+pub fn within_friction_cone(pair: &Pair, force: V3) -> V3 {
     let pressed = force.dot(&pair.normal).max(0.0);
     let sheared = force - pair.normal * force.dot(&pair.normal);
     pair.normal * pressed + within_cone(sheared, pressed, pair)

@@ -32,6 +32,7 @@ pub mod interfaces;
 pub mod kernels;
 pub mod local_search;
 mod near_list;
+mod nesterov;
 mod overlap;
 mod pair_geometry;
 pub mod pairs;
@@ -64,6 +65,7 @@ use facets::Facets;
 use geometry::Sphere;
 use interfaces::Interfaces;
 use near_list::NearList;
+use nesterov::NesterovMomentum;
 use pairs::{Pair, PairHistory, PairTable};
 use projections::ProjectedPairs;
 use search::{SEARCHES, Search};
@@ -113,6 +115,8 @@ pub struct Contact {
     /// Rotational velocities of touched nodes without contact; empty if friction rotates none of
     /// them [1/time].
     free_spins: Vec<Row>,
+    /// Momentum of sweeps.
+    momentum: NesterovMomentum,
     record: SearchRecord,
     /// Number of global searches so far.
     pub searches: u64,
@@ -181,6 +185,7 @@ impl Contact {
             table: PairTable::default(),
             free_velocities: Vec::new(),
             free_spins: Vec::new(),
+            momentum: NesterovMomentum::default(),
             record: SearchRecord::default(),
             searches: 0,
             sweeps: 0,
@@ -481,6 +486,7 @@ impl Contact {
             coupled,
             steps,
             accelerated,
+            momentum: &mut self.momentum,
         };
         let swept = sweeps.run(t)?;
         self.sweeps += swept.sweeps;

@@ -6,6 +6,7 @@
 //! of these nodes alone, in the same order as every other worker: of the pair keys, and of the
 //! schedule (`pairs/schedule.rs`) for changes within Gauss-Seidel sweeps.
 
+mod activity;
 mod pair;
 mod redundant;
 mod schedule;
@@ -65,7 +66,11 @@ pub struct PairTable {
     moment_weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
     /// True if pairs are weighted by areas, see [`Pair::area`].
     pub by_area: bool,
+    /// For each pair and role, the index of its node in `touched`, or [`NOT_LOCAL`] if the pair does
+    /// not act on a local node there.
+    slots: Vec<[u32; MAX_PAIR_NODES]>,
     schedule: schedule::SweepSchedule,
+    activity: activity::Activity,
     incidence: Vec<(u32, u32, u8)>,
 }
 
@@ -94,12 +99,15 @@ impl PairTable {
         self.start.clear();
         self.roles.clear();
         self.signed_shares.clear();
+        self.slots.clear();
+        self.slots.resize(self.pairs.len(), [NOT_LOCAL; MAX_PAIR_NODES]);
         for &(n, p, r) in &self.incidence {
             if self.touched.last() != Some(&n) {
                 self.touched.push(n);
                 self.start.push(self.roles.len() as u32);
             }
             self.roles.push((p, r));
+            self.slots[p as usize][r as usize] = self.touched.len() as u32 - 1;
             let pair = &self.pairs[p as usize];
             let share = pair.share(r as usize);
             self.signed_shares.push(if pair.is_slave_role(r) { share } else { -share });
@@ -219,12 +227,29 @@ impl PairTable {
 
     /// Sums the contact force and the moment on every touched node.
     pub fn sum_forces(&mut self) {
-        for t in 0..self.touched.len() {
-            self.total[t] = self.force_at(t);
-            if !self.couples.is_empty() {
-                self.couples[t] = self.couple_at(t);
-            }
+        (0..self.touched.len()).for_each(|t| self.sum_forces_at(t));
+    }
+
+    /// Sums the contact force and the moment on the node at index `t` of `touched`.
+    fn sum_forces_at(&mut self, t: usize) {
+        self.total[t] = self.force_at(t);
+        if !self.couples.is_empty() {
+            self.couples[t] = self.couple_at(t);
         }
+    }
+
+    /// Marks all pairs for an update in the next sweep, because velocities have changed other than
+    /// by the forces of pairs.
+    pub fn mark_all_changed(&mut self) {
+        self.schedule.mark_all();
+        if self.activity.is_started() {
+            self.start_activity();
+        }
+    }
+
+    /// Returns the own pairs, ascending.
+    pub fn own_pairs(&self) -> Vec<u32> {
+        (0..).zip(&self.pairs).filter(|(_, p)| p.is_owned).map(|(i, _)| i).collect()
     }
 
     /// Returns the pairs that touch the node at index `t` of `touched`, ascending, and its role

@@ -4,6 +4,7 @@
 
 use crate::contact::acceleration::{Acceleration, Forces};
 use crate::contact::enforce::{ContactLaw, Iteration, Laws, demand};
+use crate::contact::nesterov::NesterovMomentum;
 use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
 use crate::contact::surroundings::{NodalForces, Peers, VelocityConstraint};
 use crate::math::row::{Row, V3};
@@ -31,6 +32,8 @@ pub struct ContactSolver<'a, S> {
     /// Largest number of accelerated sweeps if the plain sweeps do not converge, equal on all
     /// workers; 0 if no law converges.
     pub accelerated: usize,
+    /// Momentum of sweeps with split masses.
+    pub momentum: &'a mut NesterovMomentum,
 }
 
 /// Result of the sweeps of a step.
@@ -115,6 +118,10 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
         }
         self.apply_forces(t);
         self.apply_to_bodies(t, true)?;
+        if self.laws.iterations().contains(&Iteration::Split) {
+            t.start_activity();
+            self.momentum.start(&t.pairs);
+        }
         let mut swept = SolverOutcome::default();
         for sweep in 0..self.laws.sweeps() {
             swept.sweeps += 1;
@@ -214,10 +221,14 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     /// Applies the forces of a sweep to nodes, if this is not done within the sweep.
     fn apply_all_forces(&mut self, t: &mut PairTable) {
         let iterations = self.laws.iterations();
-        // Gauss-Seidel sweeps apply the forces of own pairs and of other workers' pairs
-        // themselves.
-        if iterations != [Iteration::GaussSeidel] {
-            self.apply_forces(t);
+        match iterations {
+            // Gauss-Seidel sweeps apply the forces of own pairs and of other workers' pairs
+            // themselves.
+            [Iteration::GaussSeidel] => {}
+            [Iteration::Split] => t.sum_changed_forces(|t, k| {
+                self.apply_force_at(k as u32, t.touched[k], (&t.total[k], t.couples.get(k)));
+            }),
+            _ => self.apply_forces(t),
         }
         if self.coupled || iterations.len() > 1 {
             t.mark_all_changed();
@@ -244,14 +255,27 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     }
 
     /// Updates the selected own pairs, all from the same state. Returns their largest residual,
-    /// relative to the tolerance.
-    fn all_at_once(&self, t: &mut PairTable, some: Selection) -> f64 {
+    /// relative to the tolerance. Plain sweeps add momentum and update due pairs only.
+    fn all_at_once(&mut self, t: &mut PairTable, some: Selection) -> f64 {
         let mut undone: f64 = 0.0;
-        for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
-            if let Some((force, left)) = self.updated(p, some) {
-                p.force = force;
-                undone = undone.max(left);
-            }
+        let (due, is_last) = match some.stage {
+            Stage::Plain(sweep) => (t.take_due(), sweep + 1 == self.laws.sweeps()),
+            Stage::Accelerated => (t.own_pairs(), true),
+        };
+        for i in due {
+            let pair = &t.pairs[i as usize];
+            let Some((force, left)) = self.updated(pair, some) else {
+                self.momentum.stop(i as usize, pair);
+                continue;
+            };
+            let has_momentum = !is_last && self.laws.of_pair(pair).converges();
+            let next = if has_momentum {
+                self.momentum.advance(i as usize, pair, force)
+            } else {
+                force
+            };
+            t.set_force(i, next);
+            undone = undone.max(left);
         }
         undone
     }

@@ -89,6 +89,7 @@ impl Contact {
             table: _,
             free_velocities: _,
             free_spins: _,
+            momentum: _,
         } = self;
         ContactState {
             searches: *searches,

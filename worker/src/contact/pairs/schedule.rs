@@ -15,12 +15,10 @@
 //! that of a single worker; phases only determine when a pair is computed.
 
 use super::{MAX_PAIR_NODES, NodalLoad, Pair, PairTable};
+use crate::contact::surface::NOT_LOCAL;
 use crate::contact::surroundings::Peers;
 use crate::math::row::V3;
 use crumple_proto::transport::RankLost;
-
-/// Value for a role of a pair that has no local node.
-const NOWHERE: u32 = u32::MAX;
 
 /// Number of consecutive slave ids in a block. With larger blocks fewer pairs wait for other
 /// workers but chains are longer: messages per cycle of `cases/brick-wall` in 200 cycles on 3 and
@@ -33,8 +31,6 @@ const BLOCK: u64 = 64;
 pub struct SweepSchedule {
     /// Phase of each pair.
     phase: Vec<u32>,
-    /// Indices of the nodes of each pair in the table's `touched`, or [`NOWHERE`].
-    slots: Vec<[u32; MAX_PAIR_NODES]>,
     /// Nodes whose motion changes the force of each pair, as indices of `felt`.
     watched: Vec<[u32; MAX_PAIR_NODES]>,
     /// All pairs in the order of the sweeps.
@@ -58,6 +54,11 @@ pub struct SweepSchedule {
 }
 
 impl SweepSchedule {
+    /// Marks all pairs for an update in the next sweep.
+    pub(super) fn mark_all(&mut self) {
+        self.looked.fill(0);
+    }
+
     /// Returns true if a pair may have to change its force: a new force has acted on one of its
     /// nodes since its last update. So work continues only where pairs are connected to pairs
     /// that still change.
@@ -82,13 +83,6 @@ impl PairTable {
     /// A worker is gone.
     pub fn build_schedule(&mut self, peers: &mut impl Peers) -> Result<(), RankLost> {
         let mut order = std::mem::take(&mut self.schedule);
-        order.slots.clear();
-        order.slots.resize(self.pairs.len(), [NOWHERE; MAX_PAIR_NODES]);
-        for t in 0..self.touched.len() {
-            for &(p, r) in self.roles_at(t) {
-                order.slots[p as usize][r as usize] = t as u32;
-            }
-        }
         order.sequence.clear();
         order.sequence.extend(0..self.pairs.len() as u32);
         let block = |&i: &u32| mixed(self.pairs[i as usize].key.slave.0 / BLOCK);
@@ -120,10 +114,10 @@ impl PairTable {
         order.felt.extend([0, u64::MAX]);
         let [without_effect, elsewhere] = [0, 1].map(|more| (self.touched.len() + more) as u32);
         order.watched.clear();
-        order.watched.extend(self.pairs.iter().zip(&order.slots).map(|(pair, slots)| {
+        order.watched.extend(self.pairs.iter().zip(&self.slots).map(|(pair, slots)| {
             std::array::from_fn(|r| match slots[r] {
                 _ if pair.shape[r] == 0.0 => without_effect,
-                NOWHERE => elsewhere,
+                NOT_LOCAL => elsewhere,
                 t => t,
             })
         }));
@@ -142,7 +136,7 @@ impl PairTable {
         for &i in &sequence {
             let i = i as usize;
             let pair = &self.pairs[i];
-            let slots = || order.slots[i].iter().filter(|&&t| t != NOWHERE).map(|&t| t as usize);
+            let slots = || self.slots[i].iter().filter(|&&t| t != NOT_LOCAL).map(|&t| t as usize);
             let next = if pair.is_owned {
                 let phase = slots().map(|t| earliest[t]).max().unwrap_or(0);
                 changed |= phase != order.phase[i];
@@ -155,12 +149,6 @@ impl PairTable {
         }
         order.sequence = sequence;
         changed
-    }
-
-    /// Marks all pairs for an update in the next sweep, because velocities have changed other
-    /// than by the forces of the pairs.
-    pub fn mark_all_changed(&mut self) {
-        self.schedule.looked.fill(0);
     }
 
     /// Sweeps in order over the pairs that may have to change. `update` returns the new force of
@@ -230,7 +218,7 @@ impl PairTable {
         pair.force = force;
         let twist = if self.couples.is_empty() { V3::zeros() } else { pair.twist(&change) };
         order.turn += 1;
-        for (r, &t) in order.slots[i as usize].iter().enumerate().filter(|&(_, &t)| t != NOWHERE) {
+        for (r, &t) in self.slots[i as usize].iter().enumerate().filter(|&(_, &t)| t != NOT_LOCAL) {
             order.felt[t as usize] = order.turn;
             let share = pair.share(r);
             self.total[t as usize] +=

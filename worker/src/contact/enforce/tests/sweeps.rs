@@ -90,7 +90,10 @@ fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
 /// n light bodies has n + 1 different rates of convergence.
 #[test]
 fn accelerated_sweeps_settle_whatever_the_masses() {
-    for law in [lagrange("gauss_seidel", 20), lagrange("split", 20)] {
+    // With split masses, 60 sweeps with momentum come first.
+    for (law, most, slow) in
+        [(lagrange("gauss_seidel", 20), 50, 0.05), (lagrange("split", 20), 90, 0.005)]
+    {
         let law = law.with("tolerance", 1e-9).with("accelerated", 100);
         for ratio in [1.0, 1e-1, 1e-2, 1e-3, 1e-4] {
             for light in [1, 2, 3, 5] {
@@ -104,9 +107,9 @@ fn accelerated_sweeps_settle_whatever_the_masses() {
                     law.law, law.parameters
                 );
                 assert!(error < 1e-5, "{law:?}, {masses:?}: {error}");
-                assert!(sweeps < 50, "{law:?}, {masses:?}: {sweeps}");
+                assert!(sweeps < most, "{law:?}, {masses:?}: {sweeps}");
                 assert!(
-                    plain > 0.5 || ratio > 0.05,
+                    plain > 0.5 || ratio > slow,
                     "{law:?}, {masses:?}: plain sweeps converge too, {plain}"
                 );
             }
@@ -140,10 +143,14 @@ fn sweeps_in_order_converge_by_the_known_spectral_radii() {
             (counted as f64 - needed).abs() < 0.1 * needed + 1.0,
             "{masses:?}: {counted} sweeps, expected {needed}"
         );
-        // Split masses also converge, but more slowly: with two users of each inner mass the radius
-        // is `(1 + rho) / 2` with the radius rho of Jacobi.
-        let split = row_error("split", &masses, late + 1) / row_error("split", &masses, late);
-        assert!(split < 1.0 && split > radius, "{masses:?}: {split}");
+        // With split masses and two users of each inner mass, the radius of plain sweeps is `(1 +
+        // rho) / 2` with the radius rho of Jacobi, `cos(pi/n)` or `1 / (1 + mu/m)`. With momentum
+        // the number of sweeps is in proportion to the root of its condition number.
+        let condition = 2.0 / (1.0 - radius.sqrt());
+        let split = 3 * (1..).find(|&k| row_error("split", &masses, k) < 1e-6).unwrap();
+        eprintln!("split: {split} sweeps, condition number {condition:.0}");
+        let scaled = split as f64 / condition.sqrt();
+        assert!((6.0..18.0).contains(&scaled), "{masses:?}: {split} sweeps, {scaled}");
     }
 }
 
