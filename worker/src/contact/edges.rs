@@ -30,12 +30,15 @@ use crate::contact::edge_sides::{facing, may_begin, side_of_folds};
 use crate::contact::folds::{Edge, EdgeTable, Kind};
 use crate::contact::friction;
 use crate::contact::geometry::{EdgeProjection, project_edges, separation};
+use crate::contact::kernels::{self, Vector};
 use crate::contact::local_search::{ACTIVE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::search::Search;
 use crate::contact::shell_offset;
 use crate::contact::surface::{NOT_LOCAL, Surface};
 use crate::contact::surroundings::Exclusions;
+use crate::contact::waiting::Waiting;
+use crate::math::lanes::{LANES, Lane, Lanes, Real};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
@@ -43,9 +46,6 @@ use crumple_proto::ids::NodeId;
 
 /// Product of normals above which the histories of successive edges belong to the same contact.
 const ALIKE: f64 = 0.7;
-/// Number of candidates that are passed over together while none of them is due.
-const BLOCK: usize = 64;
-
 /// Fraction of the angle of an exposed fold from which on edges are included in the search.
 /// Without it each edge that becomes exposed would request a new search.
 const NEARLY: f64 = 0.7;
@@ -71,11 +71,10 @@ struct EdgePairHistory {
 #[derive(Clone, Copy, Debug)]
 struct EdgeCandidate {
     edges: [u32; 2],
+    /// Local nodes of both.
+    nodes: [[u32; 2]; 2],
     /// Distance beyond which they do not touch in a step [length].
     reach: f64,
-    /// Path of the nodes ([`Travel::path`](super::travel::Travel::path)) up to which they are
-    /// certainly out of reach [length].
-    due: f64,
 }
 
 /// Edges known to a worker, and the pair histories of its own edges.
@@ -98,8 +97,10 @@ pub struct Edges {
     found: Vec<[u32; 2]>,
     /// Those of `found` that are near.
     candidates: Vec<EdgeCandidate>,
-    /// Least `due` of each block of [`BLOCK`] candidates [length].
-    least_due: Vec<f64>,
+    /// Candidates that are out of reach.
+    waiting: Waiting,
+    /// Indices of the candidates that may be within reach.
+    due: Vec<u32>,
     /// Histories in ascending order of their keys.
     memories: Vec<EdgePairHistory>,
     /// Nodes of the histories, ascending, with the indices of the histories.
@@ -165,6 +166,8 @@ impl Edges {
             + size_of_val(&self.own[..])
             + size_of_val(&self.found[..])
             + size_of_val(&self.candidates[..])
+            + self.waiting.bytes()
+            + size_of_val(&self.due[..])
     }
 
     /// Updates the set of exposed edges, with the nodes at [`Nodes::seen`].
@@ -235,7 +238,8 @@ impl Edges {
         find(&boxes, &middles, &mut |b, p| {
             let (one, two) = (&of_own[p as usize], &of_all[b as usize]);
             let reach = reach(one.scale, two.scale);
-            if one.ids >= two.ids || one.is_farther(two, reach) {
+            // Neither test is easy to predict: one branch for both.
+            if (one.ids >= two.ids) | one.is_farther(two, reach) {
                 return;
             }
             let (i, other) = (own[p as usize], all[b as usize]);
@@ -257,9 +261,10 @@ impl Edges {
 
     /// Selects from the pairs found those that could touch in a step. In such a step nodes move
     /// by at most `step` against each other [length]. The selection is valid until they have
-    /// moved by more than `skin` [length]. `path` is the path of the nodes so far [length].
-    pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, (skin, step): (f64, f64), path: f64) {
+    /// moved by more than `skin` [length].
+    pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, (skin, step): (f64, f64)) {
         self.candidates.clear();
+        self.waiting.restart(0);
         if self.found.is_empty() {
             return;
         }
@@ -273,11 +278,11 @@ impl Edges {
             let reach = near.max(deepest) + step + surface.shift_reach();
             let is_near = a.bounds(&nodes.x).grown(reach + skin).intersects(&b.bounds(&nodes.x))
                 && are_within(a, b, nodes, reach + skin);
-            is_near.then_some(EdgeCandidate { edges: *pair, reach, due: path })
+            let nodes = [a.nodes, b.nodes];
+            is_near.then_some(EdgeCandidate { edges: *pair, nodes, reach })
         };
         self.candidates.extend(self.found.iter().filter_map(near));
-        self.least_due.clear();
-        self.least_due.resize(self.candidates.len().div_ceil(BLOCK), path);
+        self.waiting.restart(self.candidates.len());
     }
 
     /// Returns the largest approach rate, as [`approach::rate`], of all pairs found [1/time].
@@ -314,47 +319,55 @@ impl Edges {
         (dt, path): (f64, f64),
         out: &mut Vec<Pair>,
     ) {
-        let mut candidates = std::mem::take(&mut self.candidates);
-        let mut least_due = std::mem::take(&mut self.least_due);
-        let blocks = candidates.chunks_mut(BLOCK).zip(&mut least_due);
-        for (block, least) in blocks.filter(|(_, least)| **least <= path) {
-            self.find_pairs_of(block, nodes, (surface, alive), stiffness, (dt, path), out);
-            *least = block.iter().map(|c| c.due).fold(f64::INFINITY, f64::min);
+        let mut due = std::mem::take(&mut self.due);
+        let mut waiting = std::mem::take(&mut self.waiting);
+        waiting.find_due(path, &mut due);
+        for some in due.chunks(LANES) {
+            let beyond = self.distances_beyond_reach(some, nodes);
+            for (&i, beyond) in some.iter().zip(beyond) {
+                if beyond > 0.0 {
+                    waiting.defer(i, path + beyond);
+                } else {
+                    out.extend(self.pair_of(i, nodes, (surface, alive), stiffness, dt));
+                }
+            }
         }
-        (self.candidates, self.least_due) = (candidates, least_due);
+        waiting.close(&due);
+        (self.due, self.waiting) = (due, waiting);
     }
 
-    /// Appends the active pairs of some candidates to `out`, see [`Self::find_pairs`].
-    fn find_pairs_of(
+    /// Returns by how much the distance of the edges of up to [`LANES`] candidates, given by their
+    /// indices, exceeds their reach [length].
+    fn distances_beyond_reach(&self, some: &[u32], nodes: &Nodes) -> [f64; LANES] {
+        let four: [&EdgeCandidate; LANES] =
+            std::array::from_fn(|lane| &self.candidates[some[lane.min(some.len() - 1)] as usize]);
+        let ends = [0, 1].map(|edge| {
+            [0, 1].map(|end| {
+                let at = |c: &EdgeCandidate| Lane::new(nodes.x[c.nodes[edge][end] as usize]);
+                Vector(Lane::from_rows(four.map(at)))
+            })
+        });
+        let distance = Real::sqrt(kernels::separation(&ends[0], &ends[1]));
+        (distance - Lane::new(four.map(|c| c.reach))).to_array()
+    }
+
+    /// Returns the pair of a candidate, given by its index, if it is active in this step.
+    fn pair_of(
         &self,
-        candidates: &mut [EdgeCandidate],
+        candidate: u32,
         nodes: &Nodes,
         (surface, alive): (&Surface, &[bool]),
         stiffness: &[f64],
-        (dt, path): (f64, f64),
-        out: &mut Vec<Pair>,
-    ) {
-        for candidate in candidates.iter_mut().filter(|c| c.due <= path) {
-            let edges = candidate.edges.map(|i| &self.lines.all[i as usize]);
-            let ends = edges.map(|e| e.ends(&nodes.x));
-            let beyond = separation(&ends[0], &ends[1]).sqrt() - candidate.reach;
-            if beyond > 0.0 {
-                candidate.due = path + beyond;
-                continue;
-            }
-            let Some(met) = project_edges(&ends[0], &ends[1]) else { continue };
-            let interface = self.lines.interface(edges, surface).filter(|&i| alive[i as usize]);
-            let Some(interface) = interface else { continue };
-            if let Some(mut pair) =
-                self.evaluate_pair(nodes, (surface, interface), candidate.edges, &met, dt)
-            {
-                let of = |e: &Edge| {
-                    stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0)
-                };
-                pair.stiffness = of(edges[0]).min(of(edges[1]));
-                out.push(pair);
-            }
-        }
+        dt: f64,
+    ) -> Option<Pair> {
+        let places = self.candidates[candidate as usize].edges;
+        let edges = places.map(|i| &self.lines.all[i as usize]);
+        let met = project_edges(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x))?;
+        let interface = self.lines.interface(edges, surface).filter(|&i| alive[i as usize])?;
+        let pair = self.evaluate_pair(nodes, (surface, interface), places, &met, dt)?;
+        let of =
+            |e: &Edge| stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0);
+        Some(Pair { stiffness: of(edges[0]).min(of(edges[1])), ..pair })
     }
 
     fn evaluate_pair(
@@ -397,18 +410,6 @@ impl Edges {
         };
         let mut side = if side < 0.0 { -1.0 } else { 1.0 };
         let old = known.filter(|m| m.normal.dot(&met.normal) * side > 0.0);
-        let [one, two] = edges.map(|e| lines.lowest_segment(e, surface));
-        let shape = padded([1.0 - s, s, 1.0 - t, t]);
-        let mut pair = Pair {
-            shape,
-            weight: shape,
-            interface,
-            contact_thickness: scale,
-            speed: surface.slower(one.part, two.part),
-            slave_surface_first: (one.part, one.id) < (two.part, two.id),
-            is_owned: true,
-            ..Pair::new(name, two.id, [i, j, k, l])
-        };
         // The tolerated gap is at most 0: without it the pair is at its nearest.
         if met.height * side + dt * opening * side >= near || met.height * side < -deepest {
             return None;
@@ -423,9 +424,22 @@ impl Edges {
         if old.is_none() && !may_begin(nodes, edges, met, (gap, scale), solid) {
             return None;
         }
-        (pair.normal, pair.side) = (normal, side);
-        pair.edge_area = friction::edge_area((surface, interface), edges, &nodes.x);
-        pair.lever_arms = levers((surface, interface), edges, &shifts, (&normal, of_nodes * side));
+        let [one, two] = edges.map(|e| lines.lowest_segment(e, surface));
+        let shape = padded([1.0 - s, s, 1.0 - t, t]);
+        let pair = Pair {
+            shape,
+            weight: shape,
+            normal,
+            side,
+            edge_area: friction::edge_area((surface, interface), edges, &nodes.x),
+            lever_arms: levers((surface, interface), edges, &shifts, (&normal, of_nodes * side)),
+            interface,
+            contact_thickness: scale,
+            speed: surface.slower(one.part, two.part),
+            slave_surface_first: (one.part, one.id) < (two.part, two.id),
+            is_owned: true,
+            ..Pair::new(name, two.id, [i, j, k, l])
+        };
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
         let pair = pair.with_history(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * opening * side;

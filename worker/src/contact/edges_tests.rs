@@ -35,7 +35,7 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
 
 fn search(edges: &mut Edges, surface: &Surface, nodes: &Nodes) {
     edges.search(surface, nodes, &Free, linked_cells, 0.1);
-    edges.pick(nodes, surface, (0.05, 0.0), 0.0);
+    edges.pick(nodes, surface, (0.05, 0.0));
 }
 
 fn pairs(edges: &mut Edges, surface: &Surface, nodes: &Nodes) -> Vec<PairKey> {

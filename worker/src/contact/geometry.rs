@@ -124,18 +124,9 @@ pub fn project_edges(p: &[V3; 2], q: &[V3; 2]) -> Option<EdgeProjection> {
     between.then(|| EdgeProjection { along, normal, height: -apart.dot(&normal) })
 }
 
-/// Computes the square of the distance of two edges, ends included (Ericson, Real-Time Collision
-/// Detection, 2005, 5.1.9) [length^2].
+/// Computes the square of the distance of two edges, ends included [length^2].
 pub fn separation(p: &[V3; 2], q: &[V3; 2]) -> f64 {
-    let (u, w, from) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
-    let (uu, ww, uw, fu, fw) = (u.dot(&u), w.dot(&w), u.dot(&w), from.dot(&u), from.dot(&w));
-    let nearest = |num: f64, den: f64| if den > 0.0 { (num / den).clamp(0.0, 1.0) } else { 0.0 };
-    let s = nearest(uw * fw - fu * ww, uu * ww - uw * uw);
-    // Take the point of the other edge that is nearest to this point, and then again the nearest
-    // one on this edge.
-    let t = nearest(uw * s + fw, ww);
-    let s = nearest(uw * t - fu, uu);
-    (from + u * s - w * t).norm_squared()
+    kernels::separation(&p.map(Into::into), &q.map(Into::into))
 }
 
 #[cfg(test)]

@@ -332,6 +332,22 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
     best
 }
 
+/// Computes the square of the distance of edges, ends included (Ericson, Real-Time Collision
+/// Detection, 2005, 5.1.9) [length^2].
+#[inline(always)]
+pub fn separation<R: Real>(p: &[Vector<R>; 2], q: &[Vector<R>; 2]) -> R {
+    let (u, w, from) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
+    let (uu, ww, uw, fu, fw) = (u.square(), w.square(), u.dot(w), from.dot(u), from.dot(w));
+    let nearest =
+        |num: R, den: R| R::select(den.gt(R::zero()), clamp(num / den, 0.0, 1.0), R::zero());
+    let s = nearest(uw * fw - fu * ww, uu * ww - uw * uw);
+    // Take the point of the other edge that is nearest to this point, and then again the nearest
+    // one on this edge.
+    let t = nearest(uw * s + fw, ww);
+    let s = nearest(uw * t - fu, uu);
+    (from + u * s - w * t).square()
+}
+
 /// Computes a lower bound of the distance of points from segments [length], along the direction
 /// from an approximation of the nearest point. It is NaN for a point without such a direction.
 #[inline(always)]

@@ -81,7 +81,7 @@ pub fn has_history(segment: &Segment, memory: &[PairHistory]) -> bool {
 }
 
 /// Contact pair as evaluated by the local search, before selection.
-struct PairCandidate {
+pub struct PairCandidate {
     pair: Pair,
     /// Time within the step at which the gap closes, as a fraction of the step; 0 for existing
     /// contact.
@@ -98,7 +98,8 @@ struct PairCandidate {
     gap: f64,
 }
 
-/// Appends the active pairs of one slave to `out`, in ascending segment id. `slave_index` is the
+/// Appends the active pairs of one slave to `out`, in ascending segment id. `finds` is a buffer of
+/// the caller. `slave_index` is the
 /// index of the slave among the surface's slaves. `projected` are its projected pairs, segments
 /// ascending. `memory` is the pair history of the node from the last step. `alive` states for each
 /// interface if it is active.
@@ -109,14 +110,15 @@ pub fn find_pairs(
     projected: &[ProjectedPair],
     memory: &[PairHistory],
     dt: f64,
-    out: &mut Vec<Pair>,
+    (finds, out): (&mut Vec<PairCandidate>, &mut Vec<Pair>),
 ) {
     let found = |pair: &ProjectedPair| {
         let geometry = PairGeometry::new((nodes, surface), slave_index, pair, dt)
             .filter(|geometry| alive[geometry.interface as usize])?;
         evaluate_pair(nodes, surface, &geometry, memory)
     };
-    let mut finds: Vec<PairCandidate> = projected.iter().filter_map(found).collect();
+    finds.clear();
+    finds.extend(projected.iter().filter_map(found));
     // Existing contact first, the nearest pair first. Then by time of impact, the fastest
     // approach first. Ids break ties.
     finds.sort_by(|a, b| {
@@ -143,7 +145,7 @@ pub fn find_pairs(
     }
     finds.truncate(accepted);
     finds.sort_unstable_by_key(|f| f.pair.segment);
-    out.extend(finds.into_iter().map(|f| f.pair));
+    out.extend(finds.iter().map(|f| f.pair));
 }
 
 /// Returns true if the surface around a slave faces against `normal`, with one of its faces or
@@ -469,7 +471,7 @@ mod tests {
             &[ProjectedPair { of, step: 0.0, near }],
             memory,
             0.0,
-            &mut found,
+            (&mut Vec::new(), &mut found),
         );
         let [pair] = found[..] else { panic!("expected one pair, found {}", found.len()) };
         assert!((pair.penetration - 0.05).abs() < 1e-15 && pair.normal == V3::z());

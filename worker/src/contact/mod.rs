@@ -48,6 +48,7 @@ pub mod state;
 pub mod surface;
 pub mod surroundings;
 mod travel;
+mod waiting;
 
 use crate::energy::{ContactWork, Work};
 use crate::math::lanes::Lane;
@@ -334,8 +335,7 @@ impl Contact {
 
     /// Finds the edges and segments that could touch others before the near list is made again.
     fn pick(&mut self, nodes: &Nodes) {
-        let path = self.motion_since_near_list.path();
-        self.edges.pick(nodes, &self.surface, (self.near_list.skin, self.near_list.step), path);
+        self.edges.pick(nodes, &self.surface, (self.near_list.skin, self.near_list.step));
         self.edges
             .near()
             .for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
@@ -412,6 +412,7 @@ impl Contact {
         let history = |i: u32| self.histories.of(i as usize);
         self.projected_pairs.project(nodes, &self.surface, near, history, dt);
         let all = &self.projected_pairs.all;
+        let mut finds = Vec::new();
         for projected in all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index) {
             let i = projected[0].of.slave_index;
             local_search::find_pairs(
@@ -421,7 +422,7 @@ impl Contact {
                 projected,
                 history(i),
                 dt,
-                pairs,
+                (&mut finds, pairs),
             );
         }
         if !self.stiffness.is_empty() {
@@ -442,12 +443,15 @@ impl Contact {
         steps: StepSizes,
         pairs: &mut [Pair],
     ) {
+        let with_masses = self.laws.predict();
         for p in pairs {
             if !started[p.interface as usize] {
                 p.initial_gap = p.tolerated_gap;
             }
             p.lever(nodes);
-            p.set_slave_mass(nodes);
+            if with_masses {
+                p.set_slave_mass(nodes);
+            }
             self.surface.set_friction(p, nodes);
             self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).initial_force(p, steps);

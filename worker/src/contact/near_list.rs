@@ -6,7 +6,7 @@
 //! touch some of their faces.
 //!
 //! A candidate that is out of reach in a step is left out until nodes have moved far enough
-//! against each other to bring it within reach ([`NearList::due`]).
+//! against each other to bring it within reach ([`Waiting`]).
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::Sphere;
@@ -14,6 +14,7 @@ use crate::contact::kernels::{distance_bound, is_in, projects_outside};
 use crate::contact::local_search::{has_history, reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
+use crate::contact::waiting::Waiting;
 use crate::math::lanes::{LANES, Lane, Real};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
@@ -29,22 +30,13 @@ const SHORT: f64 = 0.125;
 const STEP: f64 = 0.02;
 /// Number of collected candidates from which a filter examines them in batches.
 const HELD: usize = 256;
-
-/// Number of candidates that are passed over together while none of them is due.
-const BLOCK: usize = 64;
-
 /// Candidates that are near.
 #[derive(Debug, Default)]
 pub struct NearList {
     /// Candidates by slave, ascending, and for each slave by segment.
     pub list: Vec<CandidatePair>,
-    /// For each candidate the path of the nodes ([`Travel::path`]) up to which it is certainly out
-    /// of reach [length].
-    ///
-    /// [`Travel::path`]: crate::contact::travel::Travel::path
-    pub due: Vec<f64>,
-    /// Least `due` of each block of [`BLOCK`] candidates, 0 if it is not known.
-    pub least: Vec<f64>,
+    /// Candidates that are out of reach.
+    pub waiting: Waiting,
     /// Largest relative motion of two nodes for which the list is valid, and largest relative
     /// motion in a step that begins then [length].
     pub skin: f64,
@@ -54,35 +46,13 @@ pub struct NearList {
 impl NearList {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.list[..]) + size_of_val(&self.due[..]) + size_of_val(&self.least[..])
+        size_of_val(&self.list[..]) + self.waiting.bytes()
     }
 
     /// Removes all candidates.
     pub fn clear(&mut self) {
         self.list.clear();
-        self.due.clear();
-        self.least.clear();
-    }
-
-    /// Appends to `due` the indices of the candidates that are due at this path of the nodes
-    /// [length], ascending, and to `blocks` the blocks that have such candidates.
-    /// [`Self::close_blocks`] must follow.
-    pub fn find_due(&mut self, path: f64, due: &mut Vec<u32>, blocks: &mut Vec<u32>) {
-        self.least.resize(self.due.len().div_ceil(BLOCK), 0.0);
-        for (block, _) in (0u32..).zip(&self.least).filter(|(_, least)| **least <= path) {
-            let from = block as usize * BLOCK;
-            let of_block = (from as u32..).zip(self.due[from..].iter().take(BLOCK));
-            due.extend(of_block.filter(|(_, due)| **due <= path).map(|(i, _)| i));
-            blocks.push(block);
-        }
-    }
-
-    /// Updates the least [`NearList::due`] of these blocks.
-    pub fn close_blocks(&mut self, blocks: &[u32]) {
-        for &block in blocks {
-            let of_block = self.due[block as usize * BLOCK..].iter().take(BLOCK);
-            self.least[block as usize] = of_block.copied().fold(f64::INFINITY, f64::min);
-        }
+        self.waiting.restart(0);
     }
 
     /// Filters the candidates of the last global search, which had the skin `skin` [length], to
@@ -106,7 +76,7 @@ impl NearList {
             picker.add_slave(place, found(place), memory(place), &mut self.list);
         }
         picker.finish(&mut self.list);
-        self.due.resize(self.list.len(), 0.0);
+        self.waiting.restart(self.list.len());
     }
 
     /// Selects the candidates of the slaves at these indices again, ascending: they have their
@@ -135,8 +105,7 @@ impl NearList {
             picker.finish(&mut all);
         }
         all.extend_from_slice(&self.list[rest..]);
-        self.clear();
-        self.due.resize(all.len(), 0.0);
+        self.waiting.restart(all.len());
         self.list = all;
     }
 }

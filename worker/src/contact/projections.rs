@@ -29,8 +29,6 @@ pub struct ProjectedPair {
 pub struct ProjectedPairs {
     /// Indices of the candidates that may be within reach.
     due: Vec<u32>,
-    /// Blocks of the near list that have such candidates.
-    blocks: Vec<u32>,
     /// Candidate pairs within reach, with their largest relative motion [length].
     reached: Vec<(CandidatePair, f64)>,
     /// Projected pairs in the order of the candidates.
@@ -40,10 +38,7 @@ pub struct ProjectedPairs {
 impl ProjectedPairs {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.due[..])
-            + size_of_val(&self.blocks[..])
-            + size_of_val(&self.reached[..])
-            + size_of_val(&self.all[..])
+        size_of_val(&self.due[..]) + size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
     }
 
     /// Projects the candidates of the near list that are within reach and stores them in `all`.
@@ -58,15 +53,13 @@ impl ProjectedPairs {
         dt: f64,
     ) {
         let mut due = std::mem::take(&mut self.due);
-        due.clear();
-        self.blocks.clear();
-        near.find_due(path, &mut due, &mut self.blocks);
+        near.waiting.find_due(path, &mut due);
         self.reached.clear();
         for some in due.chunks(LANES) {
             self.retain_reached(nodes, surface, (near, path), some, &memory, dt);
         }
+        near.waiting.close(&due);
         self.due = due;
-        near.close_blocks(&self.blocks);
         self.all.clear();
         for some in self.reached.chunks(LANES) {
             let four = PairBatch::of(surface, some, |s| s.0);
@@ -126,7 +119,7 @@ impl ProjectedPairs {
                     true => old[lane],
                     false => reach(surface, four.slave[lane], segment, near.step),
                 };
-                near.due[i as usize] = path + (distance[lane] - limit);
+                near.waiting.defer(i, path + (distance[lane] - limit));
             } else if !(of.shared_node_mask != 0 && is_in::<Lane>(is_turned_away, lane)) {
                 self.reached.push((of, step[lane]));
             }
@@ -201,11 +194,8 @@ mod tests {
             .collect();
         let meet = |asked: &[CandidatePair]| {
             let mut meetings = ProjectedPairs::default();
-            let mut near = NearList {
-                list: asked.to_vec(),
-                due: vec![0.0; asked.len()],
-                ..NearList::default()
-            };
+            let mut near = NearList { list: asked.to_vec(), ..NearList::default() };
+            near.waiting.restart(asked.len());
             meetings.project(&nodes, &surface, (&mut near, 0.0), memory, 1.0);
             let result = |m: &ProjectedPair| {
                 let numbers =

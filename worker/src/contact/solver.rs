@@ -68,12 +68,12 @@ struct Selection {
 impl Selection {
     /// Returns the law of an own pair, or `None` if the pair is not selected.
     fn law<'a>(&self, pair: &Pair, laws: &'a Laws) -> Option<&'a dyn ContactLaw> {
-        let law = laws.of_pair(pair);
+        let of_interface = laws.of_interface(pair);
         let wants = match self.stage {
-            Stage::Plain(sweep) => sweep < law.sweeps(),
-            Stage::Accelerated => law.converges(),
+            Stage::Plain(sweep) => sweep < of_interface.sweeps,
+            Stage::Accelerated => of_interface.converges,
         };
-        (law.iteration() == self.iteration && wants).then_some(law)
+        (of_interface.iteration == self.iteration && wants).then_some(&*of_interface.law)
     }
 }
 
@@ -98,13 +98,13 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
 
     /// Makes plain sweeps, at most the number that the laws allow.
     fn run_plain_sweeps(&mut self, t: &mut PairTable) -> Result<SolverOutcome, RankLost> {
+        if self.laws.converge() {
+            t.remove_redundant_forces(self.around, |p| self.laws.of_interface(p).converges)?;
+        }
         // With prediction and correction, the masses of edges are split: a slave edge can be in
         // several pairs, and these do not include each other's corrections as pairs of one segment
         // do.
-        if self.laws.converge() {
-            t.remove_redundant_forces(self.around, |p| self.laws.of_pair(p).converges())?;
-        }
-        let is_split = |pair: &Pair| match self.laws.of_pair(pair).iteration() {
+        let is_split = |pair: &Pair| match self.laws.of_interface(pair).iteration {
             Iteration::Split => true,
             Iteration::Correct { .. } => pair.key.is_edge(),
             Iteration::GaussSeidel => false,
@@ -268,7 +268,7 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
                 self.momentum.stop(i as usize, pair);
                 continue;
             };
-            let has_momentum = !is_last && self.laws.of_pair(pair).converges();
+            let has_momentum = !is_last && self.laws.of_interface(pair).converges;
             let next = if has_momentum {
                 self.momentum.advance(i as usize, pair, force)
             } else {

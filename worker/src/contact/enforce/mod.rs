@@ -179,10 +179,29 @@ pub fn by_segments(job: &Contact) -> bool {
     job.each().any(|c| c.law == mortar::LAW.name)
 }
 
+/// Law of an interface, with its values that each update of a pair needs.
+pub struct InterfaceLaw {
+    /// The law.
+    pub law: Box<dyn ContactLaw>,
+    /// See [`ContactLaw::sweeps`].
+    pub sweeps: usize,
+    /// See [`ContactLaw::iteration`].
+    pub iteration: Iteration,
+    /// See [`ContactLaw::converges`].
+    pub converges: bool,
+}
+
+impl InterfaceLaw {
+    fn new(law: Box<dyn ContactLaw>) -> Self {
+        let (sweeps, iteration, converges) = (law.sweeps(), law.iteration(), law.converges());
+        Self { law, sweeps, iteration, converges }
+    }
+}
+
 /// Laws of a job's interfaces.
 pub struct Laws {
     /// Law of each interface; `None` where nothing touches.
-    of: Vec<Option<Box<dyn ContactLaw>>>,
+    of: Vec<Option<InterfaceLaw>>,
     /// Methods of iteration of the laws, each once.
     iterations: Vec<Iteration>,
     sweeps: usize,
@@ -201,17 +220,18 @@ impl Laws {
             let row = row.unwrap_or_else(|| panic!("no contact law {}", contact.law));
             (row.build)(&row.values(&contact), parts)
         };
-        let of = job.each().map(|c| (c.law != Contact::NO_LAW).then(|| build(c)));
-        let of: Vec<Option<Box<dyn ContactLaw>>> = of.collect();
+        let of =
+            job.each().map(|c| (c.law != Contact::NO_LAW).then(|| InterfaceLaw::new(build(c))));
+        let of: Vec<Option<InterfaceLaw>> = of.collect();
         let mut iterations = Vec::new();
-        for iteration in of.iter().flatten().map(|law| law.iteration()) {
+        for iteration in of.iter().flatten().map(|law| law.iteration) {
             if !iterations.contains(&iteration) {
                 iterations.push(iteration);
             }
         }
-        let sweeps = of.iter().flatten().map(|law| law.sweeps()).max().unwrap_or(0);
-        let accelerated = of.iter().flatten().map(|law| law.accelerated()).max().unwrap_or(0);
-        let coarse = of.iter().flatten().filter(|law| law.converges()).map(|law| law.coarse());
+        let sweeps = of.iter().flatten().map(|law| law.sweeps).max().unwrap_or(0);
+        let accelerated = of.iter().flatten().map(|law| law.law.accelerated()).max().unwrap_or(0);
+        let coarse = of.iter().flatten().filter(|law| law.converges).map(|law| law.law.coarse());
         let coarse = coarse.fold(f64::INFINITY, f64::min);
         Self { of, iterations, sweeps, accelerated, coarse }
     }
@@ -223,7 +243,7 @@ impl Laws {
 
     /// Returns for each interface true if segments touch segments there.
     pub fn by_segments(&self) -> Vec<bool> {
-        self.of.iter().map(|law| law.as_ref().is_some_and(|law| law.by_segments())).collect()
+        self.of.iter().map(|law| law.as_ref().is_some_and(|law| law.law.by_segments())).collect()
     }
 
     /// Returns the law of an own pair.
@@ -231,7 +251,14 @@ impl Laws {
     /// # Panics
     /// If nothing touches in its interface: there are no such pairs.
     pub fn of_pair(&self, pair: &Pair) -> &dyn ContactLaw {
-        self.of[pair.interface as usize].as_deref().expect("an interface with pairs has a law")
+        &*self.of_interface(pair).law
+    }
+
+    /// Returns the law of an own pair, with the values that each of its updates needs. Panics as
+    /// [`Laws::of_pair`].
+    #[inline]
+    pub fn of_interface(&self, pair: &Pair) -> &InterfaceLaw {
+        self.of[pair.interface as usize].as_ref().expect("an interface with pairs has a law")
     }
 
     /// Returns the methods of iteration of the laws, each once, in the order of the interfaces.
@@ -256,12 +283,18 @@ impl Laws {
 
     /// Returns true if any law has [`ContactLaw::converges`].
     pub fn converge(&self) -> bool {
-        self.of.iter().flatten().any(|law| law.converges())
+        self.of.iter().flatten().any(|law| law.converges)
+    }
+
+    /// Returns true if a law predicts and corrects. Then the slaves' masses are needed, see
+    /// [`Pair::set_slave_mass`].
+    pub fn predict(&self) -> bool {
+        self.iterations.iter().any(|iteration| matches!(iteration, Iteration::Correct { .. }))
     }
 
     /// Returns [`ContactLaw::segment_stiffness`]; all laws that have one return the same value.
     pub fn segment_stiffness(&self, segment: &Segment, x0: &[Row]) -> Option<f64> {
-        self.of.iter().flatten().find_map(|law| law.segment_stiffness(segment, x0))
+        self.of.iter().flatten().find_map(|law| law.law.segment_stiffness(segment, x0))
     }
 }
 

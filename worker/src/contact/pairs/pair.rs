@@ -1,6 +1,7 @@
 //! A contact pair, its key, and the history that its slave keeps.
 use crate::contact::surface::NOT_LOCAL;
 use crate::energy::Work;
+use crate::math::lanes::Lane;
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use bytemuck::{Pod, Zeroable};
@@ -544,35 +545,35 @@ impl Pair {
 
     /// Returns the mean of the vectors at the slave's nodes, weighted by the shape values.
     fn slave_mean(&self, v: &[Row]) -> V3 {
-        let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
         match self.key.slave_end {
-            NodeId(0) => at(0),
-            SLAVE_SEGMENT => self.mean(v, 0),
-            _ => at(0) * self.shape[0] + at(1) * self.shape[1],
+            NodeId(0) => V3::from(xyz(&v[self.nodes[0] as usize])),
+            SLAVE_SEGMENT => self.mean::<4>(v, 0),
+            _ => self.mean::<2>(v, 0),
         }
     }
 
     /// Returns the mean of the vectors at the nodes of the other side, weighted by the shape
     /// values.
     fn met_mean(&self, v: &[Row]) -> V3 {
-        let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
         match self.key.slave_end {
-            NodeId(0) => self.mean(v, 1),
-            SLAVE_SEGMENT => self.mean(v, 4),
-            _ => part(2) + part(3),
+            NodeId(0) => self.mean::<4>(v, 1),
+            SLAVE_SEGMENT => self.mean::<4>(v, 4),
+            _ => self.mean::<2>(v, 2),
         }
     }
 
-    /// Returns the mean of the vectors at four consecutive roles from `from` on, weighted by the
-    /// shape values.
-    fn mean(&self, v: &[Row], from: usize) -> V3 {
-        let part =
-            |r: usize| V3::from(xyz(&v[self.nodes[from + r] as usize])) * self.shape[from + r];
-        part(0) + part(1) + part(2) + part(3)
+    /// Returns the mean of the vectors at `N` consecutive roles from `from` on, weighted by the
+    /// shape values. All components are summed at once, as in a row.
+    #[inline(always)]
+    fn mean<const N: usize>(&self, v: &[Row], from: usize) -> V3 {
+        let part = |r: usize| Lane::new(v[self.nodes[r] as usize]) * Lane::splat(self.shape[r]);
+        let sum = (from + 1..from + N).fold(part(from), |sum, r| sum + part(r));
+        V3::from(xyz(&sum.to_array()))
     }
 
     /// Returns the velocity of the slave relative to the other side at the next mid-step, both
     /// at the points where friction acts; own pairs only [length/time].
+    #[inline]
     pub fn relative_velocity(&self, nodes: &Nodes) -> V3 {
         let relative = self.slave_velocity(nodes) - self.met_mean(&nodes.v_next);
         if self.lever_arms[1] == 0.0 {

@@ -19,6 +19,7 @@ use crate::contact::surface::NOT_LOCAL;
 use crate::contact::surroundings::Peers;
 use crate::math::row::V3;
 use crumple_proto::transport::RankLost;
+use std::ops::Range;
 
 /// Number of consecutive slave ids in a block. With larger blocks fewer pairs wait for other
 /// workers but chains are longer: messages per cycle of `cases/brick-wall` in 200 cycles on 3 and
@@ -33,6 +34,8 @@ pub struct SweepSchedule {
     phase: Vec<u32>,
     /// Nodes whose motion changes the force of each pair, as indices of `felt`.
     watched: Vec<[u32; MAX_PAIR_NODES]>,
+    /// Hash of each block and its pairs, in the order of the sweeps.
+    blocks: Vec<(u64, Range<u32>)>,
     /// All pairs in the order of the sweeps.
     sequence: Vec<u32>,
     /// Place of each pair in `sequence`.
@@ -83,10 +86,7 @@ impl PairTable {
     /// A worker is gone.
     pub fn build_schedule(&mut self, peers: &mut impl Peers) -> Result<(), RankLost> {
         let mut order = std::mem::take(&mut self.schedule);
-        order.sequence.clear();
-        order.sequence.extend(0..self.pairs.len() as u32);
-        let block = |&i: &u32| mixed(self.pairs[i as usize].key.slave.0 / BLOCK);
-        order.sequence.sort_by_cached_key(block); // stable: in a block by key
+        self.order_blocks(&mut order);
         order.rank.clear();
         order.rank.resize(self.pairs.len(), 0);
         for (rank, &i) in (0..).zip(&order.sequence) {
@@ -95,12 +95,10 @@ impl PairTable {
         order.phase.clear();
         order.phase.resize(self.pairs.len(), 0);
         // Phases only increase, from their lower bound. They are final if no worker increases
-        // one.
-        loop {
+        // one. All own pairs that meet no pair of another worker are in the first phase.
+        while peers.has_shared_pairs() {
             let changed = self.raise_levels(&mut order);
-            let is_final =
-                !peers.has_shared_pairs() || peers.exchange_phases(&mut order.phase, changed)?;
-            if is_final {
+            if peers.exchange_phases(&mut order.phase, changed)? {
                 break;
             }
         }
@@ -125,6 +123,22 @@ impl PairTable {
         order.looked.resize(self.pairs.len(), 0);
         self.schedule = order;
         Ok(())
+    }
+
+    /// Lists all pairs in the order of the sweeps. The pairs of a block follow each other, because
+    /// pairs are in ascending order of their keys.
+    fn order_blocks(&self, order: &mut SweepSchedule) {
+        let block = |p: &Pair| p.key.slave.0 / BLOCK;
+        order.blocks.clear();
+        let mut from = 0;
+        for run in self.pairs.chunk_by(|a, b| block(a) == block(b)) {
+            let to = from + run.len() as u32;
+            order.blocks.push((mixed(block(&run[0])), from..to));
+            from = to;
+        }
+        order.blocks.sort_unstable_by_key(|b| b.0); // no two blocks have the same hash
+        order.sequence.clear();
+        order.sequence.extend(order.blocks.iter().flat_map(|b| b.1.clone()));
     }
 
     /// Updates the phases of own pairs from those of all earlier pairs. Returns true if one has
