@@ -133,7 +133,8 @@ impl Acceleration {
             way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
         }
         let part = usable_fraction(&own, &ends, &way, peers)?;
-        let forces_of = |((p, end), way): ((&&Pair, &V3), &V3)| within_friction_cone(p, end + way * part);
+        let forces_of =
+            |((p, end), way): ((&&Pair, &V3), &V3)| within_friction_cone(p, end + way * part);
         let forces = own.iter().zip(&ends).zip(&way).map(forces_of).collect();
         Ok(AccelerationStep { changed, forces: Some(forces) })
     }

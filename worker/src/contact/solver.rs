@@ -269,11 +269,8 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
                 continue;
             };
             let has_momentum = !is_last && self.laws.of_interface(pair).converges;
-            let next = if has_momentum {
-                self.momentum.advance(i as usize, pair, force)
-            } else {
-                force
-            };
+            let next =
+                if has_momentum { self.momentum.advance(i as usize, pair, force) } else { force };
             t.set_force(i, next);
             undone = undone.max(left);
         }

@@ -384,8 +384,11 @@ impl TrafficEstimate {
         } else {
             [0.0; 3]
         };
+        // Flags of redundant pairs.
+        let flags = if laws.converge() { [1.0, 0.0, 1.0] } else { [0.0; 3] };
         let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|i| sum[i] + one[i]);
-        let [messages, lead, each] = laws.iterations().iter().map(of_one).fold(common, add);
+        let [messages, lead, each] =
+            laws.iterations().iter().map(of_one).fold(add(common, flags), add);
         Self { sweeps, messages, words: [lead, each] }
     }
 }

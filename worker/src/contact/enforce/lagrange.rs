@@ -26,10 +26,12 @@ pub(super) const LAW: LawRow = LawRow {
             form: Form::Word(&[SPLIT, GAUSS_SEIDEL]),
             otherwise: DefaultValue::Word(SPLIT),
             range: None,
-            meaning: "Iteration for coupled pairs. `gauss_seidel` (default) updates one pair after \
-                      the other, in an order that does not depend on the workers \
-                      (`cases/studies/README.md`, sandwich). `split` updates all pairs from the \
-                      same state, with nodal masses split among their pairs; it needs more sweeps.",
+            meaning: "Iteration for coupled pairs. `split` (default) updates all pairs from the \
+                      same state, with nodal masses split among their pairs and with momentum \
+                      (Nesterov); workers exchange one message per sweep. `gauss_seidel` updates \
+                      one pair after the other, in an order that does not depend on the workers: \
+                      fewer sweeps where pairs are few, many messages where they are dense \
+                      (`cases/studies/README.md`, sandwich; `cases/bench/RESULTS.md`).",
         },
         SWEEPS,
         TOLERANCE,
@@ -40,7 +42,7 @@ pub(super) const LAW: LawRow = LawRow {
         otherwise: DefaultValue::Whole(100),
         range: None,
         meaning: "Largest number of accelerated sweeps in a step; 0 for none. They follow the \
-                  plain sweeps if these leave more than 1e-4 of the velocity that a force has to \
+                  plain sweeps, or the sweeps with momentum, if these leave more than 1e-4 of the velocity that a force has to \
                   change. This happens with layers of less than a hundredth of the mass of their \
                   neighbours. With `sweeps = 1` none follow. See `cases/studies/README.md`, \
                   sandwich.",
@@ -71,8 +73,8 @@ const CARRY: f64 = 0.5;
 
 /// Largest number of sweeps with momentum (`contact/nesterov.rs`), as a multiple of the largest
 /// number of plain sweeps: they cost less than accelerated sweeps, which have global reductions.
-/// Brick wall, 246 cycles on one worker, CPU of contact with 1, 3, 6: 1.48, 0.43, 0.31 s.
-const MOMENTUM_SWEEPS: usize = 3;
+/// Brick wall, 246 cycles on one worker, CPU of contact with 1, 3, 4, 6: 1.48, 0.50, 0.42, 0.40 s.
+const MOMENTUM_SWEEPS: usize = 4;
 
 /// Residual of plain sweeps above which accelerated sweeps follow, as a fraction of the velocity
 /// that a force has to change. Smaller residuals are removed by the next step's sweeps, which
@@ -81,6 +83,9 @@ const MOMENTUM_SWEEPS: usize = 3;
 /// penetration is the same. With 1e-3, bricks for which `split` has not converged push each
 /// other apart (A07).
 const COARSE: f64 = 1e-4;
+/// The same after sweeps with momentum. These are more, so few steps are left. With 1e-4, rows of
+/// three bodies of a tenth of the mass of their neighbours end with errors of 4e-5.
+const COARSE_WITH_MOMENTUM: f64 = 1e-5;
 
 /// Smallest residual of a force that drops to zero, as a multiple of the permitted residual.
 const ENDS: f64 = 2.0;
@@ -114,7 +119,11 @@ impl ContactLaw for Lagrange {
     }
 
     fn coarse(&self) -> f64 {
-        (COARSE / self.tolerance).max(1.0)
+        let coarse = match self.iteration {
+            Iteration::Split => COARSE_WITH_MOMENTUM,
+            _ => COARSE,
+        };
+        (coarse / self.tolerance).max(1.0)
     }
 
     fn initial_force(&self, pair: &Pair, _: StepSizes) -> V3 {

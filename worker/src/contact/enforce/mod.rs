@@ -35,10 +35,11 @@ pub struct Elasticity {
 pub enum Iteration {
     /// All pairs are updated from the same state. Each nodal mass is split among the pairs that
     /// use it. Converges whatever the masses: an update is damped by no less than the coupling.
+    /// Laws that converge add momentum (`nesterov.rs`).
     Split,
     /// One pair after the other in the order of `pairs/schedule.rs`, each with full masses and
     /// with the new forces of the pairs before it. Projected Gauss-Seidel: converges whatever the
-    /// masses, faster than `Split` where nodes have few pairs.
+    /// masses.
     GaussSeidel,
     /// Predictor forces of all pairs, then corrections by the motion of the segments under all
     /// of them. Where two surfaces are slaves of each other, one of them gets the fraction
@@ -159,8 +160,8 @@ const SWEEPS: ParameterRow = ParameterRow {
     form: Form::Whole,
     otherwise: DefaultValue::Whole(20),
     range: Some(Range { wanted: "at least 1", fits: |n| n >= 1.0 }),
-    meaning: "Largest number of plain sweeps over all pairs in a step (Lagrange), or of passes \
-              (kinematic; 1 in PRONTO3D).",
+    meaning: "Largest number of plain sweeps over all pairs in a step (Lagrange; four times as many \
+              with momentum), or of passes (kinematic; 1 in PRONTO3D).",
 };
 
 /// Key of laws that iterate.

@@ -5,6 +5,7 @@ mod couple;
 mod kinematic;
 mod mortar;
 mod penalty;
+mod redundant;
 mod rubbing;
 mod shell_offset;
 mod sweeps;

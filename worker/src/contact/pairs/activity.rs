@@ -46,8 +46,9 @@ impl PairTable {
         a.is_changed.resize(self.touched.len(), false);
         (a.always.clear(), a.copies.clear(), a.updated.clear());
         for (i, pair) in (0..).zip(&self.pairs) {
-            let only_moves =
-                |r: usize| pair.nodes[r] != NOT_LOCAL && pair.shape[r] != 0.0 && pair.share(r) == 0.0;
+            let only_moves = |r: usize| {
+                pair.nodes[r] != NOT_LOCAL && pair.shape[r] != 0.0 && pair.share(r) == 0.0
+            };
             if !pair.is_owned {
                 a.copies.push(i);
             } else if (0..pair.node_count()).any(only_moves) {

@@ -90,9 +90,9 @@ fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
 /// n light bodies has n + 1 different rates of convergence.
 #[test]
 fn accelerated_sweeps_settle_whatever_the_masses() {
-    // With split masses, 60 sweeps with momentum come first.
+    // With split masses, 80 sweeps with momentum come first.
     for (law, most, slow) in
-        [(lagrange("gauss_seidel", 20), 50, 0.05), (lagrange("split", 20), 90, 0.005)]
+        [(lagrange("gauss_seidel", 20), 50, 0.05), (lagrange("split", 20), 90, 5e-4)]
     {
         let law = law.with("tolerance", 1e-9).with("accelerated", 100);
         for ratio in [1.0, 1e-1, 1e-2, 1e-3, 1e-4] {
@@ -155,8 +155,7 @@ fn sweeps_in_order_converge_by_the_known_spectral_radii() {
 }
 
 /// C15: a light node between two heavy plates with too few sweeps. The plates penetrate, and this
-/// is reported; the node stays between them. Gauss-Seidel adds no energy. Split masses do, because
-/// forces of the warm start continue after contact should have ended. They need more sweeps.
+/// is reported; the node stays between them, and no sweeps add energy.
 #[test]
 fn too_few_sweeps_leave_penetration_that_shows() {
     let energy = |iteration: &str, sweeps: i64| {
@@ -193,11 +192,13 @@ fn too_few_sweeps_leave_penetration_that_shows() {
         );
         most / before
     };
-    assert!(energy("gauss_seidel", 10) < 1.0 + 1e-12);
+    // 20 sweeps with momentum.
+    for (iteration, few) in [("split", 5), ("gauss_seidel", 10)] {
+        assert!(energy(iteration, few) < 1.0 + 1e-12, "{iteration}");
+    }
     for iteration in ["split", "gauss_seidel"] {
         assert!(energy(iteration, 20_000) < 1.0 + 1e-12, "{iteration}");
     }
-    energy("split", 10);
 }
 
 /// C15 (a): for any size of the first step, the light plate stays between the heavy ones. All are

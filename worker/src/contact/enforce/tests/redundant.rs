@@ -1,0 +1,63 @@
+//! Tests of redundant pairs: nodes that face nodes.
+
+use super::*;
+
+/// Two square plates of unit corner masses at a distance of the thickness. The upper one has the
+/// offset `x` and falls with unit speed; its corners have the heights `tilt` above that.
+fn plates(x: f64, tilt: [f64; 4], iteration: &str) -> Scene {
+    let lower = square([1.0; 4]);
+    let upper = lower
+        .iter()
+        .zip(tilt)
+        .map(|(p, above)| mass([p.x[0] + x, p.x[1], THICK + above], [0.0, 0.0, -1.0], 1.0));
+    let points: Vec<NodeRecord> = lower.iter().copied().chain(upper).collect();
+    let slaves: Vec<u32> = (0..8).collect();
+    let job = job("lagrange").with("iteration", iteration);
+    Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &slaves, 1e-3)
+}
+
+/// Each corner is the slave of a pair, but only one pair of two corners that face each other has a
+/// force. The plates end with the common velocity.
+#[test]
+fn one_of_two_pairs_of_facing_nodes_has_a_force() {
+    for iteration in ["split", "gauss_seidel"] {
+        let mut scene = plates(0.0, [0.0; 4], iteration);
+        scene.step();
+        let corners = scene.pairs().iter().filter(|p| p.key.is_node());
+        let forces: Vec<f64> = corners.map(|p| p.force.norm()).collect();
+        assert_eq!(forces.len(), 8, "{iteration}");
+        let expected = 0.5 / 1e-3; // each corner changes its velocity by 1/2 in a step of 1e-3
+        let pressed = forces.iter().filter(|&&f| (f / expected - 1.0).abs() < 0.1).count();
+        let forceless = forces.iter().filter(|&&f| f == 0.0).count();
+        assert_eq!([pressed, forceless], [4, 4], "{iteration}: {forces:?}");
+        for i in 0..8 {
+            assert!((scene.v(i).z + 0.5).abs() < 1e-3, "{iteration}, node {i}: {}", scene.v(i).z);
+        }
+    }
+}
+
+/// The deeper pair of the two has the force: none penetrates farther than before, on a plate that
+/// is tilted by a tenth of the thickness.
+#[test]
+fn the_deeper_pair_has_the_force() {
+    for iteration in ["split", "gauss_seidel"] {
+        let mut scene = plates(0.0, [0.0, 0.0, 0.1 * THICK, 0.1 * THICK], iteration);
+        for _ in 0..200 {
+            scene.step();
+            let deepest = scene.pairs().iter().map(|p| p.penetration).fold(0.0, f64::max);
+            assert!(deepest < 1e-3 * THICK, "{iteration}: {deepest}");
+        }
+        assert!((scene.momentum().z + 4.0).abs() < 1e-12, "{iteration}: round-off");
+    }
+}
+
+/// Nodes that face the inside of a segment are slaves of their own, whatever faces them.
+#[test]
+fn nodes_that_face_no_node_keep_their_pairs() {
+    let mut scene = plates(0.7, [0.0; 4], "split");
+    scene.step();
+    let corners = scene.pairs().iter().filter(|p| p.key.is_node());
+    let forces: Vec<f64> = corners.map(|p| p.force.norm()).collect();
+    assert_eq!(forces.len(), 4, "two corners of either plate are within the other");
+    assert!(forces.iter().all(|&f| f > 0.0), "{forces:?}");
+}
