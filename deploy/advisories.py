@@ -1,0 +1,64 @@
+"""Writes deploy/advisories.toml as a copy of the list of RustSec that cargo-deny reads.
+
+    deploy/advisories.py FOLDER    the copy, as a git repository
+
+Fails if Cargo.lock has crates whose advisories were not read.
+"""
+
+import pathlib
+import subprocess
+import sys
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TEXTS = ("id", "package", "date", "informational", "withdrawn", "url")
+
+
+def unread(crates: list[str]) -> list[str]:
+    """Returns the crates of Cargo.lock from a registry that are not in the list."""
+    lock = tomllib.loads((ROOT / "Cargo.lock").read_text())
+    return sorted({p["name"] for p in lock["package"] if "source" in p} - set(crates))
+
+
+def strings(values: list[str]) -> str:
+    return "[" + ", ".join(f'"{v}"' for v in values) + "]"
+
+
+def front_matter(advisory: dict) -> str:
+    """Returns an advisory in the format of RustSec, with a link in place of its description."""
+    lines = ["```toml", "[advisory]"]
+    lines += [f'{key} = "{advisory[key]}"' for key in TEXTS if key in advisory]
+    affected = {key: advisory.get(f"affected_{key}") for key in ("os", "arch")}
+    if any(affected.values()):
+        lines.append("[affected]")
+        lines += [f"{key} = {strings(values)}" for key, values in affected.items() if values]
+    lines += ["[versions]", f"patched = {strings(advisory['patched'])}"]
+    if "unaffected" in advisory:
+        lines.append(f"unaffected = {strings(advisory['unaffected'])}")
+    name = advisory["id"]
+    return "\n".join([*lines, "```", "", f"# {name}", "", f"https://rustsec.org/advisories/{name}", ""])
+
+
+def main(folder: pathlib.Path) -> None:
+    known = tomllib.loads((ROOT / "deploy/advisories.toml").read_text())
+    if missing := unread(known["crates"]):
+        sys.exit(
+            "error: deploy/advisories.toml: the advisories of these crates were not read: "
+            f"{', '.join(missing)}; read crates/NAME of https://github.com/rustsec/advisory-db, add what is "
+            "there, and add the names to `crates`"
+        )
+    for advisory in known["advisory"]:
+        place = folder / "crates" / advisory["package"]
+        place.mkdir(parents=True, exist_ok=True)
+        (place / f"{advisory['id']}.md").write_text(front_matter(advisory))
+    git = ["git", "-C", str(folder), "-c", "user.name=crumple", "-c", "user.email=crumple@localhost"]
+    subprocess.run([*git, "init", "--quiet"], check=True)
+    subprocess.run([*git, "add", "--all"], check=True)
+    subprocess.run([*git, "commit", "--quiet", "--message", "Known faults"], check=True)
+    print(f"{len(known['advisory'])} advisories for {len(known['crates'])} crates, until {known['until']}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(pathlib.Path(sys.argv[1]))
