@@ -25,14 +25,14 @@ pub struct ReadState {
 }
 
 /// Content of a worker's file.
-pub struct Piece {
+pub struct CheckpointPiece {
     /// Elements and nodes.
     pub share: PartitionData,
     /// Sums of the worker.
     pub own: WorkerState,
 }
 
-impl Piece {
+impl CheckpointPiece {
     /// Reads the words of a file: the number of words of the parcel, the parcel, and the sums.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ pub fn read_state(
     let mut known = BTreeMap::new();
     for record in pieces.iter().skip(me).step_by(workers) {
         let words = read(folder, record)?;
-        let piece = Piece::new(&words).map_err(|why| named(record, why))?;
+        let piece = CheckpointPiece::new(&words).map_err(|why| named(record, why))?;
         piece
             .own
             .fit(settings)

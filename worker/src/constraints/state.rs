@@ -7,7 +7,7 @@ use super::rigid::Bodies;
 use super::ties::Ties;
 use super::walls::{WallState, Walls};
 use crumple_proto::partition::Settings;
-use crumple_proto::wall::Wall;
+use crumple_proto::wall::ResolvedWall;
 use serde::{Deserialize, Serialize};
 
 /// State of all constraints, equal on all workers.
@@ -36,7 +36,7 @@ impl ConstraintState {
         if walls > jobs {
             return Err(format!("it has {walls} walls, and the job has {jobs}"));
         }
-        let is_other = |(wall, job): (&WallState, &Wall)| !wall.fits(job);
+        let is_other = |(wall, job): (&WallState, &ResolvedWall)| !wall.fits(job);
         if let Some(wall) = self.walls.iter().zip(&settings.walls).position(is_other) {
             return Err(format!("rigid wall {wall} is another one in the job"));
         }

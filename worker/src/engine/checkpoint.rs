@@ -168,7 +168,7 @@ impl Engine {
             inverted: _,
         } = self;
         #[derive(Serialize)]
-        struct View<'a, C: Serialize> {
+        struct CheckpointView<'a, C: Serialize> {
             clock: &'a Clock,
             constraints: C,
             limits: [f64; 2],
@@ -176,7 +176,7 @@ impl Engine {
             started: &'a [bool],
             erosions: u64,
         }
-        let view = View {
+        let view = CheckpointView {
             clock,
             constraints: constraints.state(),
             limits: agreement.limits(),

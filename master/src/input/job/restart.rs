@@ -1,12 +1,12 @@
 //! Changes of the model when a run continues: checks, and the rigid bodies and walls that they add
 //! to the job.
 
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::job::{Job, Restart, Rigid};
 use crumple_proto::problem::Problem;
 
 /// Checks the section `restart`, and appends its rigid bodies and walls to those of the job.
-pub fn add(job: &mut Job, findings: &mut Findings) {
+pub fn add(job: &mut Job, findings: &mut JobProblems) {
     let restart = std::mem::take(&mut job.restart);
     let rigid = |id: u32| job.rigid.iter().any(|r| r.parts.contains(&id));
     let mut refuse = |path: String, message: String, help: &str| {

@@ -23,7 +23,7 @@ use body::{Body, Momentum};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
-use crumple_proto::rigid::RigidBody as BodyJob;
+use crumple_proto::rigid::RigidBody;
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, gather_all, words_of};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,7 @@ pub const MET_WORDS: usize = words_of::<BodyContact>();
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Bodies {
     #[serde(skip)]
-    jobs: Vec<BodyJob>,
+    jobs: Vec<RigidBody>,
     /// The bodies, in the order of the job.
     pub bodies: Vec<Body>,
     /// Difference between the inertia that the job prescribes and that of the nodal masses;
@@ -214,13 +214,13 @@ impl Bodies {
     ///
     /// # Errors
     /// They are not: the reason.
-    pub fn fit(&self, jobs: &[BodyJob]) -> Result<(), String> {
+    pub fn fit(&self, jobs: &[RigidBody]) -> Result<(), String> {
         let count = self.bodies.len();
         let lengths = [self.arms.len(), self.beyond.len(), self.share.len(), self.damped.len()];
         if count > jobs.len() || lengths.iter().any(|&length| length != count) {
             return Err(format!("it has {count} rigid bodies, and the job has {}", jobs.len()));
         }
-        let other = |(arms, job): &(&Vec<V3>, &BodyJob)| arms.len() != job.nodes.len();
+        let other = |(arms, job): &(&Vec<V3>, &RigidBody)| arms.len() != job.nodes.len();
         if let Some(body) = self.arms.iter().zip(jobs).position(|pair| other(&pair)) {
             return Err(format!("rigid body {body} has other nodes in the job"));
         }
@@ -231,7 +231,7 @@ impl Bodies {
     }
 
     /// Sets the definitions of bodies from a checkpoint.
-    pub fn restore(&mut self, jobs: &[BodyJob], curves: &[Vec<[f64; 2]>]) {
+    pub fn restore(&mut self, jobs: &[RigidBody], curves: &[Vec<[f64; 2]>]) {
         self.jobs = jobs.to_vec();
         self.bodies.iter_mut().zip(jobs).for_each(|(body, job)| body.restore(job, curves));
     }
@@ -629,7 +629,7 @@ fn act(acting: &mut Vec<NodalWrench>, body: usize, node: NodeId, force: &V3, ang
 /// Builds a body from its members in ascending node id, with the momenta of the nodes. Returns
 /// it with its inertia minus theirs.
 fn assemble(
-    job: &BodyJob,
+    job: &RigidBody,
     curves: &[Vec<[f64; 2]>],
     members: &[&WireMember],
 ) -> (Body, Matrix3<f64>) {

@@ -6,7 +6,7 @@
 //! sections have four points at the radii of gyration: area and second moments are exact, but the
 //! plastic moment of the true section is unknown.
 
-use crumple_proto::job::{Beam, BeamSection};
+use crumple_proto::job::{BeamInput, BeamSection};
 use std::f64::consts::{PI, TAU};
 
 /// Number of points around a ring.
@@ -50,7 +50,7 @@ fn rectangle_torsion(a: f64, b: f64) -> f64 {
 
 impl FibreSection {
     /// Builds the section from the job, whose values have been checked.
-    pub fn new(job: &Beam) -> Self {
+    pub fn new(job: &BeamInput) -> Self {
         let (h, w) = (0.5 * job.height, 0.5 * job.width);
         match job.section {
             BeamSection::Rectangle => Self {
@@ -132,8 +132,8 @@ mod tests {
         assert!((ours / exact - 1.0).abs() < within, "{ours} {exact}");
     }
 
-    fn beam(section: BeamSection) -> Beam {
-        Beam {
+    fn beam(section: BeamSection) -> BeamInput {
+        BeamInput {
             section,
             height: 6.0,
             width: 4.0,
@@ -178,11 +178,12 @@ mod tests {
         {
             close(ours, exact, 1e-14);
         }
-        let truss = Beam { second_moments: [0.0; 2], torsion: 0.0, ..beam(BeamSection::General) };
+        let truss =
+            BeamInput { second_moments: [0.0; 2], torsion: 0.0, ..beam(BeamSection::General) };
         assert_eq!(FibreSection::new(&truss).moments(), [7.0, 0.0, 0.0, 0.0]);
 
         for wall in [1.0, 0.0] {
-            let s = FibreSection::new(&Beam { wall, ..beam(BeamSection::Tube) });
+            let s = FibreSection::new(&BeamInput { wall, ..beam(BeamSection::Tube) });
             let inside: f64 = if wall > 0.0 { 4.0 } else { 0.0 };
             let [a, iy, iz, j] = s.moments();
             close(a, PI * (25.0 - inside.powi(2)), 1e-14);

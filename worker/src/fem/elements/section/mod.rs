@@ -22,9 +22,9 @@ mod step;
 mod tests;
 
 pub use flow::{Flow, SAVED};
-pub use step::Limits;
+pub use step::StepQuantities;
 
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crate::math::lanes::{Each, Real};
 use crate::parameter::Values;
@@ -278,7 +278,7 @@ impl Section {
 
     /// Returns the columns of a history that [`Self::stable_dt`] reads, if these are the first
     /// ones: the thicknesses at several points in the plane and stored offsets are not.
-    pub fn shape_columns(&self, history: State<'_>) -> Option<[f64; POINTS]> {
+    pub fn shape_columns(&self, history: ElementState<'_>) -> Option<[f64; POINTS]> {
         (self.planar == 1 && !self.stores_offsets)
             .then(|| std::array::from_fn(|column| history.at(column)))
     }
@@ -290,7 +290,7 @@ impl Section {
     }
 
     /// Returns true if all columns are zero except those that are set at the start.
-    pub fn is_unstrained(&self, history: State<'_>) -> bool {
+    pub fn is_unstrained(&self, history: ElementState<'_>) -> bool {
         let (each, all, own) = (self.each(), self.point_columns(), self.columns());
         history.is_zero_where(|column| column >= own || column < all && column % each >= SHEAR)
     }
@@ -471,7 +471,7 @@ impl Section {
     }
 
     /// Returns true if all points of one element have failed.
-    pub fn has_failed(&self, history: State<'_>) -> bool {
+    pub fn has_failed(&self, history: ElementState<'_>) -> bool {
         let each = self.each();
         let mark = |p: usize, k: usize, column: usize| {
             history.at(p * each + POINTS + k * self.stride + column)
@@ -495,7 +495,7 @@ impl Section {
 
     /// Returns the fields of one element. Stress and thickness are means over its points in the
     /// plane; `axes` are its e1, e2 and normal.
-    pub fn fields(&self, history: State<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
+    pub fn fields(&self, history: ElementState<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
         let mean = |column: usize| {
             let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
             values.sum::<f64>() / self.planar as f64
