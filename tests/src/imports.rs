@@ -1,6 +1,6 @@
 //! Imports and types of the crates of the workspace, as far as text shows them: `use` declarations
-//! and paths in code that start at a crate, and types that are items of a file. Code and files under
-//! `#[cfg(test)]` are left out.
+//! and paths in code that start at a crate, and types that are items of a file. Code and files
+//! under `#[cfg(test)]` are left out.
 
 use std::collections::BTreeSet;
 use std::fs;

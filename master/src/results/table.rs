@@ -26,7 +26,7 @@ pub(crate) struct CsvTable {
 
 impl CsvTable {
     /// Begins a file with its header.
-    fn begin(path: PathBuf, header: ByteRecord) -> Result<Self, Unwritten> {
+    fn create(path: PathBuf, header: ByteRecord) -> Result<Self, Unwritten> {
         let failed = |error: io::Error| (path.clone(), error);
         let file = File::create(&path).map_err(failed)?;
         let mut writer = csv::Writer::from_writer(file);
@@ -71,7 +71,7 @@ impl CsvTable {
         if let Some(folder) = self.path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let again = Self::begin(self.path.clone(), self.header.clone());
+        let again = Self::create(self.path.clone(), self.header.clone());
         *self = again.map_err(|(_, error)| error)?;
         Ok(Some(self.path.clone()))
     }
@@ -97,7 +97,7 @@ impl Tables<'_> {
         let path = self.dir.join(name);
         let header = header.into_iter().collect();
         let Some(&length) = self.lengths.and_then(|lengths| lengths.get(name)) else {
-            return CsvTable::begin(path, header);
+            return CsvTable::create(path, header);
         };
         let failed = |error: io::Error| (path.clone(), error);
         let mut file = File::options().write(true).open(&path).map_err(failed)?;

@@ -134,7 +134,7 @@ impl Keeper {
             active.extend(self.store.in_state(state).await.map_err(failed)?);
         }
         for stored in &active {
-            if let Err(why) = self.look(stored).await {
+            if let Err(why) = self.update_job(stored).await {
                 tracing::warn!(why, job = stored.job.id, "a run could not be watched");
             }
         }
@@ -226,13 +226,13 @@ impl Keeper {
         }
     }
 
-    /// Looks at a job that has or may have a process.
-    async fn look(self: &Arc<Self>, stored: &StoredJob) -> LoopResult {
+    /// Reads the state of a job that has or may have a process, and stores what has changed.
+    async fn update_job(self: &Arc<Self>, stored: &StoredJob) -> LoopResult {
         let job = &stored.job;
         let (order, handle) = (self.order(stored), stored.handle.clone());
         let seen = {
             let (order, handle) = (order.clone(), handle.clone());
-            self.ask(job, move |launcher| launcher.look(&order, &handle)).await?
+            self.ask(job, move |launcher| launcher.attempt_state(&order, &handle)).await?
         };
         match seen {
             LaunchState::Waiting => self.wait(stored, &order).await?,
@@ -240,7 +240,7 @@ impl Keeper {
                 if self.store.runs(job.id).await.map_err(failed)? {
                     self.announce(job.id).await?;
                 }
-                self.follow(job.id);
+                self.watch_run(job.id);
             }
             LaunchState::Ended(code) => return self.end(stored, code).await,
             LaunchState::Lost => return self.lost(stored, 1).await,
@@ -285,8 +285,8 @@ impl Keeper {
         }
     }
 
-    /// Follows the stream of a run, unless it is followed.
-    fn follow(self: &Arc<Self>, id: i64) {
+    /// Starts to relay the stream of a run, unless that is done already.
+    fn watch_run(self: &Arc<Self>, id: i64) {
         if !self.notes(|notes| notes.followed.insert(id)) {
             return;
         }
@@ -294,7 +294,7 @@ impl Keeper {
         tokio::spawn(async move {
             let folder = keeper.root.job(id);
             // A run without a socket, before its start or on another machine, is tried again.
-            let _ = keeper.live.follow(id, &folder, &keeper.store).await;
+            let _ = keeper.live.relay_stream(id, &folder, &keeper.store).await;
             keeper.notes(|notes| notes.followed.remove(&id));
         });
     }
@@ -400,7 +400,7 @@ impl Keeper {
 
     async fn start(self: &Arc<Self>, stored: &StoredJob) -> LoopResult {
         let id = stored.job.id;
-        if !self.store.begin(id).await.map_err(failed)? {
+        if !self.store.start_attempt(id).await.map_err(failed)? {
             return Ok(()); // it was stopped meanwhile
         }
         let Some(stored) = self.store.job(id).await.map_err(failed)? else { return Ok(()) };
@@ -511,7 +511,7 @@ mod tests {
             Ok(String::new())
         }
 
-        fn look(&self, _: &LaunchOrder, _: &str) -> Result<LaunchState, String> {
+        fn attempt_state(&self, _: &LaunchOrder, _: &str) -> Result<LaunchState, String> {
             Ok(LaunchState::Waiting)
         }
 

@@ -74,11 +74,16 @@ impl Live {
         topics.retain(|job, topic| topic.lines.receiver_count() > 0 || runs(*job));
     }
 
-    /// Follows a run until it ends or cannot be reached.
+    /// Passes the stream of a run on to watchers until it ends or cannot be reached.
     ///
     /// # Errors
     /// The run does not answer.
-    pub async fn follow(&self, job: i64, folder: &JobFolder, store: &Store) -> std::io::Result<()> {
+    pub async fn relay_stream(
+        &self,
+        job: i64,
+        folder: &JobFolder,
+        store: &Store,
+    ) -> std::io::Result<()> {
         let mut stream = connect(folder).await?;
         stream.write_all(Request::Watch.to_line().as_bytes()).await?;
         let mut lines = BufReader::new(stream).lines();

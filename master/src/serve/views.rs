@@ -60,7 +60,7 @@ struct PictureSource {
 }
 
 impl PictureSource {
-    fn of(state: PictureState) -> Self {
+    fn from_state(state: PictureState) -> Self {
         let about = state.pieces.first().and_then(|file| std::fs::metadata(file).ok());
         Self { written: about.and_then(|about| about.modified().ok()), state }
     }
@@ -116,7 +116,7 @@ impl Views {
         let _one = self.one.acquire().await.map_err(|error| error.to_string())?;
         let results = folder.results();
         let make = move || match PictureState::output_at(&results, time) {
-            Some(state) => PictureSource::of(state).picture(&results, None),
+            Some(state) => PictureSource::from_state(state).picture(&results, None),
             None => Ok(None),
         };
         tokio::task::spawn_blocking(make).await.map_err(|error| error.to_string())?
@@ -160,7 +160,8 @@ fn make(
         }
         None => PictureState::output_at(results, f64::INFINITY),
     };
-    let Some(source) = state.map(PictureSource::of).filter(|source| Some(source) != before) else {
+    let Some(source) = state.map(PictureSource::from_state).filter(|source| Some(source) != before)
+    else {
         return Ok(None);
     };
     Ok(source.picture(results, view.as_ref())?.map(|picture| (source, picture)))

@@ -66,7 +66,7 @@ impl Balance {
         Self { initial, ..Self::default() }
     }
 
-    fn look(&mut self, e: &Engine) {
+    fn record(&mut self, e: &Engine) {
         let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
         self.left = self.left.max(energies.balance(self.initial).abs());
         self.work = energies.external;
@@ -92,7 +92,7 @@ fn gravity_makes_all_fall_alike() {
     );
     let mut balance = Balance::default();
     run_alone(&model, |e| {
-        balance.look(e);
+        balance.record(e);
         let t = e.clock.time;
         let place = |i: usize| (e.nodes.x[i][2] + 0.5 * g * t * t).abs();
         worst = (0..e.nodes.local_count).map(place).fold(worst, f64::max);
@@ -117,7 +117,7 @@ fn nodal_loads_and_damping() {
                 nodes = \"all\"\n\
                 force = [0.3, 0.0, 0.0]\nmoment = [0.0, 0.0, 0.0]\ncurve = \"ramp\"\n";
     let mut balance = Balance::default();
-    let end = run_alone(&plate(side, 2, thickness, 0.2, rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 2, thickness, 0.2, rest), |e| balance.record(e));
     let momentum: f64 =
         (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][0]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt; // mid-step
@@ -134,7 +134,7 @@ fn nodal_loads_and_damping() {
 
     let rest = "[time]\ndamping = 5.0\n[[initial_velocity]]\nvelocity = [0.0, 3.0, 0.0]\n";
     let mut balance = Balance::from(0.5 * mass * 9.0);
-    let end = run_alone(&plate(side, 2, thickness, 0.3, rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 2, thickness, 0.3, rest), |e| balance.record(e));
     let t = end.clock.time - 0.5 * end.clock.last_dt;
     let v = end.nodes.v[0][1];
     assert!(
@@ -152,7 +152,7 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let (side, p) = (20.0, 1e-3);
     let mut balance = Balance::default();
     let rest = format!("[[pressure]]\nparts = [1]\npressure = {p:?}\n");
-    let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |e| balance.record(e));
     let momentum: f64 =
         (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][2]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt;
@@ -198,7 +198,7 @@ fn dynamic_relaxation_finds_the_static_answer() {
         -p
     );
     let mut balance = Balance::default();
-    let end = run_alone(&plate(side, 10, thickness, 12.0 / w, &rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 10, thickness, 12.0 / w, &rest), |e| balance.record(e));
     let beam = p * side.powi(4) / (8.0 * E * thickness.powi(3) / 12.0);
     let tips: Vec<f64> = (110..121).map(|i| end.nodes.x[i][2]).collect();
     let tip = tips.iter().sum::<f64>() / 11.0;

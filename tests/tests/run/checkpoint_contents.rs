@@ -44,7 +44,7 @@ struct Known {
 
 impl Known {
     /// Runs a scene on two workers until half of its time.
-    fn of([scene, set]: [&str; 2]) -> Self {
+    fn run_half([scene, set]: [&str; 2]) -> Self {
         let model = read(&root().join(scene), &[set]);
         let at = format!("checkpoint.at=[{:?}]", 0.5 * model.settings.end_time);
         let end = format!("end_time={:?}", 0.51 * model.settings.end_time);
@@ -118,7 +118,7 @@ impl Known {
 /// tenth time: it is slow.
 #[test]
 fn mutated_contents_are_refused_or_are_states() {
-    let known: Vec<Known> = SCENES.map(Known::of).into();
+    let known: Vec<Known> = SCENES.map(Known::run_half).into();
     for known in &known {
         known.check(&known.common, &known.pieces).unwrap();
         known.go_on(&known.common, &known.pieces);

@@ -234,7 +234,8 @@ impl Contact {
         (time, dt): (f64, f64),
         stable: f64,
     ) {
-        let velocities = VectorRange::of(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
+        let velocities =
+            VectorRange::from_vectors(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
         let spread = velocities.diameter();
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.

@@ -219,7 +219,8 @@ impl Quantity {
         [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.wrong())
     }
 
-    /// Returns the error in a name that no run of the job has, if any. `blank` is [`RunResults::blank`].
+    /// Returns the error in a name that no run of the job has, if any. `blank` is
+    /// [`RunResults::blank`].
     /// Lists that are empty there, such as that of parts, may have any entry.
     pub fn unknown(&self, blank: &RunResults) -> Option<String> {
         let open = |path: &str| {

@@ -73,7 +73,7 @@ impl Guard {
     ///
     /// # Errors
     /// The system has no random numbers.
-    pub fn begin(&self, token: String) -> std::io::Result<String> {
+    pub fn open_session(&self, token: String) -> std::io::Result<String> {
         let secret = tokens::secret()?;
         let session = Session { token, until: Instant::now() + SESSION };
         self.sessions(|all| {

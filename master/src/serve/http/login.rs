@@ -35,7 +35,7 @@ pub async fn login(
     if app.keeper.store.token(hash.clone()).await?.is_none() {
         return Err(app.guard.count_wrong(address.ip()));
     }
-    let secret = app.guard.begin(hash)?;
+    let secret = app.guard.open_session(hash)?;
     let secure = if app.guard.settings.is_secure { "; Secure" } else { "" };
     let cookie = format!("{COOKIE}={secret}; Path=/; HttpOnly; SameSite=Strict{secure}");
     Ok((StatusCode::NO_CONTENT, [(SET_COOKIE, cookie)]))

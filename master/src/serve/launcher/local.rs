@@ -54,9 +54,9 @@ impl Launcher for Local {
         Ok(String::new())
     }
 
-    fn look(&self, order: &LaunchOrder, _: &str) -> Result<LaunchState, String> {
+    fn attempt_state(&self, order: &LaunchOrder, _: &str) -> Result<LaunchState, String> {
         let state =
-            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+            attempt::read_state(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
         Ok(match state {
             State::Absent => LaunchState::Waiting,
             State::Running(_) => LaunchState::Running,
@@ -73,7 +73,7 @@ impl Launcher for Local {
     fn stop(&self, order: &LaunchOrder, _: &str) -> Result<(), String> {
         let failed = |error: io::Error| format!("the run cannot be stopped: {error}");
         let path = order.folder.attempt(order.attempt);
-        match attempt::look(&path).map_err(failed)? {
+        match attempt::read_state(&path).map_err(failed)? {
             State::Running(pid) if !attempt::is_stopping(&path).map_err(failed)? => {
                 send(pid, Signal::TERM).map_err(failed)?;
             }

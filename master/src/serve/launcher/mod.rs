@@ -74,7 +74,7 @@ pub trait Launcher: Send + Sync {
     ///
     /// # Errors
     /// It is not known now.
-    fn look(&self, order: &LaunchOrder, handle: &str) -> Result<LaunchState, String>;
+    fn attempt_state(&self, order: &LaunchOrder, handle: &str) -> Result<LaunchState, String>;
 
     /// Asks a run to stop and to keep its state. It may be asked again, also by a later service.
     ///

@@ -54,9 +54,9 @@ impl Launcher for Slurm {
         }
     }
 
-    fn look(&self, order: &LaunchOrder, handle: &str) -> Result<LaunchState, String> {
+    fn attempt_state(&self, order: &LaunchOrder, handle: &str) -> Result<LaunchState, String> {
         let path = order.folder.attempt(order.attempt);
-        let state = || attempt::look(&path).map_err(|error| error.to_string());
+        let state = || attempt::read_state(&path).map_err(|error| error.to_string());
         if let State::Ended(code) = state()? {
             return Ok(LaunchState::Ended(code));
         }
@@ -88,7 +88,7 @@ impl Launcher for Slurm {
             stop_by_socket(order);
             return Ok(());
         }
-        let begun = attempt::look(&path).map_err(|e| e.to_string())?;
+        let begun = attempt::read_state(&path).map_err(|e| e.to_string())?;
         let mut command = Command::new("scancel");
         if matches!(begun, State::Running(_)) {
             // Only to the batch script, which is the supervisor of the run.

@@ -294,7 +294,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn begin(&self, id: i64) -> StoreResult<bool> {
+    pub async fn start_attempt(&self, id: i64) -> StoreResult<bool> {
         self.call(move |db| {
             let sql = "UPDATE job SET state = 'starting', attempt = attempt + 1, handle = '', \
                        started = ?2, ended = NULL, code = NULL, reason = '' \

@@ -4,7 +4,7 @@ use super::super::testing::Noise;
 use super::super::{Element, ElementFields};
 use super::*;
 use crate::fem::columns::HistoryColumns;
-use crate::math::lanes::LANES;
+use crate::math::lanes::{LANES, Lane};
 use crumple_proto::job::Precision;
 use crumple_proto::mesh::OwnSection;
 

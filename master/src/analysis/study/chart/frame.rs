@@ -53,7 +53,7 @@ pub struct ChartFrame {
 }
 
 impl ChartFrame {
-    /// Draws title and grid; [`ChartFrame::close`] draws the axes.
+    /// Draws title and grid; [`ChartFrame::draw_axes`] draws the axes.
     pub fn new(head: &str, x: ChartAxis, y: ChartAxis, grid: bool) -> Self {
         let mut sheet = Sheet::default();
         sheet.text([LEFT, 28.0], head, HEAD, Anchor::Start, BLACK);
@@ -99,7 +99,7 @@ impl ChartFrame {
     }
 
     /// Draws the axes and their titles, and returns the page.
-    pub fn close(mut self, x_title: &str, y_title: &str) -> Sheet {
+    pub fn draw_axes(mut self, x_title: &str, y_title: &str) -> Sheet {
         let sheet = &mut self.sheet;
         sheet.reach(self.below + LINE);
         sheet.line(

@@ -90,7 +90,7 @@ pub fn draw(view: &ChartView<'_>) -> Result<Sheet, String> {
     }
     let x_title = chart.x_title.clone().unwrap_or(key);
     let y_title = chart.y_title.clone().unwrap_or_else(|| view.measure_title(chart.error));
-    Ok(frame.close(&x_title, &y_title))
+    Ok(frame.draw_axes(&x_title, &y_title))
 }
 
 /// Returns the name of the line of a row: its series and its other varied settings. Settings that

@@ -102,7 +102,7 @@ pub fn draw(view: &ChartView<'_>, series: usize) -> Result<Sheet, String> {
     });
     let title =
         |given: &Option<String>, key: &str| given.clone().unwrap_or_else(|| key.to_string());
-    Ok(frame.close(&title(&chart.x_title, &x_key), &title(&chart.y_title, &y_key)))
+    Ok(frame.draw_axes(&title(&chart.x_title, &x_key), &title(&chart.y_title, &y_key)))
 }
 
 /// Sorts cells so that the worst of several at the same position is drawn last, over the others.

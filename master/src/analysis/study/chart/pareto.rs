@@ -74,7 +74,7 @@ pub fn draw(view: &ChartView<'_>) -> Result<Sheet, String> {
         .clone()
         .unwrap_or_else(|| format!("{} [{}]", cost.name, dash(&cost.unit)));
     let y_title = view.chart.y_title.clone().unwrap_or_else(|| view.measure_title(true));
-    Ok(frame.close(&x_title, &y_title))
+    Ok(frame.draw_axes(&x_title, &y_title))
 }
 
 /// Returns the staircase through points. It runs along x first, then along y, because up to the

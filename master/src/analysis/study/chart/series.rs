@@ -55,5 +55,5 @@ pub fn percent_over_doublings(
             sheet.marker(at, number, 5.5, tint);
         });
     }
-    frame.close(titles[0], titles[1]).write(path)
+    frame.draw_axes(titles[0], titles[1]).write(path)
 }
