@@ -2,7 +2,8 @@
 //! workers. Units mm, ms, kg, so kN and GPa.
 
 use crumple::input::job::Model;
-use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 use crumple_worker::math::row::xyz;
 
@@ -13,43 +14,21 @@ const E: f64 = 207.0;
 /// `all` holds its nodes, `edge` those at x = 0, `lower` the first half. `rest` is the rest of
 /// the job.
 fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Model {
-    let (mut nodes, mut shells, mut edge) = (String::new(), String::new(), Vec::new());
-    for i in 0..=n {
-        for j in 0..=n {
-            let id = i * (n + 1) + j + 1;
-            nodes += &format!(
-                "[{id}, {:?}, {:?}, 0.0],\n",
-                side * i as f64 / n as f64,
-                side * j as f64 / n as f64
-            );
-            if i == 0 {
-                edge.push(id);
-            }
-            if i < n && j < n {
-                shells += &format!(
-                    "[{}, 1, {id}, {}, {}, {}],\n",
-                    i * n + j + 1,
-                    id + n + 1,
-                    id + n + 2,
-                    id + 1
-                );
-            }
-        }
-    }
-    let count = (n + 1) * (n + 1);
-    let (all, lower): (Vec<usize>, Vec<usize>) = ((1..=count).collect(), (1..=count / 2).collect());
+    let mut scene = Scene::default();
+    let at = |i: usize| side * i as f64 / n as f64;
+    let grid = scene.lattice(1, [n, n], |i, j| [at(i), at(j), 0.0]);
+    scene.set_named("all", grid.all());
+    scene.set_named("edge", &grid.row(0));
+    scene.set_named("lower", &grid.all()[..grid.all().len() / 2]);
     let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         node_sets = {{ all = {all:?}, edge = {edge:?}, lower = {lower:?} }}\n\
+        "end_time = {end_time:?}\n{}\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
          density = {RHO:?}\n\
          youngs_modulus = {E:?}\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\n\
-         thickness = {thickness:?}\n{rest}"
+         thickness = {thickness:?}\n{rest}",
+        scene.mesh_text()
     );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("plate.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, &[])
+    model_of(&text, &[])
 }
 
 /// The energy balance at whole times, as in history rows.

@@ -3,6 +3,7 @@
 //! compared within that precision of the largest value of a column.
 
 use crumple_tests::program::{Ended, crumple_with, run};
+use crumple_verification::scene::Scene;
 use std::fs;
 
 /// Tolerance for ten digits, with a margin for sums of several numbers.
@@ -195,25 +196,23 @@ fn transducers_have_the_same_digits_on_any_workers() {
 
 /// Returns a strip of ten quads of side 5 along x, thickness 4, parts 1 (the first half) and 2.
 fn strip(more: &str) -> String {
-    let (mut nodes, mut shells) = (String::new(), String::new());
-    for i in 0..=10 {
-        for j in 0..2 {
-            nodes +=
-                &format!("[{}, {:?}, {:?}, 0.0], ", 2 * i + j + 1, 5.0 * i as f64, 5.0 * j as f64);
-        }
-        if i < 10 {
-            let n = 2 * i + 1;
-            shells +=
-                &format!("[{}, {}, {n}, {}, {}, {}], ", i + 1, 1 + i / 5, n + 2, n + 3, n + 1);
-        }
+    let mut scene = Scene::default();
+    let nodes: Vec<[u32; 2]> =
+        (0..=10).map(|i| [0.0, 5.0].map(|y| scene.node([5.0 * i as f64, y, 0.0]))).collect();
+    for (i, ends) in nodes.windows(2).enumerate() {
+        let [[a, b], [c, d]] = [ends[0], ends[1]];
+        scene.shell(1 + i as u32 / 5, &[a, c, d, b]);
+    }
+    for (name, at) in [("held", 0), ("middle", 5), ("tip", 10)] {
+        scene.set_named(name, &nodes[at]);
     }
     format!(
-        "units = \"mm, ms, kg\"\n{more}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         node_sets = {{ held = [1, 2], middle = [11, 12], tip = [21, 22] }}\n\
+        "units = \"mm, ms, kg\"\n{more}\n{}\
          [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
          youngs_modulus = 207.0\npoisson = 0.3\n\
          [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 4.0\n[[part]]\nid = 2\n\
-         material = \"steel\"\nthickness = 4.0\n"
+         material = \"steel\"\nthickness = 4.0\n",
+        scene.mesh_text()
     )
 }
 
