@@ -62,15 +62,36 @@ impl HistoryFiles {
         let of_parts = asked.parts.then(|| {
             let scalars =
                 [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)];
-            open(NAMES[0], FileColumns(&["part", "name"], &scalars, &[("momentum", momentum)]))
+            open(
+                NAMES[0],
+                FileColumns {
+                    words: &["part", "name"],
+                    scalars: &scalars,
+                    vectors: &[("momentum", momentum)],
+                },
+            )
         });
         let of_walls = (model.job.output.walls && !settings.walls.is_empty()).then(|| {
             let vectors = [("impulse", momentum), ("mean force", force), ("displacement", length)];
-            open(NAMES[1], FileColumns(&["wall"], &[], &vectors))
+            open(
+                NAMES[1],
+                FileColumns { words: &["wall"], vectors: &vectors, ..FileColumns::default() },
+            )
         });
         let of_contacts = asked.contacts.then(|| {
-            let parts = open(NAMES[2], FileColumns(&["part", "name"], &[], &[("force", force)]))?;
-            let pairs = FileColumns(&["on part", "from part"], &[], &[("force", force)]);
+            let parts = open(
+                NAMES[2],
+                FileColumns {
+                    words: &["part", "name"],
+                    vectors: &[("force", force)],
+                    ..FileColumns::default()
+                },
+            )?;
+            let pairs = FileColumns {
+                words: &["on part", "from part"],
+                vectors: &[("force", force)],
+                ..FileColumns::default()
+            };
             Ok::<_, Unwritten>((parts, open(NAMES[3], pairs)?))
         });
         let of_nodes = (!asked.nodes.is_empty()).then(|| {
@@ -80,14 +101,28 @@ impl HistoryFiles {
                 ("acceleration", &u.acceleration),
             ];
             let place = ["x", "y", "z"].map(|axis| (axis, length));
-            open(NAMES[4], FileColumns(&["nodes", "id"], &place, &vectors))
+            open(
+                NAMES[4],
+                FileColumns { words: &["nodes", "id"], scalars: &place, vectors: &vectors },
+            )
         });
         let of_sections = (!asked.sections.is_empty()).then(|| {
             let vectors = [("force", force), ("moment", &u.moment), ("middle", length)];
-            open(NAMES[5], FileColumns(&["section"], &[], &vectors))
+            open(
+                NAMES[5],
+                FileColumns { words: &["section"], vectors: &vectors, ..FileColumns::default() },
+            )
         });
-        let of_transducers = (!asked.transducers.is_empty())
-            .then(|| open(NAMES[6], FileColumns(&["transducer"], &[], &[("force", force)])));
+        let of_transducers = (!asked.transducers.is_empty()).then(|| {
+            open(
+                NAMES[6],
+                FileColumns {
+                    words: &["transducer"],
+                    vectors: &[("force", force)],
+                    ..FileColumns::default()
+                },
+            )
+        });
         let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
         let touching = (0..settings.parts.len() as u32)
             .filter(|&i| touches(settings.parts[i as usize].id))
@@ -224,12 +259,17 @@ fn remove_old_files(tables: Tables<'_>) -> Result<(), Unwritten> {
     Ok(())
 }
 
-/// Columns of a file after the time: words, scalars and vectors, these with their units.
-struct FileColumns<'c>(&'c [&'c str], &'c [(&'c str, &'c str)], &'c [(&'c str, &'c str)]);
+/// Columns of a file after the time. Scalars and vectors are names with units.
+#[derive(Default)]
+struct FileColumns<'c> {
+    words: &'c [&'c str],
+    scalars: &'c [(&'c str, &'c str)],
+    vectors: &'c [(&'c str, &'c str)],
+}
 
 impl FileColumns<'_> {
     fn header(self, time: &str) -> Vec<String> {
-        let Self(words, scalars, vectors) = self;
+        let Self { words, scalars, vectors } = self;
         let mut header = vec![format!("time [{time}]")];
         header.extend(words.iter().map(|name| name.to_string()));
         header.extend(scalars.iter().map(|(name, unit)| format!("{name} [{unit}]")));

@@ -38,7 +38,7 @@ use self::section::FibreSection;
 use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
-    energy_places, failed_column,
+    energy_places, law_column,
 };
 use crate::fem::columns::ElementState;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
@@ -144,11 +144,8 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResul
         shear_areas: [beam.shear_areas[1], beam.shear_areas[0]],
         section,
         stride: STRESS + history.len(),
-        plastic_strain: history
-            .iter()
-            .position(|&name| name == "plastic_strain")
-            .map(|column| STRESS + column),
-        failed: failed_column(history).map(|column| STRESS + column),
+        plastic_strain: law_column(history, "plastic_strain", STRESS),
+        failed: law_column(history, "failed", STRESS),
         law,
     }))
 }

@@ -40,7 +40,7 @@ use self::hourglass::{Hourglass, HourglassStep, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, HexahedronModes, gather, modes_of_corners, scatter};
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupCorners,
-    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, failed_column, zero_failed,
+    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, law_column, zero_failed,
 };
 use crate::fem::columns::ElementState;
 use crate::fem::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
@@ -137,11 +137,8 @@ fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
         },
         bulk_viscosity: values.numbers("bulk_viscosity"),
         state: STRESS + history.len(),
-        plastic_strain: history
-            .iter()
-            .position(|&name| name == "plastic_strain")
-            .map(|column| STRESS + column),
-        failed: failed_column(history).map(|column| STRESS + column),
+        plastic_strain: law_column(history, "plastic_strain", STRESS),
+        failed: law_column(history, "failed", STRESS),
         law,
     }))
 }

@@ -292,11 +292,8 @@ fn every_lane_is_what_it_would_be_alone() {
                 hourglass: Hourglass { form, coefficient: 0.05 },
                 bulk_viscosity: [0.06, 1.5],
                 state: STRESS + history.len(),
-                plastic_strain: history
-                    .iter()
-                    .position(|&name| name == "plastic_strain")
-                    .map(|column| STRESS + column),
-                failed: failed_column(history).map(|column| STRESS + column),
+                plastic_strain: law_column(history, "plastic_strain", STRESS),
+                failed: law_column(history, "failed", STRESS),
                 law,
             };
             let columns = element.columns();

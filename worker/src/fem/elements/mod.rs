@@ -384,9 +384,10 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     })
 }
 
-/// Returns the column, among the history columns of a law, in which it marks failed points, if any.
-fn failed_column(history: &[&str]) -> Option<usize> {
-    history.iter().position(|&name| name == "failed")
+/// Returns the column of a point that has this history column of its law, if the law has it. The
+/// columns of the law begin at `first`.
+fn law_column(history: &[&str], name: &str, first: usize) -> Option<usize> {
+    history.iter().position(|&column| column == name).map(|column| first + column)
 }
 
 /// Sets the lanes that have failed to zero.

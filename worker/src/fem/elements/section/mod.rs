@@ -32,7 +32,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
-use super::{ElementFields, failed_column, parameters, zero_failed};
+use super::{ElementFields, law_column, parameters, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -171,12 +171,9 @@ impl Section {
             stride: 3 + history.len(),
             thinning: values.flag("thinning"),
             deletes: parameters::deletes_inverted(values),
-            plastic_strain: history
-                .iter()
-                .position(|&name| name == "plastic_strain")
-                .map(|column| 3 + column),
+            plastic_strain: law_column(history, "plastic_strain", 3),
             initial_yield_stress: law.initial_yield_stress(),
-            failed: failed_column(history).map(|column| 3 + column),
+            failed: law_column(history, "failed", 3),
             law,
         })
     }
