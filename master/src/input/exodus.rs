@@ -269,13 +269,19 @@ impl ExodusReader<'_> {
         for e in bad.iter().take(MOST) {
             let row = &corners[e * width..(e + 1) * width];
             self.error(
-                format!("{shown}, element {} of it: nodes {row:?} are not all there", e + 1),
+                format!(
+                    "{shown}: its element {} has the nodes {row:?}, and not all of them exist",
+                    e + 1
+                ),
                 &format!("the file has nodes 1 to {nodes}"),
             );
         }
         if bad.len() > MOST {
             let more = bad.len() - MOST;
-            self.error(format!("{shown}: {more} other elements have such nodes"), "correct them");
+            self.error(
+                format!("{shown}: {more} more elements have nodes that do not exist"),
+                "correct them",
+            );
         }
         let rows = corners.chunks_exact(width).map(|row| row.iter().map(|&n| n as usize - 1));
         let corners = if bad.is_empty() { rows.map(Iterator::collect).collect() } else { vec![] };

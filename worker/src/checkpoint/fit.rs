@@ -64,7 +64,8 @@ pub fn verify(
 /// # Errors
 /// They are none, or that of another time: the reason.
 pub fn read_common(words: &[u64], captured: &Captured) -> Result<CommonState, String> {
-    let common: CommonState = wire::decode(words).ok_or("it is no common state")?;
+    let common: CommonState =
+        wire::decode(words).ok_or("it is not the state that all workers share")?;
     common.clock.fit(captured)?;
     Ok(common)
 }
@@ -179,7 +180,7 @@ impl<'a> Fit<'a> {
             return Err(format!("the job has no node {}", n.id));
         };
         if n.x0.map(f64::to_bits) != known.x0.map(f64::to_bits) {
-            return Err(format!("node {} has another place at time 0", n.id));
+            return Err(format!("node {} has another position at time 0", n.id));
         }
         let all = [n.x, n.seen, n.v, n.w];
         let is_finite = all.as_flattened().iter().all(|a| a.is_finite());

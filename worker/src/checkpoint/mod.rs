@@ -38,7 +38,7 @@ impl CheckpointPiece {
     /// # Errors
     /// They are no state: the reason.
     pub fn new(words: &[u64]) -> Result<Self, String> {
-        let other = || "it is no state of a worker".to_string();
+        let other = || "it is not the state of a worker".to_string();
         let (parcel, state) = words
             .split_first()
             .and_then(|(&count, rest)| rest.split_at_checked(usize::try_from(count).ok()?))
@@ -89,7 +89,7 @@ pub fn read_state(
         format!("{}: {why}", folder.join(&record.name).display())
     };
     let words = read(folder, common)?;
-    let other = || named(common, "it is no common state".into());
+    let other = || named(common, "it is not the state that all workers share".into());
     let read_common: CommonState = wire::decode(&words).ok_or_else(other)?;
     read_common.fit(settings).map_err(|why| named(common, why))?;
     let mut state = ReadState {

@@ -86,7 +86,12 @@ impl CheckpointWriter {
         (self.at, self.progress) = ([task.cycle, task.repeat], task.progress.clone());
         match Builder::new().name("checkpoint".into()).spawn(|| task.run()) {
             Ok(thread) => self.thread = Some(thread),
-            Err(error) => return Some(failed(self.at, format!("no thread starts: {error}"))),
+            Err(error) => {
+                return Some(failed(
+                    self.at,
+                    format!("the thread that writes cannot be started: {error}"),
+                ));
+            }
         }
         None
     }

@@ -38,7 +38,7 @@ impl ConstraintState {
         }
         let is_other = |(wall, job): (&WallState, &ResolvedWall)| !wall.fits(job);
         if let Some(wall) = self.walls.iter().zip(&settings.walls).position(is_other) {
-            return Err(format!("rigid wall {wall} is another one in the job"));
+            return Err(format!("rigid wall {wall} differs from that of the job"));
         }
         self.bodies.fit(&settings.rigid)?;
         self.ties.fit(&settings.ties)

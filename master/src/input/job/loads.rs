@@ -282,7 +282,7 @@ pub fn motion_form(
         let help = "give exactly one of velocity, displacement, acceleration and spin";
         findings.add(Problem::error(
             path,
-            "a motion has no velocity, displacement, acceleration or spin, or several of them",
+            "a motion has none or several of velocity, displacement, acceleration and spin",
             help,
         ));
         return None;
@@ -322,7 +322,7 @@ fn motion(
     let form = motion_form(m, i, curves, findings);
     let Some(name) = &m.nodes else {
         let help = "name a node set as `nodes`, or a `rigid` body";
-        findings.add(Problem::error(&path, "a motion moves nothing", help));
+        findings.add(Problem::error(&path, "a motion names neither nodes nor a rigid body", help));
         return None;
     };
     let nodes = sets.indices(name, format!("{path}.nodes"), findings)?;

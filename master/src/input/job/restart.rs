@@ -33,7 +33,7 @@ pub fn add(job: &mut Job, findings: &mut JobProblems) {
     }
     for (i, velocity) in restart.velocity.iter().enumerate() {
         if velocity.parts.is_empty() {
-            let message = "a velocity for no part".to_string();
+            let message = "a new velocity names no parts".to_string();
             refuse(format!("restart.velocity.{i}.parts"), message, "give the ids of parts");
         }
     }

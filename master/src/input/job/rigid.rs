@@ -128,7 +128,11 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) {
         if !(xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle) {
             let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix in which no \
                         moment exceeds the sum of the other two";
-            findings.add(Problem::error(path("inertia"), "no body has this inertia", help));
+            findings.add(Problem::error(
+                path("inertia"),
+                "no distribution of mass has this inertia",
+                help,
+            ));
         }
     }
 }
@@ -236,7 +240,7 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
             let help = "remove `centre`: a rigid body rotates about its own centre";
             findings.add(Problem::error(
                 format!("{path}.centre"),
-                "a rigid body cannot rotate about a given point",
+                "the motion of a rigid body has a `centre`",
                 help,
             ));
         }

@@ -232,8 +232,8 @@ fn to_node(
     if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset {
         wrong(
             "node",
-            "a tie to a node has no surface and no offset".into(),
-            "remove `parts`, `faces` and `offset`",
+            "a tie with a `node` also has `parts`, `faces` or `offset`".into(),
+            "remove them: a tie to a node has no surface",
         );
     }
     if !mesh.nodes.iter().any(|n| n.id == carrier) {

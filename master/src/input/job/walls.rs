@@ -98,11 +98,11 @@ fn shape_faults(wall: &WallInput, say: AddFault<'_>) {
         "the radius of a wall is not above 0",
         radius,
     );
-    let length = "it has to be 0 (infinite) or above, and only a cylinder has one";
+    let length = "give a cylinder a length of 0 (infinite) or above; remove it from other walls";
     say(
         wall.length < 0.0 || wall.length > 0.0 && !round,
         "length",
-        "a wall cannot have this length",
+        "the length of a wall is below 0, or the wall is no cylinder",
         length,
     );
 }

@@ -101,7 +101,7 @@ impl Bodies {
             return Err(format!("rigid body {body} has other nodes in the job"));
         }
         match self.bodies.iter().zip(jobs).position(|(body, job)| !body.fits(job)) {
-            Some(body) => Err(format!("rigid body {body} is another one in the job")),
+            Some(body) => Err(format!("rigid body {body} differs from that of the job")),
             None => Ok(()),
         }
     }

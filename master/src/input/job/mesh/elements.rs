@@ -72,7 +72,7 @@ pub(super) fn check(
         few.findings.add(Problem::warning(
             read.element_path(index),
             message,
-            "results there are poor: remesh these quads",
+            "remesh these quads: results are poor there",
         ));
     }
 }
