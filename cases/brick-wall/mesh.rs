@@ -6,7 +6,7 @@
 //! elements; rod (5 x 6 x 33) and wall (30 x 22 x 10) have the other 7590. Lengths are not
 //! published: bricks of 200 x 100 x 100 mm.
 
-use crate::builder::{Builder, Grid};
+use crate::builder::{BlockNodes, Builder};
 use crate::{Generator, Options};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
@@ -44,7 +44,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let half_cells = more(CELLS[0] / 2);
     let [across, up] = [more(CELLS[1]), more(CELLS[2])];
     let mut mesh = Builder::default();
-    let mut body = |part: u32, cells: [usize; 3], from: [f64; 3], size: [f64; 3]| -> Grid {
+    let mut body = |part: u32, cells: [usize; 3], from: [f64; 3], size: [f64; 3]| -> BlockNodes {
         mesh.block(part, cells, |ijk| {
             [0, 1, 2].map(|c| from[c] + size[c] * ijk[c] as f64 / cells[c] as f64)
         })
@@ -74,7 +74,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
         [-rod_size[0] - 1.0, 0.5 * (width - rod_size[1]) + 10.0, 0.5 * (tall - rod_size[2]) + 7.0];
     let rod = body(1, [more(33), more(5), more(6)], rod_from, rod_size);
     mesh.set("rod", rod.all());
-    mesh.set("bricks", bricks.iter().flat_map(Grid::all));
+    mesh.set("bricks", bricks.iter().flat_map(BlockNodes::all));
     mesh.set("wall", wall.all());
     mesh.set("back", wall.face(0, true));
     Ok(mesh.finish(depth / CELLS[1] as f64 / fine))

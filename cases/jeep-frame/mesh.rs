@@ -87,7 +87,7 @@ const RAIL_REAR: u32 = 3;
 const FIRST_MEMBER: u32 = 4;
 
 /// A cross member: its end ring as a rectangle of the rail wall, in quads at `refine = 1`.
-struct Member {
+struct FrameMember {
     /// First station of the ring.
     first: usize,
     /// Quads along the rail.
@@ -163,7 +163,7 @@ impl Path {
 }
 
 /// The checked options, converted to the quantities that define the mesh.
-struct Plan {
+struct FramePlan {
     refine: usize,
     /// Pieces of a side in the horns and the front beam, in addition to `refine`.
     horns: usize,
@@ -172,7 +172,7 @@ struct Plan {
     path: Path,
     width: f64,
     gap: f64,
-    members: [Member; 5],
+    members: [FrameMember; 5],
     /// Stations at `refine = 1` where part rail-front ends and part rail-rear starts.
     parts: [usize; 2],
     /// Quads across of the engine patch, and along of the rear patch, at `refine = 1`.
@@ -180,7 +180,7 @@ struct Plan {
     rear: usize,
 }
 
-impl Plan {
+impl FramePlan {
     fn new(options: &Options) -> Result<Self, Vec<Problem>> {
         let mut wrong = Vec::new();
         let refine = options.count("refine", 1..=27, &mut wrong);
@@ -227,10 +227,10 @@ impl Plan {
             (1..ALONG_RAIL).min_by(|&a, &b| (coarse[a] - x).abs().total_cmp(&(coarse[b] - x).abs()))
         };
         let station = |x: f64| station(x).unwrap_or(1);
-        let small = |x: f64, low| Member { first: station(x) - 1, along: 2, low, deep: 2 };
+        let small = |x: f64, low| FrameMember { first: station(x) - 1, along: 2, low, deep: 2 };
         let members = [
             small(beam, 2),
-            Member { first: station(horn), along: 4, low: 0, deep: WALL },
+            FrameMember { first: station(horn), along: 4, low: 0, deep: WALL },
             small(middles[0], 1),
             small(middles[1], 1),
             small(middles[2], 3),
@@ -298,7 +298,7 @@ fn check_curves(curves: &[(f64, f64, f64); 3], depth: f64, wrong: &mut Vec<Probl
 }
 
 /// Reports cross members that touch each other.
-fn check_members(members: &[Member; 5], wrong: &mut Vec<Problem>) {
+fn check_members(members: &[FrameMember; 5], wrong: &mut Vec<Problem>) {
     let keys =
         ["front_beam_at", "horn_length", "gearbox_member_at", "middle_member_at", "rear_member_at"];
     for (pair, key) in members.windows(2).zip(&keys[1..]) {
@@ -314,7 +314,7 @@ fn check_members(members: &[Member; 5], wrong: &mut Vec<Problem>) {
 
 /// Builds the frame.
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
-    let plan = Plan::new(options)?;
+    let plan = FramePlan::new(options)?;
     let mut mesh = Builder::default();
     let rails = [1.0, -1.0].map(|side| add_rail(&mut mesh, &plan, side));
     for (member, part) in plan.members.iter().zip(FIRST_MEMBER..) {
@@ -336,7 +336,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
 /// Adds the rail on one side (y > 0 for 1.0, y < 0 for -1.0) and returns its rings of nodes from
 /// front to rear. A ring starts at the bottom of the inner wall, so its node `j` is row `j` of that
 /// wall.
-fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
+fn add_rail(mesh: &mut Builder, plan: &FramePlan, side: f64) -> Vec<Vec<usize>> {
     // The section: distance from the inner wall outwards and height above the bottom, as fractions.
     let section = |pieces: usize| {
         let (wall, flange) = (WALL * pieces, FLANGE * pieces);
@@ -380,9 +380,9 @@ fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
 /// Adds a cross member between the rails; its end rings are nodes of their inner walls.
 fn add_member(
     mesh: &mut Builder,
-    plan: &Plan,
+    plan: &FramePlan,
     rails: &[Vec<Vec<usize>>; 2],
-    member: &Member,
+    member: &FrameMember,
     part: u32,
 ) {
     let r = plan.pieces(member.first);

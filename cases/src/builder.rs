@@ -67,10 +67,10 @@ impl Builder {
         part: u32,
         count: [usize; 3],
         place: impl Fn([usize; 3]) -> [f64; 3],
-    ) -> Grid {
+    ) -> BlockNodes {
         let [a, b, c] = count.map(|n| n + 1);
         let all = (0..a * b * c).map(|n| self.point(place([n / (b * c), n / c % b, n % c])));
-        let grid = Grid { nodes: all.collect(), count };
+        let grid = BlockNodes { nodes: all.collect(), count };
         for n in 0..count.iter().product::<usize>() {
             let [i, j, k] = [n / (count[1] * count[2]), n / count[2] % count[1], n % count[2]];
             let ring = |k| {
@@ -166,12 +166,12 @@ impl Builder {
 }
 
 /// The nodes of a [`Builder::block`].
-pub struct Grid {
+pub struct BlockNodes {
     nodes: Vec<usize>,
     count: [usize; 3],
 }
 
-impl Grid {
+impl BlockNodes {
     /// Node (i, j, k).
     pub fn node(&self, [i, j, k]: [usize; 3]) -> usize {
         self.nodes[(i * (self.count[1] + 1) + j) * (self.count[2] + 1) + k]

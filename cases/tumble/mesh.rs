@@ -24,16 +24,16 @@ const SIDE: f64 = 9.0;
 const ACROSS: usize = 4;
 const ALONG: usize = 12;
 
-enum Shape {
+enum BodyShape {
     /// Box tube along the local z axis, open at both ends.
     Tube,
     /// Square plate perpendicular to the local z axis.
     Plate,
 }
 
-struct Body {
+struct TumblingBody {
     name: &'static str,
-    shape: Shape,
+    shape: BodyShape,
     /// Rotation from the local axes: quaternion of any length.
     turn: [f64; 4],
     /// Centre [mm].
@@ -41,46 +41,46 @@ struct Body {
 }
 
 /// The bodies; part ids count from 1 in this order.
-const BODIES: [Body; 7] = [
-    Body {
+const BODIES: [TumblingBody; 7] = [
+    TumblingBody {
         name: "tube_1",
-        shape: Shape::Tube,
+        shape: BodyShape::Tube,
         turn: [7.0, 1.0, 2.0, 0.0],
         centre: [0.0, 0.0, 0.0],
     },
-    Body {
+    TumblingBody {
         name: "tube_2",
-        shape: Shape::Tube,
+        shape: BodyShape::Tube,
         turn: [5.0, 4.0, -1.0, 2.0],
         centre: [68.0, 6.0, 4.0],
     },
-    Body {
+    TumblingBody {
         name: "tube_3",
-        shape: Shape::Tube,
+        shape: BodyShape::Tube,
         turn: [6.0, -2.0, 5.0, 1.0],
         centre: [-86.0, -8.0, 12.0],
     },
-    Body {
+    TumblingBody {
         name: "tube_4",
-        shape: Shape::Tube,
+        shape: BodyShape::Tube,
         turn: [6.0, 1.0, -4.0, 3.0],
         centre: [6.0, 80.0, -10.0],
     },
-    Body {
+    TumblingBody {
         name: "plate_1",
-        shape: Shape::Plate,
+        shape: BodyShape::Plate,
         turn: [5.0, 5.0, 1.0, -1.0],
         centre: [-6.0, -58.0, 8.0],
     },
-    Body {
+    TumblingBody {
         name: "plate_2",
-        shape: Shape::Plate,
+        shape: BodyShape::Plate,
         turn: [9.0, 1.0, 2.0, 3.0],
         centre: [8.0, 4.0, 92.0],
     },
-    Body {
+    TumblingBody {
         name: "plate_3",
-        shape: Shape::Plate,
+        shape: BodyShape::Plate,
         turn: [9.0, -2.0, 1.0, 1.0],
         centre: [-8.0, 8.0, -90.0],
     },
@@ -97,8 +97,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut mesh = Builder::default();
     for (body, part) in BODIES.iter().zip(1..) {
         let section = match body.shape {
-            Shape::Tube => square(ACROSS * refine),
-            Shape::Plate => (0..=ALONG * refine)
+            BodyShape::Tube => square(ACROSS * refine),
+            BodyShape::Plate => (0..=ALONG * refine)
                 .map(|i| [i as f64 - 0.5 * (ALONG * refine) as f64, 0.0])
                 .collect(),
         };
@@ -109,8 +109,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
             let along = k as f64 - 0.5 * (ALONG * refine) as f64;
             let place = |&[a, b]: &[f64; 2]| {
                 let own = match body.shape {
-                    Shape::Tube => [a, b, along],
-                    Shape::Plate => [a, along, b],
+                    BodyShape::Tube => [a, b, along],
+                    BodyShape::Plate => [a, along, b],
                 };
                 let x =
                     turn.map(|row| side * (row[0] * own[0] + row[1] * own[1] + row[2] * own[2]));
@@ -118,7 +118,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
             };
             rows.push(section.iter().map(|s| mesh.point(place(s))).collect());
         }
-        let closed = matches!(body.shape, Shape::Tube);
+        let closed = matches!(body.shape, BodyShape::Tube);
         for pair in rows.windows(2) {
             mesh.strip(part, &pair[0], &pair[1], closed);
         }

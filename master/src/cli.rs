@@ -241,7 +241,7 @@ pub struct AttachArgs {
     pub dir: PathBuf,
     /// The order.
     #[command(flatten)]
-    pub order: Order,
+    pub order: AttachOrder,
     /// Print the answers of the run as they are, one line of JSON each.
     #[arg(long)]
     pub json: bool,
@@ -250,7 +250,7 @@ pub struct AttachArgs {
 /// Order of `crumple attach`.
 #[derive(Args, Clone, Debug, Default)]
 #[group(multiple = false)]
-pub struct Order {
+pub struct AttachOrder {
     /// Print the state of the run and of its workers.
     #[arg(long)]
     pub status: bool,

@@ -125,7 +125,7 @@ impl ExactSum {
 /// Sign, number of the lowest digit, digits from there to the highest one that is not zero, number
 /// of terms that are not finite.
 #[derive(Serialize, Deserialize)]
-struct Packed(bool, u8, Vec<u32>, u64);
+struct PackedSum(bool, u8, Vec<u32>, u64);
 
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -133,13 +133,13 @@ impl Serialize for ExactSum {
         let first = digits.iter().position(|&d| d != 0).unwrap_or(0);
         let end = digits.iter().rposition(|&d| d != 0).map_or(0, |last| last + 1);
         let shown = digits[first..end.max(first)].iter().map(|&d| d as u32).collect();
-        Packed(negative, first as u8, shown, self.words[DIGITS] as u64).serialize(serializer)
+        PackedSum(negative, first as u8, shown, self.words[DIGITS] as u64).serialize(serializer)
     }
 }
 
 impl<'a> Deserialize<'a> for ExactSum {
     fn deserialize<D: Deserializer<'a>>(deserializer: D) -> Result<Self, D::Error> {
-        let Packed(negative, first, digits, others) = Packed::deserialize(deserializer)?;
+        let PackedSum(negative, first, digits, others) = PackedSum::deserialize(deserializer)?;
         let mut sum = Self::ZERO;
         let place = usize::from(first)..usize::from(first) + digits.len();
         let words = sum.words[..DIGITS].get_mut(place);

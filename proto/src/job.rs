@@ -12,17 +12,17 @@ mod spring;
 mod tie;
 mod wall;
 
-pub use beam::{Beam, BeamSection, Weld};
+pub use beam::{BeamInput, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
-pub use contact::{Contact, Interface};
-pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
+pub use contact::{ContactInput, Interface};
+pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
 pub use setting::Setting;
-pub use spring::Spring;
-pub use tie::Tie;
-pub use wall::Wall;
+pub use spring::SpringInput;
+pub use tie::TieInput;
+pub use wall::WallInput;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ pub struct Job {
     pub mass: Vec<LumpedMass>,
     /// Rigid walls.
     #[serde(default)]
-    pub wall: Vec<Wall>,
+    pub wall: Vec<WallInput>,
     /// Initial velocities; a later entry overrides an earlier one.
     #[serde(default)]
     pub initial_velocity: Vec<InitialVelocity>,
@@ -88,30 +88,30 @@ pub struct Job {
     pub symmetry: Vec<Symmetry>,
     /// Factors as functions of time, for loads and motions.
     #[serde(default)]
-    pub curve: Vec<Curve>,
+    pub curve: Vec<CurveInput>,
     /// Gravity and other body forces; all entries are added.
     #[serde(default)]
-    pub gravity: Vec<Gravity>,
+    pub gravity: Vec<GravityInput>,
     /// Forces on node sets; all entries are added.
     #[serde(default)]
-    pub load: Vec<Load>,
+    pub load: Vec<LoadInput>,
     /// Pressures on faces; all entries are added.
     #[serde(default)]
-    pub pressure: Vec<Pressure>,
+    pub pressure: Vec<PressureInput>,
     /// Rigid bodies.
     #[serde(default)]
     pub rigid: Vec<Rigid>,
     /// Nodes tied to surfaces.
     #[serde(default)]
-    pub tie: Vec<Tie>,
+    pub tie: Vec<TieInput>,
     /// Prescribed motions of node sets and rigid bodies.
     #[serde(default)]
-    pub motion: Vec<Motion>,
+    pub motion: Vec<MotionInput>,
     /// Contact. Without this table there is no contact, only rigid walls. It may be written as a
     /// list `[[contact]]`: the first entry is this table, each further entry is a
     /// `[[contact.interface]]`.
     #[serde(default)]
-    pub contact: Option<Contact>,
+    pub contact: Option<ContactInput>,
 }
 
 impl Job {
@@ -321,10 +321,10 @@ pub struct Part {
     pub material: String,
     /// Makes this a part of springs and dampers.
     #[serde(default)]
-    pub spring: Option<Spring>,
+    pub spring: Option<SpringInput>,
     /// Makes this a part of beams.
     #[serde(default)]
-    pub beam: Option<Beam>,
+    pub beam: Option<BeamInput>,
     /// Shell thickness [length]. A part of solids has none.
     #[serde(default)]
     pub thickness: f64,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// All external loads and motions of the model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Loads {
+pub struct ResolvedLoads {
     /// Points `[time, factor]` of each curve, times ascending [time, 1].
     pub curves: Vec<Vec<[f64; 2]>>,
     /// Body loads.
@@ -15,7 +15,7 @@ pub struct Loads {
     /// Pressures.
     pub pressures: Vec<Pressure>,
     /// Prescribed motions; no two have a degree of freedom in common.
-    pub motions: Vec<Motion>,
+    pub motions: Vec<PrescribedMotion>,
     /// Mass-proportional damping [1/time], 0 for none.
     pub damping: f64,
 }
@@ -63,7 +63,7 @@ impl Pressure {
 
 /// Prescribed motion. The records of its nodes have its degrees of freedom as constrained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct PrescribedMotion {
     /// Nodes, ascending.
     pub nodes: Vec<NodeId>,
     /// Prescribed degrees of freedom: bits 0..6 are x, y, z, rx, ry, rz.
@@ -92,7 +92,7 @@ pub enum MotionForm {
     },
 }
 
-impl Loads {
+impl ResolvedLoads {
     /// Returns true if there is any load or prescribed motion.
     pub fn act(&self) -> bool {
         !(self.gravity.is_empty()

@@ -3,13 +3,13 @@
 
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
-use crate::job::{Compression, Contact, Part, Precision};
-use crate::loads::Loads;
+use crate::job::{Compression, ContactInput, Part, Precision};
+use crate::loads::ResolvedLoads;
 use crate::mesh::{CornerNodes, OwnSection, Shape};
 use crate::rigid::RigidBody;
 use crate::steering::{Change, OutputTimes, Planned, Steered};
 use crate::tie::Tie;
-use crate::wall::Wall;
+use crate::wall::ResolvedWall;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -53,9 +53,9 @@ pub struct Settings {
     /// Floating-point precision of shell and solid kernels.
     pub precision: Precision,
     /// Rigid walls.
-    pub walls: Vec<Wall>,
+    pub walls: Vec<ResolvedWall>,
     /// Loads and prescribed motions.
-    pub loads: Loads,
+    pub loads: ResolvedLoads,
     /// Rigid bodies; no two have a node in common.
     pub rigid: Vec<RigidBody>,
     /// Tied nodes, ascending.
@@ -67,7 +67,7 @@ pub struct Settings {
     pub subcycles: u64,
     /// Contact, if the model has any; default values of omitted lengths are filled in.
     #[serde(with = "contact_text")]
-    pub contact: Option<Contact>,
+    pub contact: Option<ContactInput>,
     /// True if nodes can rotate, because there are shells, beams or rigid bodies. Otherwise no
     /// rotational columns are stored, migrated or sent.
     pub rotations: bool,
@@ -95,17 +95,22 @@ pub struct CheckpointSettings {
 /// Contact in messages is text, because the keys of contact laws are not fixed, and a message has
 /// no names of fields. Text keeps all digits of a number.
 mod contact_text {
-    use super::Contact;
+    use super::ContactInput;
     use serde::de::Error as _;
     use serde::ser::Error as _;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    pub fn serialize<S: Serializer>(contact: &Option<Contact>, to: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        contact: &Option<ContactInput>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
         let text = contact.as_ref().map(toml::to_string).transpose();
         text.map_err(S::Error::custom)?.serialize(to)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Contact>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<ContactInput>, D::Error> {
         let text = Option::<String>::deserialize(from)?;
         text.map(|text| toml::from_str(&text)).transpose().map_err(D::Error::custom)
     }

@@ -5,7 +5,7 @@ use crate::ids::{ElemId, NodeId};
 use crate::mesh::{Mesh, MeshElement, Shape};
 use std::collections::HashMap;
 
-type V3 = [f64; 3];
+type Coordinates = [f64; 3];
 
 /// Extreme value and the element in which it occurs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +55,7 @@ struct Figures {
 
 /// Measures all elements; returns `None` if no element has all its nodes in the mesh.
 pub fn quality(mesh: &Mesh) -> Option<Quality> {
-    let at: HashMap<NodeId, V3> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let at: HashMap<NodeId, Coordinates> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let mut order: Vec<&MeshElement> = mesh.elements.iter().collect();
     order.sort_by_key(|e| e.id);
 
@@ -63,7 +63,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
     let mut sides = Vec::new();
     let (mut zero_area, mut dangling) = (Vec::new(), Vec::new());
     for element in order {
-        let corners: Option<Vec<V3>> =
+        let corners: Option<Vec<Coordinates>> =
             element.corners().iter().map(|id| at.get(id).copied()).collect();
         let Some(corners) = corners else {
             dangling.push(element.id);
@@ -119,7 +119,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
     Some(q)
 }
 
-fn measure(element: &MeshElement, x: &[V3]) -> Figures {
+fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
     match element.shape {
         Shape::Hex8 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
@@ -128,7 +128,7 @@ fn measure(element: &MeshElement, x: &[V3]) -> Figures {
 }
 
 /// Measures a line: only its length, unless it is zero.
-fn measure_line(x: &[V3]) -> Figures {
+fn measure_line(x: &[Coordinates]) -> Figures {
     let length = norm(sub(x[1], x[0]));
     let sides = if length > 0.0 { vec![length] } else { Vec::new() };
     Figures {
@@ -143,7 +143,7 @@ fn measure_line(x: &[V3]) -> Figures {
 
 /// Measures a solid: its sides are its edges, its warpage and area those of its worst face, its
 /// Jacobians those at its corners.
-fn measure_solid(element: &MeshElement, x: &[V3]) -> Figures {
+fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> Figures {
     let faces = element.shape.faces().iter().map(|face| {
         let ids = face.map(|c| element.nodes[c]);
         measure_face(&ids, &face.map(|c| x[c]))
@@ -175,7 +175,7 @@ fn measure_solid(element: &MeshElement, x: &[V3]) -> Figures {
     }
 }
 
-fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
+fn measure_face(ids: &[NodeId], x: &[Coordinates]) -> Figures {
     let n = x.len();
     let sides: Vec<f64> = (0..n).map(|i| norm(sub(x[(i + 1) % n], x[i]))).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
@@ -209,24 +209,24 @@ fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
     Figures { sides, aspect, warpage_deg, jacobian, area, degenerate }
 }
 
-fn sub(a: V3, b: V3) -> V3 {
+fn sub(a: Coordinates, b: Coordinates) -> Coordinates {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn dot(a: V3, b: V3) -> f64 {
+fn dot(a: Coordinates, b: Coordinates) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: V3, b: V3) -> V3 {
+fn cross(a: Coordinates, b: Coordinates) -> Coordinates {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn norm(a: V3) -> f64 {
+fn norm(a: Coordinates) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// Returns the angle between two vectors [degree], accurate near zero too.
-fn angle_deg(a: V3, b: V3) -> f64 {
+fn angle_deg(a: Coordinates, b: Coordinates) -> f64 {
     norm(cross(a, b)).atan2(dot(a, b)).to_degrees()
 }
 
@@ -235,7 +235,7 @@ mod tests {
     use super::*;
     use crate::mesh::MeshNode;
 
-    fn mesh(points: &[V3], elements: &[(Shape, [u64; 4])]) -> Mesh {
+    fn mesh(points: &[Coordinates], elements: &[(Shape, [u64; 4])]) -> Mesh {
         Mesh {
             nodes: points.iter().zip(1..).map(|(&x, id)| MeshNode { id: NodeId(id), x }).collect(),
             elements: elements

@@ -1,7 +1,7 @@
 //! Rigid bodies for workers.
 
 use crate::ids::NodeId;
-use crate::loads::Motion;
+use crate::loads::PrescribedMotion;
 use serde::{Deserialize, Serialize};
 
 /// Rigid body: nodes that move together.
@@ -18,5 +18,5 @@ pub struct RigidBody {
     /// [mass length^2].
     pub inertia: Option<[f64; 6]>,
     /// Prescribed motions of the centre and rotations about it; their `nodes` are empty.
-    pub motions: Vec<Motion>,
+    pub motions: Vec<PrescribedMotion>,
 }

@@ -1,12 +1,12 @@
 //! Rigid walls for workers.
 
 use crate::ids::NodeId;
-use crate::loads::Motion;
+use crate::loads::PrescribedMotion;
 use serde::{Deserialize, Serialize};
 
 /// Rigid wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Wall {
+pub struct ResolvedWall {
     /// Name in histories.
     pub name: String,
     /// Point of a plane, corner of a rectangle or start of a cylinder's axis, at time 0
@@ -60,10 +60,10 @@ pub enum WallMotion {
         speed: f64,
     },
     /// Prescribed; its `nodes` are empty.
-    Led(Motion),
+    Led(PrescribedMotion),
 }
 
-impl Wall {
+impl ResolvedWall {
     /// Returns the name in histories: its own, or its number in the list of all walls.
     pub fn label(&self, number: usize) -> String {
         if self.name.is_empty() { format!("wall {number}") } else { self.name.clone() }

@@ -21,7 +21,7 @@ impl Client {
     ///
     /// # Panics
     /// When the run ends before.
-    pub fn of(running: &mut Running) -> Self {
+    pub fn attach(running: &mut Running) -> Self {
         let stream = running.wait_for("it has a socket", |r| socket::connect(&r.out()).ok());
         stream.set_read_timeout(Some(LIMIT)).unwrap();
         let lines = BufReader::new(stream.try_clone().unwrap());

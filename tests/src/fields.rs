@@ -1,6 +1,6 @@
 //! Comparison of the fields of two runs, node by node and element by element.
 
-use crumple::results::field_file::{Piece, pieces, steps};
+use crumple::results::field_file::{PieceArrays, pieces, steps};
 use crumple_worker::vtu::{CELL_ARRAYS, POINT_ARRAYS, POINTS};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ type Values = BTreeMap<(&'static str, i64), Vec<u64>>;
 fn values(step: &Path) -> Values {
     let mut all = Values::new();
     for path in pieces(step).unwrap() {
-        let piece = Piece::read(&path).unwrap();
+        let piece = PieceArrays::read(&path).unwrap();
         let of_nodes = [POINTS].into_iter().chain(POINT_ARRAYS.iter().copied());
         let of_nodes = of_nodes.map(|array| (array, "node_id"));
         let of_elements = CELL_ARRAYS.iter().map(|&array| (array, "element_id"));

@@ -1,5 +1,6 @@
-//! Imports of the crates of the workspace, as far as text shows them: `use` declarations and paths
-//! in code that start at a crate. Code and files under `#[cfg(test)]` are left out.
+//! Imports and types of the crates of the workspace, as far as text shows them: `use` declarations
+//! and paths in code that start at a crate, and types that are items of a file. Code and files
+//! under `#[cfg(test)]` are left out.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -24,6 +25,8 @@ pub struct Source {
     pub module: Vec<String>,
     /// Paths that the code imports or calls, in full: the name of a crate, then the modules.
     pub imports: Vec<Vec<String>>,
+    /// Names of the structs, enums, unions, traits and type aliases that the file defines.
+    pub types: Vec<String>,
 }
 
 /// Returns all Rust files of the repository, as sorted paths from its root.
@@ -68,11 +71,9 @@ pub fn sources(root: &Path) -> Vec<Source> {
     let mut found = Vec::new();
     for (path, text) in files.iter().zip(&texts).filter(|(path, _)| !is_test(path)) {
         let Some(module) = module(path) else { continue };
-        let imports = paths(&without_test_modules(text))
-            .into_iter()
-            .filter_map(|p| in_full(&module, p))
-            .collect();
-        found.push(Source { path: path.clone(), module, imports });
+        let code = without_test_modules(text);
+        let imports = paths(&code).into_iter().filter_map(|p| in_full(&module, p)).collect();
+        found.push(Source { path: path.clone(), module, imports, types: types(&code) });
     }
     found
 }
@@ -137,6 +138,18 @@ fn without_test_modules(text: &str) -> String {
         }
     }
     kept
+}
+
+/// Returns the names of the types that are items of a file. As `cargo fmt` writes them, they start
+/// in the first column.
+fn types(text: &str) -> Vec<String> {
+    const KINDS: [&str; 5] = ["struct", "enum", "union", "trait", "type"];
+    let name = |line: &str| {
+        let mut words = line.split([' ', '(', ')', '<', ';', ':', '{']).filter(|w| !w.is_empty());
+        let kind = words.find(|w| !["pub", "crate", "super", "unsafe"].contains(w))?;
+        KINDS.contains(&kind).then(|| words.next().map(String::from))?
+    };
+    text.lines().filter(|line| !line.starts_with(' ')).filter_map(name).collect()
 }
 
 /// Returns all paths with `::` in code; a group in braces gives one path for each of its entries.
@@ -229,6 +242,13 @@ mod tests {
         let wanted =
             ["crumple_worker::contact::search", "crumple_worker::time::Clock", "tokio::run"];
         assert_eq!(found, wanted);
+    }
+
+    #[test]
+    fn types_of_any_visibility_are_found() {
+        let text = "pub struct Wall {\n    type Inner = u8;\n}\nstruct Line(u8);\npub(super) enum \
+                    Form<T> {}\npub(crate) trait Law: Send {}\ntype Rows = u8;\nfn f() {}\n";
+        assert_eq!(types(text), ["Wall", "Line", "Form", "Law", "Rows"]);
     }
 
     #[test]

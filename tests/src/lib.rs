@@ -39,6 +39,16 @@ pub fn read(path: &Path, sets: &[&str]) -> Model {
     job::read(path, &sets).unwrap_or_else(|report| panic!("{report}"))
 }
 
+/// Reads the text of a job with `--set` changes. Files that it names are in the present folder.
+///
+/// # Panics
+/// When the job is bad.
+pub fn model_of(text: &str, sets: &[&str]) -> Model {
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    job::read_text(PathBuf::from("job.toml"), text.to_string(), &sets)
+        .unwrap_or_else(|report| panic!("{report}"))
+}
+
 /// Runs a job on one engine to its end; `look` sees the engine after each step.
 ///
 /// # Panics

@@ -11,7 +11,7 @@ use crumple_proto::ids::NodeId;
 use crumple_proto::job::Compression;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::{Transport, threads};
-use crumple_worker::checkpoint::fit::{Expected, Source, verify};
+use crumple_worker::checkpoint::fit::{Expected, InitialModel, verify};
 use crumple_worker::checkpoint::{read_state, writer::Task};
 use crumple_worker::engine::Engine;
 use crumple_worker::parallel::partition::PartitionData;
@@ -88,7 +88,7 @@ fn assert_fits(
     captured: Captured,
 ) {
     let (elements, nodes) = model.records();
-    let source = Source { settings: &model.settings, elements: &elements, nodes: &nodes };
+    let source = InitialModel { settings: &model.settings, elements: &elements, nodes: &nodes };
     let expected = Expected { captured, elements: elements.len() };
     verify(folder, common, pieces, source, expected).unwrap();
 }

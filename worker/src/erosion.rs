@@ -17,9 +17,9 @@ use std::collections::HashMap;
 pub const EVERY: u64 = 8;
 
 /// Nodes of a face, ascending.
-type Face = [NodeId; 4];
+type FaceNodes = [NodeId; 4];
 
-fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = Face> {
+fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = FaceNodes> {
     faces.iter().map(|corners| {
         let mut face = corners.map(|c| nodes[c]);
         face.sort_unstable();
@@ -56,16 +56,16 @@ pub fn leave_surface(
 ) -> Result<(), RankLost> {
     failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
     let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| r.shape.is_solid());
-    let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
+    let bared: Vec<FaceNodes> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
     // Only workers that have a corner of a face can have its other side. All get the message,
     // since failure is rare.
     let bared = gather_all(comm, bared)?;
-    let here = |face: &&Face| nodes.local_index(face[0]).is_some();
-    let bared: Vec<Face> = bared.iter().flatten().filter(here).copied().collect();
+    let here = |face: &&FaceNodes| nodes.local_index(face[0]).is_some();
+    let bared: Vec<FaceNodes> = bared.iter().flatten().filter(here).copied().collect();
     if bared.is_empty() {
         return Ok(());
     }
-    let mut opposing: HashMap<Face, Vec<(usize, usize)>> = HashMap::new();
+    let mut opposing: HashMap<FaceNodes, Vec<(usize, usize)>> = HashMap::new();
     for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| e.record.shape.is_solid()) {
         for (f, face) in faces_of(&e.record.nodes, e.record.shape.faces()).enumerate() {
             opposing.entry(face).or_default().push((i, f));

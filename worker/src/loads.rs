@@ -11,7 +11,7 @@ use crate::math::row::{Row, row};
 use crate::nodes::Nodes;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
-use crumple_proto::loads::{Loads as LoadJob, Pressure};
+use crumple_proto::loads::{Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 
 /// Loads on the nodes and elements of this worker, by local index.
@@ -20,7 +20,7 @@ pub struct Loads {
     curves: Vec<Curve>,
     /// Acceleration [length/time^2] and curve.
     gravity: Vec<(Row, Option<usize>)>,
-    forces: Vec<NodalForce>,
+    forces: Vec<LocalForce>,
     pressures: Vec<Pressure>,
     faces: Vec<LoadedFace>,
     /// Damping coefficient [1/time].
@@ -34,12 +34,12 @@ pub struct Loads {
 }
 
 stateless!(Loads { curves, gravity, forces, pressures, faces, damping, falling, cycles });
-stateless!(NodalForce { job, nodes, factor });
+stateless!(LocalForce { job, nodes, factor });
 stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, force });
 
 /// A force on some local nodes.
 #[derive(Debug)]
-struct NodalForce {
+struct LocalForce {
     job: crumple_proto::loads::NodalForce,
     nodes: Vec<u32>,
     /// Factor at the present time.
@@ -70,14 +70,14 @@ impl LoadedFace {
 
 impl Loads {
     /// Creates the loads of a job. No node is loaded before [`Loads::bind_local`].
-    pub fn new(job: &LoadJob) -> Self {
+    pub fn new(job: &ResolvedLoads) -> Self {
         Self {
             curves: job.curves.iter().map(|points| Curve::new(points)).collect(),
             gravity: job.gravity.iter().map(|g| (row(g.acceleration), g.curve)).collect(),
             forces: job
                 .forces
                 .iter()
-                .map(|f| NodalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 })
+                .map(|f| LocalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 })
                 .collect(),
             pressures: job.pressures.clone(),
             faces: Vec::new(),

@@ -194,7 +194,7 @@ impl Nodes {
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
         let (x, v) = (&mut self.x[..self.local_count], &self.v[..self.local_count]);
-        self.displacements = VectorRange::of(x.len(), |i| {
+        self.displacements = VectorRange::from_vectors(x.len(), |i| {
             let by = Lane::splat(dt) * Lane::new(v[i]);
             x[i] = (Lane::new(x[i]) + by).to_array();
             by

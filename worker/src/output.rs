@@ -3,7 +3,7 @@
 use crate::engine::Engine;
 use crate::fem::blocks::Class;
 use crate::math::row::{Row, xyz};
-use crate::vtu::{self, Cells, Piece};
+use crate::vtu::{self, Cells, FieldPiece};
 use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::Shape;
 use crumple_proto::report::PartRecord;
@@ -77,7 +77,7 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
             let f = b.element.fields(b.state(i), &x);
             for &n in &e.nodes[..e.record.shape.corners()] {
-                let range: &mut [Range; 2] = around.entry((e.record.part, n)).or_default();
+                let range: &mut [NodeRange; 2] = around.entry((e.record.part, n)).or_default();
                 range[0].include(f.plastic_strain);
                 range[1].include(f.von_mises);
             }
@@ -105,18 +105,18 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
 
 /// Smallest and largest value of the elements around a node.
 #[derive(Clone, Copy)]
-struct Range {
+struct NodeRange {
     low: f64,
     high: f64,
 }
 
-impl Default for Range {
+impl Default for NodeRange {
     fn default() -> Self {
         Self { low: f64::INFINITY, high: f64::NEG_INFINITY }
     }
 }
 
-impl Range {
+impl NodeRange {
     fn include(&mut self, value: f64) {
         (self.low, self.high) = (self.low.min(value), self.high.max(value));
     }
@@ -189,7 +189,7 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     let velocity = rows(&n.v);
     let spin = if n.rotations { rows(&n.w) } else { vec![[0.0; 3]; points] };
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.label() as i64).collect();
-    let piece = Piece {
+    let piece = FieldPiece {
         time: engine.clock.time,
         points: &rows(&n.x),
         point_arrays: &[

@@ -7,7 +7,7 @@ mod warnings;
 
 use crate::checkpoint::{
     self,
-    writer::{Task, Writer},
+    writer::{CheckpointWriter, Task},
 };
 use crate::engine::{Engine, StepConsensus};
 use crate::fem::blocks::Blocks;
@@ -37,7 +37,7 @@ const REPORT_EVERY: u64 = crate::timer::SAMPLE_EVERY;
 const CROSSINGS_EVERY: u64 = 500;
 
 /// A running worker.
-pub struct Worker {
+pub struct RunningWorker {
     engine: Engine,
     /// Orders that have arrived, with their numbers. All workers carry out an order before the
     /// same cycle.
@@ -70,7 +70,7 @@ pub struct Worker {
     kept: Option<Task>,
     /// True if the run has failed.
     failed: bool,
-    writer: Writer,
+    writer: CheckpointWriter,
     /// Messages and bytes sent before the checkpoint from which the run continues.
     sent_before: [u64; 2],
 }
@@ -88,7 +88,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
         ToWorker::Start { settings, tree, elements, nodes, trace } => {
             let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
             let share = PartitionData { elements, nodes, ..PartitionData::default() };
-            (Worker::new(Engine::new(comm, *settings, tree, share)?), trace)
+            (RunningWorker::new(Engine::new(comm, *settings, tree, share)?), trace)
         }
         ToWorker::Resume { settings, folder, common, pieces, changes, trace } => {
             let from = (Path::new(&folder), &common, &pieces[..]);
@@ -122,7 +122,7 @@ fn resume(
     settings: Settings,
     (folder, common, pieces): (&Path, &FileRecord, &[FileRecord]),
     changes: &Changes,
-) -> Result<Option<Worker>, RankLost> {
+) -> Result<Option<RunningWorker>, RankLost> {
     let (me, workers) = (comm.rank() - 1, comm.size() - 1);
     disk::set_patience(Duration::from_secs_f64(settings.checkpoint.patience));
     let state = match checkpoint::read_state(folder, &settings, common, pieces, (me, workers)) {
@@ -146,11 +146,11 @@ fn resume(
         return refuse(comm, why);
     }
     post(comm, 0, Tag::Report, &ToMaster::Ready)?;
-    Ok(Some(Worker { sent_before: sent, crossed, named, ..Worker::new(engine) }))
+    Ok(Some(RunningWorker { sent_before: sent, crossed, named, ..RunningWorker::new(engine) }))
 }
 
 /// Sends the reason why this worker cannot continue, and waits until the master has it.
-fn refuse(comm: &mut dyn Transport, why: String) -> Result<Option<Worker>, RankLost> {
+fn refuse(comm: &mut dyn Transport, why: String) -> Result<Option<RunningWorker>, RankLost> {
     let trouble = Failure { elem: None, cycle: 0, time: 0.0, why };
     post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))?;
     await_message::<ToWorker>(comm, 0, Tag::Order)?; // `Quit`
@@ -197,7 +197,7 @@ fn answer(
     Ok(None)
 }
 
-impl Worker {
+impl RunningWorker {
     /// Creates a worker with an engine at time 0.
     pub fn new(engine: Engine) -> Self {
         let report = StepReport::default();
@@ -221,7 +221,7 @@ impl Worker {
             captures: (0, 0),
             kept: None,
             failed: false,
-            writer: Writer::default(),
+            writer: CheckpointWriter::default(),
             sent_before: [0; 2],
         }
     }

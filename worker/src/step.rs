@@ -18,7 +18,7 @@ use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
-const STAGES: [Stage; 14] = [
+const STAGES: [StepStage; 14] = [
     always(Phase::Elements, element_forces),
     always(Phase::Halo, exchange_element_forces),
     always(Phase::Assemble, accelerate),
@@ -62,22 +62,22 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
 }
 
 /// A stage of the step.
-struct Stage {
+struct StepStage {
     /// The phase for which its time is booked.
     phase: Phase,
     /// True if it does nothing in jobs without contact.
     needs_contact: bool,
-    run: Run,
+    run: StageFunction,
 }
 
-type Run = fn(&mut Engine, &mut dyn Transport, &mut Cycle) -> Result<(), RankLost>;
+type StageFunction = fn(&mut Engine, &mut dyn Transport, &mut Cycle) -> Result<(), RankLost>;
 
-const fn always(phase: Phase, run: Run) -> Stage {
-    Stage { phase, needs_contact: false, run }
+const fn always(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs_contact: false, run }
 }
 
-const fn with_contact(phase: Phase, run: Run) -> Stage {
-    Stage { phase, needs_contact: true, run }
+const fn with_contact(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs_contact: true, run }
 }
 
 /// Values that one stage hands to a later one.

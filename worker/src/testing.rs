@@ -42,7 +42,7 @@ pub fn settings() -> Settings {
         axes: Vec::new(),
         precision: Default::default(),
         walls: Vec::new(),
-        loads: crumple_proto::loads::Loads::default(),
+        loads: crumple_proto::loads::ResolvedLoads::default(),
         rigid: Vec::new(),
         ties: Vec::new(),
         dt_max: 0.0,

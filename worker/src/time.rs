@@ -103,7 +103,7 @@ impl Clock {
             || !self.passed.is_finite()
             || [cycle, rows, fields].iter().any(|&count| count > MOST)
         {
-            return Err("its clock has a step that is not a time".into());
+            return Err("the step of its clock is not a valid time".into());
         }
         Ok(())
     }

@@ -51,8 +51,8 @@ pub struct Array {
 impl Array {
     /// Returns this array with its values, point by point or cell by cell, with the components of
     /// one point adjacent.
-    pub fn with<'a>(&self, values: impl Into<ArrayValues<'a>>) -> Column<'a> {
-        Column { array: *self, values: values.into() }
+    pub fn with<'a>(&self, values: impl Into<ArrayValues<'a>>) -> FieldColumn<'a> {
+        FieldColumn { array: *self, values: values.into() }
     }
 }
 
@@ -192,7 +192,7 @@ impl<'a, const N: usize> From<&'a Vec<[f32; N]>> for ArrayValues<'a> {
 
 /// An array with its values, made by [`Array::with`].
 #[derive(Clone, Copy, Debug)]
-pub struct Column<'a> {
+pub struct FieldColumn<'a> {
     array: Array,
     values: ArrayValues<'a>,
 }
@@ -240,20 +240,20 @@ impl Cells {
 
 /// The fields of one worker at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece<'a> {
+pub struct FieldPiece<'a> {
     /// Simulated time [time].
     pub time: f64,
     /// Current coordinates of the points [length].
     pub points: &'a [[f32; 3]],
     /// One column for each of [`POINT_ARRAYS`], in that order.
-    pub point_arrays: &'a [Column<'a>],
+    pub point_arrays: &'a [FieldColumn<'a>],
     /// Cells.
     pub cells: &'a Cells,
     /// One column for each of [`CELL_ARRAYS`], in that order.
-    pub cell_arrays: &'a [Column<'a>],
+    pub cell_arrays: &'a [FieldColumn<'a>],
 }
 
-impl Piece<'_> {
+impl FieldPiece<'_> {
     /// Writes the piece and creates the folder if necessary.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         self.check().map_err(|why| {
@@ -320,14 +320,14 @@ impl Piece<'_> {
 fn check_columns(
     place: &str,
     declared: &[Array],
-    columns: &[Column<'_>],
+    columns: &[FieldColumn<'_>],
     count: usize,
 ) -> Result<(), String> {
     if !columns.iter().map(|column| &column.array).eq(declared) {
         let names: Vec<_> = columns.iter().map(|column| column.array.name).collect();
         return Err(format!("{place} arrays {names:?} differ from the declared arrays"));
     }
-    for Column { array, values } in columns {
+    for FieldColumn { array, values } in columns {
         if values.kind() != array.kind {
             return Err(format!(
                 "{place} array {}: {:?} values, but {:?} is declared",
@@ -355,8 +355,8 @@ struct Appended<'a> {
 }
 
 impl<'a> Appended<'a> {
-    fn declare(&mut self, out: &mut dyn Write, column: &Column<'a>) -> io::Result<()> {
-        let Column { array, values } = column;
+    fn declare(&mut self, out: &mut dyn Write, column: &FieldColumn<'a>) -> io::Result<()> {
+        let FieldColumn { array, values } = column;
         writeln!(
             out,
             r#"<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>"#,
@@ -424,7 +424,7 @@ mod tests {
         let vectors: Vec<[f32; 3]> = (0..5).map(|i| [i as f32, -0.5, 0.1]).collect();
         let stress: Vec<[f32; 6]> = vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [-1.0; 6]];
         let node_id: Vec<i64> = vec![11, 12, 13, 14, 1 << 40];
-        Piece {
+        FieldPiece {
             time: 65.8,
             points: &points,
             point_arrays: &[
@@ -509,7 +509,7 @@ mod tests {
         let cells = Cells::default();
         let none: &[f32] = &[];
         let columns = [DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY].map(|array| array.with(none));
-        let piece = Piece {
+        let piece = FieldPiece {
             time: 0.0,
             points: &[],
             point_arrays: &columns,

@@ -305,7 +305,7 @@ class RunPage {
       stop: "Stop the job? A run writes its results and a checkpoint.",
       kill: "Kill the job? It was asked to stop and may still be writing. It keeps its last checkpoint only.",
       set: "Change a setting of the run:",
-      resume: "Continue from the newest checkpoint. A change is key=value, such as end_time=40; it may be empty.",
+      resume: "Continue from the newest checkpoint. A change is key=value, such as end_time=40. Leave it empty to change nothing.",
     };
     const answer = await confirmed(name, texts[name], this.job);
     if (!answer) return;

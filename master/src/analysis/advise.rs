@@ -29,7 +29,7 @@ const RESOLVED: f64 = 0.1;
 
 /// The part of `summary.json` that is read.
 #[derive(Debug, Deserialize)]
-struct Summary {
+struct SummaryPart {
     status: String,
     parts: Vec<PartSummary>,
     phase_s: BTreeMap<String, MeanMax>,
@@ -64,12 +64,12 @@ pub fn run(dir: &Path) -> u8 {
     }
 }
 
-fn read(dir: &Path) -> Result<Summary, String> {
+fn read(dir: &Path) -> Result<SummaryPart, String> {
     let path = dir.join("summary.json");
     let shown = path.display();
     let text = std::fs::read_to_string(&path)
         .map_err(|e| format!("{shown}: {e}; name the folder of a run"))?;
-    let read: Result<Summary, _> = serde_json::from_str(&text);
+    let read: Result<SummaryPart, _> = serde_json::from_str(&text);
     let summary = read.map_err(|e| {
         format!("{shown}: {e}; if an older version of Crumple made the run, repeat it")
     })?;
@@ -79,7 +79,7 @@ fn read(dir: &Path) -> Result<Summary, String> {
     }
 }
 
-fn describe(s: &Summary) -> String {
+fn describe(s: &SummaryPart) -> String {
     let mut out = String::new();
     let mut advice = rigid(s);
     let bodies: Vec<u32> = advice.iter().flat_map(|a| a.parts.iter().copied()).collect();
@@ -137,7 +137,7 @@ fn called(p: &PartSummary) -> String {
 
 /// Returns the CPU time of some phases [s]: their share of the wall time of all phases except
 /// waiting for other workers.
-fn seconds(s: &Summary, phases: &[&str]) -> f64 {
+fn seconds(s: &SummaryPart, phases: &[&str]) -> f64 {
     let of = |wanted: &dyn Fn(&str) -> bool| -> f64 {
         s.phase_s.iter().filter(|(name, _)| wanted(name)).map(|(_, p)| p.mean).sum()
     };
@@ -154,7 +154,7 @@ fn in_part(p: &PartSummary, line: &str) -> [String; 2] {
 
 /// Finds groups of connected parts with little plastic strain. Each group could be one rigid
 /// body.
-fn rigid(s: &Summary) -> Vec<Advice> {
+fn rigid(s: &SummaryPart) -> Vec<Advice> {
     let stiff =
         |p: &&PartSummary| p.elements > 0 && !p.rigid && p.plastic_strain_max <= PROOF_STRAIN;
     let count = s.parts.iter().map(|p| p.pieces.len()).sum();
@@ -208,7 +208,7 @@ fn rigid(s: &Summary) -> Vec<Advice> {
 }
 
 /// Finds parts whose mesh is finer than needed for their fields.
-fn mesh(s: &Summary) -> Option<Advice> {
+fn mesh(s: &SummaryPart) -> Option<Advice> {
     let fine = |p: &PartSummary| {
         let resolved = |jump: f64, largest: f64| jump <= RESOLVED * largest;
         p.elements > 0
@@ -235,19 +235,19 @@ fn mesh(s: &Summary) -> Option<Advice> {
 }
 
 /// Returns the share of some parts in the number of elements.
-fn share(s: &Summary, of: impl Fn(&PartSummary) -> bool) -> f64 {
+fn share(s: &SummaryPart, of: impl Fn(&PartSummary) -> bool) -> f64 {
     let count = |f: &dyn Fn(&PartSummary) -> bool| {
         s.parts.iter().filter(|p| f(p)).map(|p| p.elements).sum::<u64>()
     };
     count(&of) as f64 / count(&|_| true).max(1) as f64
 }
 
-fn names(s: &Summary, of: impl Fn(&PartSummary) -> bool) -> String {
+fn names(s: &SummaryPart, of: impl Fn(&PartSummary) -> bool) -> String {
     s.parts.iter().filter(|p| of(p)).map(called).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns a remark on parts whose saving is already counted for a rigid body.
-fn besides(s: &Summary, bodies: &[u32], idle: impl Fn(&PartSummary) -> bool) -> String {
+fn besides(s: &SummaryPart, bodies: &[u32], idle: impl Fn(&PartSummary) -> bool) -> String {
     let also = names(s, |p| idle(p) && bodies.contains(&p.id));
     if also.is_empty() {
         also
@@ -263,7 +263,7 @@ fn hourglass_share(p: &PartSummary) -> f64 {
 
 /// Finds parts of stabilised quads with little hourglass strain. The cheaper formulation gives
 /// the same result for them.
-fn form(s: &Summary) -> Option<Advice> {
+fn form(s: &SummaryPart) -> Option<Advice> {
     let idle = |p: &PartSummary| {
         p.elements > 0
             && !p.rigid
@@ -288,7 +288,7 @@ fn form(s: &Summary) -> Option<Advice> {
 
 /// Finds parts without plastic strain and with more than two points. They bend linearly, so two
 /// points integrate the same. Parts in `bodies` are candidates for rigid bodies.
-fn points(s: &Summary, bodies: &[u32]) -> Option<Advice> {
+fn points(s: &SummaryPart, bodies: &[u32]) -> Option<Advice> {
     let idle = |p: &PartSummary| {
         p.elements > 0 && !p.rigid && p.plastic_strain_max == 0.0 && p.points > ELASTIC_POINTS
     };
@@ -312,7 +312,7 @@ fn points(s: &Summary, bodies: &[u32]) -> Option<Advice> {
 
 /// Finds materials none of whose parts yielded. They need no plasticity, hardening or strain
 /// rates.
-fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
+fn law(s: &SummaryPart, bodies: &[u32]) -> Option<Advice> {
     let yielded =
         |name: &str| s.parts.iter().any(|p| p.material == name && p.plastic_strain_max > 0.0);
     let idle = |p: &PartSummary| p.elements > 0 && p.law != "elastic" && !yielded(&p.material);
@@ -338,7 +338,7 @@ fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
 }
 
 /// Finds parts that were never near another surface. They need no contact.
-fn contact(s: &Summary) -> Option<Advice> {
+fn contact(s: &SummaryPart) -> Option<Advice> {
     if s.parts.iter().all(|p| p.contact_near.is_none()) {
         return None;
     }
@@ -371,7 +371,7 @@ fn contact(s: &Summary) -> Option<Advice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::connectivity::Piece;
+    use crate::input::connectivity::ConnectedPiece;
 
     fn part(id: u32, plastic_strain_max: f64, near: bool, pairs: bool) -> PartSummary {
         PartSummary {
@@ -391,12 +391,12 @@ mod tests {
         }
     }
 
-    fn summary(parts: Vec<PartSummary>) -> Summary {
+    fn summary(parts: Vec<PartSummary>) -> SummaryPart {
         let phases = [("elements", 4.0), ("search", 1.0), ("local", 1.0), ("contact", 2.0)];
         let phase_s =
             phases.map(|(name, s)| (name.to_string(), MeanMax { mean: s, max: s })).into();
         let cpu_s = Cpu { total: 8.0, ..Cpu::default() };
-        Summary { status: "completed".into(), parts, phase_s, cpu_s }
+        SummaryPart { status: "completed".into(), parts, phase_s, cpu_s }
     }
 
     #[test]
@@ -428,7 +428,7 @@ mod tests {
         let mut parts =
             vec![part(1, 0.1, true, true), part(2, 0.001, true, true), part(3, 0.0, true, true)];
         parts.push(part(4, 0.0, true, true));
-        let piece = |number, joined: &[usize]| Piece { number, joined: joined.to_vec() };
+        let piece = |number, joined: &[usize]| ConnectedPiece { number, joined: joined.to_vec() };
         parts[0].pieces = vec![piece(0, &[1, 4])];
         parts[1].pieces = vec![piece(1, &[0, 2, 3])];
         parts[2].pieces = vec![piece(2, &[1])];

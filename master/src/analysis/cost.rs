@@ -9,7 +9,7 @@
 use crate::input::job::Model;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
-use crumple_proto::loads::Loads;
+use crumple_proto::loads::ResolvedLoads;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::report::Phase;
 use crumple_proto::transport::{RankLost, threads};
@@ -30,7 +30,7 @@ const TOUCHING: usize = 4096;
 const STEPS: usize = 20;
 
 /// A sample in an engine.
-struct Sample {
+struct CostSample {
     elements: usize,
     /// Number of lane slots that the elements take.
     lanes: usize,
@@ -64,14 +64,14 @@ pub fn describe(model: &Model, workers: usize) -> (String, f64) {
 }
 
 /// A model as records, with its nodes by id.
-struct Scene<'a> {
+struct ModelRecords<'a> {
     model: &'a Model,
     elements: &'a [ElementRecord],
     nodes: &'a [NodeRecord],
     record: HashMap<NodeId, &'a NodeRecord>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> ModelRecords<'a> {
     fn new(model: &'a Model, (elements, nodes): &'a (Vec<ElementRecord>, Vec<NodeRecord>)) -> Self {
         let record = nodes.iter().map(|r| (r.id, r)).collect();
         Self { model, elements, nodes, record }
@@ -83,14 +83,14 @@ impl<'a> Scene<'a> {
     }
 
     /// Runs some steps with some elements, see [`try_out`].
-    fn try_out(&self, elements: &[ElementRecord], contact: bool) -> Result<Sample, RankLost> {
+    fn try_out(&self, elements: &[ElementRecord], contact: bool) -> Result<CostSample, RankLost> {
         try_out(&quiet(self.model, contact), elements, &self.record)
     }
 }
 
 /// Costs of a scene, added up over its parts, nodes and contact.
 #[derive(Default)]
-struct Costs {
+struct SceneCosts {
     bytes: f64,
     /// CPU time of a cycle [s].
     cycle_s: f64,
@@ -110,8 +110,8 @@ fn write(
     out: &mut String,
 ) -> Result<f64, Box<dyn std::error::Error>> {
     let records = model.records();
-    let scene = Scene::new(model, &records);
-    let mut costs = Costs::default();
+    let scene = ModelRecords::new(model, &records);
+    let mut costs = SceneCosts::default();
     write_parts(&scene, &mut costs, out)?;
     write_nodes(&scene, &mut costs, out)?;
     write_contact(&scene, &mut costs, out)?;
@@ -122,8 +122,8 @@ fn write(
 
 /// Measures a sample of each part, and writes the table of parts.
 fn write_parts(
-    scene: &Scene<'_>,
-    costs: &mut Costs,
+    scene: &ModelRecords<'_>,
+    costs: &mut SceneCosts,
     out: &mut String,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let mut rows = String::new();
@@ -149,10 +149,10 @@ fn write_parts(
 
 /// Writes the row of a part with `count` elements.
 fn write_part(
-    scene: &Scene<'_>,
+    scene: &ModelRecords<'_>,
     (number, count): (u32, usize),
-    sample: &Sample,
-    costs: &mut Costs,
+    sample: &CostSample,
+    costs: &mut SceneCosts,
     out: &mut String,
 ) -> std::fmt::Result {
     let settings = &scene.model.settings;
@@ -182,7 +182,11 @@ fn write_part(
     Ok(())
 }
 
-fn write_nodes(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> std::fmt::Result {
+fn write_nodes(
+    scene: &ModelRecords<'_>,
+    costs: &mut SceneCosts,
+    out: &mut String,
+) -> std::fmt::Result {
     let count = scene.nodes.len() as f64;
     let turning = if scene.model.settings.rotations { "" } else { " (no rotations)" };
     let [translation, rotation] = costs.columns;
@@ -198,8 +202,8 @@ fn write_nodes(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> std::f
 
 /// Measures the contact of a sample of all parts, and writes its line.
 fn write_contact(
-    scene: &Scene<'_>,
-    costs: &mut Costs,
+    scene: &ModelRecords<'_>,
+    costs: &mut SceneCosts,
     out: &mut String,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let settings = &scene.model.settings;
@@ -227,7 +231,11 @@ fn write_contact(
 }
 
 /// Writes the lines of a checkpoint and of its copy in memory.
-fn write_checkpoint(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> std::fmt::Result {
+fn write_checkpoint(
+    scene: &ModelRecords<'_>,
+    costs: &mut SceneCosts,
+    out: &mut String,
+) -> std::fmt::Result {
     let [_, of_node, of_pair] = costs.saved_items;
     costs.saved += of_node * scene.nodes.len();
     writeln!(
@@ -247,8 +255,8 @@ fn write_checkpoint(scene: &Scene<'_>, costs: &mut Costs, out: &mut String) -> s
 
 /// Writes the totals of the run. Returns its memory [MB].
 fn write_totals(
-    scene: &Scene<'_>,
-    costs: &Costs,
+    scene: &ModelRecords<'_>,
+    costs: &SceneCosts,
     workers: usize,
     out: &mut String,
 ) -> Result<f64, std::fmt::Error> {
@@ -294,7 +302,7 @@ fn write_rates(model: &Model, out: &mut String) -> std::fmt::Result {
 /// A sample could not be set up.
 pub fn element_seconds(model: &Model) -> Result<Vec<f64>, RankLost> {
     let records = model.records();
-    let scene = Scene::new(model, &records);
+    let scene = ModelRecords::new(model, &records);
     let of_part = |number: u32| {
         let picked = scene.pick(number, SAMPLE);
         if picked.is_empty() || is_idle(model, number) {
@@ -339,7 +347,7 @@ fn quiet(model: &Model, contact: bool) -> Settings {
     settings.walls.clear();
     settings.rigid.clear();
     settings.field_times.clear();
-    settings.loads = Loads::default();
+    settings.loads = ResolvedLoads::default();
     settings.history_interval = f64::MAX;
     settings.contact = settings.contact.filter(|_| contact);
     settings
@@ -350,7 +358,7 @@ fn try_out(
     settings: &Settings,
     elements: &[ElementRecord],
     record: &HashMap<NodeId, &NodeRecord>,
-) -> Result<Sample, RankLost> {
+) -> Result<CostSample, RankLost> {
     let corners = elements.iter().flat_map(|e| e.nodes).filter_map(|n| record.get(&n).map(|&&r| r));
     let share = PartitionData {
         elements: elements.iter().map(|&e| (e, Vec::new())).collect(),
@@ -389,7 +397,7 @@ fn try_out(
     }
     let [elements_s, assemble_s, advance_s, contact_s] =
         least.map(|s| if s.is_finite() { s } else { 0.0 });
-    Ok(Sample {
+    Ok(CostSample {
         elements: elements.len(),
         lanes: engine.blocks.blocks.iter().map(|b| b.count.next_multiple_of(b.lanes())).sum(),
         nodes: engine.nodes.len(),

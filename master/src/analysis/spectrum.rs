@@ -60,13 +60,13 @@ pub struct Estimate {
 
 /// A degree of freedom: local node, component (0 to 2 translations, 3 to 5 rotations), and square
 /// root of its mass or inertia.
-struct Free {
+struct FreeDof {
     node: usize,
     component: usize,
     root: f64,
 }
 
-impl Free {
+impl FreeDof {
     /// Returns the displacement for the weighted displacement `y` [length]. A rotation counts as
     /// the displacement at the distance `side` [length].
     fn reach(&self, y: f64, side: f64) -> f64 {
@@ -81,7 +81,7 @@ struct Probe {
     place: Vec<Row>,
     before: Vec<Row>,
     angle: Vec<Row>,
-    free: Vec<Free>,
+    free: Vec<FreeDof>,
     side: f64,
     /// True if contact has dashpots. They act at the end of the step and limit nothing.
     dashpots: bool,
@@ -168,7 +168,7 @@ impl Probe {
         for node in 0..held {
             let mut add = |component: usize, inverse: f64, mass: f64| {
                 if inverse > 0.0 && mass > 0.0 {
-                    free.push(Free { node, component, root: mass.sqrt() });
+                    free.push(FreeDof { node, component, root: mass.sqrt() });
                 }
             };
             (0..3).for_each(|c| add(c, nodes.inv_mass[node][c], nodes.mass[node]));
@@ -237,7 +237,7 @@ impl Probe {
             ));
         }
         let mid = self.clock.mid();
-        let gained = |free: &Free| match free.component {
+        let gained = |free: &FreeDof| match free.component {
             c @ 0..3 => (engine.nodes.v[free.node][c] - v[free.node][c]) / mid,
             c => (engine.nodes.w[free.node][c - 3] - w[free.node][c - 3]) / mid,
         };
@@ -246,7 +246,7 @@ impl Probe {
 
     /// Returns B times a vector weighted with the square roots of the masses.
     fn push(&mut self, y: &[f64]) -> Result<Vec<f64>, String> {
-        let apart = |(y, free): (&f64, &Free)| free.reach(*y, self.side);
+        let apart = |(y, free): (&f64, &FreeDof)| free.reach(*y, self.side);
         let scale = PUSH * self.side / y.iter().zip(&self.free).map(apart).fold(0.0, f64::max);
         let by: Vec<f64> =
             y.iter().zip(&self.free).map(|(y, free)| scale * y / free.root).collect();
@@ -258,7 +258,8 @@ impl Probe {
             let still = self.accelerations(None)?;
             back.iter_mut().zip(still).for_each(|(back, still)| *back = 2.0 * still - *back);
         }
-        let of = |((there, back), free): ((&f64, &f64), &Free)| (back - there) * free.root / scale;
+        let of =
+            |((there, back), free): ((&f64, &f64), &FreeDof)| (back - there) * free.root / scale;
         Ok(there.iter().zip(&back).zip(&self.free).map(of).collect())
     }
 

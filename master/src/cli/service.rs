@@ -156,7 +156,7 @@ pub struct SubmitArgs {
     /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     pub set: Vec<String>,
-    /// Only check the job. It starts with `crumple resume`.
+    /// Only check the job. `crumple resume` starts it.
     #[arg(long)]
     pub check: bool,
     /// Show its progress until it ends; the exit code is then that of the run.

@@ -5,16 +5,16 @@ mod stream;
 mod upload;
 
 use crate::cli::{FetchArgs, JobsArgs, OneJobArgs, ResumeArgs, StopArgs, SubmitArgs};
-use crate::serve::api::{FileEntry, Job, JobPage, Resumption, Submission};
+use crate::serve::api::{FileEntry, JobPage, ResumeRequest, ServiceJob, Submission};
 use crate::stdout::{say, write};
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED};
 use server::Server;
 use std::path::{Component, Path, PathBuf};
 
 /// Outcome of a command: the exit code, or why it could not be carried out.
-type Ended = Result<u8, String>;
+type CommandResult = Result<u8, String>;
 
-fn code_of(ended: Ended) -> u8 {
+fn code_of(ended: CommandResult) -> u8 {
     ended.unwrap_or_else(|why| {
         eprintln!("error: {why}");
         BAD_INPUT
@@ -23,7 +23,7 @@ fn code_of(ended: Ended) -> u8 {
 
 /// `crumple submit`. Returns the exit code.
 pub fn submit(args: &SubmitArgs) -> u8 {
-    let submitted = || -> Ended {
+    let submitted = || -> CommandResult {
         let server = Server::find(&args.server)?;
         let files = upload::files(&args.job, &args.files)?;
         let options = Submission {
@@ -37,7 +37,7 @@ pub fn submit(args: &SubmitArgs) -> u8 {
             check_only: args.check,
             ..Submission::default()
         };
-        let job: Job = upload::send(&server, &options, &files)?;
+        let job: ServiceJob = upload::send(&server, &options, &files)?;
         if !args.watch {
             say!("{}", job.id);
             return Ok(COMPLETED);
@@ -50,7 +50,7 @@ pub fn submit(args: &SubmitArgs) -> u8 {
 
 /// `crumple jobs`. Returns the exit code.
 pub fn jobs(args: &JobsArgs) -> u8 {
-    let listed = || -> Ended {
+    let listed = || -> CommandResult {
         let server = Server::find(&args.server)?;
         let state = args.state.iter().map(|state| format!("&state={}", server::escaped(state)));
         let path = format!("/api/jobs?limit={}{}", args.limit, state.collect::<String>());
@@ -68,7 +68,7 @@ pub fn jobs(args: &JobsArgs) -> u8 {
             "owner"
         );
         for job in &page.jobs {
-            let Job { id, name, owner, state, workers, launcher, reason, .. } = job;
+            let ServiceJob { id, name, owner, state, workers, launcher, reason, .. } = job;
             let why = if reason.is_empty() { String::new() } else { format!(" ({reason})") };
             say!(
                 "{id:>6}  {:<10} {workers:>7}  {launcher:<10} {owner:<12} {name}{why}",
@@ -91,10 +91,10 @@ pub fn watch(args: &OneJobArgs) -> u8 {
 
 /// `crumple stop`. Returns the exit code.
 pub fn stop(args: &StopArgs) -> u8 {
-    let stopped = || -> Ended {
+    let stopped = || -> CommandResult {
         let server = Server::find(&args.server)?;
         let path = format!("/api/jobs/{}/stop?force={}", args.job, args.force);
-        let job: Job = server.post(&path, &serde_json::json!({}))?;
+        let job: ServiceJob = server.post(&path, &serde_json::json!({}))?;
         let state = if job.stopping { "stopping" } else { job.state.name() };
         say!("job {}: {state}", job.id);
         Ok(COMPLETED)
@@ -104,10 +104,10 @@ pub fn stop(args: &StopArgs) -> u8 {
 
 /// `crumple resume`. Returns the exit code.
 pub fn resume(args: &ResumeArgs) -> u8 {
-    let resumed = || -> Ended {
+    let resumed = || -> CommandResult {
         let server = Server::find(&args.server)?;
-        let change = Resumption { workers: args.workers, set: args.set.clone() };
-        let job: Job = server.post(&format!("/api/jobs/{}/resume", args.job), &change)?;
+        let change = ResumeRequest { workers: args.workers, set: args.set.clone() };
+        let job: ServiceJob = server.post(&format!("/api/jobs/{}/resume", args.job), &change)?;
         say!("job {}: {}", job.id, job.state.name());
         Ok(COMPLETED)
     };
@@ -116,7 +116,7 @@ pub fn resume(args: &ResumeArgs) -> u8 {
 
 /// `crumple fetch`. Returns the exit code.
 pub fn fetch(args: &FetchArgs) -> u8 {
-    let fetched = || -> Ended {
+    let fetched = || -> CommandResult {
         let server = Server::find(&args.server)?;
         let out =
             args.out.clone().unwrap_or_else(|| PathBuf::from(format!("out/job-{}", args.job)));

@@ -1,10 +1,10 @@
 //! `crumple watch`: the stream of events of a job.
 
-use super::Ended;
+use super::CommandResult;
 use super::server::Server;
 use crate::run::attach::show_progress;
 use crate::run::request::Answer;
-use crate::serve::api::Job;
+use crate::serve::api::ServiceJob;
 use crate::stdout::say;
 use crumple_proto::exit_code::WORKER_LOST;
 use std::io::{BufRead, BufReader};
@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 ///
 /// # Errors
 /// The service refuses, or is away for too long.
-pub fn watch(server: &Server, id: i64) -> Ended {
+pub fn watch(server: &Server, id: i64) -> CommandResult {
     let path = format!("/api/jobs/{id}/events");
     let mut shown = Shown::default();
     let mut away = None::<Instant>;
@@ -28,7 +28,7 @@ pub fn watch(server: &Server, id: i64) -> Ended {
             Ok(stream) => {
                 away = None;
                 if shown.read(BufReader::new(stream)) {
-                    let job: Job = server.get(&format!("/api/jobs/{id}"))?;
+                    let job: ServiceJob = server.get(&format!("/api/jobs/{id}"))?;
                     return Ok(job.code.unwrap_or_default());
                 }
             }
@@ -78,7 +78,7 @@ impl Shown {
 
     fn show(&mut self, kind: &str, data: &str) {
         if kind == "state" {
-            let Ok(job) = serde_json::from_str::<Job>(data) else { return };
+            let Ok(job) = serde_json::from_str::<ServiceJob>(data) else { return };
             let why =
                 if job.reason.is_empty() { String::new() } else { format!(": {}", job.reason) };
             let state = format!("{}{why}", job.state.name());

@@ -2,7 +2,7 @@
 
 use super::server::Server;
 use crate::serve::ArchiveFormat;
-use crate::serve::api::{Job, Submission};
+use crate::serve::api::{ServiceJob, Submission};
 use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
@@ -82,7 +82,7 @@ fn archive_name(path: &Path) -> Option<String> {
 ///
 /// # Errors
 /// The service refuses, or a file cannot be read.
-pub fn send(server: &Server, options: &Submission, files: &Files) -> Result<Job, String> {
+pub fn send(server: &Server, options: &Submission, files: &Files) -> Result<ServiceJob, String> {
     let secret = crate::serve::secret().map_err(|error| error.to_string())?;
     let boundary = &secret[..40];
     let mut body: Box<dyn Read> = Box::new(std::io::empty());

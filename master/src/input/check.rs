@@ -1,8 +1,8 @@
 //! Description of a job that `crumple check` prints.
 
 use crate::input::job::Model;
-use crate::input::job::subcycles::{self, Classes};
-use crumple_proto::job::{Contact, Part};
+use crate::input::job::subcycles::{self, SubcycleClasses};
+use crumple_proto::job::{ContactInput, Part};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::beams;
 use std::fmt::Write;
@@ -183,7 +183,7 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
     )?;
     writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)?;
     if model.settings.subcycles > 1 {
-        let (m, classes) = (model.settings.subcycles, Classes::new(&model.elements));
+        let (m, classes) = (model.settings.subcycles, SubcycleClasses::new(&model.elements));
         let work = figure(classes.work(m));
         writeln!(
             out,
@@ -297,7 +297,7 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
 }
 
 /// Describes the parts and settings of a contact or of one of its interfaces.
-fn touching(c: &Contact) -> String {
+fn touching(c: &ContactInput) -> String {
     let list = |parts: &[u32]| match parts {
         [] => "all parts".to_string(),
         some => format!("parts {}", some.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")),
@@ -310,7 +310,7 @@ fn touching(c: &Contact) -> String {
     if !c.exclude.is_empty() {
         words += &format!(" without {}", list(&c.exclude));
     }
-    if c.law == Contact::NO_LAW {
+    if c.law == ContactInput::NO_LAW {
         return words + ", without contact";
     }
     if c.friction_table.is_empty() {

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A connected piece of a part.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Piece {
+pub struct ConnectedPiece {
     /// Number among the pieces of all parts, from 0.
     pub number: usize,
     /// Pieces of other parts that share nodes with it, ascending.
@@ -17,7 +17,7 @@ pub struct Piece {
 
 /// Returns the pieces of each part, by part id. Elements of a part that share a node belong to
 /// one piece.
-pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
+pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<ConnectedPiece>> {
     let mut places: HashMap<(u32, NodeId), usize> = HashMap::new();
     let mut sets = UnionFind::<usize>::new_empty();
     for e in &mesh.elements {
@@ -34,12 +34,15 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
     let mut ordered: Vec<((u32, NodeId), usize)> = places.into_iter().collect();
     ordered.sort_unstable();
     let mut numbers: HashMap<usize, usize> = HashMap::new();
-    let mut parts: BTreeMap<u32, Vec<Piece>> = BTreeMap::new();
+    let mut parts: BTreeMap<u32, Vec<ConnectedPiece>> = BTreeMap::new();
     let mut at: BTreeMap<NodeId, BTreeSet<usize>> = BTreeMap::new();
     for ((part, node), place) in ordered {
         let next = numbers.len();
         let number = *numbers.entry(sets.find_mut(place)).or_insert_with(|| {
-            parts.entry(part).or_default().push(Piece { number: next, joined: Vec::new() });
+            parts
+                .entry(part)
+                .or_default()
+                .push(ConnectedPiece { number: next, joined: Vec::new() });
             next
         });
         at.entry(node).or_default().insert(number);
@@ -81,7 +84,7 @@ mod tests {
             ..Mesh::default()
         };
         let found = pieces(&mesh);
-        let piece = |number, joined: &[usize]| Piece { number, joined: joined.to_vec() };
+        let piece = |number, joined: &[usize]| ConnectedPiece { number, joined: joined.to_vec() };
         assert_eq!(found[&1], [piece(0, &[2]), piece(1, &[2])]);
         assert_eq!(found[&2], [piece(2, &[0, 1])]);
     }

@@ -20,14 +20,14 @@ const MOST: usize = 5;
 
 /// An element type: its names without the number of nodes, its shape, and the corners of its sides
 /// in the order of EXODUS II (figure 4.2 and table 4.2 of the reference).
-struct Kind {
+struct ElementType {
     names: &'static [&'static str],
     shape: Shape,
     sides: &'static [&'static [usize]],
 }
 
-const KINDS: [Kind; 6] = [
-    Kind {
+const KINDS: [ElementType; 6] = [
+    ElementType {
         names: &["HEX"],
         shape: Shape::Hex8,
         sides: &[
@@ -39,19 +39,27 @@ const KINDS: [Kind; 6] = [
             &[4, 5, 6, 7],
         ],
     },
-    Kind {
+    ElementType {
         names: &["SHELL"],
         shape: Shape::Quad4,
         sides: &[&[0, 1, 2, 3], &[0, 3, 2, 1], &[0, 1], &[1, 2], &[2, 3], &[3, 0]],
     },
-    Kind { names: &["QUAD"], shape: Shape::Quad4, sides: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]] },
-    Kind {
+    ElementType {
+        names: &["QUAD"],
+        shape: Shape::Quad4,
+        sides: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
+    },
+    ElementType {
         names: &["TRISHELL", "SHELL"],
         shape: Shape::Tri3,
         sides: &[&[0, 1, 2], &[0, 2, 1], &[0, 1], &[1, 2], &[2, 0]],
     },
-    Kind { names: &["TRI", "TRIANGLE"], shape: Shape::Tri3, sides: &[&[0, 1], &[1, 2], &[2, 0]] },
-    Kind {
+    ElementType {
+        names: &["TRI", "TRIANGLE"],
+        shape: Shape::Tri3,
+        sides: &[&[0, 1], &[1, 2], &[2, 0]],
+    },
+    ElementType {
         names: &["BEAM", "BAR", "ROD", "TRUSS"],
         shape: Shape::Beam2,
         sides: &[&[0, 1], &[0, 1]],
@@ -67,7 +75,7 @@ const KINDS: [Kind; 6] = [
 pub fn read(path: &Path) -> Result<Mesh, Vec<Problem>> {
     confine::check(path).map_err(|error| vec![refused(path, &error)])?;
     let file = NcFile::open(path).map_err(|error| vec![unreadable(path, &error)])?;
-    let mut reader = Reader { file, path, problems: Vec::new() };
+    let mut reader = ExodusReader { file, path, problems: Vec::new() };
     let mesh = reader.mesh();
     match mesh {
         Some(mesh) if reader.problems.is_empty() => Ok(mesh),
@@ -90,23 +98,23 @@ fn unreadable(path: &Path, error: &netcdf_reader::Error) -> Problem {
 }
 
 /// An element block.
-struct Block {
+struct ExodusBlock {
     /// Id, which is the id of the part.
     id: u32,
-    kind: &'static Kind,
+    kind: &'static ElementType,
     /// Elements: indices of their nodes.
     corners: Vec<Vec<usize>>,
     /// Thickness of each shell; empty without [length].
     thickness: Vec<f64>,
 }
 
-struct Reader<'a> {
+struct ExodusReader<'a> {
     file: NcFile,
     path: &'a Path,
     problems: Vec<Problem>,
 }
 
-impl Reader<'_> {
+impl ExodusReader<'_> {
     fn error(&mut self, message: impl std::fmt::Display, help: &str) {
         let message = format!("{}: {message}", self.path.display());
         self.problems.push(Problem::error(KEY, message, help));
@@ -219,7 +227,7 @@ impl Reader<'_> {
     }
 
     /// Returns all element blocks that have elements. Blocks with problems are reported.
-    fn blocks(&mut self, nodes: usize) -> Vec<Block> {
+    fn blocks(&mut self, nodes: usize) -> Vec<ExodusBlock> {
         let ids = self.ids("eb_prop1", self.size("num_el_blk"));
         let names = self.names("eb_names", "block", &ids);
         let mut blocks = Vec::new();
@@ -231,7 +239,7 @@ impl Reader<'_> {
         blocks
     }
 
-    fn block(&mut self, number: usize, id: u64, shown: &str, nodes: usize) -> Option<Block> {
+    fn block(&mut self, number: usize, id: u64, shown: &str, nodes: usize) -> Option<ExodusBlock> {
         let variable = format!("connect{number}");
         let attribute = self.file.variable(&variable).ok().and_then(|v| v.attribute("elem_type"));
         let named = match attribute.map(|a| &a.value) {
@@ -261,18 +269,24 @@ impl Reader<'_> {
         for e in bad.iter().take(MOST) {
             let row = &corners[e * width..(e + 1) * width];
             self.error(
-                format!("{shown}, element {} of it: nodes {row:?} are not all there", e + 1),
+                format!(
+                    "{shown}: its element {} has the nodes {row:?}, and not all of them exist",
+                    e + 1
+                ),
                 &format!("the file has nodes 1 to {nodes}"),
             );
         }
         if bad.len() > MOST {
             let more = bad.len() - MOST;
-            self.error(format!("{shown}: {more} other elements have such nodes"), "correct them");
+            self.error(
+                format!("{shown}: {more} more elements have nodes that do not exist"),
+                "correct them",
+            );
         }
         let rows = corners.chunks_exact(width).map(|row| row.iter().map(|&n| n as usize - 1));
         let corners = if bad.is_empty() { rows.map(Iterator::collect).collect() } else { vec![] };
         let thickness = if kind.shape.is_shell() { self.thickness(number, count) } else { vec![] };
-        bad.is_empty().then_some(Block { id, kind, corners, thickness })
+        bad.is_empty().then_some(ExodusBlock { id, kind, corners, thickness })
     }
 
     /// Returns the thickness of each shell of a block, or nothing.
@@ -310,13 +324,13 @@ impl Reader<'_> {
     /// Adds the nodes of the sides of each side set.
     fn side_sets(
         &mut self,
-        blocks: &[Block],
+        blocks: &[ExodusBlock],
         nodes: &[u64],
         sets: &mut BTreeMap<String, Vec<NodeId>>,
     ) {
         let ids = self.ids("ss_prop1", self.size("num_side_sets"));
         let names = self.names("ss_names", "sideset", &ids);
-        let elements: Vec<(&Kind, &[usize])> =
+        let elements: Vec<(&ElementType, &[usize])> =
             blocks.iter().flat_map(|b| b.corners.iter().map(|c| (b.kind, &c[..]))).collect();
         for (i, (id, name)) in ids.iter().zip(names).enumerate() {
             let [members, sides] = ["elem_ss", "side_ss"]

@@ -16,7 +16,7 @@ const LENGTH: usize = size_of::<u64>();
 
 /// A step of a series in its collection.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct FieldStep {
     /// Simulated time [time].
     pub time: f64,
     /// File that names its pieces.
@@ -24,7 +24,7 @@ pub struct Step {
 }
 
 /// The piece of one worker: its arrays by name.
-pub struct Piece {
+pub struct PieceArrays {
     /// Simulated time [time].
     pub time: f64,
     /// Number of points.
@@ -32,12 +32,12 @@ pub struct Piece {
     /// Number of cells.
     pub cells: usize,
     path: PathBuf,
-    arrays: HashMap<String, Stored>,
+    arrays: HashMap<String, StoredArray>,
     bytes: Vec<u8>,
 }
 
 /// Type and position of an array in the file.
-struct Stored {
+struct StoredArray {
     kind: NumberType,
     bytes: Range<usize>,
 }
@@ -46,7 +46,7 @@ struct Stored {
 ///
 /// # Errors
 /// The file is missing, or not in the format of this program.
-pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
+pub fn steps(collection: &Path) -> Result<Vec<FieldStep>, String> {
     let text = text(collection)?;
     let broken = |why: &str| format!("{}: {why}", collection.display());
     let file = read_xml(&text, "Collection")
@@ -54,7 +54,7 @@ pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
     let step = |set: &Node| {
         let time: f64 = set.attribute("timestep")?.parse().ok()?;
         let file = same_folder(collection, set.attribute("file")?)?;
-        time.is_finite().then_some(Step { time, file })
+        time.is_finite().then_some(FieldStep { time, file })
     };
     let sets = file.descendants().filter(|node| node.has_tag_name("DataSet"));
     sets.map(|set| step(&set).ok_or_else(|| broken(&unread(&text, &set)))).collect()
@@ -74,7 +74,7 @@ pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
     pieces.map(|piece| path(&piece).ok_or_else(|| broken(&unread(&text, &piece)))).collect()
 }
 
-impl Piece {
+impl PieceArrays {
     /// Reads a piece and checks that all its arrays are complete.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl Piece {
                 ));
             }
             let bytes = start + stored.bytes.start..start + stored.bytes.end;
-            arrays.insert(name, Stored { bytes, ..stored });
+            arrays.insert(name, StoredArray { bytes, ..stored });
         }
         let piece = Self { time, points, cells, path: path.to_owned(), arrays, bytes };
         piece.check_cells()?;
@@ -218,7 +218,7 @@ fn size_of_kind(kind: NumberType) -> usize {
 
 /// Returns name and position of the array that `array` of the XML `head` declares. The position
 /// is in the bytes after the XML.
-fn stored(head: &str, array: &Node, bytes: &[u8]) -> Result<(String, Stored), String> {
+fn stored(head: &str, array: &Node, bytes: &[u8]) -> Result<(String, StoredArray), String> {
     let unread = || format!("has an array that is damaged: {}", unread(head, array));
     let name = array.attribute("Name").ok_or_else(unread)?;
     let kinds = [NumberType::F32, NumberType::U32, NumberType::I64, NumberType::U8];
@@ -235,7 +235,7 @@ fn stored(head: &str, array: &Node, bytes: &[u8]) -> Result<(String, Stored), St
     match bytes.get(begin..end) {
         None => Err(torn()),
         Some(data) if data.len() % size_of_kind(kind) != 0 => Err(unread()),
-        Some(_) => Ok((name.to_owned(), Stored { kind, bytes: begin..end })),
+        Some(_) => Ok((name.to_owned(), StoredArray { kind, bytes: begin..end })),
     }
 }
 
@@ -276,7 +276,7 @@ pub fn pieces_of_folder(step: &Path) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::fields::Series;
+    use crate::results::fields::FieldSeries;
     use crumple_proto::mesh::Shape;
     use crumple_worker::vtu::Cells;
     use std::fs;
@@ -285,7 +285,7 @@ mod tests {
         let mut cells = Cells::default();
         cells.push(Shape::Tri3, &[0, 1, 2]);
         let zero = vec![[0.0_f32; 3]; 3];
-        vtu::Piece {
+        vtu::FieldPiece {
             time: 0.125,
             points: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]],
             point_arrays: &[
@@ -313,7 +313,7 @@ mod tests {
     #[test]
     fn a_series_is_read_back_as_it_was_written() {
         let dir = tempfile::tempdir().unwrap();
-        let mut series = Series::new(dir.path());
+        let mut series = FieldSeries::new(dir.path());
         for (index, time) in [(0, 0.0), (3, 0.125)] {
             write_triangle(&dir.path().join(vtu::step_folder(index)).join(vtu::piece_name(0)));
             series.add(index, time, 1).unwrap();
@@ -322,7 +322,7 @@ mod tests {
         assert_eq!(steps.iter().map(|s| s.time).collect::<Vec<_>>(), [0.0, 0.125]);
         let files = pieces(&steps[1].file).unwrap();
         assert_eq!(files, pieces_of_folder(&dir.path().join(vtu::step_folder(3))));
-        let piece = Piece::read(&files[0]).unwrap();
+        let piece = PieceArrays::read(&files[0]).unwrap();
         assert_eq!((piece.time, piece.points, piece.cells), (0.125, 3, 1));
         assert_eq!(piece.f32("Points").unwrap()[6..], [0.0, 1.0, 0.5]);
         assert_eq!(piece.i64("node_id").unwrap(), [4, 5, 6]);
@@ -342,21 +342,21 @@ mod tests {
         let whole = fs::read(&path).unwrap();
         let end = whole.windows(17).rposition(|w| w == b"\n</AppendedData>\n").unwrap();
         for length in 0..end {
-            let error = Piece::parse(&path, whole[..length].to_vec()).err();
+            let error = PieceArrays::parse(&path, whole[..length].to_vec()).err();
             assert!(error.is_some(), "cut at {length} of {end}");
         }
         for place in 0..end {
             let mut damaged = whole.clone();
             damaged[place] ^= 0x15;
-            let _ = Piece::parse(&path, damaged); // another valid number may be read
+            let _ = PieceArrays::parse(&path, damaged); // another valid number may be read
         }
         fs::write(&path, &whole[..end - 1]).unwrap();
-        let error = Piece::read(&path).err().unwrap();
+        let error = PieceArrays::read(&path).err().unwrap();
         assert!(
             error.ends_with("piece_000.vtu: ends within array `element_id`: it is incomplete"),
             "{error}"
         );
-        let error = Piece::read(&dir.path().join("none.vtu")).err().unwrap();
+        let error = PieceArrays::read(&dir.path().join("none.vtu")).err().unwrap();
         assert!(error.contains("none.vtu: "), "{error}");
     }
 

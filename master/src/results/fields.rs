@@ -22,13 +22,13 @@ const STEP_EXTERIOR_FILE: &str = "exterior.pvtu";
 
 /// A growing time series of field files.
 #[derive(Debug)]
-pub struct Series {
+pub struct FieldSeries {
     dir: PathBuf,
     /// Index and time of the steps so far, in order of arrival.
     steps: Vec<(usize, f64)>,
 }
 
-impl Series {
+impl FieldSeries {
     /// Creates an empty series in the folder `dir`. Nothing is written before the first step.
     pub fn new(dir: &Path) -> Self {
         Self { dir: dir.to_owned(), steps: Vec::new() }
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn a_step_written_again_stands_once_and_one_worker_has_no_exterior() {
         let dir = tempfile::tempdir().unwrap();
-        let mut series = Series::new(dir.path());
+        let mut series = FieldSeries::new(dir.path());
         series.add(0, 0.0, 1).unwrap();
         series.add(7, 1.0, 1).unwrap();
         series.add(7, 1.5, 1).unwrap();

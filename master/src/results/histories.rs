@@ -5,7 +5,7 @@
 
 use crate::input::job::Model;
 use crate::results::history::{self, Labels};
-use crate::results::table::{Table, Tables, Unwritten};
+use crate::results::table::{CsvTable, Tables, Unwritten};
 use crumple_proto::ids::NodeId;
 use crumple_proto::report::HistoryPart;
 use std::collections::HashMap;
@@ -13,19 +13,19 @@ use std::io;
 
 /// The files of a run. Files of kinds that the scene does not have, or that the job does not
 /// request, are absent.
-pub struct Histories {
+pub struct HistoryFiles {
     /// Id and name per part of the settings.
     parts: Vec<(u32, String)>,
     walls: Vec<String>,
     groups: Vec<(String, Vec<NodeId>)>,
     sections: Vec<String>,
     transducers: Vec<String>,
-    of_parts: Option<Table>,
-    of_walls: Option<Table>,
-    of_contacts: Option<(Table, Table)>,
-    of_nodes: Option<Table>,
-    of_sections: Option<Table>,
-    of_transducers: Option<Table>,
+    of_parts: Option<CsvTable>,
+    of_walls: Option<CsvTable>,
+    of_contacts: Option<(CsvTable, CsvTable)>,
+    of_nodes: Option<CsvTable>,
+    of_sections: Option<CsvTable>,
+    of_transducers: Option<CsvTable>,
     /// Indices of the parts in contact.
     touching: Vec<u32>,
     last_walls: (f64, Vec<[f64; 3]>),
@@ -42,7 +42,7 @@ pub const NAMES: [&str; 7] = [
     "transducers.csv",
 ];
 
-impl Histories {
+impl HistoryFiles {
     /// Creates the files and removes those of an older run, or continues after the row `last`.
     ///
     /// # Errors
@@ -55,21 +55,43 @@ impl Histories {
         remove_old_files(tables)?;
         let (settings, asked) = (&model.settings, &model.settings.histories);
         let u = Labels::from_units(&model.job.units);
-        let open = |name: &str, columns: Columns<'_>| tables.open(name, columns.header(&u.time));
+        let open =
+            |name: &str, columns: FileColumns<'_>| tables.open(name, columns.header(&u.time));
         let (length, force, momentum) = (u.length.as_str(), u.force.as_str(), u.momentum.as_str());
         let (mass, energy) = (u.mass.as_str(), u.energy.as_str());
         let of_parts = asked.parts.then(|| {
             let scalars =
                 [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)];
-            open(NAMES[0], Columns(&["part", "name"], &scalars, &[("momentum", momentum)]))
+            open(
+                NAMES[0],
+                FileColumns {
+                    words: &["part", "name"],
+                    scalars: &scalars,
+                    vectors: &[("momentum", momentum)],
+                },
+            )
         });
         let of_walls = (model.job.output.walls && !settings.walls.is_empty()).then(|| {
             let vectors = [("impulse", momentum), ("mean force", force), ("displacement", length)];
-            open(NAMES[1], Columns(&["wall"], &[], &vectors))
+            open(
+                NAMES[1],
+                FileColumns { words: &["wall"], vectors: &vectors, ..FileColumns::default() },
+            )
         });
         let of_contacts = asked.contacts.then(|| {
-            let parts = open(NAMES[2], Columns(&["part", "name"], &[], &[("force", force)]))?;
-            let pairs = Columns(&["on part", "from part"], &[], &[("force", force)]);
+            let parts = open(
+                NAMES[2],
+                FileColumns {
+                    words: &["part", "name"],
+                    vectors: &[("force", force)],
+                    ..FileColumns::default()
+                },
+            )?;
+            let pairs = FileColumns {
+                words: &["on part", "from part"],
+                vectors: &[("force", force)],
+                ..FileColumns::default()
+            };
             Ok::<_, Unwritten>((parts, open(NAMES[3], pairs)?))
         });
         let of_nodes = (!asked.nodes.is_empty()).then(|| {
@@ -79,14 +101,28 @@ impl Histories {
                 ("acceleration", &u.acceleration),
             ];
             let place = ["x", "y", "z"].map(|axis| (axis, length));
-            open(NAMES[4], Columns(&["nodes", "id"], &place, &vectors))
+            open(
+                NAMES[4],
+                FileColumns { words: &["nodes", "id"], scalars: &place, vectors: &vectors },
+            )
         });
         let of_sections = (!asked.sections.is_empty()).then(|| {
             let vectors = [("force", force), ("moment", &u.moment), ("middle", length)];
-            open(NAMES[5], Columns(&["section"], &[], &vectors))
+            open(
+                NAMES[5],
+                FileColumns { words: &["section"], vectors: &vectors, ..FileColumns::default() },
+            )
         });
-        let of_transducers = (!asked.transducers.is_empty())
-            .then(|| open(NAMES[6], Columns(&["transducer"], &[], &[("force", force)])));
+        let of_transducers = (!asked.transducers.is_empty()).then(|| {
+            open(
+                NAMES[6],
+                FileColumns {
+                    words: &["transducer"],
+                    vectors: &[("force", force)],
+                    ..FileColumns::default()
+                },
+            )
+        });
         let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
         let touching = (0..settings.parts.len() as u32)
             .filter(|&i| touches(settings.parts[i as usize].id))
@@ -114,7 +150,7 @@ impl Histories {
     }
 
     /// Returns all files.
-    pub(crate) fn tables(&mut self) -> impl Iterator<Item = &mut Table> {
+    pub(crate) fn tables(&mut self) -> impl Iterator<Item = &mut CsvTable> {
         let contacts = self.of_contacts.iter_mut().flat_map(|(parts, pairs)| [parts, pairs]);
         let single = [
             &mut self.of_parts,
@@ -223,12 +259,17 @@ fn remove_old_files(tables: Tables<'_>) -> Result<(), Unwritten> {
     Ok(())
 }
 
-/// Columns of a file after the time: words, scalars and vectors, these with their units.
-struct Columns<'c>(&'c [&'c str], &'c [(&'c str, &'c str)], &'c [(&'c str, &'c str)]);
+/// Columns of a file after the time. Scalars and vectors are names with units.
+#[derive(Default)]
+struct FileColumns<'c> {
+    words: &'c [&'c str],
+    scalars: &'c [(&'c str, &'c str)],
+    vectors: &'c [(&'c str, &'c str)],
+}
 
-impl Columns<'_> {
+impl FileColumns<'_> {
     fn header(self, time: &str) -> Vec<String> {
-        let Self(words, scalars, vectors) = self;
+        let Self { words, scalars, vectors } = self;
         let mut header = vec![format!("time [{time}]")];
         header.extend(words.iter().map(|name| name.to_string()));
         header.extend(scalars.iter().map(|(name, unit)| format!("{name} [{unit}]")));
@@ -252,7 +293,7 @@ fn number(a: f64) -> String {
 
 /// Writes a row of words and then numbers.
 fn put<const N: usize>(
-    table: &mut Table,
+    table: &mut CsvTable,
     words: [String; N],
     numbers: impl IntoIterator<Item = f64>,
 ) -> csv::Result<()> {

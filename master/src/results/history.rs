@@ -1,8 +1,8 @@
 //! `history.csv`: one row per history interval, summed over the workers' contributions.
 
 use crate::input::job::{Model, fastest_wave};
-use crate::results::histories::Histories;
-use crate::results::table::{Table, Tables, Unwritten};
+use crate::results::histories::HistoryFiles;
+use crate::results::table::{CsvTable, Tables, Unwritten};
 use crumple_proto::checkpoint::MOST;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::report::HistoryPart;
@@ -87,10 +87,10 @@ impl Course {
 
 /// The history of a run.
 pub struct History {
-    file: Table,
+    file: CsvTable,
     workers: usize,
     walls: Vec<String>,
-    kinds: Histories,
+    kinds: HistoryFiles,
     /// Sums over the workers that have contributed to a row, and their number.
     parts: BTreeMap<u64, (usize, HistoryPart<ExactSum>)>,
     /// The rows so far.
@@ -170,7 +170,7 @@ impl Labels {
 }
 
 /// Returns the names of walls, or their numbers if they have no names.
-pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
+pub(crate) fn wall_names(walls: &[crumple_proto::wall::ResolvedWall]) -> Vec<String> {
     walls.iter().enumerate().map(|(i, wall)| wall.label(i)).collect()
 }
 
@@ -238,7 +238,7 @@ impl History {
     ) -> Result<Self, Unwritten> {
         let walls = first_walls(model);
         Ok(Self {
-            kinds: Histories::new(tables, model, course.last.as_ref().map(|row| &row.sum))?,
+            kinds: HistoryFiles::new(tables, model, course.last.as_ref().map(|row| &row.sum))?,
             file: tables.open(FILE, columns(model))?,
             workers,
             walls,

@@ -1,11 +1,11 @@
 //! One step of all workers as one mesh: nodes and elements once, by ascending ids.
 
-use crate::results::field_file::{Piece, Step, pieces};
+use crate::results::field_file::{FieldStep, PieceArrays, pieces};
 use crumple_worker::vtu::{self, Array, CELL_ARRAYS, NumberType, POINT_ARRAYS};
 
 /// Numbers of one array, all components of a point or cell together.
 #[derive(Debug, PartialEq)]
-pub enum Column {
+pub enum SnapshotArray {
     /// 32-bit floats.
     F32(Vec<f32>),
     /// 32-bit unsigned integers.
@@ -39,22 +39,22 @@ pub struct Snapshot {
     /// Cells.
     pub topology: Topology,
     /// One column for each of [`POINT_ARRAYS`].
-    pub point_arrays: Vec<Column>,
+    pub point_arrays: Vec<SnapshotArray>,
     /// One column for each of [`CELL_ARRAYS`].
-    pub cell_arrays: Vec<Column>,
+    pub cell_arrays: Vec<SnapshotArray>,
 }
 
 /// Position of an entity: piece and index in it.
-type Source = (usize, usize);
+type EntityPosition = (usize, usize);
 
 impl Snapshot {
     /// Joins the pieces of a step.
     ///
     /// # Errors
     /// A piece cannot be read.
-    pub fn read(step: &Step) -> Result<Self, String> {
-        let pieces: Vec<Piece> =
-            pieces(&step.file)?.iter().map(|p| Piece::read(p)).collect::<Result<_, _>>()?;
+    pub fn read(step: &FieldStep) -> Result<Self, String> {
+        let pieces: Vec<PieceArrays> =
+            pieces(&step.file)?.iter().map(|p| PieceArrays::read(p)).collect::<Result<_, _>>()?;
         let node_ids: Vec<Vec<i64>> =
             pieces.iter().map(|p| p.i64(vtu::NODE_ID.name)).collect::<Result<_, _>>()?;
         let element_ids: Vec<Vec<i64>> =
@@ -77,7 +77,7 @@ impl Snapshot {
             topology.types.push(types[cell]);
         }
         topology.nodes = nodes;
-        let of = |arrays: &[Array], sources: &[Source]| {
+        let of = |arrays: &[Array], sources: &[EntityPosition]| {
             arrays
                 .iter()
                 .map(|array| column(&pieces, array, sources))
@@ -96,31 +96,35 @@ impl Snapshot {
 }
 
 /// Returns the ids of all pieces in ascending order, each once, and their positions.
-fn ascending(ids: &[Vec<i64>]) -> (Vec<i64>, Vec<Source>) {
+fn ascending(ids: &[Vec<i64>]) -> (Vec<i64>, Vec<EntityPosition>) {
     let of = |(piece, ids): (usize, &Vec<i64>)| {
         ids.iter().enumerate().map(|(i, &id)| (id, (piece, i))).collect::<Vec<_>>()
     };
-    let mut all: Vec<(i64, Source)> = ids.iter().enumerate().flat_map(of).collect();
+    let mut all: Vec<(i64, EntityPosition)> = ids.iter().enumerate().flat_map(of).collect();
     all.sort_unstable();
     all.dedup_by_key(|entry| entry.0);
     all.into_iter().unzip()
 }
 
-fn column(pieces: &[Piece], array: &Array, sources: &[Source]) -> Result<Column, String> {
+fn column(
+    pieces: &[PieceArrays],
+    array: &Array,
+    sources: &[EntityPosition],
+) -> Result<SnapshotArray, String> {
     let (name, width) = (array.name, array.components);
     Ok(match array.kind {
-        NumberType::F32 => Column::F32(gathered(pieces, width, sources, |p| p.f32(name))?),
-        NumberType::U32 => Column::U32(gathered(pieces, width, sources, |p| p.u32(name))?),
-        NumberType::I64 => Column::I64(gathered(pieces, width, sources, |p| p.i64(name))?),
-        NumberType::U8 => Column::U8(gathered(pieces, width, sources, |p| p.u8(name))?),
+        NumberType::F32 => SnapshotArray::F32(gathered(pieces, width, sources, |p| p.f32(name))?),
+        NumberType::U32 => SnapshotArray::U32(gathered(pieces, width, sources, |p| p.u32(name))?),
+        NumberType::I64 => SnapshotArray::I64(gathered(pieces, width, sources, |p| p.i64(name))?),
+        NumberType::U8 => SnapshotArray::U8(gathered(pieces, width, sources, |p| p.u8(name))?),
     })
 }
 
 fn gathered<T: Copy>(
-    pieces: &[Piece],
+    pieces: &[PieceArrays],
     width: usize,
-    sources: &[Source],
-    read: impl Fn(&Piece) -> Result<Vec<T>, String>,
+    sources: &[EntityPosition],
+    read: impl Fn(&PieceArrays) -> Result<Vec<T>, String>,
 ) -> Result<Vec<T>, String> {
     let columns: Vec<Vec<T>> = pieces.iter().map(read).collect::<Result<_, _>>()?;
     Ok(sources

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// An order that has taken effect, in `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct SteeringRecord {
     /// Cycles completed before it.
     pub cycle: u64,
     /// Simulated time [time].
@@ -17,7 +17,7 @@ pub struct Record {
     pub order: String,
 }
 
-impl From<&Steered> for Record {
+impl From<&Steered> for SteeringRecord {
     fn from(at: &Steered) -> Self {
         Self { cycle: at.cycle, time: at.time, order: at.steer.to_string() }
     }
@@ -39,10 +39,10 @@ pub fn read(path: &Path) -> Result<Vec<Planned>, String> {
         })?,
         list => list,
     };
-    let records: Vec<Record> = serde_json::from_value(list).map_err(|error| {
+    let records: Vec<SteeringRecord> = serde_json::from_value(list).map_err(|error| {
         named(format!("{error}; give a list such as [{{\"cycle\": 120, \"order\": \"stop\"}}]"))
     })?;
-    let planned = |record: &Record| {
+    let planned = |record: &SteeringRecord| {
         let steer: Steer = record.order.parse().map_err(named)?;
         Ok(Planned { cycle: record.cycle, steer })
     };

@@ -1,9 +1,9 @@
 //! `summary.json`: the outcome of a run.
 
-use crate::input::connectivity::{Piece, pieces};
-use crate::results::steering::Record;
+use crate::input::connectivity::{ConnectedPiece, pieces};
+use crate::results::steering::SteeringRecord;
 use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED};
-use crumple_proto::job::{Job, Part, Wall};
+use crumple_proto::job::{Job, Part, WallInput};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{FinalReport, PHASES, PartRecord};
@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// End of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Status {
+pub enum RunEnd {
     /// The run reached its end.
     #[default]
     Completed,
@@ -24,7 +24,7 @@ pub enum Status {
     Failed,
 }
 
-impl Status {
+impl RunEnd {
     /// Returns the exit code of a run that ended in this way.
     pub fn exit_code(self) -> u8 {
         match self {
@@ -46,7 +46,7 @@ pub struct MeanMax {
 
 /// Energies at the end [energy].
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Energy {
+pub struct EnergySummary {
     /// Kinetic energy.
     pub kinetic: f64,
     /// Internal energy.
@@ -76,7 +76,7 @@ pub struct Energy {
 
 /// Linear momentum [mass length/time].
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Momentum {
+pub struct LinearMomentum {
     /// At the start.
     pub start: [f64; 3],
     /// At the end.
@@ -109,7 +109,7 @@ pub struct Redecompositions {
 
 /// Limits at which the master orders a redecomposition.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Thresholds {
+pub struct RedecompositionThresholds {
     /// Share of the margin used by the displacement of a worker: *high*.
     pub margin: f64,
     /// Imbalance: *low*.
@@ -118,7 +118,7 @@ pub struct Thresholds {
 
 /// Elements by class at the end, worker by worker.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Classes {
+pub struct ElementClasses {
     /// Own elements in the internal box.
     pub interior: Vec<u64>,
     /// Own elements in the buffer.
@@ -130,10 +130,10 @@ pub struct Classes {
 }
 
 /// Returns the elements by class.
-pub fn classes(closings: &[FinalReport]) -> Classes {
+pub fn classes(closings: &[FinalReport]) -> ElementClasses {
     let of = |class: usize| closings.iter().map(|c| c.classes[class]).collect();
     let half_buffer = closings.first().map_or(0.0, |c| c.half_buffer);
-    Classes { interior: of(0), interface: of(1), exterior: of(2), half_buffer }
+    ElementClasses { interior: of(0), interface: of(1), exterior: of(2), half_buffer }
 }
 
 /// Contact statistics.
@@ -173,7 +173,7 @@ pub struct Cpu {
 
 /// Continuation of a run from a checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Restart {
+pub struct RestartSummary {
     /// Cycle from which it continued.
     pub cycle: u64,
     /// Simulated time from which it continued [time].
@@ -237,7 +237,7 @@ pub struct PartSummary {
     /// Work of its hourglass control and drilling stiffness [energy].
     pub hourglass: f64,
     /// Its connected pieces.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<ConnectedPiece>,
     /// True if it belongs to a rigid body.
     pub rigid: bool,
     /// True if it was ever within contact reach and skin of another surface; none without
@@ -251,7 +251,7 @@ pub struct PartSummary {
 /// report in their order.
 pub fn parts(
     job: &Job,
-    outline: &Outline,
+    outline: &MeshOutline,
     parts: &[Part],
     closings: &[FinalReport],
 ) -> Vec<PartSummary> {
@@ -289,16 +289,16 @@ pub fn parts(
 }
 
 /// Data of a mesh for the summary.
-pub struct Outline {
+pub struct MeshOutline {
     /// Number of nodes.
     pub nodes: usize,
     /// Number of elements by shape.
     pub elements: BTreeMap<String, usize>,
     /// See [`pieces()`].
-    pub pieces: BTreeMap<u32, Vec<Piece>>,
+    pub pieces: BTreeMap<u32, Vec<ConnectedPiece>>,
 }
 
-impl Outline {
+impl MeshOutline {
     /// Collects the data of this mesh.
     pub fn from_mesh(mesh: &Mesh) -> Self {
         let mut elements = BTreeMap::new();
@@ -317,7 +317,7 @@ pub struct Summary {
     /// Units of the job, as it states them.
     pub units: String,
     /// End of the run.
-    pub status: Status,
+    pub status: RunEnd,
     /// Reason of the end.
     pub reason: String,
     /// Simulated time reached [time].
@@ -341,17 +341,17 @@ pub struct Summary {
     /// CPU time.
     pub cpu_s: Cpu,
     /// Energies.
-    pub energy: Energy,
+    pub energy: EnergySummary,
     /// Momentum.
-    pub momentum: Momentum,
+    pub momentum: LinearMomentum,
     /// Step sizes.
     pub dt: Steps,
     /// Redecompositions.
     pub redecompositions: Redecompositions,
     /// Limits at which the master orders them.
-    pub thresholds: Thresholds,
+    pub thresholds: RedecompositionThresholds,
     /// Elements by class.
-    pub classes: Classes,
+    pub classes: ElementClasses,
     /// Maximum over mean step cost of the workers.
     pub imbalance: MeanMax,
     /// Contact.
@@ -362,12 +362,12 @@ pub struct Summary {
     /// Parts, by ascending id.
     pub parts: Vec<PartSummary>,
     /// Rigid walls of the job.
-    pub walls: Vec<Wall>,
+    pub walls: Vec<WallInput>,
     /// Continuations from checkpoints.
-    pub restarts: Vec<Restart>,
+    pub restarts: Vec<RestartSummary>,
     /// Orders of users, with the cycles in which they took effect; `crumple run --steering` repeats
     /// them.
-    pub steering: Vec<Record>,
+    pub steering: Vec<SteeringRecord>,
     /// Checkpoints of the process that ended the run.
     pub checkpoints: CheckpointSummary,
     /// Rows of histories that are lost because a file was removed.

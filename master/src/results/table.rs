@@ -18,15 +18,15 @@ const SHORT: &str = "short";
 pub(crate) type Unwritten = (PathBuf, io::Error);
 
 /// A table that is being written.
-pub(crate) struct Table {
+pub(crate) struct CsvTable {
     path: PathBuf,
     header: ByteRecord,
     writer: csv::Writer<File>,
 }
 
-impl Table {
+impl CsvTable {
     /// Begins a file with its header.
-    fn begin(path: PathBuf, header: ByteRecord) -> Result<Self, Unwritten> {
+    fn create(path: PathBuf, header: ByteRecord) -> Result<Self, Unwritten> {
         let failed = |error: io::Error| (path.clone(), error);
         let file = File::create(&path).map_err(failed)?;
         let mut writer = csv::Writer::from_writer(file);
@@ -71,7 +71,7 @@ impl Table {
         if let Some(folder) = self.path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let again = Self::begin(self.path.clone(), self.header.clone());
+        let again = Self::create(self.path.clone(), self.header.clone());
         *self = again.map_err(|(_, error)| error)?;
         Ok(Some(self.path.clone()))
     }
@@ -93,17 +93,17 @@ impl Tables<'_> {
         &self,
         name: &str,
         header: impl IntoIterator<Item = H>,
-    ) -> Result<Table, Unwritten> {
+    ) -> Result<CsvTable, Unwritten> {
         let path = self.dir.join(name);
         let header = header.into_iter().collect();
         let Some(&length) = self.lengths.and_then(|lengths| lengths.get(name)) else {
-            return Table::begin(path, header);
+            return CsvTable::create(path, header);
         };
         let failed = |error: io::Error| (path.clone(), error);
         let mut file = File::options().write(true).open(&path).map_err(failed)?;
         file.set_len(length).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
-        Ok(Table { path, header, writer: csv::Writer::from_writer(file) })
+        Ok(CsvTable { path, header, writer: csv::Writer::from_writer(file) })
     }
 
     /// Returns true for the name of a file that grows with the run.

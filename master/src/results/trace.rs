@@ -13,14 +13,14 @@ use std::io::{BufWriter, Result, Write};
 use std::path::{Path, PathBuf};
 
 /// The file of a trace, and the recordings of the workers.
-pub struct Trace {
+pub struct TraceFile {
     /// Path of the file.
     pub path: PathBuf,
     file: WatchedFile,
     recordings: Vec<Option<Recording>>,
 }
 
-impl Trace {
+impl TraceFile {
     /// Creates a trace of `workers` workers. The file is created at once, so that a path that
     /// cannot be written is found before the run.
     ///
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn the_file_is_json_with_all_events_on_one_time_line() {
         let folder = tempfile::tempdir().unwrap();
-        let mut trace = Trace::new(&folder.path().join("deep/trace.json"), 3).unwrap();
+        let mut trace = TraceFile::new(&folder.path().join("deep/trace.json"), 3).unwrap();
         let span = Span { phase: Phase::Halo as u8, cycle: 7, start: 1500, duration: 20 };
         let moment = Moment { event: Event::Begun(3, OrderKind::Low), cycle: 8, at: 2000 };
         let recording =
@@ -189,7 +189,7 @@ mod tests {
             Recording { moments: vec![moment], full: Some(9), ..recording(5_000) },
         );
         trace.add_recording(2, recording(4_000));
-        let read = |trace: &Trace| -> serde_json::Value {
+        let read = |trace: &TraceFile| -> serde_json::Value {
             serde_json::from_str(&std::fs::read_to_string(&trace.path).unwrap()).unwrap()
         };
         let said = trace.write(true).unwrap();
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(of(0, "i")["name"], "order 3: low redecomposition");
         assert!(events.iter().any(|e| e["name"] == "recording_ended" && e["args"]["cycle"] == 9));
 
-        let mut apart = Trace::new(&folder.path().join("apart.json"), 2).unwrap();
+        let mut apart = TraceFile::new(&folder.path().join("apart.json"), 2).unwrap();
         apart.add_recording(0, recording(5_000));
         apart.add_recording(1, recording(77));
         assert!(apart.write(false).unwrap().contains("within 0.9 us"));

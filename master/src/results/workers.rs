@@ -5,7 +5,7 @@
 
 use crate::input::job::Model;
 use crate::results::history::Labels;
-use crate::results::table::{Table, Tables, Unwritten};
+use crate::results::table::{CsvTable, Tables, Unwritten};
 use crumple_proto::report::{PHASES, Phase, StepReport};
 use std::path::PathBuf;
 
@@ -17,8 +17,8 @@ const MOST_ROWS: f64 = 2000.0;
 const TIMED: usize = Phase::Renewal as usize;
 
 /// The file, and the reports that are not in it yet.
-pub struct Workers {
-    file: Table,
+pub struct WorkerFile {
+    file: CsvTable,
     /// Set when the file was removed and made again; all rows until then are lost.
     pub lost: Option<PathBuf>,
     waiting: Vec<Option<StepReport>>,
@@ -56,7 +56,7 @@ fn columns(length: &str, time: &str) -> Vec<String> {
     header
 }
 
-impl Workers {
+impl WorkerFile {
     /// Creates the file, or opens that of the run that continues.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! `crumple attach`: shows a run in progress on a terminal, and gives it orders.
 
-use crate::cli::{AttachArgs, Order};
+use crate::cli::{AttachArgs, AttachOrder};
 use crate::run::request::{Answer, Done, Progress, Request, Status};
 use crate::run::service::socket;
 use crate::stdout::{say, write};
@@ -29,7 +29,7 @@ pub fn run(args: &AttachArgs) -> u8 {
 }
 
 /// Returns the requests that an order stands for.
-fn requests(order: &Order) -> Result<Vec<Request>, String> {
+fn requests(order: &AttachOrder) -> Result<Vec<Request>, String> {
     let change = |set: &String| {
         let (key, value) = set
             .split_once('=')
@@ -38,12 +38,12 @@ fn requests(order: &Order) -> Result<Vec<Request>, String> {
         Ok(Request::Set { key: key.trim().into(), value })
     };
     Ok(match order {
-        Order { status: true, .. } => vec![Request::Status],
-        Order { checkpoint: true, .. } => vec![Request::Checkpoint],
-        Order { pause: true, .. } => vec![Request::Pause],
-        Order { go_on: true, .. } => vec![Request::Continue],
-        Order { stop: true, .. } => vec![Request::Stop],
-        Order { set, .. } if !set.is_empty() => {
+        AttachOrder { status: true, .. } => vec![Request::Status],
+        AttachOrder { checkpoint: true, .. } => vec![Request::Checkpoint],
+        AttachOrder { pause: true, .. } => vec![Request::Pause],
+        AttachOrder { go_on: true, .. } => vec![Request::Continue],
+        AttachOrder { stop: true, .. } => vec![Request::Stop],
+        AttachOrder { set, .. } if !set.is_empty() => {
             set.iter().map(change).collect::<Result<_, String>>()?
         }
         _ => vec![Request::Watch],

@@ -77,7 +77,7 @@ impl Attempt {
 ///
 /// # Errors
 /// The file cannot be read.
-pub fn look(path: &Path) -> io::Result<State> {
+pub fn read_state(path: &Path) -> io::Result<State> {
     let mut file = match File::open(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(State::Absent),
         opened => opened?,
@@ -134,7 +134,7 @@ pub fn withdraw(path: &Path) -> io::Result<State> {
             file.sync_all()?;
             Ok(State::Withdrawn)
         }
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => look(path),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => read_state(path),
         Err(error) => Err(error),
     }
 }
@@ -147,24 +147,24 @@ mod tests {
     fn an_attempt_is_claimed_once_and_shows_its_end() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("attempt-1");
-        assert_eq!(look(&path).unwrap(), State::Absent);
+        assert_eq!(read_state(&path).unwrap(), State::Absent);
         let attempt = Attempt::claim(&path).unwrap();
-        assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
+        assert_eq!(read_state(&path).unwrap(), State::Running(std::process::id()));
         assert_eq!(withdraw(&path).unwrap(), State::Running(std::process::id()));
         assert!(Attempt::claim(&path).is_err_and(|why| why.contains("nothing is run")));
         assert!(!is_released(&path));
         assert!(!is_stopping(&path).unwrap());
         attempt.note_stop();
         assert!(is_stopping(&path).unwrap());
-        assert_eq!(look(&path).unwrap(), State::Running(std::process::id()));
+        assert_eq!(read_state(&path).unwrap(), State::Running(std::process::id()));
         drop(attempt); // as after a kill
-        assert_eq!(look(&path).unwrap(), State::Lost);
+        assert_eq!(read_state(&path).unwrap(), State::Lost);
         assert!(is_released(&path));
         let elsewhere = fs::read_to_string(&path).unwrap().replace("host ", "host other-");
         fs::write(&path, elsewhere).unwrap();
         assert!(!is_released(&path), "the lock of another machine may not be seen");
         std::fs::write(&path, "pid 1\ncode 130\n").unwrap();
-        assert_eq!(look(&path).unwrap(), State::Ended(130));
+        assert_eq!(read_state(&path).unwrap(), State::Ended(130));
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1, "no other file stays");
     }
 
@@ -174,6 +174,6 @@ mod tests {
         let path = dir.path().join("attempt-1");
         assert_eq!(withdraw(&path).unwrap(), State::Withdrawn);
         assert!(Attempt::claim(&path).is_err());
-        assert_eq!(look(&path).unwrap(), State::Withdrawn);
+        assert_eq!(read_state(&path).unwrap(), State::Withdrawn);
     }
 }

@@ -23,7 +23,7 @@ pub enum Due {
 
 /// Thresholds from the job.
 #[derive(Clone, Debug)]
-pub struct Limits {
+pub struct BalanceLimits {
     /// Maximum over mean step cost above which a low redecomposition is due.
     pub imbalance: f64,
     /// Minimum number of cycles between two low redecompositions; the first may come earlier.
@@ -53,7 +53,7 @@ const LOW_COST: f64 = 0.02;
 /// The master's data on the load of the workers.
 #[derive(Debug)]
 pub struct Balance {
-    limits: Limits,
+    limits: BalanceLimits,
     /// Last report of each worker.
     pub last: Vec<StepReport>,
     /// CPU time of cycles that not all workers have reported yet [s].
@@ -162,7 +162,7 @@ impl Balance {
     }
 
     /// Creates the balance of a run without reports.
-    pub fn new(workers: usize, limits: Limits) -> Self {
+    pub fn new(workers: usize, limits: BalanceLimits) -> Self {
         Self {
             limits,
             last: vec![StepReport::default(); workers],
@@ -353,7 +353,7 @@ mod tests {
     use super::*;
 
     fn balance() -> Balance {
-        Balance::new(2, Limits { imbalance: 1.1, low_every_at_least: 50, forced: false })
+        Balance::new(2, BalanceLimits { imbalance: 1.1, low_every_at_least: 50, forced: false })
     }
 
     fn report(cycle: u64, cpu: f32, urgency: f64, order: u64) -> StepReport {
@@ -433,7 +433,7 @@ mod tests {
     /// Highs in short succession do not hide that the load is uneven.
     #[test]
     fn the_load_is_judged_across_high_redecompositions() {
-        let mut b = Balance::new(2, Limits { imbalance: 1.1, ..balance().limits });
+        let mut b = Balance::new(2, BalanceLimits { imbalance: 1.1, ..balance().limits });
         let uneven = |b: &mut Balance, cycle, order| {
             b.add_report(0, StepReport { cpu: vec![1e-3; 60], ..report(cycle, 1e-3, 0.0, order) });
             b.add_report(1, StepReport { cpu: vec![3e-3; 60], ..report(cycle, 1e-3, 0.0, order) });

@@ -9,17 +9,17 @@ mod view;
 mod watch;
 
 use crate::input::job::Model;
-use crate::results::fields::Series;
+use crate::results::fields::FieldSeries;
 use crate::results::history::History;
-use crate::results::summary::{Outline, Restart, Summary};
+use crate::results::summary::{MeshOutline, RestartSummary, Summary};
 use crate::results::table::Tables;
-use crate::results::trace::Trace;
+use crate::results::trace::TraceFile;
 use crate::results::workers;
 use crate::run::balance::Balance;
 use crate::run::checkpoint::find::Resumption;
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
-use crate::run::progress::{Progress, RunState};
+use crate::run::progress::{ProgressDisplay, RunState};
 use crate::run::service::Desk;
 use crate::run::service::signals::StopFlag;
 use crumple_proto::boxes::CutTree;
@@ -90,16 +90,16 @@ pub struct Control<'a> {
     /// The model, without its mesh after the distribution.
     model: &'a mut Model,
     /// Numbers of the mesh that the summary contains.
-    outline: Outline,
+    outline: MeshOutline,
     comm: &'a mut dyn Transport,
     workers: usize,
     tree: CutTree,
     balance: Balance,
     history: History,
     /// `workers.csv`.
-    of_workers: workers::Workers,
-    series: Series,
-    progress: Progress,
+    of_workers: workers::WorkerFile,
+    series: FieldSeries,
+    progress: ProgressDisplay,
     out: PathBuf,
     orders: u64,
     stop_ordered: bool,
@@ -117,13 +117,13 @@ pub struct Control<'a> {
     /// True after the warning that contact shortens the step.
     step_warned: bool,
     closings: Vec<Option<FinalReport>>,
-    trace: Option<Trace>,
+    trace: Option<TraceFile>,
     states: Vec<NodeRecord>,
     checkpoints: Checkpoints,
     /// The checkpoint from which the run continues, until the user knows.
     from: Option<Resumption>,
     /// Continuations so far.
-    restarts: Vec<Restart>,
+    restarts: Vec<RestartSummary>,
     /// Wall time before the checkpoint [s].
     wall_before: f64,
     /// Orders of users and their clients.

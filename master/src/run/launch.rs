@@ -4,7 +4,7 @@
 use crate::cli::RunArgs;
 use crate::input::confine;
 use crate::input::job::{self, Model, Report};
-use crate::results::summary::{Status, Summary};
+use crate::results::summary::{RunEnd, Summary};
 use crate::results::{d3plot, exodus, fields, report, steering, vtkhdf};
 use crate::run::attempt::{self, Attempt};
 use crate::run::checkpoint::manifest::{Manifest, Stamp};
@@ -90,15 +90,15 @@ struct Ready {
 }
 
 /// Problems that end the program before the run, as they are printed.
-struct Refusal(String);
+struct StartProblems(String);
 
-impl From<String> for Refusal {
+impl From<String> for StartProblems {
     fn from(why: String) -> Self {
         Self(format!("error: {why}\n"))
     }
 }
 
-impl From<Report> for Refusal {
+impl From<Report> for StartProblems {
     fn from(report: Report) -> Self {
         Self(report.to_string())
     }
@@ -112,14 +112,14 @@ fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) ->
         None => begin(args, workers),
         Some(dir) => go_on(args, workers, dir),
     };
-    ready.map_err(|Refusal(text)| eprint!("{text}")).ok()
+    ready.map_err(|StartProblems(text)| eprint!("{text}")).ok()
 }
 
 /// Prepares a run from time 0.
 fn begin(
     args: &RunArgs,
     workers: impl Fn(&Model) -> Result<usize, Report>,
-) -> Result<Ready, Refusal> {
+) -> Result<Ready, StartProblems> {
     let (model, sets, workers) = read_job(args, workers, None)?;
     if model.job.restart != Restart::default() {
         let why = "`restart` changes a run that continues: give --resume too";
@@ -142,7 +142,7 @@ fn go_on(
     args: &RunArgs,
     workers: impl Fn(&Model) -> Result<usize, Report>,
     dir: &Path,
-) -> Result<Ready, Refusal> {
+) -> Result<Ready, StartProblems> {
     let out = find::run_folder(dir)?;
     // The folder is locked first: another run may be changing its checkpoints.
     let lock = locked(args, &out)?;
@@ -205,7 +205,7 @@ fn read_job(
     args: &RunArgs,
     workers: impl Fn(&Model) -> Result<usize, Report>,
     known: Option<&Stamp>,
-) -> Result<(Model, Vec<String>, usize), Refusal> {
+) -> Result<(Model, Vec<String>, usize), StartProblems> {
     let file = args.job.clone().or_else(|| known.map(|stamp| PathBuf::from(&stamp.file)));
     let sets: Vec<String> =
         known.iter().flat_map(|stamp| stamp.set.clone()).chain(args.sets()).collect();
@@ -406,11 +406,11 @@ fn conclude(args: &RunArgs, model: &Model, summary: &Summary, out: &Path) -> u8 
             return Report::EXIT_CODE;
         }
     }
-    if summary.status == Status::Failed {
+    if summary.status == RunEnd::Failed {
         eprintln!("error: {}", summary.reason);
         name_last_state(out, summary);
     }
-    if summary.status == Status::Stopped && !args.quiet && find::newest_cycle(out).is_some() {
+    if summary.status == RunEnd::Stopped && !args.quiet && find::newest_cycle(out).is_some() {
         say!("continue with: crumple run --resume {}", out.display());
     }
     summary.status.exit_code()
@@ -445,7 +445,7 @@ fn name_last_state(out: &Path, summary: &Summary) {
 
 fn print_summary(s: &Summary, out: &Path) {
     let ending =
-        if s.status == Status::Failed { "ERROR TERMINATION" } else { "NORMAL TERMINATION" };
+        if s.status == RunEnd::Failed { "ERROR TERMINATION" } else { "NORMAL TERMINATION" };
     say!("{ending}: {:?}, {}", s.status, s.reason);
     say!(
         "time {:.6e} after {} cycles, dt first {:.3e} min {:.3e}",

@@ -28,7 +28,7 @@ pub struct RunState {
 }
 
 /// Progress display on standard error.
-pub struct Progress {
+pub struct ProgressDisplay {
     end_time: f64,
     began: Instant,
     last: Instant,
@@ -36,7 +36,7 @@ pub struct Progress {
     quiet: bool,
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// Creates the display for a run to `end_time`. Nothing is shown if `quiet` is true.
     pub fn new(end_time: f64, quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {

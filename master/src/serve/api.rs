@@ -75,7 +75,7 @@ impl JobState {
 
 /// A job of the service.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Job {
+pub struct ServiceJob {
     /// Number, in the order of submission.
     pub id: i64,
     /// Name that its owner gave it.
@@ -146,7 +146,7 @@ pub struct Submission {
 /// Changes when a job is resumed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Resumption {
+pub struct ResumeRequest {
     /// Number of workers. Without it, as before.
     pub workers: Option<u32>,
     /// Changes of the job, as `key=value`, such as `end_time=40`.
@@ -157,7 +157,7 @@ pub struct Resumption {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct JobPage {
     /// Jobs.
-    pub jobs: Vec<Job>,
+    pub jobs: Vec<ServiceJob>,
     /// Number of jobs that match.
     pub total: i64,
     /// `before` of the next page; none after the last.

@@ -2,7 +2,7 @@
 //! links and devices are refused. What an archive states of itself is not believed: bytes are
 //! counted as they are written.
 
-use super::intake::{Fault, Intake, Taken};
+use super::intake::{Intake, IntakeFault, Taken};
 use flate2::read::MultiGzDecoder;
 use std::cell::Cell;
 use std::fs::File;
@@ -33,7 +33,7 @@ const TYPE_LINK: u32 = 0o120_000;
 
 /// Format of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum ArchiveFormat {
     /// With a directory at its end.
     Zip,
     /// A plain stream.
@@ -42,7 +42,7 @@ pub enum Format {
     TarGz,
 }
 
-impl Format {
+impl ArchiveFormat {
     /// Returns the format that the end of a file name stands for.
     pub fn of_name(name: &str) -> Option<Self> {
         let name = name.to_ascii_lowercase();
@@ -57,7 +57,7 @@ impl Format {
 }
 
 /// Limits while an archive is unpacked.
-pub struct Limits {
+pub struct ArchiveLimits {
     /// Most bytes of all files.
     pub most_bytes: u64,
     /// When it has to be complete.
@@ -70,34 +70,39 @@ pub struct Limits {
 ///
 /// # Errors
 /// The archive or an entry is refused, a limit is exceeded, or a file cannot be written.
-pub fn unpack(archive: &Path, format: Format, intake: &mut Intake, limits: &Limits) -> Taken<()> {
-    let file = File::open(archive).map_err(Fault::Failed)?;
+pub fn unpack(
+    archive: &Path,
+    format: ArchiveFormat,
+    intake: &mut Intake,
+    limits: &ArchiveLimits,
+) -> Taken<()> {
+    let file = File::open(archive).map_err(IntakeFault::Failed)?;
     let before = intake.files().len();
     let mut sink = Sink { intake, limits, bytes: 0, entries: 0 };
     match format {
-        Format::Zip => unpack_zip(file, &mut sink)?,
-        Format::Tar => unpack_tar(BufReader::new(file), &mut sink)?,
-        Format::TarGz => {
+        ArchiveFormat::Zip => unpack_zip(file, &mut sink)?,
+        ArchiveFormat::Tar => unpack_tar(BufReader::new(file), &mut sink)?,
+        ArchiveFormat::TarGz => {
             unpack_tar(BufReader::new(MultiGzDecoder::new(BufReader::new(file))), &mut sink)?;
         }
     }
     match intake.files().len() > before {
         true => Ok(()),
-        false => Err(Fault::Refused("the archive has no files".into())),
+        false => Err(IntakeFault::Refused("the archive has no files".into())),
     }
 }
 
-fn refused(name: &str, rule: impl std::fmt::Display) -> Fault {
-    Fault::Refused(format!("the entry `{}` of the archive is refused: {rule}", shown(name)))
+fn refused(name: &str, rule: impl std::fmt::Display) -> IntakeFault {
+    IntakeFault::Refused(format!("the entry `{}` of the archive is refused: {rule}", shown(name)))
 }
 
 fn shown(name: &str) -> String {
     name.chars().take(80).filter(|c| !c.is_control()).collect()
 }
 
-fn broken(error: impl std::fmt::Display) -> Fault {
+fn broken(error: impl std::fmt::Display) -> IntakeFault {
     let why: String = error.to_string().chars().take(200).filter(|c| !c.is_control()).collect();
-    Fault::Refused(format!("the archive cannot be read: {why}"))
+    IntakeFault::Refused(format!("the archive cannot be read: {why}"))
 }
 
 /// Returns the name of an entry. A leading `./` has no meaning; of `.` itself nothing is left.
@@ -110,7 +115,7 @@ fn name_of(bytes: &[u8]) -> Taken<&str> {
 /// Where entries go.
 struct Sink<'a> {
     intake: &'a mut Intake,
-    limits: &'a Limits,
+    limits: &'a ArchiveLimits,
     bytes: u64,
     entries: usize,
 }
@@ -120,14 +125,18 @@ impl Sink<'_> {
         self.entries += 1;
         match self.entries <= MOST_ENTRIES {
             true => Ok(()),
-            false => Err(Fault::TooMuch(format!("an archive has at most {MOST_ENTRIES} entries"))),
+            false => {
+                Err(IntakeFault::TooMuch(format!("an archive has at most {MOST_ENTRIES} entries")))
+            }
         }
     }
 
-    fn too_large(&self, name: &str) -> Fault {
+    fn too_large(&self, name: &str) -> IntakeFault {
         let most = self.limits.most_bytes as f64 / 1e6;
         let name = shown(name);
-        Fault::TooMuch(format!("the files of the archive have more than {most} MB, with `{name}`"))
+        IntakeFault::TooMuch(format!(
+            "the files of the archive have more than {most} MB, with `{name}`"
+        ))
     }
 
     fn folder(&mut self, name: &str) -> Taken<()> {
@@ -147,7 +156,7 @@ impl Sink<'_> {
         let mut size = 0;
         loop {
             if self.limits.gone.is_cancelled() || Instant::now() > self.limits.until {
-                return Err(Fault::Late("unpacking the archive takes too long".into()));
+                return Err(IntakeFault::Late("unpacking the archive takes too long".into()));
             }
             let read = match from.read(&mut piece) {
                 Err(error) if error.kind() == ErrorKind::Interrupted => continue,
@@ -161,7 +170,7 @@ impl Sink<'_> {
             if self.bytes > self.limits.most_bytes {
                 return Err(self.too_large(name));
             }
-            file.write_all(&piece[..read]).map_err(Fault::Failed)?;
+            file.write_all(&piece[..read]).map_err(IntakeFault::Failed)?;
         }
         match size == stated {
             true => Ok(()),
@@ -237,7 +246,7 @@ fn unpack_tar(reader: impl Read, sink: &mut Sink) -> Taken<()> {
         return Err(refused(name, rule));
     }
     if meter.has_ended.get() {
-        return Err(Fault::Refused("the archive is cut off: it has no end mark".into()));
+        return Err(IntakeFault::Refused("the archive is cut off: it has no end mark".into()));
     }
     // The check sum of gzip comes last.
     meter.left.set(MOST_PADDING);
@@ -257,7 +266,7 @@ fn unpack_zip(file: File, sink: &mut Sink) -> Taken<()> {
     let metered = Metered { inner: file, meter: meter.clone() };
     let mut archive = ZipArchive::new(metered).map_err(broken)?;
     if archive.has_duplicate_names() {
-        return Err(Fault::Refused("two entries of the archive have the same name".into()));
+        return Err(IntakeFault::Refused("two entries of the archive have the same name".into()));
     }
     // Headers before the entries may not contradict the directory: other readers believe those.
     meter.left.set(u64::MAX);

@@ -1,6 +1,6 @@
 //! Free space on the file system of the service.
 
-use super::intake::{Fault, Taken};
+use super::intake::{IntakeFault, Taken};
 use std::path::PathBuf;
 
 /// Share of the file system, and bytes, that stay free without another limit.
@@ -22,7 +22,7 @@ impl Disk {
     /// # Errors
     /// Fewer than `need`, or the file system does not say.
     pub fn room(&self, need: u64) -> Taken<u64> {
-        let about = rustix::fs::statvfs(&self.folder).map_err(|e| Fault::Failed(e.into()))?;
+        let about = rustix::fs::statvfs(&self.folder).map_err(|e| IntakeFault::Failed(e.into()))?;
         let free = about.f_bavail.saturating_mul(about.f_frsize);
         room(need, free, about.f_blocks.saturating_mul(about.f_frsize), self.least)
     }
@@ -35,7 +35,7 @@ fn room(need: u64, free: u64, total: u64, least: Option<u64>) -> Taken<u64> {
         return Ok(room);
     }
     let gb = |bytes: u64| bytes as f64 / 1e9;
-    Err(Fault::Full(format!(
+    Err(IntakeFault::Full(format!(
         "the service takes no jobs of {:.3} GB: its disk has {:.3} of {:.3} GB free, and {:.3} GB \
          stay free (--disk-limit); ask an administrator to remove old results",
         gb(need),
@@ -64,7 +64,7 @@ mod tests {
             (0, gb(7), gb(200), Some(gb(8))),
         ] {
             match room(need, free, total, least) {
-                Err(Fault::Full(why)) => assert!(why.contains("--disk-limit"), "{why}"),
+                Err(IntakeFault::Full(why)) => assert!(why.contains("--disk-limit"), "{why}"),
                 other => panic!("{need} {free} {total} {least:?}: {other:?}"),
             }
         }

@@ -12,7 +12,7 @@ const MOST_FILES: usize = 2000;
 
 /// Why files of a job are not taken.
 #[derive(Debug)]
-pub enum Fault {
+pub enum IntakeFault {
     /// A name or an archive is refused; the text names it and the rule.
     Refused(String),
     /// There is too much of something.
@@ -26,7 +26,7 @@ pub enum Fault {
 }
 
 /// Result of taking files.
-pub type Taken<T> = Result<T, Fault>;
+pub type Taken<T> = Result<T, IntakeFault>;
 
 /// The files of a job so far.
 pub struct Intake {
@@ -53,13 +53,15 @@ impl Intake {
     /// Its name is refused, there are too many files, or it cannot be made.
     pub fn create(&mut self, name: &str) -> Taken<File> {
         if self.files.len() >= MOST_FILES {
-            return Err(Fault::TooMuch(format!("a job has at most {MOST_FILES} files")));
+            return Err(IntakeFault::TooMuch(format!("a job has at most {MOST_FILES} files")));
         }
-        let path = relative(name).map_err(Fault::Refused)?;
+        let path = relative(name).map_err(IntakeFault::Refused)?;
         self.claim(&path, true)?;
         let file = create(&self.input, &path).map_err(|error| match error.kind() {
-            io::ErrorKind::InvalidFilename => Fault::Refused("a file name is too long".into()),
-            _ => Fault::Failed(error),
+            io::ErrorKind::InvalidFilename => {
+                IntakeFault::Refused("a file name is too long".into())
+            }
+            _ => IntakeFault::Failed(error),
         })?;
         self.files.push(path);
         Ok(file)
@@ -70,7 +72,7 @@ impl Intake {
     /// # Errors
     /// It is refused.
     pub fn folder(&mut self, name: &str) -> Taken<()> {
-        let path = relative(name).map_err(Fault::Refused)?;
+        let path = relative(name).map_err(IntakeFault::Refused)?;
         self.claim(&path, false)
     }
 
@@ -94,7 +96,7 @@ impl Intake {
                 false => format!("`{}` differs from it only by case", known.display()),
             };
             let shown = path.display();
-            return Err(Fault::Refused(format!("the file name `{shown}` is refused: {why}")));
+            return Err(IntakeFault::Refused(format!("the file name `{shown}` is refused: {why}")));
         }
         Ok(())
     }
@@ -121,7 +123,7 @@ mod tests {
             ("../x", "begin with a point"),
         ] {
             match intake.create(name) {
-                Err(Fault::Refused(said)) => assert!(said.contains(why), "{name}: {said}"),
+                Err(IntakeFault::Refused(said)) => assert!(said.contains(why), "{name}: {said}"),
                 other => panic!("{name}: {other:?}"),
             }
         }

@@ -1,13 +1,13 @@
 //! The loop of the service: it checks, starts, watches and ends jobs. Its whole state is in the
 //! database and in the folders of the jobs, so that it can be killed at any moment.
 
-use super::api::{Job, JobState};
+use super::api::{JobState, ServiceJob};
 use super::check;
 use super::folder::{JobFolder, Root};
-use super::launcher::{Launcher, Order, Seen};
+use super::launcher::{LaunchOrder, LaunchState, Launcher};
 use super::limits::{Amount, starts};
-use super::live::{Line, Live};
-use super::store::{Store, Stored};
+use super::live::{Live, LiveLine};
+use super::store::{Store, StoredJob};
 use super::views::Views;
 use crate::input::findings::Findings;
 use crate::run::attempt::{self, State};
@@ -67,7 +67,7 @@ struct Notes {
 }
 
 /// The database or a launcher has failed; the loop tries again.
-type Turn = Result<(), String>;
+type LoopResult = Result<(), String>;
 
 fn failed(error: rusqlite::Error) -> String {
     format!("the database: {error}")
@@ -114,7 +114,7 @@ impl Keeper {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn tidy(&self) -> Turn {
+    pub async fn tidy(&self) -> LoopResult {
         for id in self.store.incoming().await.map_err(failed)? {
             let _ = tokio::fs::remove_dir_all(self.root.job(id).path()).await;
             self.store.forget(id).await.map_err(failed)?;
@@ -125,7 +125,7 @@ impl Keeper {
         Ok(())
     }
 
-    async fn turn(self: &Arc<Self>) -> Turn {
+    async fn turn(self: &Arc<Self>) -> LoopResult {
         for stored in self.store.in_state(JobState::Checking).await.map_err(failed)? {
             self.check(stored);
         }
@@ -134,7 +134,7 @@ impl Keeper {
             active.extend(self.store.in_state(state).await.map_err(failed)?);
         }
         for stored in &active {
-            if let Err(why) = self.look(stored).await {
+            if let Err(why) = self.update_job(stored).await {
                 tracing::warn!(why, job = stored.job.id, "a run could not be watched");
             }
         }
@@ -148,7 +148,7 @@ impl Keeper {
     }
 
     /// Begins the check of a job, unless it has begun.
-    fn check(self: &Arc<Self>, stored: Stored) {
+    fn check(self: &Arc<Self>, stored: StoredJob) {
         let id = stored.job.id;
         if !self.notes(|notes| notes.checking.insert(id)) {
             return;
@@ -165,7 +165,7 @@ impl Keeper {
         });
     }
 
-    async fn checked(&self, stored: &Stored) -> Turn {
+    async fn checked(&self, stored: &StoredJob) -> LoopResult {
         let job = &stored.job;
         let folder = self.root.job(job.id);
         let limit = self.launchers.get(job.launcher.as_str()).map(|l| l.limit());
@@ -206,14 +206,14 @@ impl Keeper {
         let Some(stored) = self.store.job(id).await.map_err(failed)? else { return Ok(()) };
         let data = serde_json::to_string(&stored.job).map_err(|error| error.to_string())?;
         let event = self.store.add_event(id, "state", data.clone()).await.map_err(failed)?;
-        self.live.publish(id, Line { id: Some(event), kind: "state", data: data.into() });
+        self.live.publish(id, LiveLine { id: Some(event), kind: "state", data: data.into() });
         Ok(())
     }
 
     /// Calls a launcher on a thread where it may wait.
     async fn ask<T: Send + 'static>(
         &self,
-        job: &Job,
+        job: &ServiceJob,
         body: impl FnOnce(&dyn Launcher) -> Result<T, String> + Send + 'static,
     ) -> Result<T, String> {
         let launcher = self.launchers.get(job.launcher.as_str()).cloned();
@@ -226,24 +226,24 @@ impl Keeper {
         }
     }
 
-    /// Looks at a job that has or may have a process.
-    async fn look(self: &Arc<Self>, stored: &Stored) -> Turn {
+    /// Reads the state of a job that has or may have a process, and stores what has changed.
+    async fn update_job(self: &Arc<Self>, stored: &StoredJob) -> LoopResult {
         let job = &stored.job;
         let (order, handle) = (self.order(stored), stored.handle.clone());
         let seen = {
             let (order, handle) = (order.clone(), handle.clone());
-            self.ask(job, move |launcher| launcher.look(&order, &handle)).await?
+            self.ask(job, move |launcher| launcher.attempt_state(&order, &handle)).await?
         };
         match seen {
-            Seen::Waiting => self.wait(stored, &order).await?,
-            Seen::Running => {
+            LaunchState::Waiting => self.wait(stored, &order).await?,
+            LaunchState::Running => {
                 if self.store.runs(job.id).await.map_err(failed)? {
                     self.announce(job.id).await?;
                 }
-                self.follow(job.id);
+                self.watch_run(job.id);
             }
-            Seen::Ended(code) => return self.end(stored, code).await,
-            Seen::Lost => return self.lost(stored, 1).await,
+            LaunchState::Ended(code) => return self.end(stored, code).await,
+            LaunchState::Lost => return self.lost(stored, 1).await,
         }
         // It is asked before it is killed, also if both orders have arrived since the last turn.
         let forced = job.forced && self.notes(|notes| notes.asked.contains_key(&(job.id, false)));
@@ -253,7 +253,7 @@ impl Keeper {
                 let asked = notes.asked.get(&key);
                 asked.is_none_or(|asked| asked.elapsed() > ASK_AGAIN)
             });
-        if is_due && (seen == Seen::Running || !handle.is_empty()) {
+        if is_due && (seen == LaunchState::Running || !handle.is_empty()) {
             self.notes(|notes| notes.asked.insert(key, Instant::now()));
             let end = move |launcher: &dyn Launcher| match forced {
                 true => launcher.kill(&order, &handle),
@@ -266,7 +266,7 @@ impl Keeper {
 
     /// Withdraws an attempt that no process has claimed in time, or that was ordered before the
     /// service was killed: a process for it may exist.
-    async fn wait(&self, stored: &Stored, order: &Order) -> Turn {
+    async fn wait(&self, stored: &StoredJob, order: &LaunchOrder) -> LoopResult {
         let id = stored.job.id;
         let handle = stored.handle.clone();
         let elsewhere = self
@@ -285,8 +285,8 @@ impl Keeper {
         }
     }
 
-    /// Follows the stream of a run, unless it is followed.
-    fn follow(self: &Arc<Self>, id: i64) {
+    /// Starts to relay the stream of a run, unless that is done already.
+    fn watch_run(self: &Arc<Self>, id: i64) {
         if !self.notes(|notes| notes.followed.insert(id)) {
             return;
         }
@@ -294,12 +294,12 @@ impl Keeper {
         tokio::spawn(async move {
             let folder = keeper.root.job(id);
             // A run without a socket, before its start or on another machine, is tried again.
-            let _ = keeper.live.follow(id, &folder, &keeper.store).await;
+            let _ = keeper.live.relay_stream(id, &folder, &keeper.store).await;
             keeper.notes(|notes| notes.followed.remove(&id));
         });
     }
 
-    async fn end(&self, stored: &Stored, code: u8) -> Turn {
+    async fn end(&self, stored: &StoredJob, code: u8) -> LoopResult {
         let folder = self.root.job(stored.job.id);
         let is_killed = stored.job.forced && code_of_summary(&folder, stored.job.attempt).is_none();
         let reason = match code {
@@ -318,7 +318,7 @@ impl Keeper {
 
     /// Treats an attempt that has ended without an exit code, or has not begun. Adds `more` to the
     /// processes that the job has lost.
-    async fn lost(&self, stored: &Stored, more: u32) -> Turn {
+    async fn lost(&self, stored: &StoredJob, more: u32) -> LoopResult {
         let (id, folder) = (stored.job.id, self.root.job(stored.job.id));
         if let Some(code) = code_of_summary(&folder, stored.job.attempt) {
             return self.end(stored, code).await;
@@ -341,7 +341,7 @@ impl Keeper {
     }
 
     /// Starts jobs that wait, as far as they fit.
-    async fn start_those_that_fit(self: &Arc<Self>) -> Turn {
+    async fn start_those_that_fit(self: &Arc<Self>) -> LoopResult {
         let queued = self.store.in_state(JobState::Queued).await.map_err(failed)?;
         let (queued, never) = self.without_those_that_never_fit(queued);
         for (id, reason) in never {
@@ -355,7 +355,7 @@ impl Keeper {
         let mut active = self.store.in_state(JobState::Starting).await.map_err(failed)?;
         active.extend(self.store.in_state(JobState::Running).await.map_err(failed)?);
         for (name, launcher) in &self.launchers {
-            let own = |list: &[Stored]| -> Vec<Stored> {
+            let own = |list: &[StoredJob]| -> Vec<StoredJob> {
                 list.iter().filter(|stored| stored.job.launcher == *name).cloned().collect()
             };
             let used = own(&active).iter().map(need).fold(Amount::default(), Amount::plus);
@@ -372,10 +372,10 @@ impl Keeper {
     /// was started again without their launcher, or with lower limits.
     fn without_those_that_never_fit(
         &self,
-        queued: Vec<Stored>,
-    ) -> (Vec<Stored>, Vec<(i64, String)>) {
+        queued: Vec<StoredJob>,
+    ) -> (Vec<StoredJob>, Vec<(i64, String)>) {
         let mut never = Vec::new();
-        let reason = |stored: &Stored| {
+        let reason = |stored: &StoredJob| {
             let name = &stored.job.launcher;
             let Some(launcher) = self.launchers.get(name.as_str()) else {
                 return Some(format!("this service has no launcher {name}"));
@@ -398,9 +398,9 @@ impl Keeper {
         (fitting.collect(), never)
     }
 
-    async fn start(self: &Arc<Self>, stored: &Stored) -> Turn {
+    async fn start(self: &Arc<Self>, stored: &StoredJob) -> LoopResult {
         let id = stored.job.id;
-        if !self.store.begin(id).await.map_err(failed)? {
+        if !self.store.start_attempt(id).await.map_err(failed)? {
             return Ok(()); // it was stopped meanwhile
         }
         let Some(stored) = self.store.job(id).await.map_err(failed)? else { return Ok(()) };
@@ -424,7 +424,7 @@ impl Keeper {
         }
     }
 
-    fn order(&self, stored: &Stored) -> Order {
+    fn order(&self, stored: &StoredJob) -> LaunchOrder {
         let job = &stored.job;
         let folder = self.root.job(job.id);
         let mut words = vec!["run".to_string()];
@@ -444,11 +444,11 @@ impl Keeper {
         if let Some(command) = launcher.and_then(|launcher| launcher.ranks()) {
             words.extend(["--launcher".into(), command.into()]);
         }
-        Order { id: job.id, folder, attempt: job.attempt, workers: job.workers, words }
+        LaunchOrder { id: job.id, folder, attempt: job.attempt, workers: job.workers, words }
     }
 }
 
-fn need(stored: &Stored) -> Amount {
+fn need(stored: &StoredJob) -> Amount {
     Amount { workers: stored.job.workers, memory_mb: stored.job.memory_mb }
 }
 
@@ -507,19 +507,19 @@ mod tests {
             None
         }
 
-        fn start(&self, _: &Order) -> Result<String, String> {
+        fn start(&self, _: &LaunchOrder) -> Result<String, String> {
             Ok(String::new())
         }
 
-        fn look(&self, _: &Order, _: &str) -> Result<Seen, String> {
-            Ok(Seen::Waiting)
+        fn attempt_state(&self, _: &LaunchOrder, _: &str) -> Result<LaunchState, String> {
+            Ok(LaunchState::Waiting)
         }
 
-        fn stop(&self, _: &Order, _: &str) -> Result<(), String> {
+        fn stop(&self, _: &LaunchOrder, _: &str) -> Result<(), String> {
             Ok(())
         }
 
-        fn kill(&self, _: &Order, _: &str) -> Result<(), String> {
+        fn kill(&self, _: &LaunchOrder, _: &str) -> Result<(), String> {
             Ok(())
         }
 

@@ -15,7 +15,7 @@ const MOST_LINES: usize = 64;
 
 /// A line for watchers.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct LiveLine {
     /// Number of a stored event; progress has none.
     pub id: Option<i64>,
     /// `state`, `event` or `progress`.
@@ -31,7 +31,7 @@ pub struct Live {
 }
 
 struct Topic {
-    lines: broadcast::Sender<Line>,
+    lines: broadcast::Sender<LiveLine>,
     /// The last progress, for those who come later.
     progress: Option<Arc<str>>,
 }
@@ -48,7 +48,7 @@ impl Live {
     }
 
     /// Returns the lines of a job from now on, and its last progress.
-    pub fn subscribe(&self, job: i64) -> (broadcast::Receiver<Line>, Option<Arc<str>>) {
+    pub fn subscribe(&self, job: i64) -> (broadcast::Receiver<LiveLine>, Option<Arc<str>>) {
         self.with(job, |topic| (topic.lines.subscribe(), topic.progress.clone()))
     }
 
@@ -59,7 +59,7 @@ impl Live {
     }
 
     /// Sends a line to all watchers.
-    pub fn publish(&self, job: i64, line: Line) {
+    pub fn publish(&self, job: i64, line: LiveLine) {
         self.with(job, |topic| {
             if line.kind == "progress" {
                 topic.progress = Some(line.data.clone());
@@ -74,24 +74,32 @@ impl Live {
         topics.retain(|job, topic| topic.lines.receiver_count() > 0 || runs(*job));
     }
 
-    /// Follows a run until it ends or cannot be reached.
+    /// Passes the stream of a run on to watchers until it ends or cannot be reached.
     ///
     /// # Errors
     /// The run does not answer.
-    pub async fn follow(&self, job: i64, folder: &JobFolder, store: &Store) -> std::io::Result<()> {
+    pub async fn relay_stream(
+        &self,
+        job: i64,
+        folder: &JobFolder,
+        store: &Store,
+    ) -> std::io::Result<()> {
         let mut stream = connect(folder).await?;
         stream.write_all(Request::Watch.to_line().as_bytes()).await?;
         let mut lines = BufReader::new(stream).lines();
         while let Some(line) = lines.next_line().await? {
             match serde_json::from_str(&line) {
                 Ok(Answer::Progress(_)) => {
-                    let line = Line { id: None, kind: "progress", data: line.into() };
+                    let line = LiveLine { id: None, kind: "progress", data: line.into() };
                     self.publish(job, line);
                 }
                 Ok(Answer::Event { .. }) => match store.add_event(job, "event", line.clone()).await
                 {
                     Ok(id) => {
-                        self.publish(job, Line { id: Some(id), kind: "event", data: line.into() });
+                        self.publish(
+                            job,
+                            LiveLine { id: Some(id), kind: "event", data: line.into() },
+                        );
                     }
                     Err(error) => tracing::error!(%error, job, "an event was not stored"),
                 },

@@ -21,7 +21,7 @@ mod store;
 mod tokens;
 mod views;
 
-pub use archive::Format as ArchiveFormat;
+pub use archive::ArchiveFormat;
 pub use http::openapi::text as openapi;
 pub use start::{ACCESS_FILE, read_access, run};
 pub use tokens::secret;

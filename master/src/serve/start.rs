@@ -2,7 +2,7 @@
 
 use super::disk::Disk;
 use super::folder::Root;
-use super::http::{self, Settings, listen};
+use super::http::{self, HttpSettings, listen};
 use super::keeper::Keeper;
 use super::launcher::Launcher;
 use super::launcher::local::Local;
@@ -119,7 +119,7 @@ async fn serve(args: &ServeArgs) -> Result<(), String> {
     let keeper = Keeper::new(store, root, launchers, program);
     keeper.tidy().await?;
     tokio::spawn(keeper.clone().run());
-    let settings = Settings {
+    let settings = HttpSettings {
         hosts,
         is_secure: acceptor.is_some(),
         most_bytes: args.max_upload.saturating_mul(1_000_000),

@@ -3,7 +3,7 @@
 
 use super::folder::JobFolder;
 use super::live;
-use crate::results::report::state::State;
+use crate::results::report::state::PictureState;
 use crate::run::request::{Answer, Request, View};
 use crumple_worker::vtu;
 use serde_json::json;
@@ -48,19 +48,19 @@ impl Default for Views {
 #[derive(Default)]
 struct Kept {
     looked: Option<Instant>,
-    source: Option<Source>,
+    source: Option<PictureSource>,
     picture: Option<Picture>,
 }
 
 /// Where a picture comes from. The same one gives the same picture.
 #[derive(Clone, Debug, PartialEq)]
-struct Source {
-    state: State,
+struct PictureSource {
+    state: PictureState,
     written: Option<SystemTime>,
 }
 
-impl Source {
-    fn of(state: State) -> Self {
+impl PictureSource {
+    fn from_state(state: PictureState) -> Self {
         let about = state.pieces.first().and_then(|file| std::fs::metadata(file).ok());
         Self { written: about.and_then(|about| about.modified().ok()), state }
     }
@@ -115,8 +115,8 @@ impl Views {
     pub async fn at(&self, folder: &JobFolder, time: f64) -> Result<Option<Picture>, String> {
         let _one = self.one.acquire().await.map_err(|error| error.to_string())?;
         let results = folder.results();
-        let make = move || match State::output_at(&results, time) {
-            Some(state) => Source::of(state).picture(&results, None),
+        let make = move || match PictureState::output_at(&results, time) {
+            Some(state) => PictureSource::from_state(state).picture(&results, None),
             None => Ok(None),
         };
         tokio::task::spawn_blocking(make).await.map_err(|error| error.to_string())?
@@ -150,17 +150,18 @@ async fn ask(folder: &JobFolder) -> Option<View> {
 fn make(
     results: &Path,
     view: Option<View>,
-    before: Option<&Source>,
-) -> Result<Option<(Source, Picture)>, String> {
+    before: Option<&PictureSource>,
+) -> Result<Option<(PictureSource, Picture)>, String> {
     let state = match &view {
         Some(view) => {
             let folder = results.join(&view.folder);
             let pieces = (0..view.pieces).map(|w| folder.join(vtu::piece_name(w))).collect();
-            Some(State { time: view.time, pieces })
+            Some(PictureState { time: view.time, pieces })
         }
-        None => State::output_at(results, f64::INFINITY),
+        None => PictureState::output_at(results, f64::INFINITY),
     };
-    let Some(source) = state.map(Source::of).filter(|source| Some(source) != before) else {
+    let Some(source) = state.map(PictureSource::from_state).filter(|source| Some(source) != before)
+    else {
         return Ok(None);
     };
     Ok(source.picture(results, view.as_ref())?.map(|picture| (source, picture)))

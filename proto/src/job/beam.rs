@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// axis is normal to both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Beam {
+pub struct BeamInput {
     /// Shape of the section.
     pub section: BeamSection,
     /// Height of a rectangle or an I along the second axis [length].

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
-pub struct Contact {
+pub struct ContactInput {
     /// Name in messages.
     pub name: String,
     /// Contact law: `lagrange`, `kinematic`, `penalty`, `mortar` or `none`. The first three are
@@ -141,7 +141,7 @@ pub struct Interface {
     pub parameters: BTreeMap<String, Setting>,
 }
 
-impl Contact {
+impl ContactInput {
     /// Name of the law for no contact.
     pub const NO_LAW: &str = "none";
 
@@ -242,7 +242,7 @@ impl Contact {
     }
 }
 
-impl Default for Contact {
+impl Default for ContactInput {
     fn default() -> Self {
         Self {
             name: String::new(),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// points and constant outside.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Curve {
+pub struct CurveInput {
     /// Name that loads and motions refer to.
     pub name: String,
     /// Points `[time, factor]` with ascending times.
@@ -17,7 +17,7 @@ pub struct Curve {
 /// Gravity, or another body force, on the whole model.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Gravity {
+pub struct GravityInput {
     /// Acceleration of free fall [length/time^2].
     pub acceleration: [f64; 3],
     /// Name of a curve, the factor over time; without it 1.
@@ -28,7 +28,7 @@ pub struct Gravity {
 /// Force of constant direction on a node set.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Load {
+pub struct LoadInput {
     /// Node set.
     pub nodes: String,
     /// Force on the whole set, in equal shares on its nodes [force].
@@ -46,7 +46,7 @@ pub struct Load {
 /// face. The normal of a shell follows from the order of its nodes by the right-hand rule.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Pressure {
+pub struct PressureInput {
     /// Parts whose faces are all loaded.
     #[serde(default)]
     pub parts: Vec<u32>,
@@ -65,7 +65,7 @@ pub struct Pressure {
 /// `acceleration` and `spin`. Contact and walls do not change it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Motion {
+pub struct MotionInput {
     /// Node set; give either this or `rigid`.
     #[serde(default)]
     pub nodes: Option<String>,

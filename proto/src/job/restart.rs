@@ -1,6 +1,6 @@
 //! Changes of the model that a run makes when it continues from a checkpoint.
 
-use super::Wall;
+use super::WallInput;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub struct Restart {
     /// New velocities of parts.
     pub velocity: Vec<PartVelocity>,
     /// Additional rigid walls. They are at rest, or have a mass.
-    pub wall: Vec<Wall>,
+    pub wall: Vec<WallInput>,
 }
 
 /// New velocity of all nodes of some parts; their rotational velocities become zero.

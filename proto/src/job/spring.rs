@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// ground, use as second node one that a `[[fix]]` fixes in x, y and z; it needs no mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Spring {
+pub struct SpringInput {
     /// Stiffness [force/length].
     #[serde(default)]
     pub stiffness: f64,

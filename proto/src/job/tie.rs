@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// released.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Tie {
+pub struct TieInput {
     /// Name in messages.
     #[serde(default)]
     pub name: String,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Wall {
+pub struct WallInput {
     /// Name in histories.
     #[serde(default)]
     pub name: String,

@@ -6,14 +6,14 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-type Parcel = (Tag, Vec<u64>);
+type TaggedWords = (Tag, Vec<u64>);
 
 /// Communication of one rank. Buffers of received messages are reused for sending.
 pub struct Threads {
     rank: usize,
-    to: Vec<Sender<Parcel>>,
-    from: Vec<Receiver<Parcel>>,
-    early: Vec<VecDeque<Parcel>>,
+    to: Vec<Sender<TaggedWords>>,
+    from: Vec<Receiver<TaggedWords>>,
+    early: Vec<VecDeque<TaggedWords>>,
     pool: Vec<Vec<u64>>,
     wait_cpu: Duration,
     traffic: Traffic,
@@ -28,8 +28,8 @@ const POOL: usize = 64;
 
 /// Returns connected communications for `size` ranks.
 pub fn connect(size: usize) -> Vec<Threads> {
-    let mut senders: Vec<Vec<Sender<Parcel>>> = (0..size).map(|_| Vec::new()).collect();
-    let mut receivers: Vec<Vec<Receiver<Parcel>>> = (0..size).map(|_| Vec::new()).collect();
+    let mut senders: Vec<Vec<Sender<TaggedWords>>> = (0..size).map(|_| Vec::new()).collect();
+    let mut receivers: Vec<Vec<Receiver<TaggedWords>>> = (0..size).map(|_| Vec::new()).collect();
     for sender in &mut senders {
         for receiver in &mut receivers {
             let (tx, rx) = channel();

@@ -1,81 +1,53 @@
 //! Element deletion: failed elements leave the contact surface, and the faces behind them are in
 //! contact from then on, whichever workers own either.
 
-use crumple::input::job::{self, Model};
-use crumple_tests::{run_alone, run_side_by_side};
-use std::fmt::Write;
-use std::path::PathBuf;
+use crumple::input::job::Model;
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 
 /// Side of all cubes [mm].
 const SIDE: f64 = 5.0;
 /// Gap between rod and plate at the start [mm].
 const GAP: f64 = 0.5;
 
-/// Rows of cubes, and the nodes that they use; ids continue from the previous ones.
-#[derive(Default)]
-struct Rows {
-    nodes: String,
-    solids: String,
-    node: usize,
-    solid: usize,
-}
-
-impl Rows {
-    /// Adds `count` cubes from `from`; `part` gives the part of a layer. Returns the id of the
-    /// first node.
-    fn block(&mut self, count: [usize; 3], from: [f64; 3], part: impl Fn(usize) -> u32) -> usize {
-        let first = self.node + 1;
-        let [a, b, c] = count;
-        let id = |i: usize, j: usize, k: usize| first + (k * (b + 1) + j) * (a + 1) + i;
-        for k in 0..=c {
-            for j in 0..=b {
-                for i in 0..=a {
-                    let x: [f64; 3] = std::array::from_fn(|n| from[n] + SIDE * [i, j, k][n] as f64);
-                    writeln!(self.nodes, "[{}, {:?}, {:?}, {:?}],", id(i, j, k), x[0], x[1], x[2])
-                        .unwrap();
-                }
-            }
-        }
-        for n in 0..a * b * c {
-            let (i, j, k) = (n % a, n / a % b, n / (a * b));
-            self.solid += 1;
-            write!(self.solids, "[{}, {}", self.solid, part(k)).unwrap();
-            for (di, dj, dk) in [
-                (0, 0, 0),
-                (1, 0, 0),
-                (1, 1, 0),
-                (0, 1, 0),
-                (0, 0, 1),
-                (1, 0, 1),
-                (1, 1, 1),
-                (0, 1, 1),
-            ] {
-                write!(self.solids, ", {}", id(i + di, j + dj, k + dk)).unwrap();
-            }
-            self.solids += "],\n";
-        }
-        self.node += (a + 1) * (b + 1) * (c + 1);
-        first
+/// Adds `count` cubes from `from`, layer by layer; `part` gives the part of a layer. Returns their
+/// nodes.
+fn add_cubes(
+    scene: &mut Scene,
+    count: [usize; 3],
+    from: [f64; 3],
+    part: impl Fn(usize) -> u32,
+) -> Vec<u32> {
+    let first = scene.count() + 1;
+    let [a, b, c] = count;
+    let id = |[i, j, k]: [usize; 3]| first + ((k * (b + 1) + j) * (a + 1) + i) as u32;
+    for n in 0..(a + 1) * (b + 1) * (c + 1) {
+        let step = [n % (a + 1), n / (a + 1) % (b + 1), n / ((a + 1) * (b + 1))];
+        scene.node(std::array::from_fn(|axis| from[axis] + SIDE * step[axis] as f64));
     }
+    for n in 0..a * b * c {
+        let [i, j, k] = [n % a, n / a % b, n / (a * b)];
+        let face = |k| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(id);
+        let (below, above) = (face(k), face(k + 1));
+        scene.solid(part(k), std::array::from_fn(|n| if n < 4 { below[n] } else { above[n - 4] }));
+    }
+    (first..=scene.count()).collect()
 }
 
 /// Returns a job in which a rod, one cube wide, strikes a plate whose upper layer is brittle and
 /// whose lower layer is not.
 fn rod_on_plate() -> Model {
-    let mut rows = Rows::default();
-    let plate = rows.block([5, 5, 2], [0.0; 3], |layer| if layer == 1 { 2 } else { 1 });
-    let rod = rows.block([1, 1, 4], [10.5, 9.5, 2.0 * SIDE + GAP], |_| 3);
-    let set =
-        |ids: std::ops::Range<usize>| ids.map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
+    let mut scene = Scene::default();
+    let plate = add_cubes(&mut scene, [5, 5, 2], [0.0; 3], |layer| if layer == 1 { 2 } else { 1 });
+    let rod = add_cubes(&mut scene, [1, 1, 4], [10.5, 9.5, 2.0 * SIDE + GAP], |_| 3);
+    scene.set_named("floor", &plate[..36]);
+    scene.set_named("rod", &rod);
     let text = format!(
         r#"
         title = "A rod through a brittle layer"
         units = "mm, ms, kg"
         end_time = 0.25
-        [mesh]
-        nodes = [{}]
-        solids = [{}]
-        node_sets = {{ floor = [{}], rod = [{}] }}
+        {}
         [[material]]
         name = "tough"
         law = "elastic"
@@ -113,12 +85,9 @@ fn rod_on_plate() -> Model {
         velocity = [0.0, 0.0, -100.0]
         [contact]
         "#,
-        rows.nodes,
-        rows.solids,
-        set(plate..plate + 36),
-        set(rod..rod + 20),
+        scene.mesh_text(),
     );
-    job::read_text(PathBuf::from("rod.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
+    model_of(&text, &[])
 }
 
 /// The rod goes through the brittle layer and rebounds from the lower one, whose faces are
@@ -176,32 +145,25 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
 /// moves fast within it, through its neighbours.
 fn shot_sheet(inverted: &str, element: &str) -> Model {
     const N: usize = 8;
-    let (mut nodes, mut quads) = (String::new(), String::new());
+    let mut scene = Scene::default();
     for sheet in 0..2 {
-        let (first, z) = (sheet * (N + 1) * (N + 1) + 1, 3.0 * sheet as f64);
-        let id = |i: usize, j: usize| first + j * (N + 1) + i;
+        let (first, z) = (scene.count() + 1, 3.0 * sheet as f64);
+        let id = |i: usize, j: usize| first + (j * (N + 1) + i) as u32;
         for (i, j) in (0..=N).flat_map(|j| (0..=N).map(move |i| (i, j))) {
-            writeln!(nodes, "[{}, {:?}, {:?}, {z:?}],", id(i, j), SIDE * i as f64, SIDE * j as f64)
-                .unwrap();
+            scene.node([SIDE * i as f64, SIDE * j as f64, z]);
         }
         for (i, j) in (0..N).flat_map(|j| (0..N).map(move |i| (i, j))) {
-            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]
-                .map(|n| n.to_string())
-                .join(", ");
-            writeln!(quads, "[{}, {}, {corners}],", sheet * N * N + j * N + i + 1, sheet + 1)
-                .unwrap();
+            scene.shell(sheet + 1, &[id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]);
         }
     }
     let shot = (N + 1) * (N + 1) + 1 + 4 * (N + 1) + 4;
+    scene.set_named("shot", &[shot as u32]);
     let text = format!(
         r#"
         title = "A node that is shot through its neighbours"
         units = "mm, ms, kg"
         end_time = 0.03
-        [mesh]
-        nodes = [{nodes}]
-        shells = [{quads}]
-        node_sets = {{ shot = [{shot}] }}
+        {}
         [[material]]
         name = "steel"
         law = "j2"
@@ -227,10 +189,10 @@ fn shot_sheet(inverted: &str, element: &str) -> Model {
         nodes = "shot"
         velocity = [6000.0, 300.0, -100.0]
         [contact]
-        "#
+        "#,
+        scene.mesh_text(),
     );
-    job::read_text(PathBuf::from("shot.toml"), text, &[])
-        .unwrap_or_else(|report| panic!("{report}"))
+    model_of(&text, &[])
 }
 
 /// An inverted shell ends the run. If its part permits deletion, it leaves the contact surface

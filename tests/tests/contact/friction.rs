@@ -3,18 +3,11 @@
 
 use crate::beam_contact::{RADIUS, RHO, Rows, at};
 use crumple::input::job::{self, Model};
-use crumple_tests::{case, read, run_alone, run_side_by_side};
+use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 use std::fmt::Write;
-use std::path::PathBuf;
 
 const LAWS: [&str; 4] = ["lagrange", "kinematic", "penalty", "mortar"];
-
-fn model_of(text: &str, sets: &[&str]) -> Model {
-    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
-    job::read_text(PathBuf::from("job.toml"), text.to_string(), &sets)
-        .unwrap_or_else(|report| panic!("{report}"))
-}
 
 fn near(found: f64, wanted: f64, tolerance: f64, why: &str) {
     assert!((found / wanted - 1.0).abs() < tolerance, "{found}, expected {wanted}: {why}");

@@ -1,63 +1,37 @@
 //! Bodies that start inside each other's contact thickness: contact leaves them unchanged and
 //! does not create energy. Units mm, ms, kg.
 
-use crumple::input::job::{self, Model};
+use crumple::input::job::Model;
 use crumple_tests::program::{Ended, crumple_with, run};
-use crumple_tests::run_alone;
+use crumple_tests::{model_of, run_alone};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 
-/// Builder of a mesh of shells.
-#[derive(Default)]
-struct Mesh {
-    nodes: String,
-    shells: String,
-    count: usize,
-    elements: usize,
-    parts: u32,
+/// Adds a sheet of `n[0]` by `n[1]` shells, row by row; `place` maps the unit square to positions.
+fn sheet(scene: &mut Scene, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) {
+    let first = scene.count() + 1;
+    for (j, i) in (0..=n[1]).flat_map(|j| (0..=n[0]).map(move |i| (j, i))) {
+        scene.node(place(i as f64 / n[0] as f64, j as f64 / n[1] as f64));
+    }
+    let id = |i: usize, j: usize| first + (j * (n[0] + 1) + i) as u32;
+    for (j, i) in (0..n[1]).flat_map(|j| (0..n[0]).map(move |i| (j, i))) {
+        scene.shell(part, &[id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]);
+    }
 }
 
-impl Mesh {
-    /// Adds a sheet of `n[0]` by `n[1]` shells; `place` maps the unit square to positions.
-    fn sheet(&mut self, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) {
-        let first = self.count + 1;
-        self.parts = self.parts.max(part);
-        for j in 0..=n[1] {
-            for i in 0..=n[0] {
-                let [x, y, z] = place(i as f64 / n[0] as f64, j as f64 / n[1] as f64);
-                self.count += 1;
-                self.nodes += &format!("[{}, {x:?}, {y:?}, {z:?}],\n", self.count);
-            }
-        }
-        let id = |i: usize, j: usize| first + j * (n[0] + 1) + i;
-        for j in 0..n[1] {
-            for i in 0..n[0] {
-                self.elements += 1;
-                let corners =
-                    [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string());
-                self.shells += &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
-            }
-        }
-    }
-
-    fn model(&self, end: f64, thickness: f64, contact: &str, rest: &str) -> Model {
-        let part = |id: u32| {
-            format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {thickness:?}\n")
-        };
-        let parts: String = (1..=self.parts).map(part).collect();
-        let text = format!(
-            "end_time = {end:?}\n[mesh]\nnodes = [{}]\nshells = [{}]\n[output]\n\
-             field_interval = -1.0\n\
-             [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
-             youngs_modulus = 207.0\npoisson = 0.3\n\
-             {parts}[contact]\n{contact}\n{rest}",
-            self.nodes, self.shells,
-        );
-        let there = tempfile::tempdir().unwrap();
-        let path = there.path().join("starts.toml");
-        std::fs::write(&path, text).unwrap();
-        job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
-    }
+/// Returns the job with the parts 1 to `parts`, 1 mm thick.
+fn model(scene: &Scene, parts: u32, end: f64, contact: &str, rest: &str) -> Model {
+    let part = |id| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+    let parts: String = (1..=parts).map(part).collect();
+    let text = format!(
+        "end_time = {end:?}\n{}[output]\nfield_interval = -1.0\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+         youngs_modulus = 207.0\npoisson = 0.3\n\
+         {parts}[contact]\n{contact}\n{rest}",
+        scene.mesh_text()
+    );
+    model_of(&text, &[])
 }
 
 const LAWS: [&str; 4] = [
@@ -73,12 +47,12 @@ const LAWS: [&str; 4] = [
 fn plates_at_rest_inside_each_other_stay_at_rest() {
     for law in LAWS {
         for tilt in [0.0, 0.03] {
-            let mut mesh = Mesh::default();
-            mesh.sheet(1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
-            mesh.sheet(2, [5, 4], |x, y| {
+            let mut scene = Scene::default();
+            sheet(&mut scene, 1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
+            sheet(&mut scene, 2, [5, 4], |x, y| {
                 [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 0.5 + tilt * 22.0 * x]
             });
-            let model = mesh.model(3.0, 1.0, law, "");
+            let model = model(&scene, 2, 3.0, law, "");
             let (mut pairs, mut kinetic) = (0, 0.0f64);
             let end = run_alone(&model, |e: &Engine| {
                 pairs = pairs.max(e.contact.as_ref().unwrap().owned_pairs().count());
@@ -106,17 +80,17 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
 #[test]
 fn a_folded_panel_in_flight_gains_nothing() {
     for law in LAWS {
-        let mut mesh = Mesh::default();
+        let mut scene = Scene::default();
         // 40 up, the fold of 0.6, 15 down on the other side.
         let fold = |s: f64| match s * 56.0 {
             s if s <= 40.0 => [s, 0.0],
             s if s <= 41.0 => [40.0, 0.6 * (s - 40.0)],
             s => [40.0 - (s - 41.0), 0.6],
         };
-        mesh.sheet(1, [56, 8], |x, y| [fold(x)[0], 40.0 * y, fold(x)[1]]);
+        sheet(&mut scene, 1, [56, 8], |x, y| [fold(x)[0], 40.0 * y, fold(x)[1]]);
         let rest = "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\n\
                     centre = [20.0, 20.0, 0.0]\n";
-        let model = mesh.model(0.5, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
+        let model = model(&scene, 1, 0.5, &format!("{law}\nthickness_limit = 0.0"), rest);
         let (mut first, mut most, mut work) = (None, 0.0f64, 0.0f64);
         run_alone(&model, |e: &Engine| {
             let now = e.ledger.energies(&e.nodes, &e.blocks).values();
@@ -139,10 +113,12 @@ fn a_folded_panel_in_flight_gains_nothing() {
 fn work_at_starting_penetrations_is_booked_apart() {
     for law in LAWS {
         for (gap, inside) in [(-0.5, true), (0.05, false)] {
-            let mut mesh = Mesh::default();
-            mesh.sheet(1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
-            mesh.sheet(2, [5, 4], |x, y| [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 1.0 + gap]);
-            let model = mesh.model(0.4, 1.0, law, "");
+            let mut scene = Scene::default();
+            sheet(&mut scene, 1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
+            sheet(&mut scene, 2, [5, 4], |x, y| {
+                [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 1.0 + gap]
+            });
+            let model = model(&scene, 2, 0.4, law, "");
             let (mut taken, mut given, mut contact, mut kinetic) = (0.0f64, 0.0f64, 0.0f64, 0.0);
             let ended = crumple::run::embedded::run_alone(&model, |e: &mut Engine| {
                 if e.clock.cycle == 0 {

@@ -120,7 +120,7 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
     let of = |one: u32, other: u32| {
         let ids: Vec<u32> = model.job.part.iter().map(|p| p.id).collect();
         let meets = |side: &[usize], part: u32| side.iter().any(|&place| ids[place] == part);
-        let between = |c: &&crumple_proto::job::Contact| {
+        let between = |c: &&crumple_proto::job::ContactInput| {
             let [a, b] = c.sides(&ids);
             meets(&a, one) && meets(&b, other) || meets(&a, other) && meets(&b, one)
         };
@@ -164,14 +164,14 @@ fn exported_contacts_are_read_as_they_were() {
     let numbers = |model: &Model| -> Vec<String> {
         let ids: Vec<u32> = model.job.part.iter().map(|p| p.id).collect();
         let all = model.job.contact.as_ref().unwrap().each();
-        let plain = |c: crumple_proto::job::Contact| {
+        let plain = |c: crumple_proto::job::ContactInput| {
             let sides = c.sides(&ids);
             // A limit of 0 means no limit, and sides are distinguished by their parts.
             let limit = c.friction_limit.filter(|&l| l > 0.0);
             let death = c.death.filter(|&t| t < model.job.end_time);
             format!(
                 "{sides:?} {:?}",
-                crumple_proto::job::Contact {
+                crumple_proto::job::ContactInput {
                     friction_limit: limit,
                     death,
                     parts: vec![],

@@ -51,10 +51,10 @@ fn a_paused_run_waits_and_goes_on_with_the_same_bits() {
     let whole = undisturbed().digest();
     for transport in transports() {
         let mut running = start_on(transport, 2, &[]);
-        let mut first = Client::of(&mut running);
+        let mut first = Client::attach(&mut running);
         let pause = first.order(&Request::Pause);
         assert!(pause.cycle < 900, "{transport}: too late: {pause:?}");
-        let mut second = Client::of(&mut running);
+        let mut second = Client::attach(&mut running);
         for client in [&mut first, &mut second] {
             let status = client.status();
             assert_eq!((status.state.as_str(), status.progress.cycle), ("paused", pause.cycle));
@@ -89,7 +89,7 @@ fn a_steered_run_is_repeated_bit_for_bit() {
     let whole = undisturbed();
     for transport in transports() {
         let mut running = start_on(transport, 2, &LONG);
-        let mut client = Client::of(&mut running);
+        let mut client = Client::attach(&mut running);
         client.order(&Request::Pause);
         let status = client.status();
         let (time, end) = (status.progress.time, status.settings["end_time"]);
@@ -137,7 +137,7 @@ fn a_steered_run_is_repeated_bit_for_bit() {
 fn a_stopped_run_continues_with_what_was_changed() {
     for transport in transports() {
         let mut running = start_on(transport, 2, &LONG);
-        let mut client = Client::of(&mut running);
+        let mut client = Client::attach(&mut running);
         client.order(&Request::Pause);
         client.order(&Request::Checkpoint);
         let end = client.status().progress.time + 0.1;
@@ -185,9 +185,9 @@ fn a_planned_stop_ends_the_run() {
 fn rude_clients_do_not_disturb_a_run() {
     let whole = undisturbed().digest();
     let mut running = start_on("threads", 2, &[]);
-    let mut polite = Client::of(&mut running);
+    let mut polite = Client::attach(&mut running);
     polite.order(&Request::Pause);
-    let mut rude = Client::of(&mut running);
+    let mut rude = Client::attach(&mut running);
     for line in ["\n", "status\n", "{\"request\": \"halt\"}\n", "[1, 2\n"] {
         assert!(rude.refusal(line).contains("{\"request\": \"status\"}"));
     }
@@ -195,8 +195,8 @@ fn rude_clients_do_not_disturb_a_run() {
     assert!(rude.refusal(zero).contains("above 0"));
     assert!(rude.refusal(&("x".repeat(100_000) + "\n")).contains("at most"));
     assert!(rude.next_line().is_none(), "the connection is closed");
-    let mut binary = Client::of(&mut running);
-    let mut deaf = Client::of(&mut running);
+    let mut binary = Client::attach(&mut running);
+    let mut deaf = Client::attach(&mut running);
     deaf.send(&Request::Watch.to_line());
     deaf.flood(&Request::Status.to_line());
     let began = Instant::now();
@@ -225,7 +225,7 @@ fn attach(out: &Path, options: &[&str]) -> Ended {
 #[test]
 fn the_command_gives_orders_and_says_what_is_wrong() {
     let mut running = start_on("threads", 2, &[]);
-    drop(Client::of(&mut running));
+    drop(Client::attach(&mut running));
     let out = running.out();
     let paused = attach(&out, &["--pause"]).with_code(0).said();
     assert!(paused.starts_with("pause: cycle "), "{paused}");
@@ -277,7 +277,7 @@ fn pictures_change_nothing() {
     for transport in transports() {
         let mut running = start_on(transport, 2, &[]);
         let out = running.out();
-        let mut client = Client::of(&mut running);
+        let mut client = Client::attach(&mut running);
         let mut cycles = Vec::new();
         // The last request meets the end of the run.
         while let Some(Answer::View(view)) = client.try_ask(&Request::View) {

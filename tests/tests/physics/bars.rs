@@ -4,7 +4,8 @@
 //! A bar is a strip of N square shells with Poisson's ratio 0. It carries only plane waves of
 //! speed `c = sqrt(E/rho)`. Units mm, ms, kg.
 
-use crumple_tests::{read, run_alone};
+use crumple_tests::{model_of, run_alone};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 
 const LENGTH: f64 = 100.0;
@@ -21,37 +22,23 @@ fn c() -> f64 {
 /// Strips in a plane, one part each.
 #[derive(Default)]
 struct Bars {
-    nodes: Vec<[f64; 2]>,
-    shells: Vec<[usize; 5]>,
-    parts: usize,
+    scene: Scene,
+    parts: u32,
 }
 
 impl Bars {
     /// Adds a strip of `n` squares from x = `from`.
     fn add(&mut self, from: f64, n: usize) {
-        let (first, side) = (self.nodes.len(), LENGTH / n as f64);
+        let side = LENGTH / n as f64;
         self.parts += 1;
-        self.nodes.extend((0..=n).flat_map(|i| [0.0, side].map(|y| [from + side * i as f64, y])));
-        let shell = |i: usize| {
-            [self.parts, first + 2 * i + 1, first + 2 * i + 3, first + 2 * i + 4, first + 2 * i + 2]
-        };
-        self.shells.extend((0..n).map(shell));
+        let y = [0.0, side];
+        self.scene.lattice(self.parts, [n, 1], |i, j| [from + side * i as f64, y[j], 0.0]);
     }
 
     /// Runs a job on these bars; `rest` contains walls, velocities and contact. The set `first`
     /// holds the first `first` nodes.
-    fn run(&self, first: usize, rest: &str, look: impl FnMut(&Engine)) -> Engine {
-        let nodes = self
-            .nodes
-            .iter()
-            .zip(1..)
-            .map(|([x, y], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, 0.0],\n"));
-        let shells =
-            self.shells.iter().zip(1..).map(|([p, a, b, c, d], id): (_, u32)| {
-                format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n")
-            });
-        let (nodes, shells): (String, String) = (nodes.collect(), shells.collect());
-        let set: Vec<usize> = (1..=first).collect();
+    fn run(mut self, first: u32, rest: &str, look: impl FnMut(&Engine)) -> Engine {
+        self.scene.set_named("first", &(1..=first).collect::<Vec<_>>());
         let part = |id| {
             format!(
                 "[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\npoints = 2\n"
@@ -59,17 +46,14 @@ impl Bars {
         };
         let parts: String = (1..=self.parts).map(part).collect();
         let text = format!(
-            "end_time = {:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-             node_sets = {{ first = {set:?} }}\n\
+            "end_time = {:?}\n{}\
              [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
              density = {RHO:?}\n\
              youngs_modulus = {E:?}\npoisson = 0.0\n{parts}{rest}",
-            3.2 * LENGTH / c()
+            3.2 * LENGTH / c(),
+            self.scene.mesh_text()
         );
-        let there = tempfile::tempdir().unwrap();
-        let path = there.path().join("bars.toml");
-        std::fs::write(&path, text).unwrap();
-        run_alone(&read(&path, &[]), look)
+        run_alone(&model_of(&text, &[]), look)
     }
 }
 
@@ -178,7 +162,7 @@ fn exchange(n: usize, v: f64) -> Exchange {
         "[[initial_velocity]]\nnodes = \"first\"\nvelocity = [{v:?}, 0.0, 0.0]\n[contact]\n"
     );
     let (mut last_push, mut when, mut gained, mut last) = (0.0, 0.0, 0.0, 0.0f64);
-    let end = bars.run(half, &rest, |e| {
+    let end = bars.run(half as u32, &rest, |e| {
         let velocity = flight(e, half..e.nodes.local_count);
         if velocity - last > 1e-9 * v {
             last_push = e.clock.time;

@@ -2,7 +2,8 @@
 //! kg.
 
 use crumple::input::job::Model;
-use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 use nalgebra::{Rotation3, Vector3};
@@ -23,25 +24,22 @@ fn cantilever(
     end_time: f64,
     rest: &str,
 ) -> Model {
-    let point = |id: usize, x: Vector3<f64>| format!("[{id}, {:?}, {:?}, {:?}],\n", x.x, x.y, x.z);
+    let mut scene = Scene::default();
     let along = |i: usize| turn * Vector3::new(LENGTH * i as f64 / n as f64, 0.0, 0.0);
-    let nodes: String = (0..=n).map(|i| point(i + 1, along(i))).collect();
-    let third = point(n + 2, turn * Vector3::new(30.0, 50.0, 0.0));
-    let beams: String =
-        (1..=n).map(|i| format!("[{i}, 1, {i}, {}, {}],\n", i + 1, n + 2)).collect();
+    let nodes: Vec<u32> = (0..=n).map(|i| scene.node(along(i).into())).collect();
+    let third = scene.node((turn * Vector3::new(30.0, 50.0, 0.0)).into());
+    nodes.windows(2).for_each(|ends| scene.beam(1, [ends[0], ends[1], third]));
+    scene.set_named("root", &nodes[..1]);
+    scene.set_named("tip", &nodes[n..]);
     let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}{third}]\nbeams = [{beams}]\n\
-         node_sets = {{ root = [1], tip = [{}] }}\n[output]\nfield_interval = -1.0\n\
+        "end_time = {end_time:?}\n{}[output]\nfield_interval = -1.0\n\
          [[material]]\nname = \"steel\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.3\n\
          {law}\n\
          [[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\n{section}\n\
          [[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n{rest}",
-        n + 1
+        scene.mesh_text()
     );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("beams.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, &[])
+    model_of(&text, &[])
 }
 
 const ELASTIC: &str = "law = \"elastic\"";
@@ -245,39 +243,29 @@ fn a_weld_breaks_at_its_strength() {
 /// workers, with forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
-    let (mut nodes, mut shells, mut beams) = (String::new(), String::new(), String::new());
-    for i in 0..7 {
-        for j in 0..5 {
-            let n = 5 * i + j + 1;
-            nodes += &format!("[{n}, {:?}, {:?}, 0.0],\n", 10.0 * i as f64, 10.0 * j as f64);
-            if i < 6 && j < 4 {
-                shells += &format!("[{n}, 1, {n}, {}, {}, {}],\n", n + 5, n + 6, n + 1);
-            }
-            if i < 6 && j % 2 == 0 {
-                beams += &format!("[{}, {}, {n}, {}, 100],\n", n + 200, 2 + j / 2, n + 5);
-            }
-        }
+    let mut scene = Scene::default();
+    let plate = scene.lattice(1, [6, 4], |i, j| [10.0 * i as f64, 10.0 * j as f64, 0.0]);
+    let third = scene.node([20.0, 20.0, 300.0]);
+    for (i, (rib, j)) in (0..6).flat_map(|i| [(2, 0), (3, 2), (4, 4)].map(|rib| (i, rib))) {
+        scene.beam(rib, [plate.at(i, j), plate.at(i + 1, j), third]);
     }
     let part = |id: u32, section: &str| {
         format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\n{section}\n")
     };
     let text = format!(
-        "end_time = 1.0\n[mesh]\nnodes = [{nodes}[100, 20.0, 20.0, 300.0]]\nshells = [{shells}]\n\
-         beams = [{beams}]\n\
-         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\n\
+        "end_time = 1.0\n{}[output]\nfield_interval = -1.0\n\
+         [[material]]\nname = \"steel\"\nlaw = \"j2\"\n\
          density = {RHO:?}\n\
          youngs_modulus = {E:?}\npoisson = 0.3\nhardening = [[0.0, 0.2], [1.0, 0.4]]\n\
          [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n{}{}{}\
          [[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.4, 0.1, 1.0]\n\
          [[initial_velocity]]\nvelocity = [0.0, 0.0, -20.0]\n",
+        scene.mesh_text(),
         part(2, RECTANGLE),
         part(3, "section = \"tube\"\nradius = 2.0\n[part.beam.weld]\nnormal = 0.3\nshear = 0.1"),
         part(4, "section = \"i\"\nheight = 5.0\nwidth = 4.0\nflange = 0.6\nweb = 0.5"),
     );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("ribs.toml");
-    std::fs::write(&path, text).unwrap();
-    let model = read(&path, &[]);
+    let model = model_of(&text, &[]);
     let alone = run_alone(&model, |_| {});
     let broken = alone.blocks.elements.iter().filter(|e| e.record.failed).count();
     assert!((1..18).contains(&broken), "{broken} welds break");

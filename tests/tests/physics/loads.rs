@@ -2,7 +2,8 @@
 //! workers. Units mm, ms, kg, so kN and GPa.
 
 use crumple::input::job::Model;
-use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 use crumple_worker::math::row::xyz;
 
@@ -13,43 +14,21 @@ const E: f64 = 207.0;
 /// `all` holds its nodes, `edge` those at x = 0, `lower` the first half. `rest` is the rest of
 /// the job.
 fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Model {
-    let (mut nodes, mut shells, mut edge) = (String::new(), String::new(), Vec::new());
-    for i in 0..=n {
-        for j in 0..=n {
-            let id = i * (n + 1) + j + 1;
-            nodes += &format!(
-                "[{id}, {:?}, {:?}, 0.0],\n",
-                side * i as f64 / n as f64,
-                side * j as f64 / n as f64
-            );
-            if i == 0 {
-                edge.push(id);
-            }
-            if i < n && j < n {
-                shells += &format!(
-                    "[{}, 1, {id}, {}, {}, {}],\n",
-                    i * n + j + 1,
-                    id + n + 1,
-                    id + n + 2,
-                    id + 1
-                );
-            }
-        }
-    }
-    let count = (n + 1) * (n + 1);
-    let (all, lower): (Vec<usize>, Vec<usize>) = ((1..=count).collect(), (1..=count / 2).collect());
+    let mut scene = Scene::default();
+    let at = |i: usize| side * i as f64 / n as f64;
+    let grid = scene.lattice(1, [n, n], |i, j| [at(i), at(j), 0.0]);
+    scene.set_named("all", grid.all());
+    scene.set_named("edge", &grid.row(0));
+    scene.set_named("lower", &grid.all()[..grid.all().len() / 2]);
     let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         node_sets = {{ all = {all:?}, edge = {edge:?}, lower = {lower:?} }}\n\
+        "end_time = {end_time:?}\n{}\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
          density = {RHO:?}\n\
          youngs_modulus = {E:?}\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\n\
-         thickness = {thickness:?}\n{rest}"
+         thickness = {thickness:?}\n{rest}",
+        scene.mesh_text()
     );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("plate.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, &[])
+    model_of(&text, &[])
 }
 
 /// The energy balance at whole times, as in history rows.
@@ -66,7 +45,7 @@ impl Balance {
         Self { initial, ..Self::default() }
     }
 
-    fn look(&mut self, e: &Engine) {
+    fn record(&mut self, e: &Engine) {
         let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
         self.left = self.left.max(energies.balance(self.initial).abs());
         self.work = energies.external;
@@ -92,7 +71,7 @@ fn gravity_makes_all_fall_alike() {
     );
     let mut balance = Balance::default();
     run_alone(&model, |e| {
-        balance.look(e);
+        balance.record(e);
         let t = e.clock.time;
         let place = |i: usize| (e.nodes.x[i][2] + 0.5 * g * t * t).abs();
         worst = (0..e.nodes.local_count).map(place).fold(worst, f64::max);
@@ -117,7 +96,7 @@ fn nodal_loads_and_damping() {
                 nodes = \"all\"\n\
                 force = [0.3, 0.0, 0.0]\nmoment = [0.0, 0.0, 0.0]\ncurve = \"ramp\"\n";
     let mut balance = Balance::default();
-    let end = run_alone(&plate(side, 2, thickness, 0.2, rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 2, thickness, 0.2, rest), |e| balance.record(e));
     let momentum: f64 =
         (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][0]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt; // mid-step
@@ -134,7 +113,7 @@ fn nodal_loads_and_damping() {
 
     let rest = "[time]\ndamping = 5.0\n[[initial_velocity]]\nvelocity = [0.0, 3.0, 0.0]\n";
     let mut balance = Balance::from(0.5 * mass * 9.0);
-    let end = run_alone(&plate(side, 2, thickness, 0.3, rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 2, thickness, 0.3, rest), |e| balance.record(e));
     let t = end.clock.time - 0.5 * end.clock.last_dt;
     let v = end.nodes.v[0][1];
     assert!(
@@ -152,7 +131,7 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let (side, p) = (20.0, 1e-3);
     let mut balance = Balance::default();
     let rest = format!("[[pressure]]\nparts = [1]\npressure = {p:?}\n");
-    let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |e| balance.record(e));
     let momentum: f64 =
         (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][2]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt;
@@ -198,7 +177,7 @@ fn dynamic_relaxation_finds_the_static_answer() {
         -p
     );
     let mut balance = Balance::default();
-    let end = run_alone(&plate(side, 10, thickness, 12.0 / w, &rest), |e| balance.look(e));
+    let end = run_alone(&plate(side, 10, thickness, 12.0 / w, &rest), |e| balance.record(e));
     let beam = p * side.powi(4) / (8.0 * E * thickness.powi(3) / 12.0);
     let tips: Vec<f64> = (110..121).map(|i| end.nodes.x[i][2]).collect();
     let tip = tips.iter().sum::<f64>() / 11.0;

@@ -2,41 +2,36 @@
 //! number of workers. Units mm, ms, kg.
 
 use crumple::input::job::Model;
-use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 use std::collections::BTreeMap;
 
-/// Bodies of square shells of side 10 / n, one part each.
+/// Bodies of square shells, one part each.
 #[derive(Default)]
-struct Scene {
-    nodes: Vec<[f64; 3]>,
-    shells: Vec<(usize, [usize; 4])>,
-    parts: usize,
+struct Bodies {
+    scene: Scene,
+    /// Nodes of each part.
+    parts: Vec<Vec<u32>>,
 }
 
-impl Scene {
+impl Bodies {
+    /// Returns the number of the next part.
+    fn next(&self) -> u32 {
+        self.parts.len() as u32 + 1
+    }
+
     /// Adds a plate in the plane z = `at[2]`, `cells` squares of side `side`.
-    fn plate(&mut self, at: [f64; 3], cells: [usize; 2], side: f64) -> usize {
-        self.parts += 1;
-        let first = self.nodes.len() + 1;
-        let node = |i: usize, j: usize| first + i * (cells[1] + 1) + j;
-        for i in 0..=cells[0] {
-            self.nodes.extend(
-                (0..=cells[1]).map(|j| [at[0] + side * i as f64, at[1] + side * j as f64, at[2]]),
-            );
-        }
-        for i in 0..cells[0] {
-            let shell =
-                |j| (self.parts, [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
-            self.shells.extend((0..cells[1]).map(shell));
-        }
-        self.parts
+    fn plate(&mut self, at: [f64; 3], cells: [usize; 2], side: f64) {
+        let place = |i: usize, j: usize| [at[0] + side * i as f64, at[1] + side * j as f64, at[2]];
+        let grid = self.scene.lattice(self.next(), cells, place);
+        self.parts.push(grid.all().to_vec());
     }
 
     /// Adds a closed box from `at` with `cells` squares of side `side` along its edges.
-    fn cuboid(&mut self, at: [f64; 3], cells: [usize; 3], side: f64) -> usize {
-        self.parts += 1;
-        let mut known: BTreeMap<[usize; 3], usize> = BTreeMap::new();
+    fn cuboid(&mut self, at: [f64; 3], cells: [usize; 3], side: f64) {
+        let part = self.next();
+        let mut known: BTreeMap<[usize; 3], u32> = BTreeMap::new();
         for axis in 0..3 {
             let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
             for level in [0, cells[axis]] {
@@ -46,63 +41,47 @@ impl Scene {
                             let mut place = [0; 3];
                             (place[axis], place[a], place[b]) = (level, i + u, j + v);
                             *known.entry(place).or_insert_with(|| {
-                                self.nodes.push([0, 1, 2].map(|c| at[c] + side * place[c] as f64));
-                                self.nodes.len()
+                                self.scene.node([0, 1, 2].map(|c| at[c] + side * place[c] as f64))
                             })
                         };
                         let quad = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
                         let outward =
                             if level == 0 { [quad[0], quad[3], quad[2], quad[1]] } else { quad };
-                        self.shells.push((self.parts, outward));
+                        self.scene.shell(part, &outward);
                     }
                 }
             }
         }
-        self.parts
+        self.parts.push(known.into_values().collect());
     }
 
     /// Returns the job with sets of all nodes of each part, `part_1` and so on; `rest` is the
     /// rest of the job.
     fn job(&self, end_time: f64, rest: &str) -> Model {
-        let nodes = self
-            .nodes
-            .iter()
-            .zip(1..)
-            .map(|([x, y, z], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, {z:?}],\n"));
-        let shells =
-            self.shells.iter().zip(1..).map(|((p, [a, b, c, d]), id): (_, u32)| {
-                format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n")
-            });
-        let (nodes, shells): (String, String) = (nodes.collect(), shells.collect());
-        let set = |p: usize| {
-            let mut ids: Vec<usize> =
-                self.shells.iter().filter(|s| s.0 == p).flat_map(|s| s.1).collect();
-            ids.sort_unstable();
-            ids.dedup();
-            format!("part_{p} = {ids:?}, ")
-        };
-        let sets: String = (1..=self.parts).map(set).collect();
+        let mut scene = self.scene.clone();
+        for (p, nodes) in (1..).zip(&self.parts) {
+            let mut nodes = nodes.clone();
+            nodes.sort_unstable();
+            scene.set_named(&format!("part_{p}"), &nodes);
+        }
         let part = |p| format!("[[part]]\nid = {p}\nmaterial = \"steel\"\nthickness = 1.0\n");
-        let parts: String = (1..=self.parts).map(part).collect();
+        let parts: String = (1..=self.parts.len()).map(part).collect();
         let text = format!(
-            "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-             node_sets = {{ {sets} }}\n\
+            "end_time = {end_time:?}\n{}\
              [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
              density = 7.85e-6\n\
-             youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}"
+             youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}",
+            scene.mesh_text()
         );
-        let there = tempfile::tempdir().unwrap();
-        let path = there.path().join("rigid.toml");
-        std::fs::write(&path, text).unwrap();
-        read(&path, &[])
+        model_of(&text, &[])
     }
 }
 
 fn cube(rest: &str, end_time: f64, look: impl FnMut(&Engine)) -> Engine {
-    let mut scene = Scene::default();
-    scene.cuboid([0.0; 3], [2, 2, 2], 5.0);
+    let mut bodies = Bodies::default();
+    bodies.cuboid([0.0; 3], [2, 2, 2], 5.0);
     run_alone(
-        &scene.job(end_time, &format!("[[rigid]]\nname = \"cube\"\nparts = [1]\n{rest}")),
+        &bodies.job(end_time, &format!("[[rigid]]\nname = \"cube\"\nparts = [1]\n{rest}")),
         look,
     )
 }
@@ -201,9 +180,9 @@ fn a_prescribed_body_moves_its_nodes() {
 /// are conserved to round-off, energy does not grow, and the plate takes its share.
 #[test]
 fn contact_with_a_deformable_plate_keeps_momentum() {
-    let mut scene = Scene::default();
-    scene.cuboid([8.0, 12.0, 2.0], [2, 2, 2], 5.0);
-    scene.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
+    let mut bodies = Bodies::default();
+    bodies.cuboid([8.0, 12.0, 2.0], [2, 2, 2], 5.0);
+    bodies.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
     for law in ["lagrange", "penalty"] {
         let rest = format!(
             "[[rigid]]\nname = \"cube\"\nparts = [1]\n[[initial_velocity]]\nnodes = \"part_1\"\n\
@@ -216,7 +195,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
             [p, l]
         };
         let (mut first, mut worst, mut pairs, mut deepest) = (None, [0.0f64; 2], 0, 0.0f64);
-        let end = run_alone(&scene.job(0.6, &rest), |e| {
+        let end = run_alone(&bodies.job(0.6, &rest), |e| {
             let now = sums(e);
             let first = *first.get_or_insert(now);
             for k in 0..2 {
@@ -253,13 +232,13 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
 /// with at most twice 0.002 d / dt, not with d / dt, and gains less than 1e-3 J.
 #[test]
 fn an_initial_penetration_does_not_throw_a_body_out() {
-    let mut scene = Scene::default();
-    scene.cuboid([8.0, 12.0, 0.9], [2, 2, 2], 5.0);
-    scene.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
+    let mut bodies = Bodies::default();
+    bodies.cuboid([8.0, 12.0, 0.9], [2, 2, 2], 5.0);
+    bodies.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
     let rest = "[[rigid]]\nname = \"cube\"\nparts = [1]\n[contact]\n[[fix]]\nnodes = \"part_2\"\n\
                 dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
     let (mut fastest, mut energy) = (0.0f64, 0.0f64);
-    let end = run_alone(&scene.job(0.3, rest), |e| {
+    let end = run_alone(&bodies.job(0.3, rest), |e| {
         fastest = fastest.max(e.constraints.bodies.bodies[0].last.velocity.norm());
         energy = energy.max(e.constraints.bodies.bodies[0].energy());
     });
@@ -275,18 +254,19 @@ fn an_initial_penetration_does_not_throw_a_body_out() {
 /// forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
-    let mut scene = Scene::default();
-    scene.cuboid([0.0, 0.0, 0.0], [3, 3, 3], 5.0);
-    scene.cuboid([2.0, 3.0, 17.0], [4, 2, 2], 5.0);
-    scene.plate([-5.0, -3.0, 29.0], [5, 5], 5.0);
+    let mut bodies = Bodies::default();
+    bodies.cuboid([0.0, 0.0, 0.0], [3, 3, 3], 5.0);
+    bodies.cuboid([2.0, 3.0, 17.0], [4, 2, 2], 5.0);
+    bodies.plate([-5.0, -3.0, 29.0], [5, 5], 5.0);
     // A flap on the first cube shares the nodes of one edge.
-    let edge: Vec<usize> = (0..4)
-        .map(|j| scene.nodes.iter().position(|n| *n == [15.0, 5.0 * j as f64, 15.0]).unwrap() + 1)
+    let scene = &mut bodies.scene;
+    let on_cube = |j: usize| [15.0, 5.0 * j as f64, 15.0];
+    let edge: Vec<u32> = (0..4)
+        .map(|j| (1..=scene.count()).find(|&n| scene.at(n) == on_cube(j)).expect("its edge"))
         .collect();
-    scene.parts += 1;
-    let first = scene.nodes.len() + 1;
-    scene.nodes.extend((0..4).map(|j| [20.0, 5.0 * j as f64, 15.0]));
-    scene.shells.extend((0..3).map(|j| (4, [edge[j], first + j, first + j + 1, edge[j + 1]])));
+    let outer: Vec<u32> = (0..4).map(|j| scene.node([20.0, 5.0 * j as f64, 15.0])).collect();
+    (0..3).for_each(|j| _ = scene.shell(4, &[edge[j], outer[j], outer[j + 1], edge[j + 1]]));
+    bodies.parts.push([edge, outer].concat());
     let rest = "[time]\ndamping = 0.05\n[[rigid]]\nname = \"lower\"\nparts = [1]\n[[rigid]]\n\
                 name = \"upper\"\nparts = [2]\nmass = 0.03\n\
                 inertia = [1.0, 1.5, 1.2, 0.1, 0.0, 0.2]\n\
@@ -297,7 +277,7 @@ fn bits_do_not_depend_on_workers() {
                 spin = [0.2, 0.3, -0.1]\ncentre = [12.0, 8.0, 22.0]\n\
                 [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 0.0, -9.0]\n[contact]\n\
                 friction = 0.3\n";
-    let model = scene.job(2.0, rest);
+    let model = bodies.job(2.0, rest);
     let serial = run_side_by_side(&model, 1, 1500, 0);
     let met: usize = serial.pairs.iter().map(Vec::len).sum();
     assert!(serial.trouble.is_none() && met > 1000, "{met} pairs in {} cycles", serial.pairs.len());

@@ -3,9 +3,9 @@
 
 use crumple::input::job::{self, Model};
 use crumple_tests::sheets::distance_at_contact;
-use crumple_tests::{case, read, run_alone, run_side_by_side};
+use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
-use std::fmt::Write;
 
 /// Steel without transverse strain, so that strips are beams.
 const E: f64 = 200.0;
@@ -21,38 +21,23 @@ fn strip(
     of_part: &str,
     of_mesh: &str,
 ) -> Model {
-    let mut text = format!("end_time = {end:?}\n[mesh]\nnodes = [");
-    for node in 0..2 * (n + 1) {
-        let [x, y] = [node / 2, node % 2].map(|k| WIDTH * k as f64);
-        write!(text, "[{}, {x:?}, {y:?}, 0.0],", node + 1).unwrap();
-    }
-    text += "]\nshells = [";
-    for e in 0..n {
-        let first = 2 * e + 1;
-        write!(text, "[{}, 1, {first}, {}, {}, {}],", e + 1, first + 2, first + 3, first + 1)
-            .unwrap();
-    }
-    let [last, other] = [2 * n + 1, 2 * n + 2];
-    write!(
-        text,
-        "]\n{of_mesh}\n[mesh.node_sets]\nroot = [1, 2]\ntip = [{last}, {other}]\n[time]\n\
+    let mut scene = Scene::default();
+    let grid = scene.lattice(1, [n, 1], |i, j| [WIDTH * i as f64, WIDTH * j as f64, 0.0]);
+    scene.mesh(of_mesh);
+    scene.set_named("root", &grid.row(0));
+    scene.set_named("tip", &grid.row(n));
+    let text = format!(
+        "end_time = {end:?}\n{}[time]\n\
          damping = {damping:?}\n[output]\n\
          field_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
          density = {RHO:?}\nyoungs_modulus = {E:?}\n\
          poisson = 0.0\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = {thickness:?}\n\
          {of_part}\n[[fix]]\nnodes = \"root\"\n\
          dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n[[load]]\nnodes = \"tip\"\n\
-         force = [{force:?}, 0.0, 0.0]\n"
-    )
-    .unwrap();
+         force = [{force:?}, 0.0, 0.0]\n",
+        scene.mesh_text()
+    );
     model_of(&text, &[])
-}
-
-fn model_of(text: &str, sets: &[&str]) -> Model {
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("job.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, sets)
 }
 
 /// Returns the displacement of a node along an axis.

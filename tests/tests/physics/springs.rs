@@ -46,7 +46,7 @@ struct Balance {
 }
 
 impl Balance {
-    fn look(&mut self, e: &Engine) {
+    fn record(&mut self, e: &Engine) {
         if e.clock.cycle > 2 && e.clock.dt == e.clock.first_dt {
             // `balance` takes a negative kinetic energy, as at a reversal of the motion, as
             // zero.
@@ -80,7 +80,7 @@ fn a_mass_on_a_spring_swings_with_its_frequency() {
         run_alone(&model, |e| {
             let exact = v / w * (w * e.clock.time).sin();
             worst = worst.max((e.nodes.x[1][0] - at[0] - exact).abs() / (v / w));
-            balance.look(e);
+            balance.record(e);
         });
         assert!(worst < 1.2 * 20.0 * step * step / 24.0, "{numbers}: {worst}");
         assert!(balance.worst < 1e-12, "{numbers}: round-off of 1000 steps: {}", balance.worst);
@@ -101,7 +101,7 @@ fn a_damper_slows_exponentially() {
         let nodes = [[0.0; 3], [20.0, 0.0, 0.0]];
         let model = job(&nodes, &[([1, 2], numbers)], 2.0, [&time, &rest]);
         let mut balance = Balance::default();
-        let end = run_alone(&model, |e| balance.look(e));
+        let end = run_alone(&model, |e| balance.record(e));
         let t = end.clock.time - 0.5 * end.clock.last_dt;
         let ratio = end.nodes.v[1][0] / (v * (-c * t / m).exp());
         let late = c * c * dt * t / (2.0 * m * m);
@@ -137,7 +137,7 @@ fn free_masses_keep_momentum() {
         for k in 0..2 {
             worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
         }
-        balance.look(e);
+        balance.record(e);
     });
     assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "round-off of several thousand steps: {worst:?}");
     assert!(balance.worst < 1e-11, "{}", balance.worst);

@@ -1,7 +1,8 @@
 //! Rigid walls that move, are finite or are round, on any number of workers. Units mm, ms, kg.
 
 use crumple::input::job::Model;
-use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
@@ -10,44 +11,21 @@ const RHO: f64 = 7.85e-6;
 /// Returns a job with square plates of shells of 1 mm, each with a part and a node set `part_1`
 /// and so on: corner, sides and cells along x and y. `rest` is the rest of the job.
 fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -> Model {
-    let (mut nodes, mut shells, mut sets, mut parts) =
-        (String::new(), String::new(), String::new(), String::new());
-    let (mut first, mut shell) = (1, 1);
+    let (mut scene, mut parts) = (Scene::default(), String::new());
     for (p, &(at, side, cells)) in (1..).zip(plates) {
-        let node = |i: usize, j: usize| first + i * (cells[1] + 1) + j;
-        for i in 0..=cells[0] {
-            for j in 0..=cells[1] {
-                let x = [
-                    at[0] + side[0] * i as f64 / cells[0] as f64,
-                    at[1] + side[1] * j as f64 / cells[1] as f64,
-                ];
-                nodes += &format!("[{}, {:?}, {:?}, {:?}],\n", node(i, j), x[0], x[1], at[2]);
-                if i < cells[0] && j < cells[1] {
-                    let ring = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
-                    shells += &format!(
-                        "[{shell}, {p}, {}, {}, {}, {}],\n",
-                        ring[0], ring[1], ring[2], ring[3]
-                    );
-                    shell += 1;
-                }
-            }
-        }
-        let last = node(cells[0], cells[1]);
-        sets += &format!("part_{p} = {:?}, ", (first..=last).collect::<Vec<_>>());
+        let along = |c: usize, i: usize| at[c] + side[c] * i as f64 / cells[c] as f64;
+        let grid = scene.lattice(p, cells, |i, j| [along(0, i), along(1, j), at[2]]);
+        scene.set_named(&format!("part_{p}"), grid.all());
         parts += &format!("[[part]]\nid = {p}\nmaterial = \"steel\"\nthickness = 1.0\n");
-        first = last + 1;
     }
     let text = format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         node_sets = {{ {sets} }}\n\
+        "end_time = {end_time:?}\n{}\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
          density = {RHO:?}\n\
-         youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}"
+         youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}",
+        scene.mesh_text()
     );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("walls.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, &[])
+    model_of(&text, &[])
 }
 
 /// Returns the momentum along z of nodes and walls at the last mid-step.

@@ -1,5 +1,5 @@
 //! ARCHITECTURE.md against the repository: its paths exist, its map has all Rust files, and its
-//! rules for imports hold.
+//! rules for imports and for names of types hold.
 
 use crumple_tests::imports::{Source, files, sources};
 use crumple_tests::program::root;
@@ -232,6 +232,7 @@ fn a_forbidden_import_breaks_its_rule() {
         path: path.into(),
         module: Vec::new(),
         imports: vec![import.split("::").map(String::from).collect()],
+        types: Vec::new(),
     };
     for (path, import, wanted) in [
         ("worker/src/fem/blocks.rs", "crumple_worker::contact::Pair", 1),
@@ -289,4 +290,40 @@ fn no_modules_import_each_other_in_a_circle() {
     let found = circles(&sources(root()));
     let found: Vec<_> = found.iter().filter(|(_, circles)| !circles.is_empty()).collect();
     assert!(found.is_empty(), "circles of modules: {found:?}");
+}
+
+/// Returns the names of types that two modules of the product define, with the files.
+fn shared_names(sources: &[Source]) -> Vec<String> {
+    let product = |source: &&Source| !source.path.starts_with("tests/");
+    let mut files: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for source in sources.iter().filter(product) {
+        for name in &source.types {
+            files.entry(name).or_default().insert(&source.path);
+        }
+    }
+    let shared = files.into_iter().filter(|(_, files)| files.len() > 1);
+    shared.map(|(name, files)| format!("{name} in {files:?}")).collect()
+}
+
+#[test]
+fn each_type_has_a_name_of_its_own() {
+    let sources = sources(root());
+    let types: usize = sources.iter().map(|source| source.types.len()).sum();
+    assert!(types > 500, "only {types} types found: check that they start in the first column");
+    let shared = shared_names(&sources);
+    assert!(shared.is_empty(), "rename one by the thing it is:\n  {}", shared.join("\n  "));
+}
+
+#[test]
+fn a_name_of_two_types_is_found() {
+    let source = |path: &str| Source {
+        path: path.into(),
+        module: Vec::new(),
+        imports: Vec::new(),
+        types: vec!["Wall".into()],
+    };
+    let wall = source("worker/src/constraints/walls.rs");
+    assert!(shared_names(&[wall, source("tests/src/tools.rs")]).is_empty());
+    let two = [source("worker/src/constraints/walls.rs"), source("proto/src/wall.rs")];
+    assert_eq!(shared_names(&two).len(), 1);
 }

@@ -3,6 +3,7 @@
 //! compared within that precision of the largest value of a column.
 
 use crumple_tests::program::{Ended, crumple_with, run};
+use crumple_verification::scene::Scene;
 use std::fs;
 
 /// Tolerance for ten digits, with a margin for sums of several numbers.
@@ -16,7 +17,7 @@ struct Table {
 }
 
 impl Table {
-    fn of(ended: &Ended, name: &str) -> Self {
+    fn read(ended: &Ended, name: &str) -> Self {
         let text = fs::read_to_string(ended.out().join(name))
             .unwrap_or_else(|e| panic!("{name}: {e}: {}", ended.said()));
         let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect());
@@ -76,7 +77,7 @@ fn bars(workers: &str) -> Ended {
 #[test]
 fn parts_add_up_and_contact_changes_their_momentum() {
     let ended = bars("1");
-    let (all, parts) = (ended.history(), Table::of(&ended, "parts.csv"));
+    let (all, parts) = (ended.history(), Table::read(&ended, "parts.csv"));
     for name in ["kinetic", "internal", "hourglass"] {
         let (one, two) = (parts.column(name, "part", "1"), parts.column(name, "part", "2"));
         let whole = all.column(name);
@@ -93,13 +94,13 @@ fn parts_add_up_and_contact_changes_their_momentum() {
         mass[0]
     );
 
-    let contacts = Table::of(&ended, "contacts.csv");
+    let contacts = Table::read(&ended, "contacts.csv");
     let (f1, f2) = (contacts.vector("force", "part", "1"), contacts.vector("force", "part", "2"));
     assert!(
         f1.iter().zip(&f2).all(|(a, b)| (0..3).all(|c| a[c] == -b[c])),
         "the forces on both parts are opposite"
     );
-    let pairs = Table::of(&ended, "contact_pairs.csv").vector("force", "on part", "1");
+    let pairs = Table::read(&ended, "contact_pairs.csv").vector("force", "on part", "1");
     let felt: Vec<[f64; 3]> = f1.iter().copied().filter(|f| *f != [0.0; 3]).collect();
     assert!(
         felt.len() > 20 && pairs.iter().copied().filter(|f| *f != [0.0; 3]).eq(felt),
@@ -136,7 +137,7 @@ fn workers_make_no_difference() {
     assert!(
         !without.out().join("parts.csv").exists() && !without.out().join("contacts.csv").exists()
     );
-    let touched = Table::of(&alone, "contacts.csv")
+    let touched = Table::read(&alone, "contacts.csv")
         .vector("force", "", "")
         .iter()
         .filter(|f| **f != [0.0; 3])
@@ -146,7 +147,7 @@ fn workers_make_no_difference() {
         let several = scene(workers, &[]);
         assert_eq!(alone.digest(), several.digest(), "{workers} workers");
         for (name, first) in [("parts.csv", 3), ("contacts.csv", 3), ("contact_pairs.csv", 3)] {
-            let (a, b) = (Table::of(&alone, name), Table::of(&several, name));
+            let (a, b) = (Table::read(&alone, name), Table::read(&several, name));
             assert_eq!(a.rows.len(), b.rows.len(), "{name}");
             for c in first..a.header.len() {
                 let numbers =
@@ -175,12 +176,12 @@ fn transducers_have_the_same_digits_on_any_workers() {
     };
     let [one, two, four] = ["1", "2", "4"].map(|workers| scene(workers, &["--set", asked]));
     assert_eq!(scene("1", &[]).digest(), one.digest(), "transducers do not change the run");
-    let table = Table::of(&one, "transducers.csv");
+    let table = Table::read(&one, "transducers.csv");
     for several in [two, four] {
-        assert_eq!(Table::of(&several, "transducers.csv").rows, table.rows);
+        assert_eq!(Table::read(&several, "transducers.csv").rows, table.rows);
     }
     let of = |name: &str| table.vector("force", "transducer", name);
-    let part = Table::of(&one, "contacts.csv").vector("force", "part", "2");
+    let part = Table::read(&one, "contacts.csv").vector("force", "part", "2");
     let scale = largest(part.as_flattened());
     assert!(
         scale > 0.0 && part.iter().filter(|f| **f != [0.0; 3]).count() > 5,
@@ -195,25 +196,23 @@ fn transducers_have_the_same_digits_on_any_workers() {
 
 /// Returns a strip of ten quads of side 5 along x, thickness 4, parts 1 (the first half) and 2.
 fn strip(more: &str) -> String {
-    let (mut nodes, mut shells) = (String::new(), String::new());
-    for i in 0..=10 {
-        for j in 0..2 {
-            nodes +=
-                &format!("[{}, {:?}, {:?}, 0.0], ", 2 * i + j + 1, 5.0 * i as f64, 5.0 * j as f64);
-        }
-        if i < 10 {
-            let n = 2 * i + 1;
-            shells +=
-                &format!("[{}, {}, {n}, {}, {}, {}], ", i + 1, 1 + i / 5, n + 2, n + 3, n + 1);
-        }
+    let mut scene = Scene::default();
+    let nodes: Vec<[u32; 2]> =
+        (0..=10).map(|i| [0.0, 5.0].map(|y| scene.node([5.0 * i as f64, y, 0.0]))).collect();
+    for (i, ends) in nodes.windows(2).enumerate() {
+        let [[a, b], [c, d]] = [ends[0], ends[1]];
+        scene.shell(1 + i as u32 / 5, &[a, c, d, b]);
+    }
+    for (name, at) in [("held", 0), ("middle", 5), ("tip", 10)] {
+        scene.set_named(name, &nodes[at]);
     }
     format!(
-        "units = \"mm, ms, kg\"\n{more}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         node_sets = {{ held = [1, 2], middle = [11, 12], tip = [21, 22] }}\n\
+        "units = \"mm, ms, kg\"\n{more}\n{}\
          [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
          youngs_modulus = 207.0\npoisson = 0.3\n\
          [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 4.0\n[[part]]\nid = 2\n\
-         material = \"steel\"\nthickness = 4.0\n"
+         material = \"steel\"\nthickness = 4.0\n",
+        scene.mesh_text()
     )
 }
 
@@ -246,7 +245,8 @@ fn sections_carry_the_applied_load() {
     for workers in ["1", "2"] {
         let load = format!("[[load]]\nnodes = \"tip\"\nforce = {force:?}\n");
         let ended = job(&held_strip(&load), &["--workers", workers]);
-        let (sections, nodes) = (Table::of(&ended, "sections.csv"), Table::of(&ended, "nodes.csv"));
+        let (sections, nodes) =
+            (Table::read(&ended, "sections.csv"), Table::read(&ended, "nodes.csv"));
         let (middle, tip) = (place(&nodes, ["11", "12"]), place(&nodes, ["21", "22"]));
         assert!(tip[2] > 0.01, "the strip bends: {tip:?}");
         let arm: [f64; 3] = std::array::from_fn(|c| tip[c] - middle[c]);
@@ -284,7 +284,7 @@ fn pressure_on_the_elements_of_a_section_does_not_count() {
         &["--workers", "1"],
     );
     let force =
-        *Table::of(&ended, "sections.csv").vector("force", "section", "right").last().unwrap();
+        *Table::read(&ended, "sections.csv").vector("force", "section", "right").last().unwrap();
     let wanted = -p * (125.0 - 12.5);
     // The strip bends by a thousandth of its length, which rotates the direction of the pressure
     // but does not shorten the strip.
@@ -300,7 +300,7 @@ fn nodes_fall() {
          velocity = [0.0, 0.0, {v0:?}]\n\
          [output]\nfield_interval = -1\nhistory_interval = 1e-9\n[[output.node]]\nids = [3]\n"
     ));
-    let nodes = Table::of(&job(&text, &["--workers", "2"]), "nodes.csv");
+    let nodes = Table::read(&job(&text, &["--workers", "2"]), "nodes.csv");
     let [u, v, a] =
         ["displacement", "velocity", "acceleration"].map(|name| nodes.vector(name, "id", "3"));
     let times = nodes.column("time", "", "");
@@ -330,7 +330,7 @@ fn walls_change_the_momentum() {
     );
     for workers in ["1", "2"] {
         let ended = job(&text, &["--workers", workers]);
-        let (walls, all) = (Table::of(&ended, "walls.csv"), ended.history());
+        let (walls, all) = (Table::read(&ended, "walls.csv"), ended.history());
         let (times, momentum) = (all.column("time"), all.column("momentum x"));
         let impulse: Vec<f64> =
             walls.vector("impulse", "wall", "barrier").iter().map(|p| p[0]).collect();

@@ -2,11 +2,11 @@
 //! element once, shared nodes equal to the last bit, times in order, all values finite.
 //! deploy/read_fields.py lists the checks.
 
-use crumple::results::fields::Series;
+use crumple::results::fields::FieldSeries;
 use crumple_proto::mesh::Shape;
 use crumple_tests::program::{crumple_with, root, run};
 use crumple_tests::tools;
-use crumple_worker::vtu::{self, Cells, Piece};
+use crumple_worker::vtu::{self, Cells, FieldPiece};
 use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
@@ -50,7 +50,7 @@ fn write_strip(
     for i in 0..n as u32 {
         cells.push(Shape::Quad4, &[2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]);
     }
-    Piece {
+    FieldPiece {
         time,
         points: &corners.iter().map(|&(i, j)| [i as f32, j as f32, fall]).collect::<Vec<_>>(),
         point_arrays: &[
@@ -79,7 +79,7 @@ fn write_strip(
 /// other's outermost square.
 fn write_series(dir: &Path) -> io::Result<()> {
     use vtu::{EXTERIOR, INTERFACE, INTERIOR};
-    let mut series = Series::new(dir);
+    let mut series = FieldSeries::new(dir);
     for (step, time) in [(0, 0.0), (12, 0.125)] {
         let folder = dir.join(vtu::step_folder(step));
         let piece = |worker: usize| folder.join(vtu::piece_name(worker));

@@ -99,7 +99,7 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
 #[test]
 fn a_run_that_fails_leaves_its_trace() {
     let (summary, events) = traced(&["time.safety=3"]);
-    assert_eq!(summary.status, crumple::results::summary::Status::Failed, "{}", summary.reason);
+    assert_eq!(summary.status, crumple::results::summary::RunEnd::Failed, "{}", summary.reason);
     for worker in 0..WORKERS {
         let last = spans(&events, worker).last().unwrap()["args"]["cycle"].as_u64().unwrap();
         assert!(last.abs_diff(summary.cycles) <= 1, "cycle {last} of {}", summary.cycles);

@@ -12,8 +12,8 @@ use crumple_proto::transport::threads;
 use crumple_tests::program::{crumple_with, root, run};
 use crumple_tests::restart::checkpoints;
 use crumple_tests::{case, read, variable};
-use crumple_worker::checkpoint::fit::{Fit, Source, read_common};
-use crumple_worker::checkpoint::{Piece, ReadState};
+use crumple_worker::checkpoint::fit::{Fit, InitialModel, read_common};
+use crumple_worker::checkpoint::{CheckpointPiece, ReadState};
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::Block;
 use crumple_worker::fem::elements::build_block;
@@ -44,7 +44,7 @@ struct Known {
 
 impl Known {
     /// Runs a scene on two workers until half of its time.
-    fn of([scene, set]: [&str; 2]) -> Self {
+    fn run_half([scene, set]: [&str; 2]) -> Self {
         let model = read(&root().join(scene), &[set]);
         let at = format!("checkpoint.at=[{:?}]", 0.5 * model.settings.end_time);
         let end = format!("end_time={:?}", 0.51 * model.settings.end_time);
@@ -79,7 +79,7 @@ impl Known {
 
     fn fit(&self) -> Fit<'_> {
         let (settings, elements, nodes) = (&self.model.settings, &self.elements, &self.nodes);
-        Fit::new(Source { settings, elements, nodes })
+        Fit::new(InitialModel { settings, elements, nodes })
     }
 
     /// Checks all files.
@@ -98,7 +98,7 @@ impl Known {
             share: PartitionData::default(),
         };
         for words in pieces {
-            Piece::new(words).unwrap().add_to(&mut state.share, &mut state.own);
+            CheckpointPiece::new(words).unwrap().add_to(&mut state.share, &mut state.own);
         }
         let mut ends = threads::connect(2);
         let (comm, settings) = (&mut ends[1], self.model.settings.clone());
@@ -118,7 +118,7 @@ impl Known {
 /// tenth time: it is slow.
 #[test]
 fn mutated_contents_are_refused_or_are_states() {
-    let known: Vec<Known> = SCENES.map(Known::of).into();
+    let known: Vec<Known> = SCENES.map(Known::run_half).into();
     for known in &known {
         known.check(&known.common, &known.pieces).unwrap();
         known.go_on(&known.common, &known.pieces);

@@ -296,7 +296,10 @@ fn a_checkpoint_with_other_columns_is_refused() {
     let mut manifest = Manifest::read(&newest).unwrap();
     let columns = manifest.stamp.layout.iter_mut().find(|(key, _)| key.starts_with("Quad4 of"));
     let (key, names) = columns.unwrap();
-    let message = format!("number 1 of {key} is `other` there and `{}` in this program", names[0]);
+    let message = format!(
+        "number 1 of {key} is `other` in the checkpoint and `{}` in this program",
+        names[0]
+    );
     names[0] = "other".into();
     manifest.write(&newest).unwrap();
     let ended = resume(&out).with_code(0);

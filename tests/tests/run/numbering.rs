@@ -1,7 +1,7 @@
 //! Meshes with shuffled ids are renumbered internally: the same result as with ids in rows, the
 //! same on any number of workers, and the user's ids in requests and output. Units mm, ms, kg.
 
-use crumple::results::field_file::{Piece, pieces_of_folder};
+use crumple::results::field_file::{PieceArrays, pieces_of_folder};
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::partition::NodeRecord;
@@ -247,7 +247,7 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
     let mut corners: HashMap<i64, Vec<i64>> = HashMap::new();
     let step = ended.out().join("fields/step_000000");
     for file in pieces_of_folder(&step) {
-        let piece = Piece::read(&file).unwrap();
+        let piece = PieceArrays::read(&file).unwrap();
         let nodes = piece.i64("node_id").unwrap();
         let (points, moved) =
             (piece.array("Points").unwrap(), piece.array("displacement").unwrap());

@@ -5,43 +5,24 @@
 //! 1.
 
 use crumple::analysis::spectrum;
-use crumple::input::job::{self, Model};
+use crumple::input::job::Model;
 use crumple::run::embedded::run_alone;
+use crumple_tests::model_of;
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 use std::ops::ControlFlow;
 
-/// Nodes, shells and springs of a mesh, and all other keys of the job.
+/// A mesh, and all other keys of the job.
 #[derive(Default)]
-struct Scene {
-    nodes: String,
-    shells: String,
-    springs: String,
+struct UnitScene {
+    mesh: Scene,
     rest: String,
     /// Damping in proportion to mass [1/time].
     damping: f64,
-    count: usize,
-    elements: usize,
 }
 
-impl Scene {
-    fn node(&mut self, [x, y, z]: [f64; 3]) -> usize {
-        self.count += 1;
-        self.nodes += &format!("[{}, {x:?}, {y:?}, {z:?}],\n", self.count);
-        self.count
-    }
-
-    fn shell(&mut self, part: u32, corners: &[usize]) {
-        self.elements += 1;
-        let corners: Vec<String> = corners.iter().map(usize::to_string).collect();
-        self.shells += &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
-    }
-
-    fn spring(&mut self, part: u32, ends: [usize; 2]) {
-        self.elements += 1;
-        self.springs += &format!("[{}, {part}, {}, {}],\n", self.elements, ends[0], ends[1]);
-    }
-
+impl UnitScene {
     fn part(&mut self, id: u32, element: &str, thickness: f64) {
         let element = if element == "c0_triangle" {
             String::new()
@@ -53,27 +34,19 @@ impl Scene {
         );
     }
 
-    fn model(&self, sets: &[(&str, &[usize])], nu: f64, safety: f64, cycles: usize) -> Model {
-        let sets: Vec<String> =
-            sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
+    fn model(mut self, sets: &[(&str, &[u32])], nu: f64, safety: f64, cycles: usize) -> Model {
+        sets.iter().for_each(|(name, nodes)| self.mesh.set_named(name, nodes));
         let text = format!(
-            "end_time = 1e9\n[mesh]\nnodes = [{}]\nshells = [{}]\nsprings = [{}]\n\
-             node_sets = {{ {} }}\n\
+            "end_time = 1e9\n{}\
              [output]\nfield_interval = -1.0\n[time]\nsafety = {safety:?}\nmax_cycles = {cycles}\n\
              dt_min_ratio = 0.0\ndamping = {:?}\n\
              [[material]]\nname = \"unit\"\nlaw = \"elastic\"\ndensity = 1.0\n\
              youngs_modulus = 1.0\npoisson = {nu:?}\n{}",
-            self.nodes,
-            self.shells,
-            self.springs,
-            sets.join(", "),
+            self.mesh.mesh_text(),
             self.damping,
             self.rest
         );
-        let there = tempfile::tempdir().unwrap();
-        let path = there.path().join("steps.toml");
-        std::fs::write(&path, text).unwrap();
-        job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
+        model_of(&text, &[])
     }
 }
 
@@ -109,20 +82,20 @@ const SHELLS: [&str; 3] = ["belytschko_tsay", "stabilised_quad", "c0_triangle"];
 
 /// Returns a square, or two triangles, regular or distorted, with springs from its corners
 /// outwards along the diagonals to the ground.
-fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (Scene, Vec<usize>) {
-    let mut scene = Scene::default();
+fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (UnitScene, Vec<u32>) {
+    let mut scene = UnitScene::default();
     let far = if distorted { [1.4, 0.7] } else { [1.0, 1.0] };
     let corners = [[0.0, 0.0], [1.0, 0.0], far, [0.0, 1.0]];
-    let nodes = corners.map(|[x, y]| scene.node([x, y, 0.0]));
+    let nodes = corners.map(|[x, y]| scene.mesh.node([x, y, 0.0]));
     match element {
-        "c0_triangle" => {
-            [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(1, &t.map(|c: usize| nodes[c])))
-        }
-        _ => scene.shell(1, &nodes),
+        "c0_triangle" => [[0, 1, 2], [0, 2, 3]]
+            .iter()
+            .for_each(|t| _ = scene.mesh.shell(1, &t.map(|c: usize| nodes[c]))),
+        _ => _ = scene.mesh.shell(1, &nodes),
     }
-    let ground: Vec<usize> =
-        corners.iter().map(|[x, y]| scene.node([3.0 * x - 1.0, 3.0 * y - 1.0, 0.0])).collect();
-    (0..4).for_each(|c| scene.spring(2, [nodes[c], ground[c]]));
+    let ground: Vec<u32> =
+        corners.iter().map(|[x, y]| scene.mesh.node([3.0 * x - 1.0, 3.0 * y - 1.0, 0.0])).collect();
+    (0..4).for_each(|c| scene.mesh.spring(2, [nodes[c], ground[c]]));
     scene.part(1, element, 0.01);
     scene.rest += &format!(
         "[[part]]\nid = 2\n[part.spring]\nstiffness = {stiffness:?}\ndamping = {damping:?}\n\
@@ -178,17 +151,17 @@ fn a_lone_element_with_dampers_is_stable_at_its_step_and_weak_ones_cost_nothing(
 
 /// Returns a single square, or two triangles, whose edge is at the end of arms from a plate.
 fn tied(element: &str, arm: f64, safety: f64) -> Model {
-    let mut scene = Scene::default();
-    let plate =
-        [[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]].map(|[x, y]| scene.node([x, y, 0.0]));
-    scene.shell(1, &plate);
+    let mut scene = UnitScene::default();
+    let plate = [[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]]
+        .map(|[x, y]| scene.mesh.node([x, y, 0.0]));
+    scene.mesh.shell(1, &plate);
     let corners = [[0.0, 0.0, arm], [1.0, 0.0, arm], [1.0, 1.0, arm], [0.0, 1.0, arm]];
-    let nodes = corners.map(|x| scene.node(x));
+    let nodes = corners.map(|x| scene.mesh.node(x));
     match element {
-        "c0_triangle" => {
-            [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(2, &t.map(|c: usize| nodes[c])))
-        }
-        _ => scene.shell(2, &nodes),
+        "c0_triangle" => [[0, 1, 2], [0, 2, 3]]
+            .iter()
+            .for_each(|t| _ = scene.mesh.shell(2, &t.map(|c: usize| nodes[c]))),
+        _ => _ = scene.mesh.shell(2, &nodes),
     }
     scene.part(1, "belytschko_tsay", 0.02);
     scene.part(2, element, 0.01);
@@ -213,7 +186,7 @@ fn a_lone_element_tied_with_an_offset_is_stable_at_its_step() {
 /// Returns a square that lies on another one, smaller or rotated, pressed on by springs of a
 /// contact with the largest permitted stiffness.
 fn pressed(turned: bool, form: &str, safety: f64) -> Model {
-    let mut scene = Scene { damping: 0.1, ..Scene::default() };
+    let mut scene = UnitScene { damping: 0.1, ..UnitScene::default() };
     let thickness = 0.05;
     let square = |half: f64, turn: f64, z: f64| {
         [0.0, 1.0, 2.0, 3.0].map(|k: f64| {
@@ -221,11 +194,11 @@ fn pressed(turned: bool, form: &str, safety: f64) -> Model {
             [half * SQRT_2 * c, half * SQRT_2 * s, z]
         })
     };
-    let below = square(0.5, 0.0, 0.0).map(|x| scene.node(x));
+    let below = square(0.5, 0.0, 0.0).map(|x| scene.mesh.node(x));
     let (half, turn) = if turned { (0.35, FRAC_PI_4) } else { (0.3, 0.0) };
-    let above = square(half, turn, 1.0001 * thickness).map(|x| scene.node(x));
-    scene.shell(1, &below);
-    scene.shell(2, &above);
+    let above = square(half, turn, 1.0001 * thickness).map(|x| scene.mesh.node(x));
+    scene.mesh.shell(1, &below);
+    scene.mesh.shell(2, &above);
     [1, 2].iter().for_each(|&part| scene.part(part, "belytschko_tsay", thickness));
     let (load, share) = (1e-7, 4.0 * half * half);
     scene.rest += &format!(
@@ -306,16 +279,10 @@ fn the_limit_of_the_assembled_system_is_found() {
         assert_found(&format!("{element} at the end of an arm"), of, 0.0, limit(of));
     }
     let of = |safety: f64| {
-        let mut scene = Scene::default();
+        let mut scene = UnitScene::default();
         let n = 6;
         let place = |i: usize| i as f64 + 0.2 * ((i * i) as f64).sin();
-        let node = |i: usize, j: usize| 1 + i * (n + 1) + j;
-        (0..=n).for_each(|i| {
-            (0..=n).for_each(|j| _ = scene.node([place(i), place(j) + 0.2 * place(i), 0.0]))
-        });
-        let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let corners = |(i, j)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
-        cells.map(corners).for_each(|corners| scene.shell(1, &corners));
+        scene.mesh.lattice(1, [n, n], |i, j| [place(i), place(j) + 0.2 * place(i), 0.0]);
         scene.part(1, "stabilised_quad", 0.02);
         scene.model(&[], 0.3, safety, 3000)
     };
@@ -328,17 +295,11 @@ fn the_limit_of_the_assembled_system_is_found() {
 fn the_limit_of_a_stretched_sheet_is_found() {
     let (n, end) = (4, 500.0);
     let of = |safety: f64| {
-        let mut scene = Scene::default();
-        let node = |i: usize, j: usize| 1 + i * (n + 1) + j;
-        (0..=n).for_each(|i| (0..=n).for_each(|j| _ = scene.node([i as f64, j as f64, 0.0])));
-        for i in 0..n {
-            (0..n).for_each(|j| {
-                scene.shell(1, &[node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])
-            });
-        }
+        let mut scene = UnitScene::default();
+        let grid = scene.mesh.lattice(1, [n, n], |i, j| [i as f64, j as f64, 0.0]);
         scene.part(1, "belytschko_tsay", 0.1);
         scene.damping = 0.2; // it is at rest at `end`
-        let [near, far] = [0, n].map(|i| (0..=n).map(|j| node(i, j)).collect::<Vec<_>>());
+        let [near, far] = [0, n].map(|i| grid.row(i));
         scene.rest += "[[fix]]\nnodes = \"near\"\ndofs = [\"x\", \"y\", \"z\"]\n\
              [[fix]]\nnodes = \"far\"\ndofs = [\"y\", \"z\"]\n\
              [[curve]]\nname = \"slow\"\npoints = [[0.0, 0.0], [100.0, 1.0], [1000.0, 1.0]]\n\

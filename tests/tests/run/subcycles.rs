@@ -3,7 +3,7 @@
 //! any number of workers. Units mm, ms, kg.
 
 use crumple::input::job::Model;
-use crumple_tests::{case, read, run_alone, run_side_by_side};
+use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 
 const E: f64 = 207.0;
@@ -22,7 +22,7 @@ enum Bodies {
 /// Returns a bar along x of square elements, a quarter as long in its middle: 19 long and 4
 /// short ones. Its root at x = 0 is held along it, its tip is pulled.
 fn bar(kind: Bodies, end_time: f64, sets: &[&str]) -> Model {
-    written(&bar_text(kind, end_time), sets)
+    model_of(&bar_text(kind, end_time), sets)
 }
 
 fn bar_text(kind: Bodies, end_time: f64) -> String {
@@ -82,13 +82,6 @@ fn bar_text(kind: Bodies, end_time: f64) -> String {
     )
 }
 
-fn written(text: &str, sets: &[&str]) -> Model {
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("job.toml");
-    std::fs::write(&path, text).unwrap();
-    read(&path, sets)
-}
-
 fn slow(model: &Model) -> usize {
     model.elements.slow.iter().filter(|&&slow| slow).count()
 }
@@ -138,7 +131,7 @@ fn layers_lie_behind_rigid_bodies() {
     let text = free.replace("[10, 1,", "[10, 2,").replace("[15, 1,", "[15, 2,");
     let rigid = "[[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 5.0\n[[rigid]]\n\
                  name = \"both\"\nparts = [2]\n";
-    let model = written(&(text + rigid), &["time.subcycles=4"]);
+    let model = model_of(&(text + rigid), &["time.subcycles=4"]);
     assert_eq!(slow(&model), 15, "of 17, all but those that share a body with the short ones");
 }
 
@@ -229,7 +222,7 @@ fn workers_and_renewals_change_no_bit() {
          spin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n[contact]\n"
     );
     let [model, kept] = [true, false]
-        .map(|all| written(&text, &["time.subcycles=3", &format!("time.subcycle_contact={all}")]));
+        .map(|all| model_of(&text, &["time.subcycles=3", &format!("time.subcycle_contact={all}")]));
     assert_eq!(slow(&kept), 0, "all parts are in contact");
     assert!(
         kept.warnings.iter().any(|w| w.message.contains("is not in contact")),
@@ -247,7 +240,7 @@ fn workers_and_renewals_change_no_bit() {
         assert_eq!(a, b, "pairs in cycle {cycle}");
     }
     assert_eq!(serial.digest(), forced.digest());
-    let without = run_side_by_side(&written(&text, &[]), 1, cycles, 0);
+    let without = run_side_by_side(&model_of(&text, &[]), 1, cycles, 0);
     let place = |t: &crumple_tests::Trace| {
         t.nodes.iter().map(|n| n.x[2]).sum::<f64>() / t.nodes.len() as f64
     };
@@ -328,7 +321,7 @@ fn rigid_bodies_ties_and_springs_go_with_it() {
     let sets = "springs = [[401, 4, 5, 201]]\n[mesh.node_sets]\nground = [201]\n\
                 glued = [301, 302, 303, 304, 311, 312, 313, 314, 315, 316, 317, 318]\n";
     let text = text.replacen("[mesh.node_sets]\n", sets, 1);
-    let job = |m: &str| written(&text, &["end_time=0.3", "time.safety=0.9", m]);
+    let job = |m: &str| model_of(&text, &["end_time=0.3", "time.safety=0.9", m]);
     let model = job("time.subcycles=3");
     // Three fewer than by their own steps: those at tied nodes keep a share for the arms.
     assert_eq!(slow(&model), 21, "of 27 quads in the bar, 8 tied, one rigid, and a spring");
@@ -337,7 +330,7 @@ fn rigid_bodies_ties_and_springs_go_with_it() {
     assert!(forced.renewals >= 2700 / 35);
     assert_eq!(serial.digest(), forced.digest());
     // With a smaller step than above: the difference is 2.8e-3 at 0.9.
-    let short = |m: &str| written(&text, &["end_time=0.3", "time.safety=0.7", m]);
+    let short = |m: &str| model_of(&text, &["end_time=0.3", "time.safety=0.7", m]);
     let internal = |m: &str| run_alone(&short(m), |_| {}).energies(true).internal.value();
     let (every, some) = (internal("time.subcycles=1"), internal("time.subcycles=3"));
     assert!((some / every - 1.0).abs() < 2e-3, "second order in the outer step: {some} of {every}");

@@ -83,14 +83,14 @@ pub const UNDAMPED: &str = "penalty_damping = 0.0\n";
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_proto::job::Contact;
+    use crumple_proto::job::ContactInput;
 
     /// A law with only default settings would repeat the rows of another law.
     #[test]
     fn no_two_laws_are_the_same() {
         let settings = |law: &Law| {
             let table: toml::Table = law.table().parse().unwrap();
-            let contact: Contact = table["contact"].clone().try_into().unwrap();
+            let contact: ContactInput = table["contact"].clone().try_into().unwrap();
             format!("{contact:?}")
         };
         let different: std::collections::BTreeSet<String> =

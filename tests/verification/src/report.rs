@@ -31,7 +31,7 @@ impl Report<'_> {
         let gated = rows().filter(|r| r.verdict() != "recorded").count();
         let failed = rows().filter(|r| !r.passes()).count();
         let broken = self.outcomes.iter().filter(|o| o.rows.is_err()).count();
-        let run = self.entries.iter().filter(|e| self.of(e).next().is_some()).count();
+        let run = self.entries.iter().filter(|e| self.outcomes(e).next().is_some()).count();
         let quick = if self.quick { " (quick checks only)" } else { "" };
         // Writing into a string cannot fail.
         let _ = writeln!(
@@ -45,7 +45,7 @@ impl Report<'_> {
         );
         text.push_str("|---|---|---|---|---|---|---|---|---|\n");
         for entry in self.entries {
-            for outcome in self.of(entry) {
+            for outcome in self.outcomes(entry) {
                 match &outcome.rows {
                     Ok(rows) => rows.iter().for_each(|r| text.push_str(&line(entry.id, r))),
                     Err(why) => {
@@ -95,14 +95,14 @@ impl Report<'_> {
     /// Returns the table as JSON.
     pub fn json(&self) -> String {
         let entry = |e: &&Entry| {
-            let checks: Vec<Value> = self.of(e).map(check).collect();
+            let checks: Vec<Value> = self.outcomes(e).map(check).collect();
             json!({ "id": e.id, "title": e.title, "checks": checks, "not_covered": e.open })
         };
         let entries: Vec<Value> = self.entries.iter().map(entry).collect();
         format!("{:#}\n", json!({ "quick": self.quick, "entries": entries }))
     }
 
-    fn of<'b>(&'b self, entry: &Entry) -> impl Iterator<Item = &'b Outcome> + use<'b> {
+    fn outcomes<'b>(&'b self, entry: &Entry) -> impl Iterator<Item = &'b Outcome> + use<'b> {
         let id = entry.id;
         self.outcomes.iter().filter(move |o| o.id == id)
     }

@@ -1,5 +1,5 @@
-//! Builder of a job: mesh rows by code, the rest as the text of a job file. Units are SI, unless a
-//! scene has others.
+//! Builder of meshes and jobs: mesh rows by code, the rest as the text of a job file. Tests with
+//! their own job text take [`Scene::mesh_text`] only. Units are SI, unless a scene has others.
 
 use std::fmt::Write;
 
@@ -50,6 +50,8 @@ pub struct Scene {
     keys: String,
     /// Lines of `[time]`, a top-level table that may occur only once.
     time: String,
+    /// Further lines of `[mesh]`.
+    mesh: String,
 }
 
 /// Regular grid of nodes.
@@ -171,11 +173,32 @@ impl Scene {
         part: u32,
         [n, m]: [usize; 2],
         place: impl Fn(f64, f64) -> [f64; 3],
+        node: impl FnMut(&mut Self, [f64; 3]) -> u32,
+    ) -> Grid {
+        self.lattice_of(part, [n, m], |i, j| place(i as f64 / n as f64, j as f64 / m as f64), node)
+    }
+
+    /// Adds a grid of n by m quads; `at` maps numbers of steps along and across to coordinates
+    /// [m].
+    pub fn lattice(
+        &mut self,
+        part: u32,
+        n: [usize; 2],
+        at: impl Fn(usize, usize) -> [f64; 3],
+    ) -> Grid {
+        self.lattice_of(part, n, at, Self::node)
+    }
+
+    fn lattice_of(
+        &mut self,
+        part: u32,
+        [n, m]: [usize; 2],
+        at: impl Fn(usize, usize) -> [f64; 3],
         mut node: impl FnMut(&mut Self, [f64; 3]) -> u32,
     ) -> Grid {
         let nodes = (0..=n)
             .flat_map(|i| (0..=m).map(move |j| (i, j)))
-            .map(|(i, j)| node(self, place(i as f64 / n as f64, j as f64 / m as f64)))
+            .map(|(i, j)| node(self, at(i, j)))
             .collect();
         let grid = Grid { nodes, across: m };
         for i in 0..n {
@@ -211,6 +234,12 @@ impl Scene {
     pub fn time(&mut self, line: &str) {
         self.time.push_str(line);
         self.time.push('\n');
+    }
+
+    /// Adds a line to `[mesh]`.
+    pub fn mesh(&mut self, line: &str) {
+        self.mesh.push_str(line);
+        self.mesh.push('\n');
     }
 
     /// Adds an elastic material.
@@ -307,9 +336,19 @@ impl Scene {
     /// Returns the text of the job file.
     pub fn text(&self, title: &str) -> String {
         let mut text = format!(
-            "title = \"{title}\"\nunits = \"{}\"\nend_time = {:?}\n[mesh]\nnodes = [\n",
-            self.units, self.end_time
+            "title = \"{title}\"\nunits = \"{}\"\nend_time = {:?}\n{}",
+            self.units,
+            self.end_time,
+            self.mesh_text()
         );
+        // Writing into a string cannot fail.
+        let _ = write!(text, "[time]\n{}[output]\nfield_interval = -1.0\n{}", self.time, self.keys);
+        text
+    }
+
+    /// Returns the tables `[mesh]` and `[mesh.node_sets]` of the job file.
+    pub fn mesh_text(&self) -> String {
+        let mut text = format!("[mesh]\n{}nodes = [\n", self.mesh);
         // Writing into a string cannot fail.
         for (i, [x, y, z]) in self.nodes.iter().enumerate() {
             let _ = writeln!(text, "[{}, {x:?}, {y:?}, {z:?}],", i + 1);
@@ -328,13 +367,16 @@ impl Scene {
                 let _ = writeln!(text, "[{id}, {}],", row.join(", "));
             }
         }
-        let rows: Vec<String> =
-            self.thicknesses.iter().map(|(shell, t)| format!("[{shell}, {t:?}]")).collect();
-        let _ = writeln!(text, "]\nthicknesses = [{}]\n[mesh.node_sets]", rows.join(", "));
+        text.push_str("]\n");
+        if !self.thicknesses.is_empty() {
+            let rows: Vec<String> =
+                self.thicknesses.iter().map(|(shell, t)| format!("[{shell}, {t:?}]")).collect();
+            let _ = writeln!(text, "thicknesses = [{}]", rows.join(", "));
+        }
+        text.push_str("[mesh.node_sets]\n");
         for (name, nodes) in &self.sets {
             let _ = writeln!(text, "{name} = {nodes:?}");
         }
-        let _ = write!(text, "[time]\n{}[output]\nfield_interval = -1.0\n{}", self.time, self.keys);
         text
     }
 }

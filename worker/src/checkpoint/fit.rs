@@ -2,7 +2,7 @@
 //! bodies, walls, ties and interfaces. The sums of the files do not show that: a program with a
 //! fault writes wrong contents with right sums.
 
-use super::Piece;
+use super::CheckpointPiece;
 use crate::engine::checkpoint::CommonState;
 use crate::fem::blocks::Block;
 use crate::fem::elements::build_block;
@@ -16,7 +16,7 @@ use std::path::Path;
 
 /// The job and its mesh at time 0.
 #[derive(Clone, Copy)]
-pub struct Source<'a> {
+pub struct InitialModel<'a> {
     /// Settings of the job.
     pub settings: &'a Settings,
     /// All elements, in ascending id.
@@ -42,7 +42,7 @@ pub fn verify(
     folder: &Path,
     common: &FileRecord,
     pieces: &[FileRecord],
-    source: Source<'_>,
+    source: InitialModel<'_>,
     expected: Expected,
 ) -> Result<(), String> {
     let named = |record: &FileRecord| {
@@ -64,14 +64,15 @@ pub fn verify(
 /// # Errors
 /// They are none, or that of another time: the reason.
 pub fn read_common(words: &[u64], captured: &Captured) -> Result<CommonState, String> {
-    let common: CommonState = wire::decode(words).ok_or("it is no common state")?;
+    let common: CommonState =
+        wire::decode(words).ok_or("it is not the state that all workers share")?;
     common.clock.fit(captured)?;
     Ok(common)
 }
 
 /// The contents of a checkpoint that were checked so far.
 pub struct Fit<'a> {
-    source: Source<'a>,
+    source: InitialModel<'a>,
     /// Number of columns by part and shape, of the kinds so far.
     columns: BTreeMap<(u32, u8), usize>,
     ids: Vec<ElemId>,
@@ -79,7 +80,7 @@ pub struct Fit<'a> {
 
 impl<'a> Fit<'a> {
     /// Prepares the check.
-    pub fn new(source: Source<'a>) -> Self {
+    pub fn new(source: InitialModel<'a>) -> Self {
         Self { source, columns: BTreeMap::new(), ids: Vec::new() }
     }
 
@@ -96,7 +97,7 @@ impl<'a> Fit<'a> {
     /// # Errors
     /// It is not one of the job: the reason.
     pub fn add_piece(&mut self, words: &[u64]) -> Result<(), String> {
-        let piece = Piece::new(words)?;
+        let piece = CheckpointPiece::new(words)?;
         piece.own.fit(self.source.settings)?;
         fit_columns(self.source.settings, &piece.share.elements, &mut self.columns)?;
         for (element, _) in &piece.share.elements {
@@ -179,7 +180,7 @@ impl<'a> Fit<'a> {
             return Err(format!("the job has no node {}", n.id));
         };
         if n.x0.map(f64::to_bits) != known.x0.map(f64::to_bits) {
-            return Err(format!("node {} has another place at time 0", n.id));
+            return Err(format!("node {} has another position at time 0", n.id));
         }
         let all = [n.x, n.seen, n.v, n.w];
         let is_finite = all.as_flattened().iter().all(|a| a.is_finite());

@@ -77,7 +77,7 @@ pub fn difference(written: &Layout, own: &Layout) -> Option<String> {
         let named =
             |list: &[String]| list.get(at).map_or("no more".into(), |name| format!("`{name}`"));
         Some(format!(
-            "number {} of {key} is {} there and {} in this program",
+            "number {} of {key} is {} in the checkpoint and {} in this program",
             at + 1,
             named(there),
             named(here)

@@ -25,20 +25,20 @@ pub struct ReadState {
 }
 
 /// Content of a worker's file.
-pub struct Piece {
+pub struct CheckpointPiece {
     /// Elements and nodes.
     pub share: PartitionData,
     /// Sums of the worker.
     pub own: WorkerState,
 }
 
-impl Piece {
+impl CheckpointPiece {
     /// Reads the words of a file: the number of words of the parcel, the parcel, and the sums.
     ///
     /// # Errors
     /// They are no state: the reason.
     pub fn new(words: &[u64]) -> Result<Self, String> {
-        let other = || "it is no state of a worker".to_string();
+        let other = || "it is not the state of a worker".to_string();
         let (parcel, state) = words
             .split_first()
             .and_then(|(&count, rest)| rest.split_at_checked(usize::try_from(count).ok()?))
@@ -89,7 +89,7 @@ pub fn read_state(
         format!("{}: {why}", folder.join(&record.name).display())
     };
     let words = read(folder, common)?;
-    let other = || named(common, "it is no common state".into());
+    let other = || named(common, "it is not the state that all workers share".into());
     let read_common: CommonState = wire::decode(&words).ok_or_else(other)?;
     read_common.fit(settings).map_err(|why| named(common, why))?;
     let mut state = ReadState {
@@ -100,7 +100,7 @@ pub fn read_state(
     let mut known = BTreeMap::new();
     for record in pieces.iter().skip(me).step_by(workers) {
         let words = read(folder, record)?;
-        let piece = Piece::new(&words).map_err(|why| named(record, why))?;
+        let piece = CheckpointPiece::new(&words).map_err(|why| named(record, why))?;
         piece
             .own
             .fit(settings)

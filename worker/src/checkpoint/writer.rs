@@ -64,14 +64,14 @@ const LOOK_EVERY: Duration = Duration::from_millis(2);
 
 /// The thread that writes, if one is at work.
 #[derive(Default)]
-pub struct Writer {
+pub struct CheckpointWriter {
     thread: Option<JoinHandle<Saved>>,
     /// Cycle of its task, and number of earlier captures in it.
     at: [u64; 2],
     progress: Arc<AtomicU64>,
 }
 
-impl Writer {
+impl CheckpointWriter {
     /// Starts to write, unless another task is still at work: the new one then fails at once, so
     /// that no worker waits for a slow disk.
     pub fn start(&mut self, task: Task) -> Option<Saved> {
@@ -86,7 +86,12 @@ impl Writer {
         (self.at, self.progress) = ([task.cycle, task.repeat], task.progress.clone());
         match Builder::new().name("checkpoint".into()).spawn(|| task.run()) {
             Ok(thread) => self.thread = Some(thread),
-            Err(error) => return Some(failed(self.at, format!("no thread starts: {error}"))),
+            Err(error) => {
+                return Some(failed(
+                    self.at,
+                    format!("the thread that writes cannot be started: {error}"),
+                ));
+            }
         }
         None
     }

@@ -12,13 +12,13 @@ use crate::energy::{Work, WorkSum};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
+use crumple_proto::loads::{MotionForm, PrescribedMotion, ResolvedLoads};
 use nalgebra::Rotation3;
 
 /// All prescribed motions, by local indices.
 #[derive(Debug, Default)]
 pub struct Prescribed {
-    motions: Vec<Motion>,
+    motions: Vec<LocalMotion>,
 }
 
 stateless!(Prescribed { motions });
@@ -34,7 +34,7 @@ pub struct MotionCurve {
 
 impl MotionCurve {
     /// Builds it from a motion; `curves` are those of the job.
-    pub fn new(job: &MotionJob, curves: &[Vec<[f64; 2]>]) -> Self {
+    pub fn new(job: &PrescribedMotion, curves: &[Vec<[f64; 2]>]) -> Self {
         let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
         Self { form: job.form, amount: V3::from(job.amount), curve }
     }
@@ -51,18 +51,21 @@ impl MotionCurve {
 }
 
 #[derive(Debug)]
-struct Motion {
-    job: MotionJob,
+struct LocalMotion {
+    job: PrescribedMotion,
     course: MotionCurve,
     nodes: Vec<u32>,
 }
 
 impl Prescribed {
     /// Builds all motions of the job; none has nodes before [`Prescribed::bind_local`].
-    pub fn new(job: &LoadJob) -> Self {
-        let course = |m: &MotionJob| MotionCurve::new(m, &job.curves);
-        let motion =
-            |m: &MotionJob| Motion { job: m.clone(), course: course(m), nodes: Vec::new() };
+    pub fn new(job: &ResolvedLoads) -> Self {
+        let course = |m: &PrescribedMotion| MotionCurve::new(m, &job.curves);
+        let motion = |m: &PrescribedMotion| LocalMotion {
+            job: m.clone(),
+            course: course(m),
+            nodes: Vec::new(),
+        };
         Self { motions: job.motions.iter().map(motion).collect() }
     }
 
@@ -154,12 +157,17 @@ mod tests {
             ..NodeRecord::default()
         };
         let mut nodes = Nodes::new(&[record], 0, true);
-        let motion =
-            MotionJob { nodes: vec![NodeId(3), NodeId(9)], dofs: 63, form, amount, curve: Some(0) };
-        let mut p = Prescribed::new(&LoadJob {
+        let motion = PrescribedMotion {
+            nodes: vec![NodeId(3), NodeId(9)],
+            dofs: 63,
+            form,
+            amount,
+            curve: Some(0),
+        };
+        let mut p = Prescribed::new(&ResolvedLoads {
             curves: vec![curve.to_vec()],
             motions: vec![motion],
-            ..LoadJob::default()
+            ..ResolvedLoads::default()
         });
         p.bind_local(&nodes);
         let dt = 2.0 / steps as f64;

@@ -7,7 +7,7 @@ use super::rigid::Bodies;
 use super::ties::Ties;
 use super::walls::{WallState, Walls};
 use crumple_proto::partition::Settings;
-use crumple_proto::wall::Wall;
+use crumple_proto::wall::ResolvedWall;
 use serde::{Deserialize, Serialize};
 
 /// State of all constraints, equal on all workers.
@@ -36,9 +36,9 @@ impl ConstraintState {
         if walls > jobs {
             return Err(format!("it has {walls} walls, and the job has {jobs}"));
         }
-        let is_other = |(wall, job): (&WallState, &Wall)| !wall.fits(job);
+        let is_other = |(wall, job): (&WallState, &ResolvedWall)| !wall.fits(job);
         if let Some(wall) = self.walls.iter().zip(&settings.walls).position(is_other) {
-            return Err(format!("rigid wall {wall} is another one in the job"));
+            return Err(format!("rigid wall {wall} differs from that of the job"));
         }
         self.bodies.fit(&settings.rigid)?;
         self.ties.fit(&settings.ties)

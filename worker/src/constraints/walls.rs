@@ -20,16 +20,16 @@ use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::each_value;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{Mailbox, RankLost, Transport};
-use crumple_proto::wall::{Wall as WallJob, WallForm, WallMotion};
+use crumple_proto::wall::{ResolvedWall, WallForm, WallMotion};
 use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
-pub(crate) use shape::Form as SurfaceForm;
+pub(crate) use shape::SurfaceForm;
 pub use shape::WallSurface;
 
 /// One wall.
 #[derive(Debug)]
 pub struct Wall {
-    job: WallJob,
+    job: ResolvedWall,
     /// Surface at the present time.
     pub surface: WallSurface,
     /// Coulomb friction coefficient.
@@ -54,7 +54,7 @@ pub struct WallState {
 
 impl WallState {
     /// Returns true if it is a state of a job's wall.
-    pub fn fits(&self, job: &WallJob) -> bool {
+    pub fn fits(&self, job: &ResolvedWall) -> bool {
         let motion = [self.last, self.next, self.to.unwrap_or_default()];
         self.surface.fits(job) && motion.iter().flat_map(|v| v.iter()).all(|a| a.is_finite())
     }
@@ -88,7 +88,7 @@ pub struct Walls {
 
 impl Walls {
     /// Builds the walls of a job at time 0; `curves` are those of its loads.
-    pub fn new(jobs: &[WallJob], curves: &[Vec<[f64; 2]>]) -> Self {
+    pub fn new(jobs: &[ResolvedWall], curves: &[Vec<[f64; 2]>]) -> Self {
         let walls: Vec<Wall> = jobs.iter().map(|job| Wall::new(job, curves)).collect();
         let (mut order, others): (Vec<usize>, Vec<usize>) =
             (0..walls.len()).partition(|&w| walls[w].softness() > 0.0);
@@ -383,7 +383,7 @@ impl Walls {
 }
 
 impl Wall {
-    fn new(job: &WallJob, curves: &[Vec<[f64; 2]>]) -> Self {
+    fn new(job: &ResolvedWall, curves: &[Vec<[f64; 2]>]) -> Self {
         let surface = WallSurface::new(job);
         let (drive, velocity) = match &job.motion {
             WallMotion::Still => (Drive::Still, V3::zeros()),

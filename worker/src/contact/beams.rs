@@ -11,13 +11,13 @@
 //! dimension of the section, or the square root of the area if only the area is given.) The
 //! diameter of a beam is limited to its length where `thickness_limit` requires this.
 
-use crumple_proto::job::{Beam, BeamSection, Contact, Part};
+use crumple_proto::job::{BeamInput, BeamSection, ContactInput, Part};
 use crumple_proto::partition::Settings;
 use std::f64::consts::PI;
 
 /// Returns the contact radius of beams with a section [length]. Returns `None` for welds without
 /// a contact radius, which are between the parts that they join.
-pub fn radius(beam: &Beam) -> Option<f64> {
+pub fn radius(beam: &BeamInput) -> Option<f64> {
     let of_area = |area: f64| (area / PI).sqrt();
     let of_section = || match beam.section {
         BeamSection::Tube => beam.radius,
@@ -29,8 +29,8 @@ pub fn radius(beam: &Beam) -> Option<f64> {
 
 /// Returns the contact radius of a beam part in any of its interfaces, or `None` if the part is
 /// not in contact [length].
-pub fn half(contact: &Contact, part: &Part) -> Option<f64> {
-    let touches = |c: Contact| c.has_beams() && c.takes_part(part.id);
+pub fn half(contact: &ContactInput, part: &Part) -> Option<f64> {
+    let touches = |c: ContactInput| c.has_beams() && c.takes_part(part.id);
     part.beam.as_ref().and_then(radius).filter(|_| contact.each().any(touches))
 }
 
@@ -47,8 +47,8 @@ mod tests {
     use super::*;
     use crumple_proto::job::Weld;
 
-    fn beam(section: BeamSection) -> Beam {
-        Beam {
+    fn beam(section: BeamSection) -> BeamInput {
+        BeamInput {
             section,
             height: 4.0,
             width: 3.0,
@@ -74,7 +74,7 @@ mod tests {
         {
             assert!((PI * of(section).powi(2) / area - 1.0).abs() < 1e-15, "{section:?}");
         }
-        let given = Beam { contact_radius: Some(0.7), ..beam(BeamSection::I) };
+        let given = BeamInput { contact_radius: Some(0.7), ..beam(BeamSection::I) };
         assert_eq!(radius(&given), Some(0.7));
     }
 
@@ -82,8 +82,8 @@ mod tests {
     fn welds_take_no_part_without_a_radius() {
         let limits =
             Weld { normal: 1.0, shear: 0.0, bending: 0.0, torsion: 0.0, exponents: [2.0; 2] };
-        let weld = Beam { weld: Some(limits), ..beam(BeamSection::Tube) };
+        let weld = BeamInput { weld: Some(limits), ..beam(BeamSection::Tube) };
         assert_eq!(radius(&weld), None);
-        assert_eq!(radius(&Beam { contact_radius: Some(1.0), ..weld }), Some(1.0));
+        assert_eq!(radius(&BeamInput { contact_radius: Some(1.0), ..weld }), Some(1.0));
     }
 }

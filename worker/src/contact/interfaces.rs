@@ -5,7 +5,7 @@
 //! their interfaces.
 
 use crate::contact::friction::FrictionTable;
-use crumple_proto::job::{Contact, Part};
+use crumple_proto::job::{ContactInput, Part};
 
 /// Entry for two parts that do not touch.
 const NONE: u16 = u16::MAX;
@@ -34,7 +34,7 @@ struct InterfaceSettings {
     half: Option<f64>,
     /// Factor of the thickness of shells.
     factor: f64,
-    /// True if shells touch at their middle surface, see [`Contact::shell_offset`].
+    /// True if shells touch at their middle surface, see [`ContactInput::shell_offset`].
     shell_offset: bool,
     friction: f64,
     dynamic: f64,
@@ -50,31 +50,31 @@ struct InterfaceSettings {
 
 impl Default for Interfaces {
     fn default() -> Self {
-        Self::new(&Contact::default(), &[])
+        Self::new(&ContactInput::default(), &[])
     }
 }
 
 impl Interfaces {
     /// Builds the interfaces of a job's contact, with its parts.
-    pub fn of_parts(contact: &Contact, parts: &[Part]) -> Self {
+    pub fn of_parts(contact: &ContactInput, parts: &[Part]) -> Self {
         let ids: Vec<u32> = parts.iter().map(|p| p.id).collect();
         Self::with(contact, &ids, |part| parts[part].beam.is_some())
     }
 
     /// Builds the interfaces of a job's contact, with the ids of its parts by their indices.
     /// None of the parts is of beams.
-    pub fn new(contact: &Contact, parts: &[u32]) -> Self {
+    pub fn new(contact: &ContactInput, parts: &[u32]) -> Self {
         Self::with(contact, parts, |_| false)
     }
 
-    fn with(contact: &Contact, parts: &[u32], is_beam: impl Fn(usize) -> bool) -> Self {
-        let all: Vec<Contact> = contact.each().collect();
+    fn with(contact: &ContactInput, parts: &[u32], is_beam: impl Fn(usize) -> bool) -> Self {
+        let all: Vec<ContactInput> = contact.each().collect();
         let numbers: Vec<InterfaceSettings> = all.iter().map(InterfaceSettings::new).collect();
         let mut table = Vec::new();
         if !contact.interface.is_empty() || !contact.against.is_empty() {
             table = vec![NONE; parts.len() * parts.len()];
             for (i, c) in (0u16..).zip(&all) {
-                let interface = if c.law == Contact::NO_LAW { NONE } else { i };
+                let interface = if c.law == ContactInput::NO_LAW { NONE } else { i };
                 let named = |part: &usize| c.has_beams() || !is_beam(*part);
                 let [ahead, behind] = c.sides(parts);
                 for &a in ahead.iter().filter(|a| named(a)) {
@@ -216,7 +216,7 @@ impl Interfaces {
 }
 
 impl InterfaceSettings {
-    fn new(contact: &Contact) -> Self {
+    fn new(contact: &ContactInput) -> Self {
         Self {
             half: contact.thickness.map(|t| 0.5 * t),
             factor: contact.thickness_scale,
@@ -245,8 +245,8 @@ mod tests {
 
     const PARTS: [u32; 3] = [1, 2, 4];
 
-    fn contact(law: &str, interface: Vec<Interface>) -> Contact {
-        Contact { law: law.into(), interface, ..Contact::default() }
+    fn contact(law: &str, interface: Vec<Interface>) -> ContactInput {
+        ContactInput { law: law.into(), interface, ..ContactInput::default() }
     }
 
     fn between(i: &Interfaces, a: u32, b: u32) -> Option<u16> {
@@ -297,13 +297,13 @@ mod tests {
     #[test]
     fn an_interface_without_beams_says_nothing_of_them() {
         let own = Interface { parts: vec![1, 2], beams: Some(false), ..Interface::default() };
-        let with = |c: Contact| Interfaces::with(&c, &PARTS, |part| part == 1);
+        let with = |c: ContactInput| Interfaces::with(&c, &PARTS, |part| part == 1);
         let i = with(contact("lagrange", vec![own.clone()]));
         assert_eq!(
             [between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)],
             [Some(1), Some(0), Some(0)]
         );
-        let i = with(Contact {
+        let i = with(ContactInput {
             edges: false,
             ..contact("lagrange", vec![Interface { beams: None, ..own.clone() }])
         });
@@ -312,7 +312,7 @@ mod tests {
             [Some(1), None, None]
         );
         let some = Interface { beams: Some(true), ..own };
-        let i = with(Contact { beams: Some(false), ..contact("lagrange", vec![some]) });
+        let i = with(ContactInput { beams: Some(false), ..contact("lagrange", vec![some]) });
         assert_eq!(
             [between(&i, 0, 1), between(&i, 1, 2)],
             [Some(1), None],
@@ -336,17 +336,17 @@ mod tests {
 
     #[test]
     fn friction_falls_from_the_static_to_the_dynamic_one() {
-        let job = Contact {
+        let job = ContactInput {
             friction: 0.4,
             friction_dynamic: Some(0.1),
             friction_decay: 2.0,
-            ..Contact::default()
+            ..ContactInput::default()
         };
         let i = Interfaces::new(&job, &PARTS);
         assert_eq!(i.friction(0, || 0.0, 0.0), 0.4);
         let expected = 0.1 + 0.3 * (-3.0f64).exp();
         assert!((i.friction(0, || 1.5, 0.0) - expected).abs() < 1e-15);
-        let job = Contact { friction_decay: 0.0, ..job };
+        let job = ContactInput { friction_decay: 0.0, ..job };
         assert_eq!(
             Interfaces::new(&job, &PARTS).friction(0, || 1e9, 0.0),
             0.4,
@@ -357,7 +357,7 @@ mod tests {
     #[test]
     fn an_interface_is_there_from_its_birth_to_its_death() {
         let i = Interfaces::new(
-            &Contact { birth: 1.0, death: Some(2.0), ..Contact::default() },
+            &ContactInput { birth: 1.0, death: Some(2.0), ..ContactInput::default() },
             &PARTS,
         );
         assert_eq!([0.5, 1.0, 1.5, 2.0].map(|t| i.is_alive(0, t)), [false, true, true, false]);

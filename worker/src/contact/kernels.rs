@@ -298,7 +298,7 @@ fn on_triangle<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
 }
 
 /// Nearest point of the edges.
-struct Edge<R> {
+struct NearestOnEdges<R> {
     /// Squared distance [length^2].
     far: R,
     shape: [R; 4],
@@ -309,7 +309,7 @@ struct Edge<R> {
 /// Computes the nearest point of the first `N` edges; of two at the same distance, that of the
 /// first edge.
 #[inline(always)]
-fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Edge<R> {
+fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> NearestOnEdges<R> {
     let edge = |k: usize| {
         let (from, along) = (q[k], q[(k + 1) % N] - q[k]);
         let length2 = along.square();
@@ -319,7 +319,7 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
         let mut shape = [R::zero(); 4];
         (shape[k], shape[(k + 1) % N]) = (R::splat(1.0) - s, s);
         let place = [R::splat(x0) + s * R::splat(x1 - x0), R::splat(y0) + s * R::splat(y1 - y0)];
-        Edge { far: (from + along * s - p).square(), shape, place }
+        NearestOnEdges { far: (from + along * s - p).square(), shape, place }
     };
     let mut best = edge(0);
     for k in 1..N {

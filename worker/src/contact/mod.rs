@@ -57,7 +57,7 @@ use crate::math::vector_range::VectorRange;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::Contact as ContactJob;
+use crumple_proto::job::ContactInput;
 use crumple_proto::transport::RankLost;
 use diagnostics::search_record::SearchRecord;
 use edges::Edges;
@@ -157,7 +157,7 @@ impl Contact {
     /// # Panics
     /// If a law or search is not in the tables. The master checks names before it sends the job
     /// to workers.
-    pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
+    pub fn new(job: &ContactInput, parts: &Elasticity) -> Self {
         let laws = Laws::new(job, parts);
         let accelerated = laws.accelerated();
         let method = SEARCHES
@@ -240,7 +240,8 @@ impl Contact {
         (time, dt): (f64, f64),
         stable: f64,
     ) {
-        let velocities = VectorRange::of(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
+        let velocities =
+            VectorRange::from_vectors(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
         let spread = velocities.diameter();
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.

@@ -479,7 +479,7 @@ impl Surface {
     /// negatives; minus infinity if there are no slaves [length/time].
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
         let slave = |k: usize| Lane::new(nodes.v[self.slaves[k] as usize]);
-        let [low, high] = VectorRange::of(self.slaves.len(), slave).bounds();
+        let [low, high] = VectorRange::from_vectors(self.slaves.len(), slave).bounds();
         std::array::from_fn(|c| if c < 3 { high[c] } else { -low[c - 3] })
     }
 

@@ -58,10 +58,10 @@ impl CommonState {
             return Err(format!("it has {count} contact interfaces, and the job has {interfaces}"));
         }
         if self.limits.iter().chain([&self.slow_dt]).any(|dt| dt.is_nan() || *dt < 0.0) {
-            return Err("it has a limit of the step that is not a time".into());
+            return Err("its limit of the step is not a valid time".into());
         }
         if self.erosions > MOST {
-            return Err("it has a number of renewals that is not possible".into());
+            return Err("its number of renewals is impossible".into());
         }
         Ok(())
     }
@@ -96,10 +96,10 @@ impl WorkerState {
         self.contact.fit(settings.parts.len())?;
         self.contact_sums.fit(settings.parts.len(), settings.histories.transducers.len())?;
         if self.seconds.iter().any(|s| !s.is_finite() || *s < 0.0) {
-            return Err("it has a CPU time that is not a time".into());
+            return Err("its CPU time is not a valid time".into());
         }
         if self.sent.iter().chain([&self.named]).any(|&count| count > MOST) {
-            return Err("it has a number of messages that is not possible".into());
+            return Err("its number of messages is impossible".into());
         }
         Ok(())
     }
@@ -168,7 +168,7 @@ impl Engine {
             inverted: _,
         } = self;
         #[derive(Serialize)]
-        struct View<'a, C: Serialize> {
+        struct CheckpointView<'a, C: Serialize> {
             clock: &'a Clock,
             constraints: C,
             limits: [f64; 2],
@@ -176,7 +176,7 @@ impl Engine {
             started: &'a [bool],
             erosions: u64,
         }
-        let view = View {
+        let view = CheckpointView {
             clock,
             constraints: constraints.state(),
             limits: agreement.limits(),

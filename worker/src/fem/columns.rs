@@ -54,8 +54,8 @@ impl HistoryColumns {
     }
 
     /// Returns the columns of one element.
-    pub fn element(&self, element: usize) -> State<'_> {
-        State { columns: self, element }
+    pub fn element(&self, element: usize) -> ElementState<'_> {
+        ElementState { columns: self, element }
     }
 
     /// Sets the columns of one element, rounded in single precision.
@@ -77,12 +77,12 @@ impl HistoryColumns {
 
 /// The columns of one element.
 #[derive(Clone, Copy)]
-pub struct State<'a> {
+pub struct ElementState<'a> {
     columns: &'a HistoryColumns,
     element: usize,
 }
 
-impl State<'_> {
+impl ElementState<'_> {
     /// Returns the value of a column.
     #[inline]
     pub fn at(&self, column: usize) -> f64 {

@@ -19,7 +19,7 @@ impl Default for VectorRange {
 impl VectorRange {
     /// Returns the range of the `count` vectors that `at` returns.
     #[inline]
-    pub fn of(count: usize, mut at: impl FnMut(usize) -> Lane) -> Self {
+    pub fn from_vectors(count: usize, mut at: impl FnMut(usize) -> Lane) -> Self {
         /// Number of ranges that are kept apart: each comparison waits for the last one of its
         /// range.
         const APART: usize = 4;
@@ -69,7 +69,7 @@ mod tests {
         };
         for count in [0, 1, 2, 3, 4, 5, 7, 30] {
             let all: Vec<[f64; 4]> = vectors(count).collect();
-            let range = VectorRange::of(count, |i| Lane::new(all[i]));
+            let range = VectorRange::from_vectors(count, |i| Lane::new(all[i]));
             let [low, high] = range.bounds();
             for c in 0..4 {
                 let column = || all.iter().map(|v| v[c]);

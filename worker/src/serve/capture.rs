@@ -1,6 +1,6 @@
 //! The worker's part in checkpoints: copies of the state, and their files.
 
-use super::Worker;
+use super::RunningWorker;
 use crate::checkpoint::writer::Task;
 use crate::engine::Engine;
 use crumple_proto::checkpoint::Captured;
@@ -11,7 +11,7 @@ use crumple_proto::wire::post;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-impl Worker {
+impl RunningWorker {
     /// Copies the state if a checkpoint or a copy is due, in the same cycle on all workers, and
     /// starts to write it if it is a checkpoint.
     pub(super) fn save_if_due(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {

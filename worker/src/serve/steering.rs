@@ -1,13 +1,13 @@
 //! Orders of the user. They take effect when an outer step begins, in the same cycle on all
 //! workers, and so can be repeated.
 
-use super::Worker;
+use super::RunningWorker;
 use crumple_proto::message::ToMaster;
 use crumple_proto::steering::{Steer, Steered};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
 
-impl Worker {
+impl RunningWorker {
     /// Carries out the orders that are due, copies the state if that is due, and waits for further
     /// orders while the run is paused. All workers then carry out what arrives, in the same cycle.
     pub(super) fn steer(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {

@@ -1,6 +1,6 @@
 //! Pictures for clients: fields of own elements in files that belong to no output.
 
-use super::Worker;
+use super::RunningWorker;
 use crate::output;
 use crumple_proto::message::{ToMaster, Viewed};
 use crumple_proto::report::Phase;
@@ -9,7 +9,7 @@ use crumple_proto::wire::post;
 use std::path::Path;
 use std::time::Instant;
 
-impl Worker {
+impl RunningWorker {
     /// Writes the picture that the master has ordered. It reads the state only.
     pub(super) fn write_view_if_due(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let Some(folder) = self.view_due.take() else { return Ok(()) };

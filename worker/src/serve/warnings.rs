@@ -1,6 +1,6 @@
 //! Warnings of a worker: deleted shells, reduced penalties, edges that cross surfaces.
 
-use super::Worker;
+use super::RunningWorker;
 use crumple_proto::message::ToMaster;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -8,7 +8,7 @@ use crumple_proto::wire::post;
 /// Largest number of inverted shells that a worker names.
 const NAMED: u64 = 20;
 
-impl Worker {
+impl RunningWorker {
     pub(super) fn capped(&self) -> u64 {
         self.engine.contact.as_ref().map_or(0, |c| c.capped_pairs)
     }

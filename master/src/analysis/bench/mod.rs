@@ -17,7 +17,7 @@ use crate::run::embedded::{Timing, time_side_by_side};
 use calibration::{Calibration, calibrate};
 use crumple_proto::report::PHASES;
 use indicatif::{ProgressBar, ProgressStyle};
-use scenes::{SCENES, Scene};
+use scenes::{BenchScene, SCENES};
 use serde::Serialize;
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -56,7 +56,7 @@ struct Measured {
 }
 
 #[derive(Serialize)]
-struct Results {
+struct BenchResults {
     version: &'static str,
     vectors: String,
     calibration: Calibration,
@@ -78,7 +78,7 @@ pub fn run(args: &BenchArgs) -> u8 {
         eprintln!("  known: '{}'", names.join("', '"));
         return BAD_INPUT;
     }
-    let wanted: Vec<&Scene> = SCENES
+    let wanted: Vec<&BenchScene> = SCENES
         .iter()
         .filter(|s| args.only.is_empty() || args.only.iter().any(|name| name == s.name))
         .collect();
@@ -100,7 +100,7 @@ pub fn run(args: &BenchArgs) -> u8 {
     DONE
 }
 
-fn measure(scenes: &[&Scene], args: &BenchArgs) -> Result<Results, String> {
+fn measure(scenes: &[&BenchScene], args: &BenchArgs) -> Result<BenchResults, String> {
     let models: Vec<Model> = scenes.iter().map(|s| model(s)).collect::<Result<_, _>>()?;
     let rounds = if args.tiny { 1 } else { args.rounds };
     let bar = std::io::stderr().is_terminal().then(|| {
@@ -133,7 +133,7 @@ fn measure(scenes: &[&Scene], args: &BenchArgs) -> Result<Results, String> {
         triad_gb_s: median(peaks.iter().map(|p| p.triad_gb_s)),
     };
     let each = scenes.iter().zip(&models).zip(&timings);
-    Ok(Results {
+    Ok(BenchResults {
         version: env!("CARGO_PKG_VERSION"),
         vectors: crumple_worker::math::lanes::vectors(),
         calibration,
@@ -144,7 +144,7 @@ fn measure(scenes: &[&Scene], args: &BenchArgs) -> Result<Results, String> {
     })
 }
 
-fn model(scene: &Scene) -> Result<Model, String> {
+fn model(scene: &BenchScene) -> Result<Model, String> {
     let text = crumple_cases::job(scene.job)
         .ok_or_else(|| format!("there is no job '{}' in the program", scene.job))?;
     let sets: Vec<String> = scene.sets.iter().map(|&s| s.to_string()).collect();
@@ -157,7 +157,7 @@ fn model(scene: &Scene) -> Result<Model, String> {
 }
 
 fn evaluate(
-    scene: &Scene,
+    scene: &BenchScene,
     model: &Model,
     rounds: &[Vec<Timing>],
     calibration: &Calibration,
@@ -194,7 +194,7 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Formats the table as Markdown.
-fn table(results: &Results) -> String {
+fn table(results: &BenchResults) -> String {
     let Calibration { fma_gflops, triad_gb_s } = results.calibration;
     let mut out = format!(
         "One core: {fma_gflops:.1} GFLOP/s fused multiply-add, {triad_gb_s:.1} GB/s triad; \

@@ -21,7 +21,7 @@ const FITS: usize = 9;
 
 /// Times of the steps of one worker, per phase.
 pub struct Watch {
-    before: State,
+    before: EngineCounters,
     seconds: Vec<PhaseSeconds>,
     /// Time of the search phase of steps with a global search [s].
     searching: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Watch {
 }
 
 /// Counters of an engine between two steps.
-struct State {
+struct EngineCounters {
     phases: PhaseSeconds,
     searches: u64,
     sweeps: u64,
@@ -64,13 +64,13 @@ impl Watch {
     pub fn new(engine: &mut Engine) -> Self {
         engine.blocks.compute_all();
         engine.timer.restart();
-        let before = State::new(engine);
+        let before = EngineCounters::new(engine);
         Self { before, seconds: Vec::new(), searching: Vec::new(), sweeps: 0 }
     }
 
     /// Adds the step that the engine has just done. Returns true if there are enough steps.
     pub fn sample(&mut self, engine: &mut Engine) -> bool {
-        let (now, before) = (State::new(engine), &self.before);
+        let (now, before) = (EngineCounters::new(engine), &self.before);
         let by_clock: PhaseSeconds = std::array::from_fn(|p| now.phases[p] - before.phases[p]);
         let cpu = now.cpu.saturating_sub(before.cpu).as_secs_f64();
         let running = (cpu / by_clock.iter().sum::<f64>().max(f64::MIN_POSITIVE)).min(1.0);
@@ -81,7 +81,7 @@ impl Watch {
             _ => self.searching.push(spent[Phase::Search as usize]),
         }
         engine.timer.restart();
-        self.before = State::new(engine);
+        self.before = EngineCounters::new(engine);
         self.seconds.len() + self.searching.len() >= STEPS
     }
 
@@ -126,7 +126,7 @@ impl Watch {
     }
 }
 
-impl State {
+impl EngineCounters {
     fn new(engine: &Engine) -> Self {
         let contact = engine.contact.as_ref();
         Self {

@@ -16,9 +16,9 @@ mod report;
 
 use crate::cli::ScaleArgs;
 use crate::input::job::{self, Model, Report};
-use crate::run::decompose::{Centres, Load, Loads, bisect};
+use crate::run::decompose::{Centres, ElementLoads, Load, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
-use crate::run::progress::{Progress, RunState};
+use crate::run::progress::{ProgressDisplay, RunState};
 use crate::stdout::say;
 use census::{Census, Count, messages_to_all};
 use crumple_proto::boxes::CutTree;
@@ -27,7 +27,7 @@ use crumple_worker::contact::Contact;
 use crumple_worker::engine::Engine;
 use crumple_worker::parallel::pair_exchange::TrafficEstimate;
 use kernels::{Kernels, STEPS, Watch};
-use model::{Costs, Network, Step, Work};
+use model::{CostModel, Network, PredictedStep, WorkerStep};
 use std::ops::ControlFlow;
 
 /// Exit codes as in README.md.
@@ -47,7 +47,7 @@ pub struct Prediction {
     /// Counts of each worker.
     pub counts: Vec<Count>,
     /// Step for the given mesh.
-    pub step: Step,
+    pub step: PredictedStep,
     /// Messages per step from each worker to all others.
     pub to_all: f64,
     /// Efficiency for a mesh that grows with the number of workers.
@@ -55,7 +55,7 @@ pub struct Prediction {
 }
 
 /// All predictions for one time.
-pub struct Sample {
+pub struct ScaleSample {
     /// Requested simulated time [time].
     pub at: f64,
     /// Cycle of the count. It follows the timed steps, which start at the requested time.
@@ -63,7 +63,7 @@ pub struct Sample {
     /// Counts of one worker with the whole mesh, and its step.
     pub whole: Count,
     /// See `whole`.
-    pub alone: Work,
+    pub alone: WorkerStep,
     /// Costs on this machine.
     pub kernels: Kernels,
     /// Elements per worker of the growing mesh.
@@ -168,11 +168,11 @@ fn samples(
     workers: &[usize],
     times: &[f64],
     network: Network,
-) -> Result<Vec<Sample>, String> {
+) -> Result<Vec<ScaleSample>, String> {
     let last = times[times.len() - 1];
-    let mut progress = Progress::new(last.max(f64::MIN_POSITIVE), last == 0.0);
+    let mut progress = ProgressDisplay::new(last.max(f64::MIN_POSITIVE), last == 0.0);
     let mut watch: Option<Watch> = None;
-    let mut samples: Vec<Sample> = Vec::new();
+    let mut samples: Vec<ScaleSample> = Vec::new();
     let mut failed = None;
     let ended = run_alone(model, |engine| {
         let clock = &engine.clock;
@@ -187,7 +187,7 @@ fn samples(
         {
             progress.println(&format!("predicting at T={:.4e}", engine.clock.time));
             match sample(model, engine, &watch, workers, network) {
-                Ok(sample) => samples.push(Sample { at: times[samples.len()], ..sample }),
+                Ok(sample) => samples.push(ScaleSample { at: times[samples.len()], ..sample }),
                 Err(why) => failed = Some(why),
             }
         }
@@ -217,12 +217,12 @@ fn sample(
     watch: &Watch,
     workers: &[usize],
     network: Network,
-) -> Result<Sample, String> {
+) -> Result<ScaleSample, String> {
     let mut whole = count(engine, &CutTree::single());
     let whole = whole.swap_remove(0);
     let kernels = watch.kernels(model, engine, &whole).map_err(|lost| lost.to_string())?;
-    let costs = Costs { kernels: &kernels, network };
-    let alone = Work::new(&whole, [0.0; 2], None, costs);
+    let costs = CostModel { kernels: &kernels, network };
+    let alone = WorkerStep::new(&whole, [0.0; 2], None, costs);
     let mut load = load(engine, &kernels, &whole);
     let mut predictions = Vec::new();
     for &n in workers {
@@ -246,7 +246,7 @@ fn sample(
     }
     let grows_by = whole.elements as f64 / base;
     let (at, cycle) = (engine.clock.time, engine.clock.cycle);
-    Ok(Sample { at, cycle, whole, alone, kernels, grows_by, predictions })
+    Ok(ScaleSample { at, cycle, whole, alone, kernels, grows_by, predictions })
 }
 
 /// Counts the elements, nodes, pairs and messages of each worker for the boxes of a tree.
@@ -262,18 +262,19 @@ fn step(
     engine: &Engine,
     counts: &[Count],
     workers: usize,
-    costs: Costs<'_>,
+    costs: CostModel<'_>,
     alone: [f64; 2],
-) -> Step {
+) -> PredictedStep {
     let none = TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
     let exchange = |quiet| {
         let estimate =
             |c: &Contact| TrafficEstimate::estimate(c.laws(), costs.kernels.sweeps, quiet);
         engine.contact.as_ref().map_or(none, estimate)
     };
-    let of = |c: &Count| Work::new(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
-    let works: Vec<Work> = counts.iter().map(of).collect();
-    Step::new(&works, alone)
+    let of =
+        |c: &Count| WorkerStep::new(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
+    let works: Vec<WorkerStep> = counts.iter().map(of).collect();
+    PredictedStep::new(&works, alone)
 }
 
 /// Returns the load for the decomposition. At the start it is the number of elements, as on the
@@ -292,14 +293,14 @@ fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
     let weighs = engine.clock.cycle > STEPS as u64 && whole.pairs > 0 && elements > 0.0;
     engine.for_each_load(&seconds, f64::INFINITY, |centre, load| loads.push((centre, load)));
     if weighs {
-        Box::new(Loads(loads))
+        Box::new(ElementLoads(loads))
     } else {
         Box::new(Centres(loads.into_iter().map(|l| l.0).collect()))
     }
 }
 
 /// Compares a run of two workers from the start with the prediction.
-fn check(model: &Model, sample: &Sample) -> Result<String, String> {
+fn check(model: &Model, sample: &ScaleSample) -> Result<String, String> {
     let Some(p) = sample.predictions.iter().find(|p| p.workers == 2) else {
         return Err("2 is not among --workers".into());
     };

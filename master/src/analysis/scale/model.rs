@@ -20,7 +20,7 @@ pub struct Network {
 
 /// Cost of work and communication.
 #[derive(Clone, Copy, Debug)]
-pub struct Costs<'a> {
+pub struct CostModel<'a> {
     /// Costs on the machine.
     pub kernels: &'a Kernels,
     /// Network between machines.
@@ -29,7 +29,7 @@ pub struct Costs<'a> {
 
 /// Step of a worker: times [s], and the messages and bytes that it sends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
+pub struct WorkerStep {
     /// Time of elements, nodes, candidates and pairs [s].
     pub kernels: f64,
     /// Time of the motion fit and of global searches [s].
@@ -46,7 +46,7 @@ pub struct Work {
 
 /// Step of all workers [s]. Useful time and losses add up to the total.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Step {
+pub struct PredictedStep {
     /// Total time [s].
     pub total: f64,
     /// Time of one worker with the whole mesh over the number of workers [s].
@@ -64,7 +64,7 @@ pub struct Step {
 /// Causes of lost time, compared with one worker that has the whole mesh.
 pub const LOSSES: [&str; 5] = ["imbalance", "shared work", "search", "latency", "bytes"];
 
-impl Work {
+impl WorkerStep {
     /// Computes the step of a worker. `traffic` holds its messages and bytes without the exchange
     /// between partners in contact. `exchange` estimates that exchange; it is none for a single
     /// worker.
@@ -72,7 +72,7 @@ impl Work {
         count: &Count,
         traffic: [f64; 2],
         exchange: Option<TrafficEstimate>,
-        costs: Costs<'_>,
+        costs: CostModel<'_>,
     ) -> Self {
         let (k, network) = (costs.kernels, costs.network);
         let units = |n: u64| n as f64;
@@ -106,16 +106,16 @@ impl Work {
     }
 }
 
-impl Step {
+impl PredictedStep {
     /// Computes the step of all workers. `alone` is the time of one worker with the whole mesh
     /// [s], for kernels and search.
-    pub fn new(works: &[Work], alone: [f64; 2]) -> Self {
+    pub fn new(works: &[WorkerStep], alone: [f64; 2]) -> Self {
         let n = works.len() as f64;
         let Some(slowest) = works.iter().max_by(|a, b| a.total().total_cmp(&b.total())) else {
             return Self::default();
         };
-        let mean = |f: fn(&Work) -> f64| works.iter().map(f).sum::<f64>() / n;
-        let most = |f: fn(&Work) -> f64| works.iter().map(f).fold(0.0, f64::max);
+        let mean = |f: fn(&WorkerStep) -> f64| works.iter().map(f).sum::<f64>() / n;
+        let most = |f: fn(&WorkerStep) -> f64| works.iter().map(f).fold(0.0, f64::max);
         let (kernels, search) = (mean(|w| w.kernels), mean(|w| w.search));
         let own = slowest.kernels + slowest.search;
         Self {
@@ -169,16 +169,18 @@ mod tests {
     fn losses_add_up_and_are_named() {
         let kernels = kernels();
         let costs =
-            |latency| Costs { kernels: &kernels, network: Network { latency, bandwidth: 1e9 } };
-        let alone = Work::new(&count(800, 40), [0.0; 2], None, costs(0.0));
+            |latency| CostModel { kernels: &kernels, network: Network { latency, bandwidth: 1e9 } };
+        let alone = WorkerStep::new(&count(800, 40), [0.0; 2], None, costs(0.0));
         assert!(
             (alone.kernels - (800.0 * 1.2e-7 + 40.0 * 5e-8)).abs() < 1e-18 && alone.messages == 0.0
         );
         let together = |counts: &[Count], traffic, latency| {
             let exchange = Some(TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] });
-            let works: Vec<Work> =
-                counts.iter().map(|c| Work::new(c, traffic, exchange, costs(latency))).collect();
-            let step = Step::new(&works, [alone.kernels, alone.search]);
+            let works: Vec<WorkerStep> = counts
+                .iter()
+                .map(|c| WorkerStep::new(c, traffic, exchange, costs(latency)))
+                .collect();
+            let step = PredictedStep::new(&works, [alone.kernels, alone.search]);
             assert!(
                 (step.useful + step.lost.iter().sum::<f64>() - step.total).abs()
                     < 1e-12 * step.total

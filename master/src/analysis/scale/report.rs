@@ -2,7 +2,7 @@
 
 use super::census::Count;
 use super::model::{LOSSES, Network};
-use super::{Prediction, Sample};
+use super::{Prediction, ScaleSample};
 use crate::analysis::study::chart::series::{Polyline, percent_over_doublings};
 use std::fmt::Write;
 use std::path::Path;
@@ -13,7 +13,7 @@ const WORTHWHILE: f64 = 0.5;
 const MEASURED: usize = 2;
 
 /// Returns the table of one time as Markdown, and the cause that limits the efficiency.
-pub fn table(sample: &Sample, network: Network) -> String {
+pub fn table(sample: &ScaleSample, network: Network) -> String {
     let w = &sample.whole;
     let mut out = format!(
         "T={}, counted after cycle {}: {} elements, {} nodes, {} near candidates, {} contact \
@@ -61,7 +61,7 @@ fn most(p: &Prediction, of: fn(&Count) -> u64) -> u64 {
 }
 
 /// Names the largest loss at the largest number of workers with acceptable efficiency.
-fn sentence(sample: &Sample) -> String {
+fn sentence(sample: &ScaleSample) -> String {
     let worth = sample.predictions.iter().rfind(|p| p.step.efficiency() > WORTHWHILE);
     let (p, lead) = match (worth, sample.predictions.first()) {
         (Some(p), _) => {
@@ -100,7 +100,7 @@ fn sentence(sample: &Sample) -> String {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, String> {
+pub fn write(title: &str, samples: &[ScaleSample], out: &Path) -> Result<String, String> {
     let path = out.join("scale.csv");
     std::fs::write(&path, csv(samples)).map_err(|error| format!("{}: {error}", path.display()))?;
     let mut curves = Vec::new();
@@ -125,7 +125,7 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
     Ok(format!("{}, {}, {}", path.display(), svg.display(), png.display()))
 }
 
-fn csv(samples: &[Sample]) -> String {
+fn csv(samples: &[ScaleSample]) -> String {
     let mut out = String::from(
         "time,cycle,workers,elements least,elements most,elements at shared nodes most,\
          held nodes most,copied nodes most,copied segments most,neighbours most,\

@@ -1,6 +1,6 @@
 //! Points of a study: every combination of its settings. Each is checked as a job before any run.
 
-use super::quantity::Run;
+use super::quantity::RunResults;
 use super::spec::{Measure, Reference, Study, flatten};
 use crate::input::job::{self, Model};
 use std::collections::HashMap;
@@ -24,14 +24,14 @@ pub struct Point {
 }
 
 /// All points, those of the series first.
-pub struct Plan {
+pub struct StudyPlan {
     /// The points.
     pub points: Vec<Point>,
     /// Index of the reference point of each measure.
     pub reference: Vec<Option<usize>>,
 }
 
-impl Plan {
+impl StudyPlan {
     /// Returns all points of a study.
     ///
     /// # Errors
@@ -212,7 +212,7 @@ impl Refused {
 struct Keys {
     meshes: HashMap<String, blake3::Hash>,
     /// Names that a run of the first valid point will write.
-    blank: Option<Run>,
+    blank: Option<RunResults>,
 }
 
 impl Keys {
@@ -222,7 +222,7 @@ impl Keys {
     /// The job has errors; the text lists all of them.
     fn key(&mut self, job: &Path, sets: &[String]) -> Result<String, String> {
         let model = job::read(job, sets).map_err(|report| report.to_string())?;
-        self.blank.get_or_insert_with(|| Run::blank(&model));
+        self.blank.get_or_insert_with(|| RunResults::blank(&model));
         let written = serde_json::to_string(&model.job).map_err(|error| error.to_string())?;
         let source = serde_json::to_string(&(&model.job.mesh, &model.job.scene))
             .map_err(|error| error.to_string())?;

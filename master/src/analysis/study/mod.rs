@@ -19,8 +19,8 @@ pub mod spec;
 use crate::cli::StudyArgs;
 use crate::run::service::{Service, signals::Manner};
 use crate::stdout::say;
-use grid::Plan;
-use results::Table;
+use grid::StudyPlan;
+use results::PointTable;
 use runs::Ending;
 use spec::Study;
 use std::path::PathBuf;
@@ -43,7 +43,7 @@ pub fn run(args: &StudyArgs) -> u8 {
 
 fn study(args: &StudyArgs) -> Result<u8, String> {
     let study = Study::read(&args.study)?;
-    let plan = Plan::new(&study)?;
+    let plan = StudyPlan::new(&study)?;
     let out = args.out.clone().unwrap_or_else(|| {
         let name = args.study.file_stem().unwrap_or("study".as_ref());
         PathBuf::from("out").join("studies").join(name)
@@ -63,7 +63,7 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
         eprintln!("stopped: repeat the command to continue");
         return Ok(STOPPED);
     }
-    let table = Table::collect(&study, &plan, &out)?;
+    let table = PointTable::collect(&study, &plan, &out)?;
     let csv = out.join("results.csv");
     table.write(&csv).map_err(|error| format!("{}: {error}", csv.display()))?;
     say!("{}", csv.display());

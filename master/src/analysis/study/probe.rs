@@ -3,7 +3,7 @@
 //! The value of a point array for an element is the mean over its corners. The mean over equal
 //! elements of a part is then the mean over its mass.
 
-use crate::results::field_file::{Piece, pieces_of_folder};
+use crate::results::field_file::{PieceArrays, pieces_of_folder};
 use crate::results::fields;
 use crumple_worker::vtu::{self, Array, CELL_ARRAYS, POINT_ARRAYS};
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ pub fn values(
     let mut of_all = Vec::new();
     let mut parts = Vec::new();
     for path in pieces(folder, at)? {
-        let piece = Piece::read(&path)?;
+        let piece = PieceArrays::read(&path)?;
         let numbers: Vec<f64> =
             piece.array(array.name)?.chunks(array.components).map(&pick).collect();
         let of_part = piece.array(vtu::PART.name)?;
@@ -108,7 +108,7 @@ fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
     for entry in std::fs::read_dir(&fields).map_err(cannot)? {
         let pieces = pieces_of_folder(&entry.map_err(cannot)?.path());
         if let Some(first) = pieces.first() {
-            steps.push((Piece::read(first)?.time, pieces));
+            steps.push((PieceArrays::read(first)?.time, pieces));
         }
     }
     let distance = |time: f64| at.map_or(-time, |at| (time - at).abs());

@@ -80,7 +80,7 @@ pub enum Stat {
 }
 
 /// Results of a run.
-pub struct Run {
+pub struct RunResults {
     /// Content of `summary.json`.
     pub summary: Value,
     header: Vec<String>,
@@ -88,7 +88,7 @@ pub struct Run {
     folder: PathBuf,
 }
 
-impl Run {
+impl RunResults {
     /// Reads the folder of a run.
     ///
     /// # Errors
@@ -219,9 +219,10 @@ impl Quantity {
         [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.wrong())
     }
 
-    /// Returns the error in a name that no run of the job has, if any. `blank` is [`Run::blank`].
+    /// Returns the error in a name that no run of the job has, if any. `blank` is
+    /// [`RunResults::blank`].
     /// Lists that are empty there, such as that of parts, may have any entry.
-    pub fn unknown(&self, blank: &Run) -> Option<String> {
+    pub fn unknown(&self, blank: &RunResults) -> Option<String> {
         let open = |path: &str| {
             let mut value = &blank.summary;
             path.split('.').any(|key| {
@@ -249,7 +250,7 @@ impl Quantity {
     ///
     /// # Errors
     /// The run does not have it. The message lists the names that exist.
-    pub fn value(&self, run: &Run) -> Result<f64, String> {
+    pub fn value(&self, run: &RunResults) -> Result<f64, String> {
         let mut value = match (&self.summary, &self.history, &self.field) {
             (Some(path), _, _) => run.in_summary(path)?,
             (_, Some(column), _) => self.in_history(&run.column(column, self.window())?)?,
@@ -342,14 +343,14 @@ mod tests {
         toml::from_str(text).unwrap()
     }
 
-    fn run() -> Run {
+    fn run() -> RunResults {
         let header = ["time [ms]", "kinetic [J]"].map(String::from).to_vec();
         let rows = [[0.0, 4.0], [1.0, 2.0], [2.0, -2.0], [4.0, 10.0]].map(Vec::from).to_vec();
         let summary = serde_json::json!({
             "energy": { "error": 0.25, "list": [1.0, 7.0] },
             "reason": "end_time"
         });
-        Run { summary, header, rows, folder: PathBuf::new() }
+        RunResults { summary, header, rows, folder: PathBuf::new() }
     }
 
     #[test]

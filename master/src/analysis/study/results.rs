@@ -1,13 +1,13 @@
 //! Results of the points of a study: values, errors, costs, the Pareto front, `results.csv`.
 
-use super::grid::{Plan, StudySetting, plain};
-use super::quantity::Run;
-use super::runs::{self, Outcome};
+use super::grid::{StudyPlan, StudySetting, plain};
+use super::quantity::RunResults;
+use super::runs::{self, PointOutcome};
 use super::spec::{Reference, Study};
 use std::path::Path;
 
 /// All points of the series.
-pub struct Table {
+pub struct PointTable {
     /// Rows in the order of the plan.
     pub rows: Vec<PointResult>,
     /// Reference value of each measure, if it has one.
@@ -26,7 +26,7 @@ pub struct PointResult {
     /// Short name of the point.
     pub label: String,
     /// End of the run.
-    pub outcome: Outcome,
+    pub outcome: PointOutcome,
     /// Cost, NaN if the run has none.
     pub cost: f64,
     /// Value of each measure, NaN if the run has none.
@@ -48,12 +48,12 @@ impl PointResult {
     }
 }
 
-impl Table {
+impl PointTable {
     /// Reads the results of the runs.
     ///
     /// # Errors
     /// A point has not been run, or a reference run has failed.
-    pub fn collect(study: &Study, plan: &Plan, out: &Path) -> Result<Self, String> {
+    pub fn collect(study: &Study, plan: &StudyPlan, out: &Path) -> Result<Self, String> {
         let mut references = Vec::new();
         for (measure, at) in study.measure.iter().zip(&plan.reference) {
             references.push(match (&measure.reference, at) {
@@ -68,7 +68,7 @@ impl Table {
                             measure.name, outcome.reason
                         ));
                     }
-                    Some(measure.quantity.value(&Run::load(&runs::folder(out, point))?)?)
+                    Some(measure.quantity.value(&RunResults::load(&runs::folder(out, point))?)?)
                 }
                 _ => None,
             });
@@ -79,7 +79,7 @@ impl Table {
             let label = point.label(study);
             let outcome = runs::outcome(out, point).ok_or_else(|| format!("{label}: not run"))?;
             // A failed run may have written some of its results, or none.
-            let run = Run::load(&runs::folder(out, point)).ok();
+            let run = RunResults::load(&runs::folder(out, point)).ok();
             let value = |q: &super::quantity::Quantity| {
                 run.as_ref().and_then(|r| q.value(r).ok()).unwrap_or(f64::NAN)
             };

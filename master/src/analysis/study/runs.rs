@@ -1,8 +1,8 @@
 //! Runs every point as a process of its own. A crash then affects only one point, and CPU times
 //! are those of the point alone.
 
-use super::grid::{Plan, Point};
-use super::quantity::Run;
+use super::grid::{Point, StudyPlan};
+use super::quantity::RunResults;
 use super::spec::Study;
 use crate::run::service::signals::StopFlag;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -23,7 +23,7 @@ const STOPPED: i32 = 130;
 
 /// End of the run of a point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct PointOutcome {
     /// Exit code; -1 if a signal or the time limit ended the run.
     pub code: i32,
     /// Reason of the end.
@@ -49,7 +49,7 @@ pub fn folder(out: &Path, point: &Point) -> PathBuf {
 }
 
 /// Returns the outcome of a point, none if it has not ended.
-pub fn outcome(out: &Path, point: &Point) -> Option<Outcome> {
+pub fn outcome(out: &Path, point: &Point) -> Option<PointOutcome> {
     let text = fs::read_to_string(folder(out, point).join("point.json")).ok()?;
     serde_json::from_str(&text).ok()
 }
@@ -58,7 +58,7 @@ pub fn outcome(out: &Path, point: &Point) -> Option<Outcome> {
 ///
 /// # Errors
 /// A folder cannot be removed.
-pub fn forget(plan: &Plan, out: &Path) -> Result<(), String> {
+pub fn forget(plan: &StudyPlan, out: &Path) -> Result<(), String> {
     let folders = plan.points.iter().map(|point| folder(out, point));
     // Existence is checked one by one, because points with the same settings share a folder.
     folders.filter(|folder| folder.exists()).try_for_each(|folder| {
@@ -67,11 +67,11 @@ pub fn forget(plan: &Plan, out: &Path) -> Result<(), String> {
 }
 
 /// Returns the number of runs that are not done.
-pub fn open(plan: &Plan, out: &Path) -> usize {
+pub fn open(plan: &StudyPlan, out: &Path) -> usize {
     to_do(plan, out).len()
 }
 
-fn to_do<'p>(plan: &'p Plan, out: &Path) -> VecDeque<&'p Point> {
+fn to_do<'p>(plan: &'p StudyPlan, out: &Path) -> VecDeque<&'p Point> {
     let mut seen = HashSet::new();
     plan.points.iter().filter(|p| seen.insert(&p.key) && outcome(out, p).is_none()).collect()
 }
@@ -82,13 +82,13 @@ fn to_do<'p>(plan: &'p Plan, out: &Path) -> VecDeque<&'p Point> {
 /// Results cannot be written, or a measure needs a number that the runs do not have.
 pub fn run_all(
     study: &Study,
-    plan: &Plan,
+    plan: &StudyPlan,
     out: &Path,
     jobs: usize,
     stop: &StopFlag,
 ) -> Result<Ending, String> {
     let queue = Mutex::new(to_do(plan, out));
-    let progress = Progress::new(open(plan, out));
+    let progress = StudyProgress::new(open(plan, out));
     let failure = Mutex::new(None);
     let over = AtomicBool::new(false);
     let work = || {
@@ -121,7 +121,7 @@ fn one(
     point: &Point,
     out: &Path,
     stop: &StopFlag,
-) -> Result<Option<Outcome>, String> {
+) -> Result<Option<PointOutcome>, String> {
     let folder = folder(out, point);
     let cannot = |error: io::Error| format!("{}: {error}", folder.display());
     if folder.exists() {
@@ -158,7 +158,7 @@ fn one(
     };
     if code == 0 {
         // A measure with an unknown name must fail at the first point, not after the last.
-        let run = Run::load(&folder)?;
+        let run = RunResults::load(&folder)?;
         for measure in &study.measure {
             measure
                 .quantity
@@ -167,7 +167,7 @@ fn one(
         }
         study.cost.quantity.value(&run).map_err(|why| format!("cost: {why}"))?;
     }
-    let outcome = Outcome { code, reason, wall_s, settings: point.sets.clone() };
+    let outcome = PointOutcome { code, reason, wall_s, settings: point.sets.clone() };
     let text = serde_json::to_string_pretty(&outcome).map_err(|error| error.to_string())?;
     fs::write(folder.join("point.json.part"), text + "\n").map_err(cannot)?;
     fs::rename(folder.join("point.json.part"), folder.join("point.json")).map_err(cannot)?;
@@ -202,8 +202,9 @@ fn wait(
 
 /// Returns the reason for the end of a run: from the summary, otherwise the last error message.
 fn reason(folder: &Path, words: &Path, code: i32) -> String {
-    let summary =
-        Run::load(folder).ok().and_then(|run| run.summary["reason"].as_str().map(String::from));
+    let summary = RunResults::load(folder)
+        .ok()
+        .and_then(|run| run.summary["reason"].as_str().map(String::from));
     let last = || {
         let said = fs::read_to_string(words).unwrap_or_default();
         said.lines()
@@ -217,14 +218,14 @@ fn reason(folder: &Path, words: &Path, code: i32) -> String {
 
 /// Progress of the study: a bar with the remaining time on a terminal, otherwise a line per
 /// point.
-struct Progress {
+struct StudyProgress {
     bar: Option<ProgressBar>,
     began: Instant,
     total: usize,
     done: Mutex<usize>,
 }
 
-impl Progress {
+impl StudyProgress {
     fn new(total: usize) -> Self {
         let bar = (total > 0 && io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(total as u64);
@@ -238,7 +239,7 @@ impl Progress {
         Self { bar, began: Instant::now(), total, done: Mutex::new(0) }
     }
 
-    fn done(&self, label: &str, outcome: &Outcome) {
+    fn done(&self, label: &str, outcome: &PointOutcome) {
         let Ok(mut done) = self.done.lock() else { return };
         *done += 1;
         let line = match outcome.code {

@@ -17,7 +17,7 @@ pub struct Study {
     #[serde(default)]
     pub set: Table,
     /// Series that are compared.
-    pub series: Vec<Series>,
+    pub series: Vec<StudySeries>,
     /// Measured quantities.
     pub measure: Vec<Measure>,
     /// Cost of a point.
@@ -34,7 +34,7 @@ pub struct Study {
 /// Points with one name, such as those of a contact law.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Series {
+pub struct StudySeries {
     /// Name in legends.
     pub name: String,
     /// Settings of all points of the series.
@@ -157,13 +157,13 @@ pub struct Chart {
     pub series: Option<Vec<String>>,
     /// Curves over the map or the lines.
     #[serde(default)]
-    pub curve: Vec<Curve>,
+    pub curve: Vec<TheoryCurve>,
 }
 
 /// A theoretical curve: points, or a formula.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Curve {
+pub struct TheoryCurve {
     /// Name in the legend.
     pub name: String,
     /// Points in the coordinates of the chart.

@@ -1,6 +1,6 @@
 //! Problems of a deck.
 
-use crate::input::job::report::Finding;
+use crate::input::job::report::PlacedProblem;
 use crate::input::job::tree::Place;
 use crumple_proto::problem::Problem;
 use std::collections::HashSet;
@@ -12,7 +12,7 @@ const KEPT: usize = 500;
 /// All problems, each with its place.
 #[derive(Debug, Default)]
 pub struct Trouble {
-    pub(crate) list: Vec<Finding>,
+    pub(crate) list: Vec<PlacedProblem>,
     /// Number of errors that were not stored.
     more: usize,
     warned: HashSet<String>,
@@ -99,7 +99,7 @@ impl Trouble {
     }
 
     /// Returns all problems.
-    pub(crate) fn into_findings(mut self) -> Vec<Finding> {
+    pub(crate) fn into_findings(mut self) -> Vec<PlacedProblem> {
         if self.more > 0 {
             let message = format!("{} more errors in the deck are not listed", self.more);
             self.add(Problem::error("", message, "correct the listed errors first"), Place::Whole);

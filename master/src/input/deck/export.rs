@@ -27,7 +27,7 @@ const WIDTH: usize = 20;
 
 /// A deck under construction.
 #[derive(Default)]
-struct Deck {
+struct DeckWriter {
     body: String,
     /// Numbers that are longer than a field.
     parameters: Vec<f64>,
@@ -37,7 +37,7 @@ struct Deck {
     curves: u64,
 }
 
-impl Deck {
+impl DeckWriter {
     fn keyword(&mut self, name: &str) {
         self.body += &format!("*{name}\n");
     }
@@ -47,12 +47,12 @@ impl Deck {
         self.body.push('\n');
     }
 
-    fn card(&mut self, fields: &[Field]) {
+    fn card(&mut self, fields: &[CardValue]) {
         for field in fields {
             let text = match field {
-                Field::Blank => String::new(),
-                Field::Id(id) => id.to_string(),
-                Field::Number(x) => self.number(*x),
+                CardValue::Blank => String::new(),
+                CardValue::Id(id) => id.to_string(),
+                CardValue::Number(x) => self.number(*x),
             };
             self.body += &format!("{text:>WIDTH$}");
         }
@@ -107,13 +107,13 @@ impl Deck {
 }
 
 #[derive(Clone, Copy)]
-enum Field {
+enum CardValue {
     Blank,
     Id(u64),
     Number(f64),
 }
 
-use Field::{Blank, Id, Number};
+use CardValue::{Blank, Id, Number};
 
 /// Returns the text on one line.
 fn line(text: &str) -> String {
@@ -133,9 +133,9 @@ pub fn export(model: &Model) -> Result<String, String> {
         ));
     }
     let job = &model.job;
-    let mut deck = Deck {
+    let mut deck = DeckWriter {
         curves: most("curve-", job.curve.iter().map(|c| c.name.as_str())),
-        ..Deck::default()
+        ..DeckWriter::default()
     };
     deck.keyword("TITLE");
     deck.text(&line(&job.title));
@@ -165,7 +165,7 @@ fn most<'n>(start: &str, names: impl Iterator<Item = &'n str>) -> u64 {
     names.filter_map(|name| name.strip_prefix(start)?.parse().ok()).max().unwrap_or(0)
 }
 
-fn control(deck: &mut Deck, job: &Job) {
+fn control(deck: &mut DeckWriter, job: &Job) {
     deck.keyword("CONTROL_TERMINATION");
     deck.card(&[Number(job.end_time), Id(job.time.max_cycles), Number(job.time.dt_min_ratio)]);
     deck.keyword("CONTROL_TIMESTEP");
@@ -190,7 +190,7 @@ fn named(name: &str) -> (String, Value) {
 }
 
 /// Writes a curve through these points, and returns its id.
-fn points(deck: &mut Deck, pairs: &[[f64; 2]]) -> u64 {
+fn points(deck: &mut DeckWriter, pairs: &[[f64; 2]]) -> u64 {
     deck.curves += 1;
     let id = deck.curves;
     deck.keyword("DEFINE_CURVE");
@@ -201,7 +201,7 @@ fn points(deck: &mut Deck, pairs: &[[f64; 2]]) -> u64 {
 
 /// Writes the parts. Parts of springs get individual materials, with ids from `next` on.
 fn parts(
-    deck: &mut Deck,
+    deck: &mut DeckWriter,
     model: &Model,
     rigid: &BTreeMap<u32, u64>,
     mut next: u64,
@@ -238,7 +238,7 @@ fn parts(
     Ok(())
 }
 
-fn section(deck: &mut Deck, part: &Part, shells: bool) {
+fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
     let id = u64::from(part.id);
     if !shells {
         deck.keyword("SECTION_SOLID");
@@ -260,7 +260,7 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
 }
 
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
-fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
+fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
     let form = match given("hourglass") {
@@ -327,7 +327,7 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
 }
 
 /// Writes all sets, and returns their ids by name.
-fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
+fn node_sets<'m>(deck: &mut DeckWriter, model: &'m Model) -> BTreeMap<&'m str, u64> {
     let mut ids = BTreeMap::new();
     let first = 1 + most("set-", model.mesh.node_sets.keys().map(String::as_str));
     for ((name, nodes), id) in model.mesh.node_sets.iter().zip(first..) {
@@ -337,7 +337,7 @@ fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
         let there = |n: &&crumple_proto::ids::NodeId| {
             model.mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok()
         };
-        let nodes: Vec<Field> = nodes.iter().filter(there).map(|n| Id(n.label())).collect();
+        let nodes: Vec<CardValue> = nodes.iter().filter(there).map(|n| Id(n.label())).collect();
         nodes.chunks(8).for_each(|eight| deck.card(eight));
         ids.insert(name.as_str(), id);
     }
@@ -345,7 +345,7 @@ fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
 }
 
 /// Writes the initial state of the model: masses, constraints, velocities.
-fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
+fn initial(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) {
     for (mass, id) in job.mass.iter().zip(1..) {
         deck.keyword("ELEMENT_MASS_NODE_SET");
         deck.card(&[Id(id), set(&mass.nodes), Number(mass.mass)]);
@@ -369,7 +369,7 @@ fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
     }
 }
 
-fn mesh(deck: &mut Deck, model: &Model) {
+fn mesh(deck: &mut DeckWriter, model: &Model) {
     deck.keyword("NODE");
     for node in &model.mesh.nodes {
         deck.card(&[Id(node.id.label()), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
@@ -397,7 +397,7 @@ fn mesh(deck: &mut Deck, model: &Model) {
     }
 }
 
-fn write_element(deck: &mut Deck, element: &MeshElement, parts: &[Part]) {
+fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
     let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
     fields.extend(element.corners().iter().map(|n| Id(n.label())));
     if element.shape == Shape::Tri3 {
@@ -417,7 +417,7 @@ fn write_element(deck: &mut Deck, element: &MeshElement, parts: &[Part]) {
 
 /// Writes the settings without cards, if they are not the defaults, and lists that are never
 /// written as cards.
-fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
+fn left_over(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
     if !job.units.is_empty() {
         deck.rest.insert("units".into(), job.units.clone().into());
     }
@@ -454,7 +454,7 @@ fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     }
 }
 
-fn list(deck: &mut Deck, name: &str, entries: &[impl serde::Serialize]) {
+fn list(deck: &mut DeckWriter, name: &str, entries: &[impl serde::Serialize]) {
     if let Ok(value @ Value::Array(_)) = Value::try_from(entries)
         && !entries.is_empty()
     {
@@ -464,7 +464,7 @@ fn list(deck: &mut Deck, name: &str, entries: &[impl serde::Serialize]) {
 
 /// Adds the keys of a table that differ from the defaults, without those on cards.
 fn differing<T: serde::Serialize>(
-    deck: &mut Deck,
+    deck: &mut DeckWriter,
     name: &str,
     own: &T,
     default: &T,

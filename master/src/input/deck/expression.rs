@@ -48,7 +48,7 @@ struct Parser<'t> {
 type Parsed = Result<Number, String>;
 
 impl<'t> Parser<'t> {
-    fn take(&mut self, sign: &str) -> bool {
+    fn accept(&mut self, sign: &str) -> bool {
         match self.rest.strip_prefix(sign) {
             Some(rest) => {
                 self.rest = rest.trim_start();
@@ -65,9 +65,9 @@ impl<'t> Parser<'t> {
         }
         let mut value = self.product()?;
         loop {
-            if self.take("+") {
+            if self.accept("+") {
                 value = apply(value, self.product()?, i64::checked_add, |a, b| a + b);
-            } else if self.take("-") {
+            } else if self.accept("-") {
                 value = apply(value, self.product()?, i64::checked_sub, |a, b| a - b);
             } else {
                 self.depth -= 1;
@@ -79,9 +79,9 @@ impl<'t> Parser<'t> {
     fn product(&mut self) -> Parsed {
         let mut value = self.signed()?;
         loop {
-            if !self.rest.starts_with("**") && self.take("*") {
+            if !self.rest.starts_with("**") && self.accept("*") {
                 value = apply(value, self.signed()?, i64::checked_mul, |a, b| a * b);
-            } else if self.take("/") {
+            } else if self.accept("/") {
                 let by = self.signed()?;
                 if by.real() == 0.0 {
                     return Err("division by zero".into());
@@ -96,9 +96,9 @@ impl<'t> Parser<'t> {
     fn signed(&mut self) -> Parsed {
         let mut minus = false;
         loop {
-            if self.take("-") {
+            if self.accept("-") {
                 minus = !minus;
-            } else if !self.take("+") {
+            } else if !self.accept("+") {
                 break;
             }
         }
@@ -114,7 +114,7 @@ impl<'t> Parser<'t> {
 
     fn power(&mut self) -> Parsed {
         let base = self.atom()?;
-        if !(self.take("**") || self.take("^")) {
+        if !(self.accept("**") || self.accept("^")) {
             return Ok(base);
         }
         self.depth += 1;
@@ -128,11 +128,15 @@ impl<'t> Parser<'t> {
     }
 
     fn atom(&mut self) -> Parsed {
-        if self.take("(") {
+        if self.accept("(") {
             let value = self.sum()?;
-            return if self.take(")") { Ok(value) } else { Err("a bracket is not closed".into()) };
+            return if self.accept(")") {
+                Ok(value)
+            } else {
+                Err("a bracket is not closed".into())
+            };
         }
-        let marked = self.take("&");
+        let marked = self.accept("&");
         let first = self.rest.chars().next().ok_or("the formula ends too early")?;
         if first.is_alphabetic() || first == '_' {
             let end = self
@@ -141,7 +145,7 @@ impl<'t> Parser<'t> {
                 .unwrap_or(self.rest.len());
             let (name, rest) = self.rest.split_at(end);
             self.rest = rest.trim_start();
-            return if !marked && self.take("(") { self.function(name) } else { self.name(name) };
+            return if !marked && self.accept("(") { self.function(name) } else { self.name(name) };
         }
         self.literal()
     }
@@ -184,10 +188,10 @@ impl<'t> Parser<'t> {
 
     fn function(&mut self, name: &str) -> Parsed {
         let mut arguments = vec![self.sum()?];
-        while self.take(",") {
+        while self.accept(",") {
             arguments.push(self.sum()?);
         }
-        if !self.take(")") {
+        if !self.accept(")") {
             return Err(format!("the bracket of `{name}` is not closed"));
         }
         let name = name.to_ascii_lowercase();

@@ -13,7 +13,7 @@ const LONG: usize = 20;
 
 /// Width of the fields of a card.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum CardFormat {
     /// As in the keyword's table.
     Standard,
     /// Eight columns become ten.
@@ -22,12 +22,12 @@ pub enum Format {
     Long,
 }
 
-impl Format {
+impl CardFormat {
     fn width(self, standard: u16) -> usize {
         match self {
             // A heading after an id extends to the end of the line.
-            Format::Long => LONG.max(usize::from(standard)),
-            Format::I10 if standard == 8 => 10,
+            CardFormat::Long => LONG.max(usize::from(standard)),
+            CardFormat::I10 if standard == 8 => 10,
             _ => usize::from(standard),
         }
     }
@@ -84,7 +84,7 @@ impl Fields {
 }
 
 /// Splits a line into the fields of a card.
-pub fn split(line: &[u8], card: &Card, format: Format) -> Fields {
+pub fn split(line: &[u8], card: &Card, format: CardFormat) -> Fields {
     let mut fields = Fields { count: 0, spans: [(0, 0); MOST] };
     if card.fields.first().is_some_and(|f| f.kind == FieldType::Line) {
         fields.push(line, 0, line.len());
@@ -115,7 +115,7 @@ pub fn split(line: &[u8], card: &Card, format: Format) -> Fields {
 
 /// Splits a line with tabs: by columns with tab stops at multiples of eight, if number fields
 /// then hold numbers, otherwise word by word.
-fn tabbed(line: &[u8], card: &Card, format: Format, fields: Fields) -> Fields {
+fn tabbed(line: &[u8], card: &Card, format: CardFormat, fields: Fields) -> Fields {
     // The byte in each column; a tab fills several columns.
     let mut columns: Vec<usize> = Vec::with_capacity(2 * line.len());
     for (at, &b) in line.iter().enumerate() {
@@ -170,7 +170,7 @@ pub fn expand(line: &str) -> String {
 mod tests {
     use super::*;
 
-    fn cut(spec: &str, line: &str, format: Format) -> Vec<String> {
+    fn cut(spec: &str, line: &str, format: CardFormat) -> Vec<String> {
         let card = Card::parse(spec);
         let fields = split(line.as_bytes(), &card, format);
         let text = |i| String::from_utf8_lossy(fields.text(line.as_bytes(), i)).into_owned();
@@ -181,12 +181,15 @@ mod tests {
     fn fields_that_touch_are_cut_by_columns() {
         let card = "mid:i ro:r e:r";
         assert_eq!(
-            cut(card, "         17.83000E-6     207.0", Format::Standard),
+            cut(card, "         17.83000E-6     207.0", CardFormat::Standard),
             ["1", "7.83000E-6", "207.0"]
         );
-        assert_eq!(cut("a:r b:r", "       0.01.00000E20", Format::Standard), ["0.0", "1.00000E20"]);
         assert_eq!(
-            cut("n:i8 x:r16 y:r16", "       1             1.0-2.0", Format::Standard),
+            cut("a:r b:r", "       0.01.00000E20", CardFormat::Standard),
+            ["0.0", "1.00000E20"]
+        );
+        assert_eq!(
+            cut("n:i8 x:r16 y:r16", "       1             1.0-2.0", CardFormat::Standard),
             ["1", "1.0", "-2.0"]
         );
     }
@@ -197,23 +200,26 @@ mod tests {
         let fixed = format!("{:>8}{:>8}{:>8}{:>8}", 1, 2, "", 4);
         let long = format!("{:>20}{:>20}{:>20}{:>20}", 1, 2, "", 4);
         let i10 = format!("{:>10}{:>10}{:>10}{:>10}", 1, 2, "", 4);
-        assert_eq!(cut(card, &fixed, Format::Standard), ["1", "2", "", "4"]);
-        assert_eq!(cut(card, &long, Format::Long), ["1", "2", "", "4"]);
-        assert_eq!(cut(card, &i10, Format::I10), ["1", "2", "", "4"]);
-        assert_eq!(cut(card, "1, 2,,4", Format::Standard), ["1", "2", "", "4"]);
-        assert_eq!(cut(card, "1,2,,4", Format::Long), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, &fixed, CardFormat::Standard), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, &long, CardFormat::Long), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, &i10, CardFormat::I10), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, "1, 2,,4", CardFormat::Standard), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, "1,2,,4", CardFormat::Long), ["1", "2", "", "4"]);
     }
 
     #[test]
     fn tabs_are_columns_where_they_fit_and_blanks_where_not() {
         let card = "eid:i8 pid:i8 n1:i8 n2:i8";
-        assert_eq!(cut(card, "1\t2\t\t4", Format::Standard), ["1", "2", "", "4"]);
-        assert_eq!(cut("a:r b:r c:r", "1.0\t2.0\t3.0", Format::Standard), ["1.0", "2.0", "3.0"]);
-        assert_eq!(cut("a:i b:a", "\t 7name", Format::Standard), ["7", "name"]);
+        assert_eq!(cut(card, "1\t2\t\t4", CardFormat::Standard), ["1", "2", "", "4"]);
+        assert_eq!(
+            cut("a:r b:r c:r", "1.0\t2.0\t3.0", CardFormat::Standard),
+            ["1.0", "2.0", "3.0"]
+        );
+        assert_eq!(cut("a:i b:a", "\t 7name", CardFormat::Standard), ["7", "name"]);
     }
 
     #[test]
     fn lines_of_text_are_whole() {
-        assert_eq!(cut("title:l", "  a, b\tc  ", Format::Standard), ["a, b\tc"]);
+        assert_eq!(cut("title:l", "  a, b\tc  ", CardFormat::Standard), ["a, b\tc"]);
     }
 }

@@ -22,11 +22,11 @@ pub mod reference;
 mod table;
 mod text;
 
-pub use convert::mesh::{Lists, Places};
+pub use convert::mesh::{ListLengths, Places};
 pub use merge::merge;
 pub use text::Text;
 
-use crate::input::job::report::{Finding, deck_path};
+use crate::input::job::report::{PlacedProblem, deck_path};
 use crate::input::job::tree::{Node, Place};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
@@ -64,13 +64,13 @@ pub struct Deck {
     /// The mesh, elements list by list as written.
     pub mesh: Mesh,
     /// Number of elements of each kind, in the order of the mesh.
-    pub lists: Lists,
+    pub lists: ListLengths,
     /// Its files.
     pub files: Vec<Text>,
     /// Places of the mesh data.
     pub places: Places,
     /// Its problems.
-    pub(crate) findings: Vec<Finding>,
+    pub(crate) findings: Vec<PlacedProblem>,
     /// True if all its cards could be read.
     pub whole: bool,
     /// Requests and the settings used for them.
@@ -198,6 +198,6 @@ fn fragment(number: usize, file: &Text, trouble: &mut Trouble) -> Option<Node> {
 }
 
 /// Returns a problem at a place of a deck.
-pub(crate) fn placed(problem: Problem, place: Place) -> Finding {
-    Finding::from(Problem { path: deck_path(place), ..problem })
+pub(crate) fn placed(problem: Problem, place: Place) -> PlacedProblem {
+    PlacedProblem::from(Problem { path: deck_path(place), ..problem })
 }

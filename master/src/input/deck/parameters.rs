@@ -2,7 +2,7 @@
 
 use super::diagnostics::Trouble;
 use super::expression;
-use super::fields::{Format, expand};
+use super::fields::{CardFormat, expand};
 use super::number;
 use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
@@ -21,7 +21,7 @@ pub enum Parameter {
 
 /// All parameters so far, with names in lower case.
 #[derive(Debug, Default)]
-pub struct Parameters {
+pub struct DeckParameters {
     known: BTreeMap<String, Parameter>,
 }
 
@@ -33,7 +33,7 @@ pub fn reference(text: &str) -> Option<(bool, &str)> {
     }
 }
 
-impl Parameters {
+impl DeckParameters {
     /// Returns the value of a name.
     pub fn get(&self, name: &str) -> Option<&Parameter> {
         self.known.get(&name.to_ascii_lowercase())
@@ -57,7 +57,7 @@ impl Parameters {
     /// and a formula per line).
     pub fn read(&mut self, block: &KeywordBlock, texts: &Texts, trouble: &mut Trouble) {
         let expressions = block.name.contains("EXPRESSION");
-        let width = if block.format == Format::Long { 20 } else { 10 };
+        let width = if block.format == CardFormat::Long { 20 } else { 10 };
         let mut formula: Option<(String, String, Place)> = None;
         for &span in &block.lines {
             let text = expand(&String::from_utf8_lossy(texts.line(block, span)));

@@ -1,10 +1,10 @@
 //! Cards read by the table: values with their places.
 
 use super::diagnostics::Trouble;
-use super::fields::{Format, split};
+use super::fields::{CardFormat, split};
 use super::keywords::KeywordRow;
 use super::number;
-use super::parameters::{Parameter, Parameters};
+use super::parameters::{DeckParameters, Parameter};
 use super::table::{Card, Field, FieldType, Times};
 use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
@@ -35,7 +35,7 @@ pub struct Value {
 
 /// A line that was read.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct CardLine {
     card: &'static Card,
     /// One value for each field of the card.
     values: Vec<Value>,
@@ -43,7 +43,7 @@ pub struct Line {
     pub place: Place,
 }
 
-impl Line {
+impl CardLine {
     /// Returns a field by its name; the first one of a list.
     pub fn value(&self, name: &str) -> Option<&Value> {
         self.values.get(self.card.index(name)?)
@@ -112,7 +112,7 @@ impl Line {
 
 /// The cards of one entity: a material, a section, a set.
 #[derive(Clone, Debug)]
-pub struct Record {
+pub struct CardRecord {
     /// Its keyword's row.
     pub row: &'static KeywordRow,
     /// Options in the keyword's name.
@@ -120,10 +120,10 @@ pub struct Record {
     /// The keyword's own line.
     pub head: Place,
     /// Its lines.
-    lines: Vec<Line>,
+    lines: Vec<CardLine>,
 }
 
-impl Record {
+impl CardRecord {
     /// Returns true if the keyword's name has this option.
     pub fn has(&self, option: &str) -> bool {
         self.options.contains(&option)
@@ -135,12 +135,12 @@ impl Record {
     }
 
     /// Returns the first line with a field of this name.
-    pub fn line(&self, name: &str) -> Option<&Line> {
+    pub fn line(&self, name: &str) -> Option<&CardLine> {
         self.lines.iter().find(|l| l.card.index(name).is_some())
     }
 
     /// Returns the lines with a field of this name.
-    pub fn lines<'r>(&'r self, name: &'r str) -> impl Iterator<Item = &'r Line> + 'r {
+    pub fn lines<'r>(&'r self, name: &'r str) -> impl Iterator<Item = &'r CardLine> + 'r {
         self.lines.iter().filter(move |l| l.card.index(name).is_some())
     }
 
@@ -180,7 +180,7 @@ pub struct Cards<'c> {
     /// The files.
     pub texts: &'c Texts,
     /// Parameters so far.
-    pub parameters: &'c Parameters,
+    pub parameters: &'c DeckParameters,
     /// Problems.
     pub trouble: &'c mut Trouble,
 }
@@ -192,15 +192,19 @@ impl Cards<'_> {
         row: &'static KeywordRow,
         options: &[&'static str],
         block: &KeywordBlock,
-    ) -> Vec<Record> {
+    ) -> Vec<CardRecord> {
         let mut records = Vec::new();
         let mut at = 0;
         let filled =
             |from: usize| block.lines[from.min(block.lines.len())..].iter().any(|l| l.0 < l.1);
         while at == 0 || (row.keyword.repeats && filled(at)) {
             let before = at;
-            let mut record =
-                Record { row, options: options.to_vec(), head: block.place(), lines: Vec::new() };
+            let mut record = CardRecord {
+                row,
+                options: options.to_vec(),
+                head: block.place(),
+                lines: Vec::new(),
+            };
             let mut whole = true;
             for (card, times) in &row.cards {
                 let left = block.lines.len() - at;
@@ -273,7 +277,7 @@ impl Cards<'_> {
         block: &KeywordBlock,
         span: (u32, u32),
         number: usize,
-    ) -> Line {
+    ) -> CardLine {
         let text = self.texts.line(block, span);
         let fields = split(text, card, block.format);
         if fields.count() > card.fields.len() {
@@ -302,7 +306,7 @@ impl Cards<'_> {
             }
             values.push(Value { given, place });
         }
-        Line { card, values, place }
+        CardLine { card, values, place }
     }
 
     fn given(
@@ -388,10 +392,10 @@ fn wanted(kind: FieldType) -> &'static str {
 }
 
 /// Returns the fields of a card for a message.
-pub fn layout(card: &Card, format: Format) -> String {
+pub fn layout(card: &Card, format: CardFormat) -> String {
     let mut names: Vec<&str> = card.fields.iter().map(|f| f.name.as_str()).collect();
     names.dedup();
-    let width = |f: &Field| if format == Format::Long { 20 } else { f.width };
+    let width = |f: &Field| if format == CardFormat::Long { 20 } else { f.width };
     let widths: Vec<u16> = card.fields.iter().map(width).collect();
     let even = widths.windows(2).all(|w| w[0] == w[1]);
     let columns = match (even, widths.first()) {

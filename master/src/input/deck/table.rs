@@ -5,7 +5,7 @@
 //! whole line. The default width is ten columns; `!` marks a field that may not be blank. A
 //! repeated field (`n:i*8`) is a list.
 
-use super::record::Record;
+use super::record::CardRecord;
 
 /// Type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +97,7 @@ pub enum Times {
     /// For all remaining lines.
     Rest,
     /// As a function of the cards before it and the options in the keyword's name.
-    Count(fn(&Record) -> usize),
+    Count(fn(&CardRecord) -> usize),
 }
 
 /// Effect of a keyword in Crumple.

@@ -5,7 +5,7 @@
 //! after `*END` in its file are ignored. This module knows no other keyword.
 
 use super::diagnostics::Trouble;
-use super::fields::Format;
+use super::fields::CardFormat;
 use crate::input::confine;
 use crate::input::job::tree::Place;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub struct KeywordBlock {
     /// Name in capitals, without asterisk.
     pub name: String,
     /// Format of its cards.
-    pub format: Format,
+    pub format: CardFormat,
     /// First byte of each line and one past its last; without comments.
     pub lines: Vec<(u32, u32)>,
 }
@@ -82,18 +82,18 @@ impl Texts {
 
     /// Reads a deck and all files that it includes, and reports problems.
     pub fn read(path: &Path, trouble: &mut Trouble) -> Self {
-        let mut reader = Reader {
+        let mut reader = DeckReader {
             texts: Texts::default(),
             open: Vec::new(),
             folders: vec![path.parent().unwrap_or(Path::new("")).to_path_buf()],
             trouble,
         };
-        reader.file(path, path.display().to_string(), None, Format::Standard);
+        reader.file(path, path.display().to_string(), None, CardFormat::Standard);
         reader.texts
     }
 }
 
-struct Reader<'t> {
+struct DeckReader<'t> {
     texts: Texts,
     /// Files that are being read, the innermost last, to detect files that include themselves.
     open: Vec<PathBuf>,
@@ -102,9 +102,9 @@ struct Reader<'t> {
     trouble: &'t mut Trouble,
 }
 
-impl Reader<'_> {
+impl DeckReader<'_> {
     /// Reads one file; `from` is the place where it is named.
-    fn file(&mut self, path: &Path, shown: String, from: Option<Place>, format: Format) {
+    fn file(&mut self, path: &Path, shown: String, from: Option<Place>, format: CardFormat) {
         let place = from.unwrap_or(Place::Whole);
         if self.texts.files.len() >= MOST_FILES {
             let message = format!("the deck includes more than {MOST_FILES} files");
@@ -135,7 +135,7 @@ impl Reader<'_> {
     }
 
     /// Splits a file into blocks.
-    fn blocks(&mut self, file: u32, path: &Path, mut format: Format) {
+    fn blocks(&mut self, file: u32, path: &Path, mut format: CardFormat) {
         let text = std::mem::take(&mut self.texts.files[file as usize].text);
         let bytes = text.as_bytes();
         let begin = first_keyword(bytes).unwrap_or_else(|| {
@@ -211,7 +211,7 @@ impl Reader<'_> {
     }
 
     /// Stores a block, or reads the file that it includes.
-    fn end_block(&mut self, mut block: KeywordBlock, text: &str, path: &Path, format: Format) {
+    fn end_block(&mut self, mut block: KeywordBlock, text: &str, path: &Path, format: CardFormat) {
         let bytes = text.as_bytes();
         let line = |span: (u32, u32)| {
             String::from_utf8_lossy(&bytes[span.0 as usize..span.1 as usize]).into_owned()
@@ -296,13 +296,13 @@ fn names(lines: &[(u32, u32)], text: impl Fn((u32, u32)) -> String) -> Vec<(Stri
 /// A keyword's own line.
 struct Head {
     name: String,
-    format: Format,
+    format: CardFormat,
 }
 
 impl Head {
     /// Reads the name, and the format after it: `+` long, `-` standard, `%` with ids of ten
     /// columns, and on `*KEYWORD` also `LONG=Y` and `I10=Y`.
-    fn read(line: &[u8], format: Format) -> Self {
+    fn read(line: &[u8], format: CardFormat) -> Self {
         let text = String::from_utf8_lossy(&line[1..]).to_ascii_uppercase();
         let mut words = text.split(|c: char| c.is_ascii_whitespace() || c == ',' || c == '(');
         let first = words.next().unwrap_or_default();
@@ -311,11 +311,11 @@ impl Head {
         let signs = first[name.len()..].chars().map(String::from).chain(words.map(String::from));
         for word in signs {
             match (word.as_str(), name) {
-                ("+", _) | ("LONG=Y" | "LONG=YES", "KEYWORD") => head.format = Format::Long,
+                ("+", _) | ("LONG=Y" | "LONG=YES", "KEYWORD") => head.format = CardFormat::Long,
                 ("-", _) | ("LONG=S" | "LONG=N" | "LONG=NO", "KEYWORD") => {
-                    head.format = Format::Standard
+                    head.format = CardFormat::Standard
                 }
-                ("%", _) | ("I10=Y" | "I10=YES", "KEYWORD") => head.format = Format::I10,
+                ("%", _) | ("I10=Y" | "I10=YES", "KEYWORD") => head.format = CardFormat::I10,
                 _ => {}
             }
         }

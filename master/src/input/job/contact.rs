@@ -1,10 +1,10 @@
 //! `[contact]` and its interfaces: list form and checks.
 
 use super::laws;
-use super::resolve::Numbers;
+use super::resolve::NumberChecks;
 use super::tree::{Entry, Node, NodeContent};
 use super::validate::nearest;
-use crumple_proto::job::{Contact, Interface, Job, Setting};
+use crumple_proto::job::{ContactInput, Interface, Job, Setting};
 use crumple_proto::problem::Problem;
 use crumple_worker::parameter::Form;
 
@@ -38,7 +38,7 @@ pub fn from_list(tree: &mut Node) {
 }
 
 /// Checks ranges, and words against the tables of the worker.
-pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
+pub(super) fn check(contact: &ContactInput, job: &Job, numbers: &mut NumberChecks<'_>) {
     numbers.word("contact.search", &contact.search, &laws::searches());
     numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
     let limit = contact.thickness_limit;
@@ -57,7 +57,7 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         let own = i.checked_sub(1).and_then(|i| toml::Table::try_from(&contact.interface[i]).ok());
         check_one(path, &one, |key| own.as_ref().is_none_or(|own| own.contains_key(key)), numbers);
     }
-    let conflict = |c: &Contact| {
+    let conflict = |c: &ContactInput| {
         let law = laws::contact_law(&c.law)?;
         let values = law.values(c);
         if values.missing().next().is_some() {
@@ -103,8 +103,8 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
 
 /// Warns of each interface that applies to no pair of parts: later interfaces name all its pairs,
 /// or it names no parts.
-fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'_>) {
-    let all: Vec<Contact> = contact.each().collect();
+fn hidden(contact: &ContactInput, job: &Job, said: &[String], numbers: &mut NumberChecks<'_>) {
+    let all: Vec<ContactInput> = contact.each().collect();
     let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let mut last = vec![0; ids.len() * ids.len()];
     for (i, c) in all.iter().enumerate().skip(1) {
@@ -129,12 +129,12 @@ fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'
 /// Checks one interface. `is_own` returns true for the keys that are written for this interface.
 fn check_one(
     path: &str,
-    contact: &Contact,
+    contact: &ContactInput,
     is_own: impl Fn(&str) -> bool,
-    numbers: &mut Numbers<'_>,
+    numbers: &mut NumberChecks<'_>,
 ) {
     let at = |key: &str| format!("{path}.{key}");
-    let laws: Vec<&str> = laws::contact_laws().into_iter().chain([Contact::NO_LAW]).collect();
+    let laws: Vec<&str> = laws::contact_laws().into_iter().chain([ContactInput::NO_LAW]).collect();
     if is_own("law") {
         numbers.word(&at("law"), &contact.law, &laws);
     }
@@ -186,9 +186,9 @@ fn check_one(
 /// `friction` is written for the same interface.
 fn check_friction_table(
     path: &str,
-    contact: &Contact,
+    contact: &ContactInput,
     is_constant_own: bool,
-    numbers: &mut Numbers<'_>,
+    numbers: &mut NumberChecks<'_>,
 ) {
     let rows = &contact.friction_table;
     let mut report = |row: usize, message: String, help: &str| {

@@ -1,9 +1,9 @@
 //! Files of a job: the job file itself, and the mesh from a generator, a file, a deck or the job.
 
-use super::report::Source;
+use super::report::SourceFile;
 use super::tree::{Node, Place};
-use super::validate::Findings;
-use super::{Sources, mesh, validate};
+use super::validate::JobProblems;
+use super::{SourceFiles, mesh, validate};
 use crate::input::{confine, deck};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MeshSource};
@@ -19,9 +19,9 @@ pub(super) fn read_mesh(
     job: &Job,
     path: &Path,
     deck: Option<deck::Deck>,
-    sources: &mut Sources,
-    findings: &mut Findings,
-) -> Option<mesh::Read> {
+    sources: &mut SourceFiles,
+    findings: &mut JobProblems,
+) -> Option<mesh::PlacedMesh> {
     if findings.any_faulty_below("mesh") {
         return None;
     }
@@ -35,7 +35,7 @@ pub(super) fn read_mesh(
     let read = if let Some(deck) = deck.filter(|_| count == 0) {
         let mut mesh = deck.mesh;
         mesh.node_sets.extend(own_sets());
-        mesh::Read::of_deck(mesh, deck.lists)
+        mesh::PlacedMesh::of_deck(mesh, deck.lists)
     } else if !check_sources(given, count, findings) {
         return None;
     } else if let Some(file) = &given.file {
@@ -46,7 +46,7 @@ pub(super) fn read_mesh(
         match crate::input::exodus::read(&in_folder(exodus)) {
             Ok(mut mesh) => {
                 mesh.node_sets.extend(own_sets());
-                mesh::Read::elsewhere(mesh, "mesh.exodus")
+                mesh::PlacedMesh::elsewhere(mesh, "mesh.exodus")
             }
             Err(problems) => {
                 problems.into_iter().for_each(|problem| findings.add(problem));
@@ -74,7 +74,7 @@ fn count_sources(given: &MeshSource) -> usize {
 
 /// Reports a job without a mesh or with several, and keys that its mesh cannot have. Returns false
 /// if there is an error.
-fn check_sources(given: &MeshSource, count: usize, findings: &mut Findings) -> bool {
+fn check_sources(given: &MeshSource, count: usize, findings: &mut JobProblems) -> bool {
     let MeshSource { generator, file, node_sets, thicknesses, offsets, .. } = given;
     if count != 1 {
         let (message, one) = match count {
@@ -107,9 +107,9 @@ fn check_sources(given: &MeshSource, count: usize, findings: &mut Findings) -> b
 
 fn read_mesh_file(
     file: &Path,
-    sources: &mut Sources,
-    findings: &mut Findings,
-) -> Option<mesh::Read> {
+    sources: &mut SourceFiles,
+    findings: &mut JobProblems,
+) -> Option<mesh::PlacedMesh> {
     let text = match load(file) {
         Ok(text) => text,
         Err(problem) => {
@@ -119,7 +119,7 @@ fn read_mesh_file(
     };
     let parsed = Node::parse(&text);
     let tree = parsed.as_ref().cloned().unwrap_or_else(|_| Node::table(Place::Whole));
-    sources.mesh = Some(Source { file: file.display().to_string(), text, tree });
+    sources.mesh = Some(SourceFile { file: file.display().to_string(), text, tree });
     let mut tree = match parsed {
         Ok(tree) => tree,
         Err(errors) => {

@@ -1,7 +1,7 @@
 //! Requested histories of a job, in ids, and their checks.
 
 use super::state::NodeSets;
-use super::validate::{Findings, nearest};
+use super::validate::{JobProblems, nearest};
 use crumple_proto::histories::{
     HistoryRequests, NodeGroup, SectionCut, Transducer, TransducerSurface,
 };
@@ -18,7 +18,7 @@ pub fn resolve(
     mesh: &Mesh,
     settings: &Settings,
     sets: &NodeSets<'_>,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> HistoryRequests {
     let touching = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
     let several = settings.parts.iter().filter(|p| touching(p.id)).count() > 1;
@@ -47,7 +47,7 @@ fn group(
     asked: &NodeHistory,
     i: usize,
     sets: &NodeSets<'_>,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<NodeGroup> {
     let path = format!("output.node.{i}");
     if asked.nodes.is_none() && asked.ids.is_empty() {
@@ -84,7 +84,7 @@ fn group(
 }
 
 /// Returns true if all these parts exist. Otherwise reports the missing ones.
-fn are_parts(parts: &[u32], path: &str, what: &str, job: &Job, findings: &mut Findings) -> bool {
+fn are_parts(parts: &[u32], path: &str, what: &str, job: &Job, findings: &mut JobProblems) -> bool {
     let missing: Vec<_> =
         parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id)).collect();
     for (k, id) in &missing {
@@ -106,7 +106,7 @@ fn transducer(
     job: &Job,
     settings: &Settings,
     sets: &NodeSets<'_>,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<Transducer> {
     let path = format!("output.transducer.{i}");
     if asked.parts.is_empty() && asked.nodes.is_none() {
@@ -163,7 +163,7 @@ fn section(
     mesh: &Mesh,
     sets: &NodeSets<'_>,
     rigid: &dyn Fn(u32) -> bool,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<SectionCut> {
     let path = format!("output.section.{i}");
     let nodes = sets.ids(&asked.nodes, format!("{path}.nodes"), findings);
@@ -194,7 +194,7 @@ fn check_section(
     path: &str,
     job: &Job,
     mesh: &Mesh,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> bool {
     let mut is_valid =
         are_parts(&asked.parts, &format!("{path}.parts"), "a section", job, findings);

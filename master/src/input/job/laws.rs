@@ -2,7 +2,7 @@
 //!
 //! This module does not know the content of a law. The worker checks the parameters of its laws.
 
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
@@ -87,11 +87,11 @@ pub fn searches() -> Vec<&'static str> {
 pub type Used = [bool; Shape::ALL.len()];
 
 /// The elements of every part, as the worker builds them.
-pub struct Blocks {
+pub struct BuiltElements {
     parts: Vec<[Option<Box<dyn Element>>; Shape::ALL.len()]>,
 }
 
-impl Blocks {
+impl BuiltElements {
     /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]).
     /// For parts without elements it builds those that they could have, so that their parameters
     /// are checked too. `order[i]` is the index in the job of part `i` of `settings`.
@@ -99,7 +99,7 @@ impl Blocks {
         settings: &Settings,
         order: &[usize],
         used: &[Used],
-        findings: &mut Findings,
+        findings: &mut JobProblems,
     ) -> Self {
         let mut problems: Vec<Problem> = Vec::new();
         let mut parts = Vec::with_capacity(order.len());
@@ -144,7 +144,7 @@ impl Blocks {
                 findings.add(problem);
             }
         }
-        Blocks { parts }
+        BuiltElements { parts }
     }
 
     /// Returns the names of the formulations of a part with the given index in the settings.

@@ -1,10 +1,12 @@
 //! Loads, prescribed motion and planes of symmetry: checks, and conversion to numbers and ids.
 
 use super::state::{NodeSets, NodeStart};
-use super::validate::{Findings, nearest};
+use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, Motion as MotionSpec, Pressure as PressureSpec};
-use crumple_proto::loads::{Gravity, Loads, Motion, MotionForm, NodalForce, Pressure};
+use crumple_proto::job::{Job, MotionInput, PressureInput};
+use crumple_proto::loads::{
+    Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
+};
 use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::problem::Problem;
 use std::collections::HashSet;
@@ -20,7 +22,7 @@ const ALONG: f64 = 1e-9;
 const ON_PLANE: f64 = 1e-3;
 
 /// Returns the bits of named degrees of freedom. Reports every unknown name.
-pub fn dof_bits(dofs: &[String], path: &str, findings: &mut Findings) -> u64 {
+pub fn dof_bits(dofs: &[String], path: &str, findings: &mut JobProblems) -> u64 {
     let mut bits = 0;
     for (place, dof) in dofs.iter().enumerate() {
         match DOFS.iter().position(|known| known == dof) {
@@ -47,14 +49,14 @@ pub fn resolve(
     sets: &NodeSets<'_>,
     smallest: f64,
     start: &mut NodeStart,
-    findings: &mut Findings,
-) -> Loads {
+    findings: &mut JobProblems,
+) -> ResolvedLoads {
     symmetry(job, mesh, smallest, start, findings);
     let curves = Curves::new(job, findings);
-    let mut loads = Loads {
+    let mut loads = ResolvedLoads {
         curves: job.curve.iter().map(|c| c.points.clone()).collect(),
         damping: job.time.damping,
-        ..Loads::default()
+        ..ResolvedLoads::default()
     };
     if loads.damping < 0.0 {
         let message = format!("`damping` is {:?}", loads.damping);
@@ -104,7 +106,7 @@ pub struct Curves<'j> {
 }
 
 impl<'j> Curves<'j> {
-    fn new(job: &'j Job, findings: &mut Findings) -> Self {
+    fn new(job: &'j Job, findings: &mut JobProblems) -> Self {
         let mut seen = HashSet::new();
         for (i, curve) in job.curve.iter().enumerate() {
             if curve.name.is_empty() {
@@ -159,7 +161,7 @@ impl<'j> Curves<'j> {
         &self,
         name: &Option<String>,
         path: &str,
-        findings: &mut Findings,
+        findings: &mut JobProblems,
     ) -> Option<usize> {
         let name = name.as_ref()?;
         let found = self.names.iter().position(|n| n == name);
@@ -177,12 +179,12 @@ impl<'j> Curves<'j> {
 /// Returns the faces on which a pressure acts, ascending. Reports an error and returns `None` if
 /// there are none.
 fn loaded_faces(
-    p: &PressureSpec,
+    p: &PressureInput,
     i: usize,
     job: &Job,
     mesh: &Mesh,
     sets: &NodeSets<'_>,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<Vec<(ElemId, u8)>> {
     if p.parts.is_empty() && p.nodes.is_none() {
         let help = "name `parts`, a node set as `nodes`, or both";
@@ -262,11 +264,11 @@ pub fn outer_faces(
 
 /// Resolves a motion without nodes, and returns its degrees of freedom as far as they are given.
 pub fn motion_form(
-    m: &MotionSpec,
+    m: &MotionInput,
     i: usize,
     curves: &Curves<'_>,
-    findings: &mut Findings,
-) -> Option<(Motion, Option<u64>)> {
+    findings: &mut JobProblems,
+) -> Option<(PrescribedMotion, Option<u64>)> {
     let path = format!("motion.{i}");
     let curve = curves.find(&m.curve, &format!("{path}.curve"), findings);
     let forms = [
@@ -280,7 +282,7 @@ pub fn motion_form(
         let help = "give exactly one of velocity, displacement, acceleration and spin";
         findings.add(Problem::error(
             path,
-            "a motion has no velocity, displacement, acceleration or spin, or several of them",
+            "a motion has none or several of velocity, displacement, acceleration and spin",
             help,
         ));
         return None;
@@ -290,7 +292,7 @@ pub fn motion_form(
         findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
     }
     let dofs = (!m.dofs.is_empty()).then(|| dof_bits(&m.dofs, &format!("{path}.dofs"), findings));
-    Some((Motion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
+    Some((PrescribedMotion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
 }
 
 /// Returns true if a motion is a displacement that is not 0 at time 0. `index` is that of its
@@ -308,19 +310,19 @@ pub fn starts_with_jump(
 /// Resolves a motion of nodes and marks its degrees of freedom as fixed. None of them may be
 /// fixed already.
 fn motion(
-    m: &MotionSpec,
+    m: &MotionInput,
     i: usize,
     curves: &Curves<'_>,
     mesh: &Mesh,
     sets: &NodeSets<'_>,
     start: &mut NodeStart,
-    findings: &mut Findings,
-) -> Option<Motion> {
+    findings: &mut JobProblems,
+) -> Option<PrescribedMotion> {
     let path = format!("motion.{i}");
     let form = motion_form(m, i, curves, findings);
     let Some(name) = &m.nodes else {
         let help = "name a node set as `nodes`, or a `rigid` body";
-        findings.add(Problem::error(&path, "a motion moves nothing", help));
+        findings.add(Problem::error(&path, "a motion names neither nodes nor a rigid body", help));
         return None;
     };
     let nodes = sets.indices(name, format!("{path}.nodes"), findings)?;
@@ -344,11 +346,21 @@ fn motion(
         findings.add(Problem::error(&path, message, help));
     }
     nodes.iter().for_each(|&n| start.fixed[n] |= dofs);
-    Some(Motion { nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(), dofs, ..motion })
+    Some(PrescribedMotion {
+        nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(),
+        dofs,
+        ..motion
+    })
 }
 
 /// Fixes the degrees of freedom that planes of symmetry constrain.
-fn symmetry(job: &Job, mesh: &Mesh, smallest: f64, start: &mut NodeStart, findings: &mut Findings) {
+fn symmetry(
+    job: &Job,
+    mesh: &Mesh,
+    smallest: f64,
+    start: &mut NodeStart,
+    findings: &mut JobProblems,
+) {
     for (i, plane) in job.symmetry.iter().enumerate() {
         let path = format!("symmetry.{i}.normal");
         let largest = plane.normal.iter().fold(0.0f64, |m, c| m.max(c.abs()));

@@ -2,8 +2,8 @@
 
 mod elements;
 
-use super::validate::Findings;
-use crate::input::deck::Lists;
+use super::validate::JobProblems;
+use crate::input::deck::ListLengths;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
@@ -17,7 +17,7 @@ const MAX_REPORTED: usize = 20;
 const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
 
 /// A mesh, and the places of its entities in the job.
-pub struct Read {
+pub struct PlacedMesh {
     /// The mesh.
     pub mesh: Mesh,
     /// Where its entities are written.
@@ -27,20 +27,20 @@ pub struct Read {
 /// Where the entities of a mesh are written.
 enum Written {
     /// In rows: names and lengths of the lists of elements.
-    Rows(Lists),
+    Rows(ListLengths),
     /// Not in the job: the key that names the source.
     Elsewhere(&'static str),
 }
 
-impl Read {
+impl PlacedMesh {
     /// Creates it from the mesh of a deck, whose elements are ordered by `lists`.
-    pub fn of_deck(mesh: Mesh, lists: Lists) -> Self {
-        Read { mesh, written: Written::Rows(lists) }
+    pub fn of_deck(mesh: Mesh, lists: ListLengths) -> Self {
+        PlacedMesh { mesh, written: Written::Rows(lists) }
     }
 
     /// Creates it from a mesh that a key of the job names.
     pub fn elsewhere(mesh: Mesh, key: &'static str) -> Self {
-        Read { mesh, written: Written::Elsewhere(key) }
+        PlacedMesh { mesh, written: Written::Elsewhere(key) }
     }
 
     fn node_path(&self, index: usize) -> String {
@@ -75,9 +75,9 @@ impl Read {
 
 /// Generates the mesh with the job's `[scene]`. Reports an error and returns `None` if this
 /// fails.
-pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> {
+pub fn generate(name: &str, job: &Job, findings: &mut JobProblems) -> Option<PlacedMesh> {
     match crumple_cases::generate(name, &job.scene) {
-        Ok(mesh) => Some(Read::elsewhere(mesh, "mesh.generator")),
+        Ok(mesh) => Some(PlacedMesh::elsewhere(mesh, "mesh.generator")),
         Err(problems) => {
             problems.into_iter().for_each(|p| findings.add(p));
             None
@@ -86,7 +86,7 @@ pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> 
 }
 
 /// Creates the mesh from rows of numbers; `None` if a row is not a valid node or element.
-pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
+pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<PlacedMesh> {
     let mut few = Few::new(findings);
     let mut mesh = Mesh::default();
     for (index, &[id, x, y, z]) in source.nodes.iter().enumerate() {
@@ -149,16 +149,16 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     ];
     let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
-    whole.then_some(Read { mesh, written: Written::Rows(lists) })
+    whole.then_some(PlacedMesh { mesh, written: Written::Rows(lists) })
 }
 
 /// Assigns thicknesses and offsets of their own to shells, from the `thicknesses` and `offsets`
 /// of a job.
 pub fn with_own_sections(
-    mut read: Read,
+    mut read: PlacedMesh,
     [thicknesses, offsets]: [&[[f64; 2]]; 2],
-    findings: &mut Findings,
-) -> Read {
+    findings: &mut JobProblems,
+) -> PlacedMesh {
     let mut few = Few::new(findings);
     assign(&mut read.mesh, &THICKNESS, thicknesses, &mut few);
     assign(&mut read.mesh, &OFFSET, offsets, &mut few);
@@ -281,7 +281,7 @@ pub type Axes = Vec<(ElemId, [f64; 3])>;
 /// ascending. Beams have two nodes afterwards.
 ///
 /// `parts` are the ids of the job's parts, `None` if the parts have errors.
-pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mesh, Axes) {
+pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems) -> (Mesh, Axes) {
     let mut few = Few::new(findings);
     let at = check_nodes(&read, &mut few);
     elements::check(&read, &at, parts, &mut few);
@@ -346,7 +346,7 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mes
     (mesh, axes)
 }
 
-fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
+fn check_nodes(read: &PlacedMesh, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
     let mut at = HashMap::with_capacity(read.mesh.nodes.len());
     for (index, node) in read.mesh.nodes.iter().enumerate() {
         if node.id > NodeId::LARGEST {
@@ -372,12 +372,12 @@ fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
 
 /// Reports the first problems of each kind singly and counts the others.
 struct Few<'f> {
-    findings: &'f mut Findings,
+    findings: &'f mut JobProblems,
     counts: BTreeMap<&'static str, (usize, String)>,
 }
 
 impl<'f> Few<'f> {
-    fn new(findings: &'f mut Findings) -> Self {
+    fn new(findings: &'f mut JobProblems) -> Self {
         Few { findings, counts: BTreeMap::new() }
     }
 

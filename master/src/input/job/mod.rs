@@ -39,10 +39,10 @@ mod validate;
 mod walls;
 mod warnings;
 
-pub use laws::Blocks;
+pub use laws::BuiltElements;
 pub use model::Model;
 pub use numbering::Renumbered;
-pub use report::{Located, Report, Sources, Spot};
+pub use report::{Located, Report, SourceFiles, Spot};
 pub use state::{ElementStart, NodeStart, fastest_wave};
 pub use units::fit as units_fit;
 pub use validate::nearest;
@@ -56,18 +56,18 @@ use crumple_proto::quality::{Quality, quality};
 use crumple_proto::tie::Tie;
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use files::{job_file, load, read_mesh};
-use report::{DeckSource, Source};
+use report::{DeckSource, SourceFile};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use tree::Node;
-use validate::Findings;
+use validate::JobProblems;
 
 /// Reads and checks a job: a folder that contains `job.toml`, or a `.toml` file. `sets` are the
 /// `key=value` of the command line.
 pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     let path = job_file(path).map_err(Report::from_problem)?;
     if deck::is_deck(&path) {
-        return read_tree(path.clone(), deck_job(&path), sets, Findings::default());
+        return read_tree(path.clone(), deck_job(&path), sets, JobProblems::default());
     }
     let text = load(&path).map_err(Report::from_problem)?;
     read_text(path, text, sets)
@@ -79,8 +79,8 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
         Ok(tree) => (tree, Vec::new()),
         Err(errors) => (Node::table(tree::Place::Whole), errors),
     };
-    let job = Source { file: path.display().to_string(), text, tree };
-    let mut findings = Findings::default();
+    let job = SourceFile { file: path.display().to_string(), text, tree };
+    let mut findings = JobProblems::default();
     for (message, help, place) in errors {
         findings.add_faulty(Problem::error("", message, help), Some(place));
     }
@@ -88,7 +88,7 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
 }
 
 /// Returns a job that consists only of this deck.
-fn deck_job(path: &Path) -> Source {
+fn deck_job(path: &Path) -> SourceFile {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let whole = tree::Place::Whole;
     let entry = |node| tree::Entry { key: whole, node };
@@ -98,16 +98,16 @@ fn deck_job(path: &Path) -> Source {
     };
     let tree =
         table("mesh", table("deck", Node { kind: tree::NodeContent::String(name), place: whole }));
-    Source { file: path.display().to_string(), text: String::new(), tree }
+    SourceFile { file: path.display().to_string(), text: String::new(), tree }
 }
 
 fn read_tree(
     path: PathBuf,
-    job: Source,
+    job: SourceFile,
     sets: &[String],
-    mut findings: Findings,
+    mut findings: JobProblems,
 ) -> Result<Model, Report> {
-    let mut sources = Sources { job, mesh: None, deck: None, sets: sets.to_vec() };
+    let mut sources = SourceFiles { job, mesh: None, deck: None, sets: sets.to_vec() };
     if findings.any_error() {
         return Err(Report::new(findings.list, &sources));
     }
@@ -149,17 +149,21 @@ struct Built {
     elements: ElementStart,
     quality: Quality,
     renumbered: Option<Renumbered>,
-    blocks: Blocks,
+    blocks: BuiltElements,
     warnings: Vec<Problem>,
     mapping: Vec<deck::Mapping>,
     unsupported: Vec<String>,
 }
 
 /// Reads the deck of a job and merges the job's own keys over it.
-fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Option<deck::Deck> {
+fn under_deck(
+    sources: &mut SourceFiles,
+    path: &Path,
+    findings: &mut JobProblems,
+) -> Option<deck::Deck> {
     let mut tree = sources.job.tree.clone();
     if sources.sets.iter().any(|set| set.trim_start().starts_with("mesh.")) {
-        sets::apply(&mut tree, &sources.sets, &mut Findings::default());
+        sets::apply(&mut tree, &sources.sets, &mut JobProblems::default());
     }
     let mesh = tree.get("mesh")?;
     let tree::NodeContent::String(name) = &mesh.get("deck")?.kind else { return None };
@@ -189,17 +193,17 @@ fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Op
 
 /// Runs all stages after parsing; returns `None` if there is too little data to continue.
 fn build(
-    sources: &mut Sources,
+    sources: &mut SourceFiles,
     path: &Path,
     sets: &[String],
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<Built> {
     let mut deck = under_deck(sources, path, findings);
     if let Some(deck) = deck.take_if(|_| findings.any_error()) {
         // References to a faulty card would be reported as errors. Of the remaining data, only
         // the mesh can be checked.
         if deck.whole && !deck.mesh.elements.is_empty() {
-            mesh::check(mesh::Read::of_deck(deck.mesh, deck.lists), None, findings);
+            mesh::check(mesh::PlacedMesh::of_deck(deck.mesh, deck.lists), None, findings);
         }
         return None;
     }
@@ -246,9 +250,9 @@ fn build(
 
 /// Applies the command line, checks all keys and returns them, as a tree and as a job.
 fn read_keys(
-    sources: &mut Sources,
+    sources: &mut SourceFiles,
     sets: &[String],
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<(Node, Job)> {
     contact::from_list(&mut sources.job.tree);
     let mut tree = sources.job.tree.clone();
@@ -277,7 +281,11 @@ struct CheckedMesh {
 }
 
 /// Checks the mesh, renumbers it if that is useful, and moves tied nodes onto their surfaces.
-fn check_mesh(job: &Job, read: Option<mesh::Read>, findings: &mut Findings) -> CheckedMesh {
+fn check_mesh(
+    job: &Job,
+    read: Option<mesh::PlacedMesh>,
+    findings: &mut JobProblems,
+) -> CheckedMesh {
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let parts_known = !findings.any_faulty_below("part");
     let mut mesh =
@@ -299,8 +307,8 @@ fn choose_laws(
     tree: &Node,
     job: &Job,
     checked: &mut CheckedMesh,
-    findings: &mut Findings,
-) -> (Settings, Blocks) {
+    findings: &mut JobProblems,
+) -> (Settings, BuiltElements) {
     let sides = checked.quality.as_ref().map(|q| (q.min_side.value, q.median_side));
     let mesh = checked.mesh.as_ref();
     let (mut settings, order) =
@@ -312,7 +320,7 @@ fn choose_laws(
         Some(mesh) => state::shapes_in_use(mesh, &settings),
         None => vec![laws::Used::default(); order.len()],
     };
-    let blocks = Blocks::build(&settings, &order, &used, findings);
+    let blocks = BuiltElements::build(&settings, &order, &used, findings);
     let mut of_job = vec![laws::Used::default(); job.part.len()];
     order.iter().zip(&used).for_each(|(&place, used)| of_job[place] = *used);
     unused::check(tree, job, &of_job, findings);
@@ -326,7 +334,7 @@ fn constrain(
     mesh: &Mesh,
     settings: &mut Settings,
     smallest: f64,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> NodeStart {
     let sets = state::NodeSets::new(mesh);
     let mut nodes = state::nodes(job, mesh, &sets, findings);

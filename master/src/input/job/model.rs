@@ -1,7 +1,7 @@
 //! A valid job with its mesh, and what follows from both.
 
-use super::report::{Located, Report, Sources};
-use super::{Blocks, ElementStart, NodeStart, Renumbered, state};
+use super::report::{Located, Report, SourceFiles};
+use super::{BuiltElements, ElementStart, NodeStart, Renumbered, state};
 use crate::input::deck;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::{Mesh, free_faces};
@@ -27,7 +27,7 @@ pub struct Model {
     /// Data of the renumbering, if nodes and elements were renumbered.
     pub renumbered: Option<Renumbered>,
     /// The formulations of all parts.
-    pub blocks: Blocks,
+    pub blocks: BuiltElements,
     /// Warnings. [`Model::show`] adds the line in the job. The run may add more warnings.
     pub warnings: Vec<Problem>,
     /// Requests of a deck, and the settings used for them.
@@ -36,7 +36,7 @@ pub struct Model {
     pub unsupported: Vec<String>,
     /// The job file that was read.
     pub path: PathBuf,
-    pub(super) sources: Sources,
+    pub(super) sources: SourceFiles,
 }
 
 impl Model {

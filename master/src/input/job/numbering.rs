@@ -10,7 +10,7 @@
 //! Stockmeyer, SIAM J. Numer. Anal. 13, 1976). For a structured mesh this gives rows of elements.
 //! Elements follow their first node.
 
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshNode};
 use crumple_proto::problem::Problem;
@@ -41,7 +41,7 @@ pub struct Renumbered {
 pub fn renumber(
     mesh: &mut Mesh,
     axes: &mut [(ElemId, [f64; 3])],
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Option<Renumbered> {
     let corners = corners(mesh);
     let mut order: Vec<u32> = (0..mesh.elements.len() as u32).collect();
@@ -114,19 +114,19 @@ fn rename(
 }
 
 /// Lists of numbers in one array.
-struct Lists {
+struct NumberLists {
     starts: Vec<usize>,
     items: Vec<u32>,
 }
 
-impl Lists {
+impl NumberLists {
     fn list(&self, list: u32) -> &[u32] {
         &self.items[self.starts[list as usize]..self.starts[list as usize + 1]]
     }
 }
 
 /// Returns the nodes of each element, as indices in the mesh.
-fn corners(mesh: &Mesh) -> Lists {
+fn corners(mesh: &Mesh) -> NumberLists {
     let lowest = mesh.nodes.first().map_or(0, |n| n.id.0);
     let position = |id: NodeId| {
         let close = id.0.wrapping_sub(lowest) as usize; // valid for ids without gaps
@@ -134,7 +134,7 @@ fn corners(mesh: &Mesh) -> Lists {
         let found = if there { Ok(close) } else { mesh.nodes.binary_search_by_key(&id, |n| n.id) };
         found.expect("a checked mesh has the nodes of its elements") as u32
     };
-    let mut lists = Lists { starts: vec![0], items: Vec::new() };
+    let mut lists = NumberLists { starts: vec![0], items: Vec::new() };
     for e in &mesh.elements {
         lists.items.extend(e.corners().iter().map(|&id| position(id)));
         lists.starts.push(lists.items.len());
@@ -143,7 +143,7 @@ fn corners(mesh: &Mesh) -> Lists {
 }
 
 /// Returns the elements at each of `nodes` nodes.
-fn around(corners: &Lists, nodes: usize) -> Lists {
+fn around(corners: &NumberLists, nodes: usize) -> NumberLists {
     let mut starts = vec![0; nodes + 1];
     corners.items.iter().for_each(|&n| starts[n as usize + 1] += 1);
     (0..nodes).for_each(|n| starts[n + 1] += starts[n]);
@@ -154,13 +154,13 @@ fn around(corners: &Lists, nodes: usize) -> Lists {
             next[n as usize] += 1;
         }
     }
-    Lists { starts, items }
+    NumberLists { starts, items }
 }
 
 /// Returns the mean number of node lines that an element fetches, for elements in `order` with
 /// nodes at `place`. A line stays in the cache until [`LINES`] others have been fetched since its
 /// last use.
-fn fetched(order: &[u32], corners: &Lists, place: &[u32]) -> f64 {
+fn fetched(order: &[u32], corners: &NumberLists, place: &[u32]) -> f64 {
     let mut used: Vec<Option<u32>> = vec![None; place.len().div_ceil(LINE)];
     let mut fetched = 0u32;
     for &node in order.iter().flat_map(|&e| corners.list(e)) {
@@ -177,7 +177,7 @@ fn fetched(order: &[u32], corners: &Lists, place: &[u32]) -> f64 {
 const NUMBERED: u32 = u32::MAX;
 
 /// Returns all nodes, part by part, and in each connected piece of a part in levels from an end.
-fn levels(mesh: &Mesh, corners: &Lists) -> Vec<u32> {
+fn levels(mesh: &Mesh, corners: &NumberLists) -> Vec<u32> {
     let part = |e: u32| mesh.elements[e as usize].part;
     let around = around(corners, mesh.nodes.len());
     let mut walked = Walks { mesh, corners, around, seen: vec![0; mesh.nodes.len()] };
@@ -203,8 +203,8 @@ fn levels(mesh: &Mesh, corners: &Lists) -> Vec<u32> {
 
 struct Walks<'a> {
     mesh: &'a Mesh,
-    corners: &'a Lists,
-    around: Lists,
+    corners: &'a NumberLists,
+    around: NumberLists,
     seen: Vec<u32>,
 }
 
@@ -285,7 +285,7 @@ mod tests {
     #[test]
     fn a_mesh_in_rows_stays_as_it_is() {
         let (mut mesh, mut axes) = (square(1), vec![]);
-        assert_eq!(renumber(&mut mesh, &mut axes, &mut Findings::default()), None);
+        assert_eq!(renumber(&mut mesh, &mut axes, &mut JobProblems::default()), None);
         assert_eq!(mesh, square(1));
     }
 
@@ -295,7 +295,11 @@ mod tests {
         for count in [[2047, 6, 0], [2046, 5, 0], [63, 63, 4], [44, 90, 3], [1, 511, 12]] {
             let given = boxes(count);
             let mut mesh = given.clone();
-            assert_eq!(renumber(&mut mesh, &mut [], &mut Findings::default()), None, "{count:?}");
+            assert_eq!(
+                renumber(&mut mesh, &mut [], &mut JobProblems::default()),
+                None,
+                "{count:?}"
+            );
             assert_eq!(mesh, given);
         }
     }
@@ -330,7 +334,7 @@ mod tests {
     fn a_scattered_mesh_gets_places_as_good_as_rows_and_keeps_its_labels() {
         let (given, mut axes) = (square(6007), vec![(ElemId(3), [1.0; 3]), (ElemId(70), [2.0; 3])]);
         let mut mesh = given.clone();
-        let done = renumber(&mut mesh, &mut axes, &mut Findings::default())
+        let done = renumber(&mut mesh, &mut axes, &mut JobProblems::default())
             .expect("neighbours are thousands apart");
         assert!(done.before > 1.0 && done.after < 0.2, "{done:?}");
         assert_eq!(labels(&mesh), labels(&given));
@@ -363,7 +367,7 @@ mod tests {
             .filter(|n| n.0 == lost)
             .for_each(|n| *n = NodeId(1 << 33));
         let given = mesh.clone();
-        let mut findings = Findings::default();
+        let mut findings = JobProblems::default();
         assert_eq!(renumber(&mut mesh, &mut [], &mut findings), None);
         assert_eq!(mesh, given);
         assert_eq!(findings.list.len(), 1, "and the user gets a warning");

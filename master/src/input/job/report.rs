@@ -12,7 +12,7 @@ const WIDTH: usize = 100;
 
 /// A file that was read.
 #[derive(Debug)]
-pub(crate) struct Source {
+pub(crate) struct SourceFile {
     /// Its name as the user gave it.
     pub file: String,
     /// Its text.
@@ -23,9 +23,9 @@ pub(crate) struct Source {
 
 /// All sources of a job: the job file, a mesh file, and `--set` of the command line.
 #[derive(Debug)]
-pub struct Sources {
-    pub(crate) job: Source,
-    pub(crate) mesh: Option<Source>,
+pub struct SourceFiles {
+    pub(crate) job: SourceFile,
+    pub(crate) mesh: Option<SourceFile>,
     pub(crate) deck: Option<DeckSource>,
     pub(crate) sets: Vec<String>,
 }
@@ -56,16 +56,16 @@ fn deck_place(path: &str) -> Option<Place> {
 
 /// A problem, and its place if it differs from the place of its path.
 #[derive(Debug)]
-pub(crate) struct Finding {
+pub(crate) struct PlacedProblem {
     pub problem: Problem,
     pub place: Option<Place>,
     /// True if it was found in the mesh file.
     pub in_mesh_file: bool,
 }
 
-impl From<Problem> for Finding {
+impl From<Problem> for PlacedProblem {
     fn from(problem: Problem) -> Self {
-        Finding { problem, place: None, in_mesh_file: false }
+        PlacedProblem { problem, place: None, in_mesh_file: false }
     }
 }
 
@@ -114,7 +114,7 @@ impl Report {
         Report { problems: vec![Located { problem, spot: None }] }
     }
 
-    pub(crate) fn new(findings: Vec<Finding>, sources: &Sources) -> Self {
+    pub(crate) fn new(findings: Vec<PlacedProblem>, sources: &SourceFiles) -> Self {
         let mut problems: Vec<Located> = findings.into_iter().map(|f| sources.show(f)).collect();
         problems.sort_by(|a, b| a.order().cmp(&b.order()));
         Report { problems }
@@ -181,14 +181,14 @@ impl fmt::Display for Located {
     }
 }
 
-impl Sources {
+impl SourceFiles {
     /// Finds the line of a problem from its path.
     pub fn locate(&self, problem: &Problem) -> Located {
-        self.show(Finding::from(problem.clone()))
+        self.show(PlacedProblem::from(problem.clone()))
     }
 
-    fn show(&self, finding: Finding) -> Located {
-        let Finding { problem, place, in_mesh_file } = finding;
+    fn show(&self, finding: PlacedProblem) -> Located {
+        let PlacedProblem { problem, place, in_mesh_file } = finding;
         // Below these keys a mesh file replaces the job's [mesh].
         let inside = ["nodes", "shells", "thicknesses", "offsets", "node_sets"].iter().any(|key| {
             problem.path.strip_prefix("mesh.").is_some_and(|p| p.split('.').next() == Some(key))
@@ -218,7 +218,7 @@ impl Sources {
     }
 }
 
-impl Source {
+impl SourceFile {
     fn spot(&self, start: usize, end: Option<usize>) -> Spot {
         spot(&self.file, &self.text, start, end)
     }

@@ -1,11 +1,11 @@
 //! The numbers of a job: range checks and defaults.
 
-use super::validate::{Findings, nearest};
+use super::validate::{JobProblems, nearest};
 use super::{contact, walls};
 use crate::features;
 use crumple_proto::histories::HistoryRequests;
-use crumple_proto::job::{Contact, Job, Part};
-use crumple_proto::loads::Loads;
+use crumple_proto::job::{ContactInput, Job, Part};
+use crumple_proto::loads::ResolvedLoads;
 use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::steering::{MOST_FIELDS, OutputTimes};
@@ -14,18 +14,18 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Checks everything of a job except its mesh. `workers_given` is true if the job sets the number
 /// of workers.
-pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
-    let mut numbers = Numbers { findings };
+pub fn check(job: &Job, workers_given: bool, findings: &mut JobProblems) {
+    let mut numbers = NumberChecks { findings };
     numbers.need(job.end_time > 0.0, "end_time", job.end_time, "above 0");
     check_time(job, &mut numbers);
     check_output(job, &mut numbers);
     check_parallel(job, workers_given, &mut numbers);
     check_checkpoints(job, &mut numbers);
     parts_and_materials(job, numbers.findings);
-    loads(job, &mut Numbers { findings });
+    loads(job, &mut NumberChecks { findings });
     walls::check(job, findings);
     if let Some(contact) = &job.contact {
-        contact::check(contact, job, &mut Numbers { findings });
+        contact::check(contact, job, &mut NumberChecks { findings });
     }
     if job.mesh.generator.is_none() && !job.scene.is_empty() {
         let message = "[scene] holds options of a mesh generator, but the job names none";
@@ -42,7 +42,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
 }
 
 /// Checks `[time]`.
-fn check_time(job: &Job, numbers: &mut Numbers<'_>) {
+fn check_time(job: &Job, numbers: &mut NumberChecks<'_>) {
     let time = &job.time;
     numbers.need(time.safety > 0.0, "time.safety", time.safety, "above 0; 0.9 is usual");
     if time.safety > 1.0 {
@@ -81,7 +81,7 @@ fn check_time(job: &Job, numbers: &mut Numbers<'_>) {
 }
 
 /// Checks `[output]`.
-fn check_output(job: &Job, numbers: &mut Numbers<'_>) {
+fn check_output(job: &Job, numbers: &mut NumberChecks<'_>) {
     let output = &job.output;
     let interval = output.history_interval;
     numbers.need(
@@ -117,7 +117,7 @@ fn check_output(job: &Job, numbers: &mut Numbers<'_>) {
 }
 
 /// Checks `[parallel]`.
-fn check_parallel(job: &Job, workers_given: bool, numbers: &mut Numbers<'_>) {
+fn check_parallel(job: &Job, workers_given: bool, numbers: &mut NumberChecks<'_>) {
     let parallel = &job.parallel;
     if workers_given && parallel.workers == 0 {
         let help = "give at least 1, or leave `workers` out for one per core";
@@ -141,7 +141,7 @@ fn check_parallel(job: &Job, workers_given: bool, numbers: &mut Numbers<'_>) {
     );
 }
 
-fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {
+fn check_checkpoints(job: &Job, numbers: &mut NumberChecks<'_>) {
     let checkpoint = &job.checkpoint;
     for (key, text, wanted) in [
         ("every", &checkpoint.every, checkpoint.interval().err()),
@@ -162,8 +162,8 @@ fn check_checkpoints(job: &Job, numbers: &mut Numbers<'_>) {
     }
 }
 
-fn parts_and_materials(job: &Job, findings: &mut Findings) {
-    let twice = |list: &str, key: &str, values: Vec<String>, findings: &mut Findings| {
+fn parts_and_materials(job: &Job, findings: &mut JobProblems) {
+    let twice = |list: &str, key: &str, values: Vec<String>, findings: &mut JobProblems| {
         let mut seen: HashMap<&str, usize> = HashMap::new();
         for (index, value) in values.iter().enumerate() {
             let path = format!("{list}.{index}.{key}");
@@ -195,7 +195,7 @@ fn parts_and_materials(job: &Job, findings: &mut Findings) {
     }
 }
 
-fn loads(job: &Job, numbers: &mut Numbers<'_>) {
+fn loads(job: &Job, numbers: &mut NumberChecks<'_>) {
     for (index, mass) in job.mass.iter().enumerate() {
         numbers.need(mass.mass > 0.0, &format!("mass.{index}.mass"), mass.mass, "above 0");
     }
@@ -212,12 +212,12 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
 }
 
 /// Checks of numbers and words.
-pub(super) struct Numbers<'f> {
+pub(super) struct NumberChecks<'f> {
     /// The problems found.
-    pub findings: &'f mut Findings,
+    pub findings: &'f mut JobProblems,
 }
 
-impl Numbers<'_> {
+impl NumberChecks<'_> {
     /// Reports an error unless `right` is true for the `value` at a path. `wanted` describes the
     /// valid values.
     pub fn need(&mut self, right: bool, path: &str, value: f64, wanted: &str) {
@@ -269,7 +269,7 @@ pub fn settings(
         };
         let thickest = parts.iter().filter(touches).map(thickness).fold(0.0, f64::max);
         let skin = (0.25 * median).max((0.4 * thickest).min(median));
-        Contact { skin: or(contact.skin, skin), ..contact }
+        ContactInput { skin: or(contact.skin, skin), ..contact }
     });
     let settings = Settings {
         end_time: job.end_time,
@@ -289,7 +289,7 @@ pub fn settings(
         axes: Vec::new(),
         precision: job.elements.precision,
         walls: Vec::new(),
-        loads: Loads::default(),
+        loads: ResolvedLoads::default(),
         rigid: Vec::new(),
         ties: Vec::new(),
         dt_max: job.time.dt_max,

@@ -1,12 +1,12 @@
 //! Changes of the model when a run continues: checks, and the rigid bodies and walls that they add
 //! to the job.
 
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::job::{Job, Restart, Rigid};
 use crumple_proto::problem::Problem;
 
 /// Checks the section `restart`, and appends its rigid bodies and walls to those of the job.
-pub fn add(job: &mut Job, findings: &mut Findings) {
+pub fn add(job: &mut Job, findings: &mut JobProblems) {
     let restart = std::mem::take(&mut job.restart);
     let rigid = |id: u32| job.rigid.iter().any(|r| r.parts.contains(&id));
     let mut refuse = |path: String, message: String, help: &str| {
@@ -33,7 +33,7 @@ pub fn add(job: &mut Job, findings: &mut Findings) {
     }
     for (i, velocity) in restart.velocity.iter().enumerate() {
         if velocity.parts.is_empty() {
-            let message = "a velocity for no part".to_string();
+            let message = "a new velocity names no parts".to_string();
             refuse(format!("restart.velocity.{i}.parts"), message, "give the ids of parts");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::loads::{Curves, DOFS, dof_bits, motion_form};
 use super::state::{NodeSets, NodeStart};
-use super::validate::{Findings, nearest};
+use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Rigid};
 use crumple_proto::loads::MotionForm;
@@ -22,7 +22,7 @@ pub fn resolve(
     settings: &Settings,
     sets: &NodeSets<'_>,
     start: &mut NodeStart,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Vec<RigidBody> {
     let mut bodies: Vec<RigidBody> = Vec::new();
     if job.rigid.is_empty() {
@@ -79,7 +79,7 @@ pub fn resolve(
 }
 
 /// Checks names, masses and inertias.
-fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
+fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) {
     let path = |key: &str| format!("rigid.{i}.{key}");
     if rigid.name.is_empty() {
         findings.add(Problem::error(
@@ -128,7 +128,11 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
         if !(xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle) {
             let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix in which no \
                         moment exceeds the sum of the other two";
-            findings.add(Problem::error(path("inertia"), "no body has this inertia", help));
+            findings.add(Problem::error(
+                path("inertia"),
+                "no distribution of mass has this inertia",
+                help,
+            ));
         }
     }
 }
@@ -165,7 +169,7 @@ fn members(
     rigid: &Rigid,
     path: &str,
     context: &BodyContext<'_>,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Vec<NodeId> {
     let BodyContext { mesh, sets, of_part, turning } = context;
     if rigid.parts.is_empty() && rigid.nodes.is_none() {
@@ -213,7 +217,7 @@ fn on_a_line(points: &[[f64; 3]]) -> bool {
 }
 
 /// Resolves the motions that name a body.
-fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
+fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
     let curves = Curves::quietly(job);
     for (i, m) in job.motion.iter().enumerate() {
         let Some(name) = &m.rigid else { continue };
@@ -236,7 +240,7 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
             let help = "remove `centre`: a rigid body rotates about its own centre";
             findings.add(Problem::error(
                 format!("{path}.centre"),
-                "a rigid body cannot rotate about a given point",
+                "the motion of a rigid body has a `centre`",
                 help,
             ));
         }
@@ -256,6 +260,6 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
                 "remove them from its `fixed` or from the other motion, or name other `dofs` here";
             findings.add(Problem::error(&path, message, help));
         }
-        body.motions.push(crumple_proto::loads::Motion { dofs, ..motion });
+        body.motions.push(crumple_proto::loads::PrescribedMotion { dofs, ..motion });
     }
 }

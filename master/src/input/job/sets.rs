@@ -4,12 +4,12 @@
 //! have one, and by its position from 0 if they have neither.
 
 use super::tree::{Entry, Node, NodeContent, Place, split_first};
-use super::validate::{Findings, is_list_of_tables, nearest};
+use super::validate::{JobProblems, is_list_of_tables, nearest};
 use crumple_proto::problem::Problem;
 
 /// Inserts every `key=value` into the tree. Unknown keys are inserted too, because the check
 /// against the schema reports them.
-pub fn apply(tree: &mut Node, sets: &[String], findings: &mut Findings) {
+pub fn apply(tree: &mut Node, sets: &[String], findings: &mut JobProblems) {
     for (index, argument) in sets.iter().enumerate() {
         let place = Place::Set(index as u32);
         if let Err((message, help)) = apply_one(tree, argument, place, findings) {
@@ -27,7 +27,7 @@ fn apply_one(
     tree: &mut Node,
     argument: &str,
     place: Place,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Result<(), Wrong> {
     let Some((path, value)) = argument.split_once('=') else {
         return Err((
@@ -136,8 +136,8 @@ mod tests {
                        [[wall]]\npoint = [0, 0, 0]\n\
                        [[material]]\nname = \"AA6061.T6\"\ndensity = 1.0\n";
 
-    fn set(argument: &str) -> (Node, Findings) {
-        let (mut tree, mut findings) = (Node::parse(JOB).unwrap(), Findings::default());
+    fn set(argument: &str) -> (Node, JobProblems) {
+        let (mut tree, mut findings) = (Node::parse(JOB).unwrap(), JobProblems::default());
         apply(&mut tree, &[argument.to_string()], &mut findings);
         (tree, findings)
     }

@@ -16,9 +16,9 @@
 //! stable at a larger step, but this is not known for a mesh with springs or ties. `time.safety`
 //! therefore remains available for other effects.
 
-use super::laws::Blocks;
+use super::laws::BuiltElements;
 use super::state::{ElementStart, NodeStart};
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
@@ -34,7 +34,7 @@ const MOST: f64 = 0.2;
 
 /// Data of a node for its springs.
 #[derive(Clone, Copy, Default)]
-struct End {
+struct SpringNode {
     /// Mass [mass].
     mass: f64,
     /// True if other elements are connected to it.
@@ -49,7 +49,7 @@ struct End {
     need: f64,
 }
 
-impl End {
+impl SpringNode {
     /// Returns the fraction of its mass that an offset leaves its elements and springs.
     fn arm_share(&self) -> f64 {
         if self.has_arm { ARM_SHARE } else { 1.0 }
@@ -57,7 +57,7 @@ impl End {
 }
 
 /// A spring of the mesh.
-struct Spring {
+struct MeshSpring {
     /// Index of its element.
     element: usize,
     /// Indices of its nodes.
@@ -70,10 +70,10 @@ struct Spring {
 pub fn steps(
     mesh: &Mesh,
     settings: &Settings,
-    blocks: &Blocks,
+    blocks: &BuiltElements,
     nodes: &NodeStart,
     start: &mut ElementStart,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) {
     let place: HashMap<NodeId, usize> =
         mesh.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect();
@@ -97,11 +97,11 @@ pub fn steps(
 /// Returns the springs of the mesh, and reports springs without length.
 fn find_springs(
     mesh: &Mesh,
-    blocks: &Blocks,
+    blocks: &BuiltElements,
     start: &ElementStart,
     place: &HashMap<NodeId, usize>,
-    findings: &mut Findings,
-) -> Vec<Spring> {
+    findings: &mut JobProblems,
+) -> Vec<MeshSpring> {
     let mut springs = Vec::new();
     let mut short: Vec<&MeshElement> = Vec::new();
     for (i, element) in mesh.elements.iter().enumerate().filter(|(_, e)| e.shape == Shape::Line2) {
@@ -111,7 +111,7 @@ fn find_springs(
         if discrete.along_line && mesh.nodes[nodes[0]].x == mesh.nodes[nodes[1]].x {
             short.push(element);
         }
-        springs.push(Spring { element: i, nodes, discrete });
+        springs.push(MeshSpring { element: i, nodes, discrete });
     }
     if let Some(first) = short.first() {
         let message =
@@ -124,7 +124,7 @@ fn find_springs(
 /// Masses of nodes and rigid bodies for springs.
 struct Masses<'a> {
     mesh: &'a Mesh,
-    ends: Vec<End>,
+    ends: Vec<SpringNode>,
     bodies: Vec<BodyMass>,
 }
 
@@ -144,8 +144,8 @@ impl Masses<'_> {
 
     /// Returns the fraction of the masses at its ends with which each spring is stable at the step
     /// of the smallest other element, or of the stiffest spring if there are only springs.
-    fn needs(&self, springs: &[Spring], start: &ElementStart) -> Vec<f64> {
-        let alone = |spring: &Spring| spring.nodes.map(|n| self.softness(n, None)).iter().sum();
+    fn needs(&self, springs: &[MeshSpring], start: &ElementStart) -> Vec<f64> {
+        let alone = |spring: &MeshSpring| spring.nodes.map(|n| self.softness(n, None)).iter().sum();
         let alone: Vec<f64> = springs.iter().map(alone).collect();
         let smallest = |steps: &mut dyn Iterator<Item = f64>| steps.fold(f64::INFINITY, f64::min);
         let least = smallest(&mut start.stable_dt.iter().copied());
@@ -155,14 +155,14 @@ impl Masses<'_> {
         } else {
             smallest(&mut both.clone().map(|(spring, &soft)| spring.discrete.stable_dt(soft)))
         };
-        let need = |(spring, &soft): (&Spring, &f64)| {
+        let need = |(spring, &soft): (&MeshSpring, &f64)| {
             if soft > 0.0 { spring.discrete.require(soft, step) } else { 0.0 }
         };
         both.map(need).collect()
     }
 
     /// Adds the needs of springs to those of their nodes and rigid bodies.
-    fn add_needs(&mut self, springs: &[Spring], needs: &[f64]) {
+    fn add_needs(&mut self, springs: &[MeshSpring], needs: &[f64]) {
         for (spring, need) in springs.iter().zip(needs) {
             for &n in &spring.nodes {
                 self.ends[n].need += need;
@@ -182,7 +182,7 @@ impl Masses<'_> {
 /// Reduces the steps of other elements at springs and ties.
 fn reduce_steps(
     masses: &Masses<'_>,
-    blocks: &Blocks,
+    blocks: &BuiltElements,
     start: &mut ElementStart,
     place: &HashMap<NodeId, usize>,
 ) {
@@ -215,13 +215,13 @@ fn of_nodes(
     nodes: &NodeStart,
     start: &ElementStart,
     place: &HashMap<NodeId, usize>,
-) -> Vec<End> {
-    let end = |(&mass, &fixed): (&f64, &u64)| End {
+) -> Vec<SpringNode> {
+    let end = |(&mass, &fixed): (&f64, &u64)| SpringNode {
         mass,
         held: fixed & 0b111 == 0b111,
-        ..End::default()
+        ..SpringNode::default()
     };
-    let mut ends: Vec<End> = nodes.added_mass.iter().zip(&nodes.fixed).map(end).collect();
+    let mut ends: Vec<SpringNode> = nodes.added_mass.iter().zip(&nodes.fixed).map(end).collect();
     for (b, body) in settings.rigid.iter().enumerate() {
         for n in body.nodes.iter().filter_map(|id| place.get(id)) {
             (ends[*n].held, ends[*n].body) = (false, Some(b));
@@ -246,7 +246,7 @@ fn of_nodes(
 }
 
 /// Reports free nodes without mass.
-fn massless(mesh: &Mesh, ends: &[End], findings: &mut Findings) {
+fn massless(mesh: &Mesh, ends: &[SpringNode], findings: &mut JobProblems) {
     let without = |i: &usize| ends[*i].mass == 0.0 && !ends[*i].held && ends[*i].body.is_none();
     let found: Vec<usize> = (0..ends.len()).filter(without).collect();
     if let Some(&first) = found.first() {
@@ -272,7 +272,12 @@ struct BodyMass {
 }
 
 impl BodyMass {
-    fn new(body: &RigidBody, mesh: &Mesh, ends: &[End], place: &HashMap<NodeId, usize>) -> Self {
+    fn new(
+        body: &RigidBody,
+        mesh: &Mesh,
+        ends: &[SpringNode],
+        place: &HashMap<NodeId, usize>,
+    ) -> Self {
         let members = || {
             body.nodes
                 .iter()

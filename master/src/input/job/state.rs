@@ -1,11 +1,11 @@
 //! Initial state of nodes and elements: added mass, fixed degrees of freedom, velocities, steps
 //! and masses.
 
-use super::laws::{Blocks, Used};
+use super::laws::{BuiltElements, Used};
 use super::loads::dof_bits;
 use super::springs;
 use super::units;
-use super::validate::{Findings, nearest};
+use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::mesh::Mesh;
@@ -77,7 +77,12 @@ impl<'m> NodeSets<'m> {
 
     /// Returns the indices of a set's nodes that elements use, ascending. Reports an error at
     /// `path` and returns `None` if there is no such set.
-    pub fn indices(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<usize>> {
+    pub fn indices(
+        &self,
+        name: &str,
+        path: String,
+        findings: &mut JobProblems,
+    ) -> Option<Vec<usize>> {
         let Some(ids) = self.mesh.node_sets.get(name) else {
             let known: Vec<&str> = self.mesh.node_sets.keys().map(String::as_str).collect();
             findings.add(Problem::error(
@@ -111,7 +116,7 @@ impl<'m> NodeSets<'m> {
 
     /// Returns the ids of a set's nodes that elements use, ascending. Reports an error at `path`
     /// and returns `None` if there is no such set.
-    pub fn ids(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<NodeId>> {
+    pub fn ids(&self, name: &str, path: String, findings: &mut JobProblems) -> Option<Vec<NodeId>> {
         let nodes = self.indices(name, path, findings)?;
         Some(nodes.into_iter().map(|n| self.mesh.nodes[n].id).collect())
     }
@@ -135,7 +140,7 @@ impl ElementStart {
 
 /// Returns the initial state of the nodes from the job's `[[mass]]`, `[[fix]]` and
 /// `[[initial_velocity]]`.
-pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Findings) -> NodeStart {
+pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut JobProblems) -> NodeStart {
     let count = mesh.nodes.len();
     let mut start = NodeStart {
         added_mass: vec![0.0; count],
@@ -207,9 +212,9 @@ pub fn elements(
     job: &Job,
     mesh: &Mesh,
     settings: &Settings,
-    blocks: &Blocks,
+    blocks: &BuiltElements,
     nodes: &NodeStart,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> ElementStart {
     let at: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let part_of: HashMap<u32, usize> =

@@ -7,7 +7,7 @@
 //! and decays across them (`cases/studies/README.md`).
 
 use super::state::ElementStart;
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Time;
 use crumple_proto::mesh::Mesh;
@@ -25,14 +25,14 @@ const WORTH: f64 = 0.2;
 
 /// Elements by frequency of computation. Those of rigid parts and skins are in neither class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Classes {
+pub struct SubcycleClasses {
     /// Number of elements computed in each cycle.
     pub fast: usize,
     /// Number of elements computed once per outer step.
     pub slow: usize,
 }
 
-impl Classes {
+impl SubcycleClasses {
     /// Counts the elements of each class.
     pub fn new(elements: &ElementStart) -> Self {
         let slow = elements.slow.iter().filter(|&&slow| slow).count();
@@ -117,7 +117,7 @@ pub fn divide(
     mesh: &Mesh,
     settings: &mut Settings,
     elements: &mut ElementStart,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) {
     if settings.subcycles <= 1 {
         return;
@@ -157,7 +157,7 @@ pub fn best(
     let stable_dt = &elements.stable_dt;
     let least = smallest(stable_dt);
     let deformable = stable_dt.iter().filter(|dt| dt.is_finite()).count();
-    let work = |slow: usize, m: u64| Classes { fast: deformable - slow, slow }.work(m);
+    let work = |slow: usize, m: u64| SubcycleClasses { fast: deformable - slow, slow }.work(m);
     // Layers only reduce the number of slow elements.
     let at_most = |m: u64| {
         stable_dt

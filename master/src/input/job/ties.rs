@@ -4,17 +4,17 @@
 mod surface;
 
 use super::state::{NodeSets, NodeStart};
-use super::validate::{Findings, nearest};
+use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, Tie as TieSpec};
-use crumple_proto::loads::Motion;
+use crumple_proto::job::{Job, TieInput};
+use crumple_proto::loads::PrescribedMotion;
 use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::tie::Tie;
 use crumple_worker::constraints::ties::project::Foot;
 use std::collections::{HashMap, HashSet};
-use surface::Surface;
+use surface::TieSurface;
 
 /// Displacement of a node onto its face, as a fraction of the face's diagonal, above which it is
 /// reported.
@@ -82,7 +82,7 @@ impl<'a> TieContext<'a> {
 
 /// Finds the faces to which nodes are tied and moves the nodes onto them. Returns the ties by
 /// ascending node.
-pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> {
+pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Vec<Tie> {
     if job.tie.is_empty() {
         return Vec::new();
     }
@@ -121,7 +121,12 @@ fn name(job: &Job, entry: usize) -> String {
 }
 
 /// Checks parts and numbers of an entry; `path` returns the path of a key.
-fn check_entry(job: &Job, spec: &TieSpec, path: impl Fn(&str) -> String, findings: &mut Findings) {
+fn check_entry(
+    job: &Job,
+    spec: &TieInput,
+    path: impl Fn(&str) -> String,
+    findings: &mut JobProblems,
+) {
     for (k, id) in
         spec.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id))
     {
@@ -154,10 +159,10 @@ fn check_entry(job: &Job, spec: &TieSpec, path: impl Fn(&str) -> String, finding
 
 /// Returns the tied nodes of one entry.
 fn tied_nodes(
-    spec: &TieSpec,
+    spec: &TieInput,
     entry: usize,
     context: &TieContext<'_>,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Vec<Projected> {
     let TieContext { job, mesh, sets, .. } = context;
     let path = |key: &str| format!("tie.{entry}.{key}");
@@ -167,7 +172,7 @@ fn tied_nodes(
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
     }
-    let surface = Surface::new(spec, entry, context, nodes.is_some(), findings);
+    let surface = TieSurface::new(spec, entry, context, nodes.is_some(), findings);
     let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
     let thickest = surface.thickest(&nodes);
     let found = surface.project(&nodes, thickest);
@@ -185,7 +190,7 @@ fn report_velocities<'t>(
     ties: impl Iterator<Item = &'t Tie>,
     sets: &NodeSets<'_>,
     start: &NodeStart,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) {
     let velocity = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| start.velocity[n]);
     let unlike = |tie: &&Tie| {
@@ -214,12 +219,12 @@ fn report_velocities<'t>(
 
 /// Returns nodes that have the displacements of another node.
 fn to_node(
-    spec: &TieSpec,
+    spec: &TieInput,
     carrier: NodeId,
     entry: usize,
     nodes: Vec<usize>,
     mesh: &Mesh,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) -> Vec<Projected> {
     let mut wrong = |key: &str, message: String, help: &str| {
         findings.add(Problem::error(format!("tie.{entry}.{key}"), message, help));
@@ -227,8 +232,8 @@ fn to_node(
     if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset {
         wrong(
             "node",
-            "a tie to a node has no surface and no offset".into(),
-            "remove `parts`, `faces` and `offset`",
+            "a tie with a `node` also has `parts`, `faces` or `offset`".into(),
+            "remove them: a tie to a node has no surface",
         );
     }
     if !mesh.nodes.iter().any(|n| n.id == carrier) {
@@ -276,7 +281,7 @@ fn report_distant(
     entry: usize,
     found: &[Option<Foot>],
     id: impl Fn(usize) -> NodeId,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) {
     let lost: Vec<NodeId> = (0..found.len()).filter(|&p| found[p].is_none()).map(id).collect();
     let path = format!("tie.{entry}.nodes");
@@ -300,7 +305,7 @@ fn report_distant(
     }
 }
 
-fn report_moved(job: &Job, entry: usize, projected: &[Projected], findings: &mut Findings) {
+fn report_moved(job: &Job, entry: usize, projected: &[Projected], findings: &mut JobProblems) {
     let moved: Vec<&Projected> =
         projected.iter().filter(|s| s.entry == entry && s.moved > WARN_MOVE).collect();
     let Some(most) = moved.iter().max_by(|a, b| a.moved.total_cmp(&b.moved)) else { return };
@@ -320,7 +325,7 @@ fn report_moved(job: &Job, entry: usize, projected: &[Projected], findings: &mut
 }
 
 /// Replaces masters that are tied nodes themselves by their own masters.
-fn chained(job: &Job, projected: Vec<Projected>, findings: &mut Findings) -> Vec<Tie> {
+fn chained(job: &Job, projected: Vec<Projected>, findings: &mut JobProblems) -> Vec<Tie> {
     let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
         projected.iter().map(|s| (s.tie.node, s.tie.masters.clone())).collect();
     let on: HashMap<NodeId, Vec<ElemId>> =
@@ -377,7 +382,7 @@ fn chained(job: &Job, projected: Vec<Projected>, findings: &mut Findings) -> Vec
 
 /// Removes tied nodes from motions: if all masters of a node have a prescribed motion, the node
 /// follows them.
-pub fn lead(ties: &[Tie], motions: &mut [Motion]) {
+pub fn lead(ties: &[Tie], motions: &mut [PrescribedMotion]) {
     let tied: HashSet<NodeId> = ties.iter().map(|t| t.node).collect();
     motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
 }
@@ -389,7 +394,7 @@ pub fn join(
     bodies: &mut [RigidBody],
     sets: &NodeSets<'_>,
     start: &mut NodeStart,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) {
     let mut body_of: HashMap<NodeId, usize> = HashMap::new();
     for (b, body) in bodies.iter().enumerate() {

@@ -3,8 +3,8 @@
 
 use super::laws::{ElementKey, Used, contact_keys, element_keys};
 use super::tree::{Node, NodeContent, Place};
-use super::validate::Findings;
-use crumple_proto::job::{Contact, Job, Part};
+use super::validate::JobProblems;
+use crumple_proto::job::{ContactInput, Job, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::elements::formulation;
@@ -24,13 +24,13 @@ fn reason_without_effect(key: &ElementKey, part: &Part, used: &Used) -> Option<S
 
 /// Reports unused settings. `used` are the shapes of each part of the job. Settings of a deck are
 /// not checked here, because the deck reader reports them.
-pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
+pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut JobProblems) {
     let written = |table: &Node, path: &str, key: &str| {
         table.get(key).is_some()
             && !matches!(tree.locate(&format!("{path}.{key}")), Place::Deck { .. })
     };
     if let (Some(table), Some(contact)) = (tree.get("contact"), &job.contact) {
-        let used_by = |one: &Contact, laws: &[&str]| laws.contains(&one.law.as_str());
+        let used_by = |one: &ContactInput, laws: &[&str]| laws.contains(&one.law.as_str());
         let mut warn = |path: String, key: &str, law: &str, laws: &[&str]| {
             let message = format!("law = \"{law}\" does not use `{key}`");
             findings.add(Problem::warning(
@@ -39,7 +39,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
                 format!("remove it: it belongs to law {}", laws.join(" and ")),
             ));
         };
-        let all: Vec<Contact> = contact.each().collect();
+        let all: Vec<ContactInput> = contact.each().collect();
         for (row, laws) in &contact_keys() {
             let key = row.key;
             // Interfaces inherit this value.

@@ -4,7 +4,7 @@
 //! Faulty values are reported and then removed or replaced, so that later checks can look at the
 //! rest.
 
-use super::report::Finding;
+use super::report::PlacedProblem;
 use super::tree::{Entry, Node, NodeContent, Place};
 use crumple_proto::problem::Problem;
 use serde_json::Value;
@@ -14,25 +14,25 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(crate::input::reference::job_sche
 
 /// The problems so far, and the paths below which nothing more is reported.
 #[derive(Debug, Default)]
-pub struct Findings {
+pub struct JobProblems {
     /// The problems.
-    pub(crate) list: Vec<Finding>,
+    pub(crate) list: Vec<PlacedProblem>,
     faulty: Vec<String>,
     in_mesh_file: bool,
 }
 
-impl Findings {
+impl JobProblems {
     /// Adds a problem, unless its path, or a path below it, is known to be faulty already.
     pub fn add(&mut self, problem: Problem) {
         if !self.is_faulty(&problem.path) && !self.any_faulty_below(&problem.path) {
-            self.list.push(Finding::from(problem));
+            self.list.push(PlacedProblem::from(problem));
         }
     }
 
     /// Adds a problem at a given place, and suppresses further problems of its path.
     pub fn add_faulty(&mut self, problem: Problem, place: Option<Place>) {
         self.faulty.push(problem.path.clone());
-        self.list.push(Finding { problem, place, in_mesh_file: self.in_mesh_file });
+        self.list.push(PlacedProblem { problem, place, in_mesh_file: self.in_mesh_file });
     }
 
     /// Returns true if the value at `path`, or a table that contains it, is faulty.
@@ -60,12 +60,12 @@ impl Findings {
 }
 
 /// Checks a whole job and repairs it so that it can be read as a job.
-pub fn job(tree: &mut Node, findings: &mut Findings) {
+pub fn job(tree: &mut Node, findings: &mut JobProblems) {
     walk(tree, &SCHEMA, "", findings);
 }
 
 /// Checks and repairs a mesh file, whose keys are those of the job's `[mesh]`.
-pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
+pub fn mesh_file(tree: &mut Node, findings: &mut JobProblems) {
     findings.in_mesh_file = true;
     walk(tree, &SCHEMA["$defs"]["MeshSource"], "mesh", findings);
     for key in ["file", "generator", "exodus"].into_iter().filter(|key| tree.get(key).is_some()) {
@@ -83,7 +83,7 @@ pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
 }
 
 /// Adds the syntax errors of the mesh file.
-pub fn mesh_file_syntax(errors: Vec<super::tree::SyntaxError>, findings: &mut Findings) {
+pub fn mesh_file_syntax(errors: Vec<super::tree::SyntaxError>, findings: &mut JobProblems) {
     findings.in_mesh_file = true;
     for (message, help, place) in errors {
         findings.add_faulty(Problem::error("mesh", message, help), Some(place));
@@ -97,7 +97,7 @@ pub fn is_list_of_tables(key: &str) -> bool {
     property["type"] == "array" && resolve(&property["items"])["type"] == "object"
 }
 
-fn walk(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
+fn walk(node: &mut Node, schema: &Value, path: &str, findings: &mut JobProblems) {
     let resolved = resolve(schema);
     if let Some(choices) = resolved["anyOf"].as_array() {
         return any_of(node, choices, schema, path, findings);
@@ -117,7 +117,7 @@ fn walk(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     }
 }
 
-fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
+fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut JobProblems) {
     let here = node.place;
     let NodeContent::Table(entries) = &mut node.kind else { return };
     let properties = schema["properties"].as_object();
@@ -162,7 +162,7 @@ fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     }
 }
 
-fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings: &mut Findings) {
+fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings: &mut JobProblems) {
     let NodeContent::Array(items) = &mut node.kind else { return };
     let (least, most) = (resolved["minItems"].as_u64().unwrap_or(0), resolved["maxItems"].as_u64());
     let length = items.len() as u64;
@@ -184,7 +184,13 @@ fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings:
     }
 }
 
-fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findings: &mut Findings) {
+fn any_of(
+    node: &mut Node,
+    choices: &[Value],
+    schema: &Value,
+    path: &str,
+    findings: &mut JobProblems,
+) {
     let choices = || choices.iter().filter(|c| c["type"] != "null");
     // An optional word.
     if choices().count() == 1
@@ -192,10 +198,11 @@ fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findin
     {
         return one_word_of(node, words, path, findings);
     }
-    let mut best: Option<(Node, Findings)> = None;
+    let mut best: Option<(Node, JobProblems)> = None;
     for choice in choices() {
         let mut copy = node.clone();
-        let mut tried = Findings { in_mesh_file: findings.in_mesh_file, ..Findings::default() };
+        let mut tried =
+            JobProblems { in_mesh_file: findings.in_mesh_file, ..JobProblems::default() };
         walk(&mut copy, choice, path, &mut tried);
         if tried.list.is_empty() {
             return;
@@ -215,7 +222,7 @@ fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findin
     }
 }
 
-fn one_word_of(node: &mut Node, choices: &[Value], path: &str, findings: &mut Findings) {
+fn one_word_of(node: &mut Node, choices: &[Value], path: &str, findings: &mut JobProblems) {
     let words: Vec<&str> = choices.iter().filter_map(|c| c["const"].as_str()).collect();
     if let NodeContent::String(word) = &node.kind
         && words.contains(&word.as_str())
@@ -235,7 +242,7 @@ fn one_word_of(node: &mut Node, choices: &[Value], path: &str, findings: &mut Fi
 }
 
 /// Reports a value of the wrong type and replaces it by one of the right type.
-fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
+fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut JobProblems) {
     let what = match last(path).parse::<usize>() {
         Ok(_) => format!("an entry of `{}`", last(list_path(path))),
         Err(_) => format!("`{}`", last(path)),
@@ -510,7 +517,7 @@ mod tests {
     #[test]
     fn stand_ins_are_what_the_schema_asks_for() {
         for schema in SCHEMA["$defs"].as_object().unwrap().values() {
-            let (mut node, mut findings) = (stand_in(schema, Place::Whole), Findings::default());
+            let (mut node, mut findings) = (stand_in(schema, Place::Whole), JobProblems::default());
             walk(&mut node, schema, "", &mut findings);
             assert!(findings.list.is_empty(), "{schema} {findings:?}");
         }
@@ -519,7 +526,7 @@ mod tests {
     #[test]
     fn every_default_reads_as_written() {
         let mut tree = Node::parse("end_time = 1\n[mesh]\n").unwrap();
-        let mut findings = Findings::default();
+        let mut findings = JobProblems::default();
         job(&mut tree, &mut findings);
         assert!(findings.list.is_empty(), "{findings:?}");
     }

@@ -2,14 +2,14 @@
 
 use super::loads::{Curves, starts_with_jump};
 use super::state::{NodeSets, NodeStart, fastest_wave};
-use super::validate::Findings;
+use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Job, Wall as WallSpec};
-use crumple_proto::loads::{Motion, MotionForm};
+use crumple_proto::job::{Job, WallInput};
+use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::mesh::{Mesh, MeshNode};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
-use crumple_proto::wall::{Wall, WallForm, WallMotion};
+use crumple_proto::wall::{ResolvedWall, WallForm, WallMotion};
 use std::collections::HashSet;
 
 /// Speed at which a wall expels a node, as a fraction of the wave speed, above which it is
@@ -23,7 +23,7 @@ const THROWN: f64 = 0.1;
 const ALONG: f64 = 1e-6;
 
 /// Checks everything of the walls that needs no mesh.
-pub fn check(job: &Job, findings: &mut Findings) {
+pub fn check(job: &Job, findings: &mut JobProblems) {
     for (i, wall) in job.wall.iter().enumerate() {
         for (key, message, help) in faults(wall) {
             findings.add(Problem::error(join(i, key), message, help));
@@ -38,9 +38,9 @@ pub fn check(job: &Job, findings: &mut Findings) {
 }
 
 /// Faulty key (empty for the whole wall), message, advice.
-type Fault = (&'static str, String, &'static str);
+type WallFault = (&'static str, String, &'static str);
 
-fn faults(wall: &WallSpec) -> Vec<Fault> {
+fn faults(wall: &WallInput) -> Vec<WallFault> {
     let mut found = Vec::new();
     let mut say = |wrong: bool, key, message: &str, help| {
         if wrong {
@@ -54,10 +54,10 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
 }
 
 /// Adds a fault if its condition is true: condition, key, message, advice.
-type Say<'a> = &'a mut dyn FnMut(bool, &'static str, &str, &'static str);
+type AddFault<'a> = &'a mut dyn FnMut(bool, &'static str, &str, &'static str);
 
 /// Finds faults of a plane or a cylinder.
-fn shape_faults(wall: &WallSpec, say: Say<'_>) {
+fn shape_faults(wall: &WallInput, say: AddFault<'_>) {
     let flat = wall.normal.is_some();
     let round = wall.axis.is_some();
     let normal = "give the direction from the wall to the model, such as [1, 0, 0]";
@@ -98,17 +98,17 @@ fn shape_faults(wall: &WallSpec, say: Say<'_>) {
         "the radius of a wall is not above 0",
         radius,
     );
-    let length = "it has to be 0 (infinite) or above, and only a cylinder has one";
+    let length = "give a cylinder a length of 0 (infinite) or above; remove it from other walls";
     say(
         wall.length < 0.0 || wall.length > 0.0 && !round,
         "length",
-        "a wall cannot have this length",
+        "the length of a wall is below 0, or the wall is no cylinder",
         length,
     );
 }
 
 /// Finds faults of the sides of a rectangle.
-fn rectangle_faults(wall: &WallSpec, say: Say<'_>) {
+fn rectangle_faults(wall: &WallInput, say: AddFault<'_>) {
     let round = wall.axis.is_some();
     let sides =
         "give a rectangle `edge`, the direction of its first side, and `lengths` of both sides";
@@ -134,7 +134,7 @@ fn rectangle_faults(wall: &WallSpec, say: Say<'_>) {
 }
 
 /// Finds faults of friction, mass and motion.
-fn motion_faults(wall: &WallSpec, say: Say<'_>) {
+fn motion_faults(wall: &WallInput, say: AddFault<'_>) {
     let round = wall.axis.is_some();
     let led = wall.velocity.is_some() || wall.displacement.is_some();
     let message = format!("`friction` is {:?}", wall.friction);
@@ -168,7 +168,7 @@ fn motion_faults(wall: &WallSpec, say: Say<'_>) {
 }
 
 /// Resolves the walls of a job in which [`check`] has found no errors.
-pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut Findings) -> Vec<Wall> {
+pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Vec<ResolvedWall> {
     let curves = Curves::quietly(job);
     let mut walls = Vec::new();
     for (i, spec) in job.wall.iter().enumerate() {
@@ -199,12 +199,18 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut Findings) -> Vec<W
                     let message = "the displacement of a wall starts with a jump";
                     findings.add(Problem::error(join(i, "displacement"), message, help));
                 }
-                WallMotion::Led(Motion { nodes: Vec::new(), dofs: 0b111, form, amount, curve })
+                WallMotion::Led(PrescribedMotion {
+                    nodes: Vec::new(),
+                    dofs: 0b111,
+                    form,
+                    amount,
+                    curve,
+                })
             }
             (None, None) => WallMotion::Still,
         };
         let (name, point, friction) = (spec.name.clone(), spec.point, spec.friction);
-        walls.push(Wall { name, point, direction, form, friction, nodes, except, motion });
+        walls.push(ResolvedWall { name, point, direction, form, friction, nodes, except, motion });
     }
     walls
 }
@@ -223,7 +229,7 @@ fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// Returns the edge of a rectangle, made perpendicular to its unit normal.
-fn square(wall: &WallSpec, normal: &[f64; 3]) -> Option<[f64; 3]> {
+fn square(wall: &WallInput, normal: &[f64; 3]) -> Option<[f64; 3]> {
     let edge = unit(wall.edge?)?;
     let along: f64 = (0..3).map(|c| edge[c] * normal[c]).sum();
     let across = [0, 1, 2].map(|c| edge[c] - along * normal[c]);
@@ -240,7 +246,7 @@ pub fn behind(
     mesh: &Mesh,
     start: &NodeStart,
     dt: f64,
-    findings: &mut Findings,
+    findings: &mut JobProblems,
 ) {
     let wave = fastest_wave(job);
     let first = &settings.walls[..settings.walls.len().saturating_sub(job.restart.wall.len())];
@@ -289,7 +295,7 @@ mod tests {
         let normal = unit([3e-200, 0.0, 4e-200]).unwrap();
         assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[2] - 0.8).abs() < 1e-15);
         assert_eq!((unit([0.0; 3]), unit([f64::INFINITY, 0.0, 0.0])), (None, None));
-        let wall = WallSpec { edge: Some([1.0, 2.0, 5.0]), ..WallSpec::default() };
+        let wall = WallInput { edge: Some([1.0, 2.0, 5.0]), ..WallInput::default() };
         let edge = square(&wall, &[0.0, 0.0, 1.0]).unwrap();
         assert!(edge[2].abs() < 1e-15 && (edge[1] - 2.0 * edge[0]).abs() < 1e-15);
     }

@@ -1,7 +1,7 @@
 //! Warnings about the numbers of a valid model.
 
 use super::state::{ElementStart, NodeStart, deformable_mass, fastest_wave, scaled_mass, smallest};
-use crumple_proto::job::{Contact, Job, Part};
+use crumple_proto::job::{ContactInput, Job, Part};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -80,7 +80,11 @@ fn parts_without_elements(
 }
 
 /// Warns if beams other than welds are not in contact.
-fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) -> Option<Problem> {
+fn beams_without_contact(
+    contact: &ContactInput,
+    settings: &Settings,
+    mesh: &Mesh,
+) -> Option<Problem> {
     let without = |p: &&Part| {
         let is_bare =
             p.beam.as_ref().is_some_and(|b| b.weld.is_none()) && beams::half(contact, p).is_none();

@@ -3,7 +3,7 @@
 
 use crate::input::job::laws::{ElementKey, contact_keys, element_keys};
 use crumple_cases::GENERATORS;
-use crumple_proto::job::{Contact, Job};
+use crumple_proto::job::{ContactInput, Job};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
@@ -126,7 +126,10 @@ pub fn schema() -> Value {
     words(&mut defs["Contact"]["properties"]["search"], SEARCHES.iter().map(|s| s.name));
     for of in ["Contact", "Interface"] {
         let contact = &mut defs[of]["properties"];
-        words(&mut contact["law"], CONTACT_LAWS.iter().map(|l| l.name).chain([Contact::NO_LAW]));
+        words(
+            &mut contact["law"],
+            CONTACT_LAWS.iter().map(|l| l.name).chain([ContactInput::NO_LAW]),
+        );
     }
     words(
         &mut defs["Part"]["properties"]["element"],

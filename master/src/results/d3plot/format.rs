@@ -7,7 +7,7 @@
 //! and shells, and the deletion table. Internal numbers count from 1 in the order of the file. A
 //! file ends with a marker and is filled with zeros to a whole block.
 
-use super::source::{Mesh, State};
+use super::source::{DatabaseState, FieldMesh};
 use std::io::{self, Write};
 
 /// Marker at the end of the geometry and of every file.
@@ -24,13 +24,13 @@ const SOLID: usize = 7;
 const SHELL: usize = SOLID + 1 + 4;
 
 /// Layout of the database for one mesh.
-pub struct Format {
-    mesh: Mesh,
+pub struct DatabaseLayout {
+    mesh: FieldMesh,
 }
 
-impl Format {
+impl DatabaseLayout {
     /// Creates the layout for this mesh.
-    pub fn new(mesh: Mesh) -> Self {
+    pub fn new(mesh: FieldMesh) -> Self {
         Self { mesh }
     }
 
@@ -126,7 +126,7 @@ impl Format {
     }
 
     /// Writes one state and returns the number of its words.
-    pub fn write_state(&self, out: &mut dyn Write, state: &State) -> io::Result<usize> {
+    pub fn write_state(&self, out: &mut dyn Write, state: &DatabaseState) -> io::Result<usize> {
         let m = &self.mesh;
         let mut words = Words::default();
         words.float(state.time as f32);
@@ -150,9 +150,10 @@ impl Format {
             ]);
         }
         // The part number of an existing element, zero of a deleted one.
-        let left = |(element, values): (&super::source::Element, &super::source::StateValues)| {
-            if values.alive { m.part_of(element.part) as f32 } else { 0.0 }
-        };
+        let left =
+            |(element, values): (&super::source::ElementIds, &super::source::StateValues)| {
+                if values.alive { m.part_of(element.part) as f32 } else { 0.0 }
+            };
         words.floats(m.solids.iter().zip(&state.solids).map(left));
         words.floats(m.shells.iter().zip(&state.shells).map(left));
         debug_assert_eq!(words.bytes.len(), 4 * self.state_words());

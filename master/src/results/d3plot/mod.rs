@@ -12,8 +12,8 @@ mod format;
 mod source;
 
 use crumple_worker::vtu::write_whole;
-use format::Format;
-use source::Source;
+use format::DatabaseLayout;
+use source::FieldSource;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -32,8 +32,8 @@ pub fn run(dir: &Path, file_size: u64) -> u8 {
 /// There are no fields or they cannot be read, an id does not fit into the format, or a file
 /// cannot be written.
 pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
-    let mut source = Source::open(dir)?;
-    let format = Format::new(source.mesh()?);
+    let mut source = FieldSource::open(dir)?;
+    let format = DatabaseLayout::new(source.mesh()?);
     let path = dir.join(NAME);
     remove_family(dir).map_err(|e| format!("{}: {e}", path.display()))?;
     let failed = |e: io::Error| e.to_string();

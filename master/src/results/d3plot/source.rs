@@ -1,6 +1,6 @@
 //! Reads mesh and states from the field files of a run.
 
-use crate::results::field_file::Piece;
+use crate::results::field_file::PieceArrays;
 use crate::results::fields::{COLLECTION, DIR};
 use crumple_worker::vtu;
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Nodes, elements and parts, by ascending ids.
 #[derive(Debug, Default)]
-pub struct Mesh {
+pub struct FieldMesh {
     /// Title of the run.
     pub title: String,
     /// Ids of nodes.
@@ -16,11 +16,11 @@ pub struct Mesh {
     /// Initial coordinates [length].
     pub x: Vec<[f32; 3]>,
     /// Solids.
-    pub solids: Vec<Element>,
+    pub solids: Vec<ElementIds>,
     /// Indices of the nodes of the solids.
     pub solid_corners: Vec<[i32; 8]>,
     /// Shells.
-    pub shells: Vec<Element>,
+    pub shells: Vec<ElementIds>,
     /// Indices of the nodes of the shells. A triangle repeats its third node.
     pub shell_corners: Vec<[i32; 4]>,
     /// Ids and names of parts.
@@ -29,14 +29,14 @@ pub struct Mesh {
 
 /// Ids of an element.
 #[derive(Clone, Copy, Debug)]
-pub struct Element {
+pub struct ElementIds {
     /// Id of the element.
     pub id: i32,
     /// Id of its part.
     pub part: i32,
 }
 
-impl Mesh {
+impl FieldMesh {
     /// Returns the index of a part, from 1.
     pub fn part_of(&self, id: i32) -> i32 {
         self.parts.binary_search_by_key(&id, |p| p.0).map_or(0, |i| i as i32 + 1)
@@ -45,7 +45,7 @@ impl Mesh {
 
 /// Values at one time.
 #[derive(Debug, Default)]
-pub struct State {
+pub struct DatabaseState {
     /// Simulated time [time].
     pub time: f64,
     /// Kinetic, internal and total energy [energy].
@@ -83,7 +83,7 @@ enum StatePosition {
 }
 
 /// The field files of a run.
-pub struct Source {
+pub struct FieldSource {
     dir: PathBuf,
     /// Folder and time of each step.
     steps: Vec<(PathBuf, f64)>,
@@ -91,10 +91,10 @@ pub struct Source {
     energies: Vec<[f64; 3]>,
     nodes: HashMap<i64, usize>,
     elements: HashMap<i64, StatePosition>,
-    state: State,
+    state: DatabaseState,
 }
 
-impl Source {
+impl FieldSource {
     /// Opens the run in `dir`.
     pub fn open(dir: &Path) -> Result<Self, String> {
         let fields = dir.join(DIR);
@@ -118,7 +118,7 @@ impl Source {
             return Err(format!("{shown} lists no step; run the job with fields"));
         }
         let energies = energies(&dir.join("history.csv"));
-        let (nodes, elements, state) = (HashMap::new(), HashMap::new(), State::default());
+        let (nodes, elements, state) = (HashMap::new(), HashMap::new(), DatabaseState::default());
         Ok(Self { dir: dir.to_owned(), steps, energies, nodes, elements, state })
     }
 
@@ -127,12 +127,13 @@ impl Source {
         self.steps.len()
     }
 
-    fn pieces(&self, step: usize) -> Result<Vec<Piece>, String> {
+    fn pieces(&self, step: usize) -> Result<Vec<PieceArrays>, String> {
         let folder = &self.steps[step].0;
         let paths = (0..)
             .map(|worker| folder.join(vtu::piece_name(worker)))
             .take_while(|path| path.is_file());
-        let pieces: Vec<Piece> = paths.map(|path| Piece::read(&path)).collect::<Result<_, _>>()?;
+        let pieces: Vec<PieceArrays> =
+            paths.map(|path| PieceArrays::read(&path)).collect::<Result<_, _>>()?;
         if pieces.is_empty() {
             Err(format!("{} contains no pieces", folder.display()))
         } else {
@@ -141,7 +142,7 @@ impl Source {
     }
 
     /// Returns the mesh of the first step. Must be called before any state is read.
-    pub fn mesh(&mut self) -> Result<Mesh, String> {
+    pub fn mesh(&mut self) -> Result<FieldMesh, String> {
         let pieces = self.pieces(0)?;
         let id = |id: f64| -> Result<i32, String> {
             let whole = id as i64;
@@ -149,8 +150,8 @@ impl Source {
                 .map_err(|_| format!("id {whole} does not fit into the 32 bits of the format"))
         };
         let mut nodes: Vec<(i32, [f32; 3])> = Vec::new();
-        let mut solids: Vec<(Element, [i64; 8])> = Vec::new();
-        let mut shells: Vec<(Element, [i64; 4])> = Vec::new();
+        let mut solids: Vec<(ElementIds, [i64; 8])> = Vec::new();
+        let mut shells: Vec<(ElementIds, [i64; 4])> = Vec::new();
         for piece in &pieces {
             let (points, moved) = (piece.array("Points")?, piece.array(vtu::DISPLACEMENT.name)?);
             let node_ids = piece.array(vtu::NODE_ID.name)?;
@@ -161,7 +162,7 @@ impl Source {
             let (ids, parts) = (piece.array(vtu::ELEMENT_ID.name)?, piece.array(vtu::PART.name)?);
             let mut begin = 0;
             for ((&e, &part), &end) in ids.iter().zip(&parts).zip(&ends) {
-                let element = Element { id: id(e)?, part: id(part)? };
+                let element = ElementIds { id: id(e)?, part: id(part)? };
                 let at: Vec<i64> = corners[begin..end as usize]
                     .iter()
                     .map(|&c| node_ids[c as usize] as i64)
@@ -181,21 +182,23 @@ impl Source {
         solids.sort_by_key(|e| e.0.id);
         shells.sort_by_key(|e| e.0.id);
         self.nodes = nodes.iter().enumerate().map(|(i, n)| (i64::from(n.0), i)).collect();
-        let solid = |(i, e): (usize, &(Element, _))| (i64::from(e.0.id), StatePosition::Solid(i));
-        let shell = |(i, e): (usize, &(Element, _))| (i64::from(e.0.id), StatePosition::Shell(i));
+        let solid =
+            |(i, e): (usize, &(ElementIds, _))| (i64::from(e.0.id), StatePosition::Solid(i));
+        let shell =
+            |(i, e): (usize, &(ElementIds, _))| (i64::from(e.0.id), StatePosition::Shell(i));
         self.elements = solids.iter().enumerate().map(solid).collect();
         self.elements.extend(shells.iter().enumerate().map(shell));
         let place = |n: i64| self.nodes[&n] as i32;
         let parts = parts(&self.dir, solids.iter().map(|e| e.0).chain(shells.iter().map(|e| e.0)));
         let x: Vec<[f32; 3]> = nodes.iter().map(|n| n.1).collect();
-        self.state = State {
+        self.state = DatabaseState {
             x: x.clone(),
             v: vec![[0.0; 3]; x.len()],
             solids: vec![StateValues::default(); solids.len()],
             shells: vec![StateValues::default(); shells.len()],
-            ..State::default()
+            ..DatabaseState::default()
         };
-        Ok(Mesh {
+        Ok(FieldMesh {
             title: format!(
                 "crumple {}",
                 self.dir.file_name().unwrap_or_default().to_string_lossy()
@@ -212,7 +215,7 @@ impl Source {
 
     /// Returns the state of a step. A failed element keeps its last values, and a node without
     /// elements its last position.
-    pub fn state(&mut self, step: usize) -> Result<&State, String> {
+    pub fn state(&mut self, step: usize) -> Result<&DatabaseState, String> {
         let pieces = self.pieces(step)?;
         let s = &mut self.state;
         s.time = self.steps[step].1;
@@ -251,7 +254,7 @@ impl Source {
 }
 
 /// Returns the ids of the parts of elements, ascending, with the names in the summary of the run.
-fn parts(dir: &Path, elements: impl Iterator<Item = Element>) -> Vec<(i32, String)> {
+fn parts(dir: &Path, elements: impl Iterator<Item = ElementIds>) -> Vec<(i32, String)> {
     let text = std::fs::read_to_string(dir.join("summary.json")).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
     let name = |id: i32| {

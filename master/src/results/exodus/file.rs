@@ -1,6 +1,6 @@
 //! Layout and records of an EXODUS II file.
 
-use crate::results::snapshot::{Column, Snapshot};
+use crate::results::snapshot::{Snapshot, SnapshotArray};
 use crumple_worker::vtu::{self, Array, CELL_ARRAYS, POINT_ARRAYS};
 use netcdf3::{DataSet, FileWriter, InvalidDataSet, Version};
 use std::cell::RefCell;
@@ -21,7 +21,7 @@ const TENSOR: [&str; 6] = ["_xx", "_yy", "_zz", "_xy", "_yz", "_zx"];
 const STATUS: &str = "status";
 
 /// An element block.
-struct Block {
+struct WrittenBlock {
     id: i32,
     name: String,
     /// Name of the element type.
@@ -32,13 +32,13 @@ struct Block {
 }
 
 /// The model of a run: what the first step has.
-pub struct Model {
+pub struct ExodusModel {
     nodes: Vec<i64>,
     elements: Vec<i64>,
     coordinates: [Vec<f32>; 3],
     connectivity: Vec<i64>,
     offsets: Vec<i64>,
-    blocks: Vec<Block>,
+    blocks: Vec<WrittenBlock>,
 }
 
 /// Returns the position of an array in a table.
@@ -46,9 +46,9 @@ fn position(arrays: &[Array], name: &str) -> usize {
     arrays.iter().position(|a| a.name == name).expect("the tables of the fields have it")
 }
 
-fn ids(column: &Column) -> &[i64] {
+fn ids(column: &SnapshotArray) -> &[i64] {
     match column {
-        Column::I64(ids) => ids,
+        SnapshotArray::I64(ids) => ids,
         _ => unreachable!("ids have 64 bits"),
     }
 }
@@ -74,7 +74,7 @@ fn names(arrays: &'static [Array]) -> Vec<String> {
     variables(arrays).flat_map(of).collect()
 }
 
-impl Model {
+impl ExodusModel {
     /// Takes the model from the first step of a run.
     ///
     /// # Errors
@@ -86,7 +86,7 @@ impl Model {
         if let Some(id) = too_large {
             return Err(format!("{id} is too large an id for EXODUS II: use ids below 2^31"));
         }
-        let Column::F32(displacement) =
+        let SnapshotArray::F32(displacement) =
             &first.point_arrays[position(POINT_ARRAYS, vtu::DISPLACEMENT.name)]
         else {
             unreachable!("displacements have 32 bits");
@@ -170,8 +170,9 @@ fn element_names() -> Vec<String> {
 }
 
 /// Returns the element blocks: elements of one part and type, in ascending order of parts.
-fn blocks(first: &Snapshot) -> Result<Vec<Block>, String> {
-    let Column::U32(parts) = &first.cell_arrays[position(CELL_ARRAYS, vtu::PART.name)] else {
+fn blocks(first: &Snapshot) -> Result<Vec<WrittenBlock>, String> {
+    let SnapshotArray::U32(parts) = &first.cell_arrays[position(CELL_ARRAYS, vtu::PART.name)]
+    else {
         unreachable!("ids of parts have 32 bits");
     };
     let types = &first.topology.types;
@@ -182,7 +183,7 @@ fn blocks(first: &Snapshot) -> Result<Vec<Block>, String> {
         groups.entry((part, (bounds[1] - bounds[0]) as usize)).or_default().push(element);
     }
     let mut free = parts.iter().copied().max().unwrap_or(0);
-    let mut blocks: Vec<Block> = Vec::new();
+    let mut blocks: Vec<WrittenBlock> = Vec::new();
     for ((part, corners), elements) in groups.into_iter().rev() {
         let kind = match (types[elements[0]], corners) {
             (_, 8) => "HEX8",
@@ -192,7 +193,7 @@ fn blocks(first: &Snapshot) -> Result<Vec<Block>, String> {
             (kind, _) => return Err(format!("cells of VTK type {kind} with {corners} nodes")),
         };
         // The largest group of corners of a part has its id.
-        let first = !blocks.iter().any(|b: &Block| b.name == format!("part_{part}"));
+        let first = !blocks.iter().any(|b: &WrittenBlock| b.name == format!("part_{part}"));
         let (id, name) = if first {
             (part, format!("part_{part}"))
         } else {
@@ -200,7 +201,7 @@ fn blocks(first: &Snapshot) -> Result<Vec<Block>, String> {
             (free, format!("part_{part}_{}", kind.to_lowercase()))
         };
         let id = i32::try_from(id).map_err(|_| format!("part {part}: its id is too large"))?;
-        blocks.push(Block { id, name, kind, corners, elements });
+        blocks.push(WrittenBlock { id, name, kind, corners, elements });
     }
     blocks.reverse();
     Ok(blocks)
@@ -226,10 +227,10 @@ impl Seek for Shared {
 }
 
 /// The file under construction.
-pub struct Writer<'a> {
+pub struct ExodusWriter<'a> {
     file: FileWriter<'a>,
     buffer: Rc<RefCell<BufWriter<File>>>,
-    model: &'a Model,
+    model: &'a ExodusModel,
     /// Values of the last step on nodes, for nodes that have no elements any more.
     last: Vec<Vec<f32>>,
 }
@@ -249,12 +250,12 @@ fn said(error: impl std::fmt::Debug) -> String {
     format!("{error:?}")
 }
 
-impl<'a> Writer<'a> {
+impl<'a> ExodusWriter<'a> {
     /// Creates the file and writes the model.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn create(path: &Path, model: &'a Model, data: &'a DataSet) -> Result<Self, String> {
+    pub fn create(path: &Path, model: &'a ExodusModel, data: &'a DataSet) -> Result<Self, String> {
         let file = File::create(path).map_err(|error| error.to_string())?;
         let buffer = Rc::new(RefCell::new(BufWriter::with_capacity(1 << 20, file)));
         let output = Box::new(Shared(buffer.clone()));
@@ -363,7 +364,7 @@ impl<'a> Writer<'a> {
 
 /// Stores one component of a column at the places of its points or cells.
 fn scatter(
-    column: &Column,
+    column: &SnapshotArray,
     (width, component): (usize, usize),
     places: &[usize],
     values: &mut [f32],
@@ -371,10 +372,10 @@ fn scatter(
     let at = |i: usize| width * i + component;
     for (i, &place) in places.iter().enumerate() {
         values[place] = match column {
-            Column::F32(from) => from[at(i)],
-            Column::U32(from) => from[at(i)] as f32,
-            Column::I64(from) => from[at(i)] as f32,
-            Column::U8(from) => f32::from(from[at(i)]),
+            SnapshotArray::F32(from) => from[at(i)],
+            SnapshotArray::U32(from) => from[at(i)] as f32,
+            SnapshotArray::I64(from) => from[at(i)] as f32,
+            SnapshotArray::U8(from) => f32::from(from[at(i)]),
         };
     }
 }

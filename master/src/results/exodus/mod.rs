@@ -33,13 +33,14 @@ pub fn export(dir: &Path) -> Result<String, String> {
     let Some(first) = steps.first() else {
         return Err(format!("{} lists no step; run the job with fields", collection.display()));
     };
-    let model = file::Model::new(&Snapshot::read(first)?)?;
+    let model = file::ExodusModel::new(&Snapshot::read(first)?)?;
     let data = model.definition(steps.len()).map_err(|e| format!("{NAME}: {e:?}"))?;
     let path = dir.join(NAME);
     let unfinished = dir.join(format!("{NAME}.part"));
     let failed = |error: String| format!("{}: {error}", unfinished.display());
-    let mut writer = watched(&unfinished, || file::Writer::create(&unfinished, &model, &data))
-        .map_err(failed)?;
+    let mut writer =
+        watched(&unfinished, || file::ExodusWriter::create(&unfinished, &model, &data))
+            .map_err(failed)?;
     for (record, step) in steps.iter().enumerate() {
         let snapshot = Snapshot::read(step)?;
         watched(&unfinished, || writer.write_step(record, &snapshot)).map_err(failed)?;

@@ -8,8 +8,8 @@
 //! the previous time, in zigzag coding (0, -1, 1, -2, ...), the lowest bytes of all numbers
 //! first, so that small changes give mostly zeros. `decode.js` is the decoder.
 
-use super::scene::Scene;
-use super::series::{ABSENT, SCALARS, Series};
+use super::scene::PageScene;
+use super::series::{ABSENT, MeshSeries, SCALARS};
 use super::surface::NO_ELEMENT;
 use flate2::{Compression, write::ZlibEncoder};
 use serde::Serialize;
@@ -34,14 +34,14 @@ pub struct Description {
     /// Minimum and maximum of each scalar over all times; none if it has no value.
     pub ranges: Vec<Option<[f32; 2]>>,
     /// Times.
-    pub frames: Vec<Grid>,
+    pub frames: Vec<Quantizer>,
     /// Number of elements that are hidden at some time because a node has no finite coordinates.
     pub nowhere: usize,
 }
 
 /// Mapping between integers and the coordinates of one time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Grid {
+pub struct Quantizer {
     /// Simulated time [time].
     pub time: f64,
     /// Coordinates of the integer 0 [length].
@@ -50,7 +50,7 @@ pub struct Grid {
     pub unit: f64,
 }
 
-impl Grid {
+impl Quantizer {
     /// Returns the 16-bit grid around the coordinates. Its unit is a power of two and its origin
     /// a multiple of the unit, so that the grid is the same at most times and differences are
     /// small.
@@ -75,8 +75,8 @@ impl Grid {
 }
 
 /// Encodes a scene; returns the description and the bytes.
-pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
-    let mut out = Packed(ZlibEncoder::new(Vec::new(), Compression::new(LEVEL)));
+pub fn encode(series: &MeshSeries, scene: &PageScene) -> (Description, Vec<u8>) {
+    let mut out = PackedColumns(ZlibEncoder::new(Vec::new(), Compression::new(LEVEL)));
     let corners: Vec<u32> = scene.faces.iter().flat_map(|f| f.corners).collect();
     let before = std::iter::once(&0).chain(&corners);
     out.u32(corners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));
@@ -94,11 +94,12 @@ pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
     out.u16(of_element.iter().map(|p| parts.partition_point(|a| a < p) as u16));
 
     let ranges: Vec<_> = (0..SCALARS.len()).map(|s| range(series, scene, s)).collect();
-    let mut before = Columns::new(scene);
+    let mut before = EncodedColumns::new(scene);
     let mut hidden = vec![false; scene.elements.len()];
     let mut grids = Vec::new();
     for &k in &scene.frames {
-        let (columns, grid) = Columns::at_time(series, scene, k, &ranges, &before, &mut hidden);
+        let (columns, grid) =
+            EncodedColumns::at_time(series, scene, k, &ranges, &before, &mut hidden);
         out.bytes(columns.state.iter().zip(&before.state).map(|(a, b)| a.wrapping_sub(*b)));
         for (now, then) in columns.numbers.iter().zip(&before.numbers) {
             out.u16(now.iter().zip(then).map(|(a, b)| zigzag16(a.wrapping_sub(*b))));
@@ -123,15 +124,15 @@ pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
 const LEVEL: u32 = 6;
 
 /// One time in integers.
-struct Columns {
+struct EncodedColumns {
     state: Vec<u8>,
     /// Workers, scalars, coordinates.
     numbers: [Vec<u16>; 1 + SCALARS.len() + 3],
 }
 
-impl Columns {
+impl EncodedColumns {
     /// Creates the columns from which the first time is subtracted.
-    fn new(scene: &Scene) -> Self {
+    fn new(scene: &PageScene) -> Self {
         let of_elements = || vec![0; scene.elements.len()];
         let columns = 1 + SCALARS.len();
         let column = |c| if c < columns { of_elements() } else { vec![0; scene.nodes.len()] };
@@ -139,16 +140,16 @@ impl Columns {
     }
 
     fn at_time(
-        series: &Series,
-        scene: &Scene,
+        series: &MeshSeries,
+        scene: &PageScene,
         k: usize,
         ranges: &[Option<[f32; 2]>],
         before: &Self,
         hidden: &mut [bool],
-    ) -> (Self, Grid) {
+    ) -> (Self, Quantizer) {
         let frame = &series.frames[k];
         let at = |node: u32| frame.position.get(node as usize).copied().unwrap_or([f32::NAN; 3]);
-        let grid = Grid::around(frame.time, scene.nodes.iter().map(|&n| at(n)));
+        let grid = Quantizer::around(frame.time, scene.nodes.iter().map(|&n| at(n)));
         let mut columns = Self::new(scene);
         for (i, &e) in scene.elements.iter().enumerate() {
             let e = e as usize;
@@ -183,7 +184,7 @@ impl Columns {
 }
 
 /// Returns minimum and maximum of a scalar over the times of the scene.
-fn range(series: &Series, scene: &Scene, scalar: usize) -> Option<[f32; 2]> {
+fn range(series: &MeshSeries, scene: &PageScene, scalar: usize) -> Option<[f32; 2]> {
     let of_frame = |&k: &usize| {
         scene.elements.iter().filter_map(move |&e| series.frames[k].scalars[scalar].get(e as usize))
     };
@@ -204,9 +205,9 @@ fn zigzag32(difference: u32) -> u32 {
 }
 
 /// Columns on their way to compression, which cannot fail because it writes to memory.
-struct Packed(ZlibEncoder<Vec<u8>>);
+struct PackedColumns(ZlibEncoder<Vec<u8>>);
 
-impl Packed {
+impl PackedColumns {
     fn bytes(&mut self, bytes: impl Iterator<Item = u8>) {
         let bytes: Vec<u8> = bytes.collect();
         let _ = self.0.write_all(&bytes);
@@ -279,7 +280,7 @@ mod tests {
     fn what_is_packed_comes_out_again_to_half_a_unit() {
         let mut series = row_of_cubes(4, &[1, 3, 0, 2]);
         series.frames[1].scalars[0][1] = f32::NAN;
-        let scene = Scene::new(&series, faces(&series));
+        let scene = PageScene::new(&series, faces(&series));
         let (d, packed) = encode(&series, &scene);
         let mut read = Unpacked::new(&packed);
         let corners = read.chain(4 * d.faces);
@@ -330,14 +331,15 @@ mod tests {
     fn a_travelling_model_keeps_its_grid() {
         let positions =
             |shift: f32| (0..100).map(move |i| [i as f32 + shift, 0.0, -3.0 * i as f32]);
-        let (a, b) = (Grid::around(0.0, positions(0.0)), Grid::around(1.0, positions(5000.0)));
+        let (a, b) =
+            (Quantizer::around(0.0, positions(0.0)), Quantizer::around(1.0, positions(5000.0)));
         assert_eq!(a.unit, b.unit);
         let least = 297.0 / 65535.0;
         assert!(a.unit >= least && a.unit <= 2.01 * least, "{a:?}");
         assert_eq!((a.number(1e9, 0), a.number(-1e9, 0)), (u16::MAX, 0));
         assert_eq!(
-            Grid::around(0.0, [[f32::NAN; 3]].into_iter()),
-            Grid { time: 0.0, origin: [0.0; 3], unit: 1.0 }
+            Quantizer::around(0.0, [[f32::NAN; 3]].into_iter()),
+            Quantizer { time: 0.0, origin: [0.0; 3], unit: 1.0 }
         );
     }
 
@@ -345,7 +347,7 @@ mod tests {
     fn an_element_with_a_node_that_is_nowhere_is_hidden_and_counted() {
         let mut series = row_of_cubes(3, &[1, 1, 1]);
         series.frames[1].position[0] = [f32::NAN; 3];
-        let scene = Scene::new(&series, faces(&series));
+        let scene = PageScene::new(&series, faces(&series));
         let (d, _) = encode(&series, &scene);
         assert_eq!(d.nowhere, 1);
         assert!(d.frames[1].origin.iter().all(|c| c.is_finite()));

@@ -22,10 +22,10 @@ mod workers;
 use crate::results::fields::{COLLECTION, DIR};
 use crate::stdout::say;
 use encode::Description;
-use scene::Scene;
+use scene::PageScene;
 use serde_json::json;
-use series::{Dimension, SCALARS, Series};
-use sources::Sources;
+use series::{Dimension, MeshSeries, SCALARS};
+use sources::RunFiles;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -97,11 +97,11 @@ pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
             eprintln!("report: {what}");
         }
     };
-    let mut sources = Sources::read(dir);
+    let mut sources = RunFiles::read(dir);
     let collection = dir.join(DIR).join(COLLECTION);
     let series = match collection.exists() {
         true => series::read(&collection, MOST_TIMES, &mut sources.problems, &mut say),
-        false => Series::default(),
+        false => MeshSeries::default(),
     };
     if sources.summary.is_none() && sources.history.is_none() && series.frames.is_empty() {
         let mut missing = sources.problems;
@@ -128,8 +128,8 @@ pub fn forget(dir: &Path) {
 
 /// Makes the page, of at most `room` bytes, and lists the problems.
 fn make(
-    sources: &Sources,
-    series: &Series,
+    sources: &RunFiles,
+    series: &MeshSeries,
     room: usize,
     say: &mut dyn FnMut(&str),
 ) -> (String, Vec<String>) {
@@ -189,8 +189,12 @@ fn make(
 }
 
 /// Returns the scene with as many times and faces as fit into `room` bytes.
-fn fit(series: &Series, room: usize, say: &mut dyn FnMut(&str)) -> (Scene, Description, Vec<u8>) {
-    let whole = Scene::new(series, surface::faces(series));
+fn fit(
+    series: &MeshSeries,
+    room: usize,
+    say: &mut dyn FnMut(&str),
+) -> (PageScene, Description, Vec<u8>) {
+    let whole = PageScene::new(series, surface::faces(series));
     let least = LEAST_TIMES.min(whole.frames.len());
     let mut times = whole.frames.len();
     let mut cubes = None;
@@ -215,10 +219,10 @@ fn fit(series: &Series, room: usize, say: &mut dyn FnMut(&str)) -> (Scene, Descr
 
 /// Lists the content that the picture does not show.
 fn left_out_of(
-    series: &Series,
-    scene: &Scene,
+    series: &MeshSeries,
+    scene: &PageScene,
     description: &Description,
-    sources: &Sources,
+    sources: &RunFiles,
 ) -> Vec<String> {
     let mut out = Vec::new();
     let (shown, written) = (scene.frames.len(), series.written);
@@ -258,7 +262,7 @@ fn left_out_of(
 }
 
 /// Returns the scalars with their units, for the scripts.
-fn scalars(sources: &Sources) -> Vec<serde_json::Value> {
+fn scalars(sources: &RunFiles) -> Vec<serde_json::Value> {
     let [length, stress] = sources.length_and_stress();
     let unit = |dimension| match dimension {
         Dimension::None => "",
@@ -269,7 +273,7 @@ fn scalars(sources: &Sources) -> Vec<serde_json::Value> {
 }
 
 /// Returns the data for the scripts.
-fn facts(sources: &Sources, model: Option<&Description>) -> String {
+fn facts(sources: &RunFiles, model: Option<&Description>) -> String {
     let [length, _] = sources.length_and_stress();
     page::json(&json!({
         "time_unit": sources.history.as_ref().map_or("", |h| h.unit("time")),
@@ -302,10 +306,10 @@ mod tests {
             series.frames.push(next);
         }
         series.written = series.frames.len();
-        let sources = Sources::default();
+        let sources = RunFiles::default();
         let whole = make(&sources, &series, MOST_BYTES, &mut |_| {}).0;
         assert!(!whole.contains("output times.") && !whole.contains("coarsened"));
-        let bare = make(&sources, &Series::default(), MOST_BYTES, &mut |_| {}).0.len();
+        let bare = make(&sources, &MeshSeries::default(), MOST_BYTES, &mut |_| {}).0.len();
         let picture = whole.len() - bare;
         let room = bare + DESCRIPTION + picture * 6 / 10;
         let fewer = make(&sources, &series, room, &mut |_| {}).0;
@@ -350,7 +354,7 @@ mod tests {
 
         let fields = dir.path().join("fields");
         std::fs::create_dir(&fields).unwrap();
-        let mut writer = crate::results::fields::Series::new(&fields);
+        let mut writer = crate::results::fields::FieldSeries::new(&fields);
         writer.add(0, 0.0, 2).unwrap();
         let made = write(dir.path(), true).unwrap();
         assert_eq!(made.problems.len(), 3, "summary and two pieces: {:?}", made.problems);

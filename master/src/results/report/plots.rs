@@ -8,8 +8,8 @@ pub const MOST_ROWS: usize = 4000;
 
 /// A file of columns whose names contain units.
 #[derive(Clone, Debug, Default)]
-pub struct History {
-    columns: Vec<Column>,
+pub struct ColumnFile {
+    columns: Vec<PlotColumn>,
     /// Number of rows of the file; the columns may have fewer.
     pub rows: usize,
     /// Damage of the file after these rows.
@@ -17,7 +17,7 @@ pub struct History {
 }
 
 #[derive(Clone, Debug)]
-struct Column {
+struct PlotColumn {
     name: String,
     unit: String,
     values: Vec<f64>,
@@ -33,12 +33,12 @@ pub struct Plot {
     /// Note for the reader.
     pub note: String,
     /// Lines.
-    pub lines: Vec<Line>,
+    pub lines: Vec<PlotLine>,
 }
 
 /// Values over the rows. A value that is not finite is a gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Line {
+pub struct PlotLine {
     /// Name in the legend.
     pub label: String,
     /// One value per row.
@@ -71,7 +71,7 @@ const ENERGIES: [(&str, f64); 7] = [
 ];
 const TOTAL: &str = "total";
 
-impl History {
+impl ColumnFile {
     /// Reads the intact part of the file. A field that is not a number is a gap.
     ///
     /// # Errors
@@ -89,8 +89,8 @@ impl History {
             _ => format!("{}: is not a table", path.display()),
         };
         let mut reader = csv::Reader::from_path(path).map_err(cannot)?;
-        let mut columns: Vec<Column> =
-            reader.headers().map_err(cannot)?.iter().map(Column::from_header).collect();
+        let mut columns: Vec<PlotColumn> =
+            reader.headers().map_err(cannot)?.iter().map(PlotColumn::from_header).collect();
         let mut damage = None;
         for record in reader.records() {
             match record.map_err(cannot) {
@@ -126,7 +126,7 @@ impl History {
         self.columns.first().map_or(0, |c| c.values.len())
     }
 
-    fn column(&self, name: &str) -> Option<&Column> {
+    fn column(&self, name: &str) -> Option<&PlotColumn> {
         self.columns.iter().find(|c| c.name == name)
     }
 
@@ -139,8 +139,8 @@ impl History {
         self.column(name).map(|c| &c.values[..])
     }
 
-    fn line(&self, name: &str, label: &str) -> Option<Line> {
-        Some(Line { label: label.into(), values: self.values(name)?.to_vec(), steps: false })
+    fn line(&self, name: &str, label: &str) -> Option<PlotLine> {
+        Some(PlotLine { label: label.into(), values: self.values(name)?.to_vec(), steps: false })
     }
 
     /// Returns all plots whose columns exist. The number of workers is needed for the imbalance.
@@ -165,7 +165,7 @@ impl History {
     }
 
     fn energies(&self) -> Option<Plot> {
-        let mut lines: Vec<Line> =
+        let mut lines: Vec<PlotLine> =
             ENERGIES.iter().filter_map(|(name, _)| self.line(name, name)).collect();
         let mut total = vec![0.0; self.values("kinetic")?.len()];
         for (name, sign) in ENERGIES.iter().filter(|(_, sign)| *sign != 0.0) {
@@ -176,7 +176,7 @@ impl History {
         }
         // Lines that are zero everywhere are omitted.
         lines.retain(|line| line.values.iter().any(|v| *v != 0.0));
-        lines.insert(0, Line { label: TOTAL.into(), values: total, steps: false });
+        lines.insert(0, PlotLine { label: TOTAL.into(), values: total, steps: false });
         let note = "total = kinetic + internal + hourglass, minus the work of contact, walls and \
                     loads. It should be constant. The work of contact includes friction.";
         Some(Plot {
@@ -212,13 +212,13 @@ impl History {
             };
             let length = |i: usize| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
             let label = name.strip_suffix(" mean").unwrap_or(name);
-            lines.push(Line {
+            lines.push(PlotLine {
                 label: label.into(),
                 values: (0..x.len()).map(length).collect(),
                 steps: true,
             });
             if of.len() == 1 {
-                let of_axis = |(axis, v): (&str, &[f64])| Line {
+                let of_axis = |(axis, v): (&str, &[f64])| PlotLine {
                     label: format!("{label} {axis}"),
                     values: v.to_vec(),
                     steps: true,
@@ -248,7 +248,7 @@ impl History {
             if total > 0.0 { workers * rise(critical, i) / total } else { f64::NAN }
         };
         let values = (0..all.len()).map(of_row).collect();
-        let lines = vec![Line { label: "slowest over mean".into(), values, steps: true }];
+        let lines = vec![PlotLine { label: "slowest over mean".into(), values, steps: true }];
         let note = "CPU time of the slowest worker of each cycle over the mean of all workers, \
                     since the previous row. 1 is perfect balance.";
         Some(Plot {
@@ -260,7 +260,8 @@ impl History {
     }
 
     fn redecompositions(&self) -> Option<Plot> {
-        let line = |name: &str, label: &str| Some(Line { steps: true, ..self.line(name, label)? });
+        let line =
+            |name: &str, label: &str| Some(PlotLine { steps: true, ..self.line(name, label)? });
         let mut lines = vec![
             line("low redecompositions", "low (new boxes)")?,
             line("high redecompositions", "high (membership)")?,
@@ -279,7 +280,7 @@ impl History {
     /// Plots the elements by class, over all workers; none if a single worker has all elements.
     fn classes(&self) -> Option<Plot> {
         let line = |class: &str| {
-            Some(Line { steps: true, ..self.line(&format!("{class} elements"), class)? })
+            Some(PlotLine { steps: true, ..self.line(&format!("{class} elements"), class)? })
         };
         let lines = vec![line("interior")?, line("interface")?, line("exterior")?];
         let several = lines[1].values.iter().any(|v| *v > 0.0);
@@ -312,7 +313,7 @@ impl History {
     }
 }
 
-impl Column {
+impl PlotColumn {
     fn from_header(header: &str) -> Self {
         let [name, unit] = named(header);
         Self { name, unit, values: Vec::new() }
@@ -331,11 +332,11 @@ pub fn named(header: &str) -> [String; 2] {
 mod tests {
     use super::*;
 
-    fn history(text: &str) -> Result<History, String> {
+    fn history(text: &str) -> Result<ColumnFile, String> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("history.csv");
         std::fs::write(&path, text).unwrap();
-        History::read(&path)
+        ColumnFile::read(&path)
     }
 
     #[test]

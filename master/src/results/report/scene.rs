@@ -1,16 +1,16 @@
 //! The faces, nodes, elements and times of the page, and their reduction if the page would be too
 //! large.
 
-use super::series::{Series, spread};
-use super::surface::{Face, NO_ELEMENT, without_repeats};
+use super::series::{MeshSeries, spread};
+use super::surface::{NO_ELEMENT, VisibleFace, without_repeats};
 use std::collections::{HashMap, HashSet};
 
 /// A selection from a series. Faces refer to indices in `nodes` and `elements`, which hold
 /// indices in the series.
 #[derive(Clone, Debug)]
-pub struct Scene {
+pub struct PageScene {
     /// Faces.
-    pub faces: Vec<Face>,
+    pub faces: Vec<VisibleFace>,
     /// Nodes of the faces.
     pub nodes: Vec<u32>,
     /// Elements that own faces.
@@ -21,9 +21,9 @@ pub struct Scene {
     pub faces_seen: usize,
 }
 
-impl Scene {
+impl PageScene {
     /// Selects all faces at all times.
-    pub fn new(series: &Series, faces: Vec<Face>) -> Self {
+    pub fn new(series: &MeshSeries, faces: Vec<VisibleFace>) -> Self {
         let faces_seen = faces.len();
         let mut scene =
             Self { faces, nodes: Vec::new(), elements: Vec::new(), frames: Vec::new(), faces_seen };
@@ -42,7 +42,7 @@ impl Scene {
     /// Returns a coarser selection. The nodes in each cube of a grid are replaced by one of them;
     /// degenerate faces are removed. The grid has `cubes` cubes along the longest side of the
     /// initial model.
-    pub fn coarser(&self, series: &Series, cubes: usize) -> Self {
+    pub fn coarser(&self, series: &MeshSeries, cubes: usize) -> Self {
         let (low, size) = extent(series, &self.nodes);
         let side = (size / cubes as f32).max(f32::MIN_POSITIVE);
         let place = |node: u32| {
@@ -62,7 +62,7 @@ impl Scene {
         }
         let stands = |at: u32| cube(self.nodes[at as usize]).map_or(at, |c| of_cube[&c].1);
         let mut had = HashSet::new();
-        let merged = |f: &Face| {
+        let merged = |f: &VisibleFace| {
             let corners = f.corners.map(stands);
             let line = f.corners[1] == f.corners[2];
             let corners = match line {
@@ -71,9 +71,9 @@ impl Scene {
             }?;
             let mut key = corners;
             key.sort_unstable();
-            had.insert(key).then_some(Face { corners, owners: f.owners })
+            had.insert(key).then_some(VisibleFace { corners, owners: f.owners })
         };
-        let mut faces: Vec<Face> = self.faces.iter().filter_map(merged).collect();
+        let mut faces: Vec<VisibleFace> = self.faces.iter().filter_map(merged).collect();
         let keep =
             |old: &[u32], new: Vec<u32>| new.into_iter().map(|at| old[at as usize]).collect();
         let nodes = keep(&self.nodes, renumber(faces.iter_mut().flat_map(|f| &mut f.corners)));
@@ -83,13 +83,13 @@ impl Scene {
 }
 
 /// Returns the initial position of a node [length].
-fn position(series: &Series, node: u32) -> Option<[f32; 3]> {
+fn position(series: &MeshSeries, node: u32) -> Option<[f32; 3]> {
     let x = series.frames.iter().find_map(|f| f.position.get(node as usize))?;
     x.iter().all(|c| c.is_finite()).then_some(*x)
 }
 
 /// Returns the lowest corner of the box around the initial nodes, and its longest side [length].
-fn extent(series: &Series, nodes: &[u32]) -> ([f32; 3], f32) {
+fn extent(series: &MeshSeries, nodes: &[u32]) -> ([f32; 3], f32) {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for x in nodes.iter().filter_map(|&node| position(series, node)) {
         for c in 0..3 {
@@ -113,40 +113,42 @@ fn renumber<'a>(numbers: impl Iterator<Item = &'a mut u32>) -> Vec<u32> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::series::Frame;
+    use super::super::series::FieldFrame;
     use super::super::surface::{faces, tests::row_of_cubes};
     use super::*;
 
     #[test]
     fn a_scene_has_only_what_its_faces_need() {
         let series = row_of_cubes(3, &[1, 1, 1]);
-        let scene = Scene::new(&series, faces(&series));
+        let scene = PageScene::new(&series, faces(&series));
         assert_eq!((scene.faces.len(), scene.nodes.len(), scene.elements), (14, 16, vec![0, 1, 2]));
-        let mut shells = vec![Face { corners: [9, 4, 7, 7], owners: [5, NO_ELEMENT] }];
-        shells.push(Face { corners: [4, 9, 12, 30], owners: [8, 5] });
-        let scene = Scene::new(&series, shells);
+        let mut shells = vec![VisibleFace { corners: [9, 4, 7, 7], owners: [5, NO_ELEMENT] }];
+        shells.push(VisibleFace { corners: [4, 9, 12, 30], owners: [8, 5] });
+        let scene = PageScene::new(&series, shells);
         assert_eq!(scene.nodes, [4, 7, 9, 12, 30]);
         assert_eq!(scene.elements, [5, 8]);
-        assert_eq!(scene.faces[0], Face { corners: [2, 0, 1, 1], owners: [0, NO_ELEMENT] });
-        assert_eq!(scene.faces[1], Face { corners: [0, 2, 3, 4], owners: [1, 0] });
+        assert_eq!(scene.faces[0], VisibleFace { corners: [2, 0, 1, 1], owners: [0, NO_ELEMENT] });
+        assert_eq!(scene.faces[1], VisibleFace { corners: [0, 2, 3, 4], owners: [1, 0] });
     }
 
     /// Returns a sheet of square quads of side 1, and its scene.
-    pub fn sheet(long: u32, wide: u32) -> (Series, Scene) {
+    pub fn sheet(long: u32, wide: u32) -> (MeshSeries, PageScene) {
         let row = wide + 1;
         let node = |i: u32, j: u32| row * i + j;
         let place = |n: u32| [(n / row) as f32, (n % row) as f32, 0.5];
         let nodes = row * (long + 1);
-        let frame = Frame { position: (0..nodes).map(place).collect(), ..Frame::default() };
-        let series = Series { nodes: nodes as usize, frames: vec![frame], ..Series::default() };
+        let frame =
+            FieldFrame { position: (0..nodes).map(place).collect(), ..FieldFrame::default() };
+        let series =
+            MeshSeries { nodes: nodes as usize, frames: vec![frame], ..MeshSeries::default() };
         let quad = |e: u32| {
             let (i, j) = (e / wide, e % wide);
-            Face {
+            VisibleFace {
                 corners: [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)],
                 owners: [e, NO_ELEMENT],
             }
         };
-        let scene = Scene::new(&series, (0..long * wide).map(quad).collect());
+        let scene = PageScene::new(&series, (0..long * wide).map(quad).collect());
         (series, scene)
     }
 
@@ -176,7 +178,7 @@ pub(super) mod tests {
     #[test]
     fn fewer_times_keep_the_first_and_the_last() {
         let series = row_of_cubes(1, &[1]);
-        let mut scene = Scene::new(&series, faces(&series));
+        let mut scene = PageScene::new(&series, faces(&series));
         scene.frames = vec![3, 4, 5, 6, 9];
         assert_eq!(scene.with_times(3).frames, [3, 5, 9]);
     }

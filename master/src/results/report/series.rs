@@ -1,7 +1,7 @@
 //! The field files of a run, joined over workers and times. Every node and element has one index;
 //! its data are stored for each time.
 
-use crate::results::field_file::{self, Piece, Step};
+use crate::results::field_file::{self, FieldStep, PieceArrays};
 use crumple_worker::vtu::{self, Array};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub const SCALARS: [Scalar; 3] = [
 
 /// Shape of an element, from its VTK cell type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum CellShape {
     /// Two corners.
     Line,
     /// Three corners.
@@ -47,7 +47,7 @@ pub enum Shape {
     Hexahedron,
 }
 
-impl Shape {
+impl CellShape {
     /// Returns the number of corners.
     pub fn corners(self) -> usize {
         match self {
@@ -71,22 +71,22 @@ impl Shape {
 
 /// Constant data of an element.
 #[derive(Clone, Copy, Debug)]
-pub struct Element {
+pub struct SeriesElement {
     /// Shape.
-    pub shape: Shape,
+    pub shape: CellShape,
     /// Indices of its nodes, as many as the shape has corners.
     pub corners: [u32; 8],
     /// Id of its part.
     pub part: u32,
 }
 
-/// Code of an absent element in [`Frame::state`]. The code of a present one is its class plus
+/// Code of an absent element in [`FieldFrame::state`]. The code of a present one is its class plus
 /// one.
 pub const ABSENT: u8 = 0;
 
 /// Data of one time. Columns are shorter if nodes and elements appear later in the series.
 #[derive(Clone, Debug, Default)]
-pub struct Frame {
+pub struct FieldFrame {
     /// Simulated time [time].
     pub time: f64,
     /// Coordinates, not finite for an absent node [length].
@@ -101,13 +101,13 @@ pub struct Frame {
 
 /// All times.
 #[derive(Debug, Default)]
-pub struct Series {
+pub struct MeshSeries {
     /// Elements by index.
-    pub elements: Vec<Element>,
+    pub elements: Vec<SeriesElement>,
     /// Number of nodes.
     pub nodes: usize,
     /// Times in their order.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<FieldFrame>,
     /// Number of times that the run wrote. `frames` may be a selection of them.
     pub written: usize,
     /// Number of elements of unknown shapes.
@@ -126,8 +126,8 @@ pub fn read(
     most: usize,
     problems: &mut Vec<String>,
     say: &mut dyn FnMut(&str),
-) -> Series {
-    let mut reader = Reader::default();
+) -> MeshSeries {
+    let mut reader = SeriesReader::default();
     let steps = field_file::steps(collection).unwrap_or_else(|why| {
         problems.push(why);
         Vec::new()
@@ -156,8 +156,8 @@ pub fn read(
 ///
 /// # Errors
 /// A piece cannot be read.
-pub fn read_state(files: &[PathBuf], time: f64) -> Result<Series, String> {
-    let mut reader = Reader::default();
+pub fn read_state(files: &[PathBuf], time: f64) -> Result<MeshSeries, String> {
+    let mut reader = SeriesReader::default();
     let frame = reader.joined(files, time).map_err(|whys| whys.join("; "))?;
     reader.series.frames.push(frame);
     reader.series.written = 1;
@@ -176,34 +176,34 @@ pub fn spread(count: usize, most: usize) -> Vec<usize> {
 
 /// A series under construction: indices of nodes and elements by id.
 #[derive(Default)]
-struct Reader {
-    series: Series,
+struct SeriesReader {
+    series: MeshSeries,
     node_of: HashMap<i64, u32>,
     element_of: HashMap<i64, u32>,
 }
 
-impl Reader {
+impl SeriesReader {
     /// Joins the pieces of a step. The step is rejected if one of them cannot be read.
-    fn frame(&mut self, step: &Step) -> Result<Frame, Vec<String>> {
+    fn frame(&mut self, step: &FieldStep) -> Result<FieldFrame, Vec<String>> {
         let files = field_file::pieces(&step.file).map_err(|why| vec![why])?;
         self.joined(&files, step.time)
     }
 
-    fn joined(&mut self, files: &[PathBuf], time: f64) -> Result<Frame, Vec<String>> {
+    fn joined(&mut self, files: &[PathBuf], time: f64) -> Result<FieldFrame, Vec<String>> {
         let (pieces, whys): (Vec<_>, Vec<_>) =
-            files.iter().map(|file| Piece::read(file)).partition(Result::is_ok);
+            files.iter().map(|file| PieceArrays::read(file)).partition(Result::is_ok);
         let whys: Vec<String> = whys.into_iter().filter_map(Result::err).collect();
         if !whys.is_empty() {
             return Err(whys);
         }
-        let mut frame = Frame { time, ..Frame::default() };
+        let mut frame = FieldFrame { time, ..FieldFrame::default() };
         for piece in pieces.into_iter().flatten() {
             self.join(&piece, &mut frame).map_err(|why| vec![why])?;
         }
         Ok(frame)
     }
 
-    fn join(&mut self, piece: &Piece, frame: &mut Frame) -> Result<(), String> {
+    fn join(&mut self, piece: &PieceArrays, frame: &mut FieldFrame) -> Result<(), String> {
         let points = piece.f32(vtu::POINTS.name)?;
         let mut nodes = Vec::with_capacity(piece.points);
         for (id, x) in piece.i64(vtu::NODE_ID.name)?.iter().zip(points.chunks_exact(3)) {
@@ -223,7 +223,7 @@ impl Reader {
         for cell in 0..piece.cells {
             let of_cell = &corners[begin..ends[cell] as usize];
             begin = ends[cell] as usize;
-            let Some(shape) = Shape::of_vtk(kinds[cell], of_cell.len()) else {
+            let Some(shape) = CellShape::of_vtk(kinds[cell], of_cell.len()) else {
                 self.series.unknown_shapes += 1;
                 continue;
             };
@@ -235,7 +235,11 @@ impl Reader {
                     .iter_mut()
                     .zip(of_cell)
                     .for_each(|(n, &corner)| *n = nodes[corner as usize]);
-                self.series.elements.push(Element { shape, corners: numbers, part: parts[cell] });
+                self.series.elements.push(SeriesElement {
+                    shape,
+                    corners: numbers,
+                    part: parts[cell],
+                });
             }
             put(&mut frame.state, element, classes[cell].saturating_add(1), ABSENT);
             put(&mut frame.worker, element, workers[cell].try_into().unwrap_or(u16::MAX), 0);

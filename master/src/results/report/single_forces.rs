@@ -2,7 +2,7 @@
 //! (`transducers.csv`) and sections (`sections.csv`). These files have one row per object and
 //! time: the time, the name of the object, `force x`, `force y`, `force z`, and other columns.
 
-use super::plots::{Line, Plot, named};
+use super::plots::{Plot, PlotLine, named};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub fn plots(dir: &Path, time: &[f64], problems: &mut Vec<String>) -> Vec<Plot> 
         match read(&path, time) {
             Ok((unit, lines)) => {
                 let all = lines.len();
-                let shown: Vec<Line> = lines.into_iter().take(MOST_LINES).collect();
+                let shown: Vec<PlotLine> = lines.into_iter().take(MOST_LINES).collect();
                 let mut note = note.to_owned();
                 if shown.len() < all {
                     note += &format!(" The {} largest of {all}.", shown.len());
@@ -52,7 +52,7 @@ pub fn plots(dir: &Path, time: &[f64], problems: &mut Vec<String>) -> Vec<Plot> 
 
 /// Returns unit and lines, those with the largest forces first. Objects without any force are
 /// omitted.
-fn read(path: &Path, time: &[f64]) -> Result<(String, Vec<Line>), String> {
+fn read(path: &Path, time: &[f64]) -> Result<(String, Vec<PlotLine>), String> {
     let mut reader =
         csv::ReaderBuilder::new().flexible(true).from_path(path).map_err(|e| e.to_string())?;
     let header: Vec<[String; 2]> =
@@ -73,9 +73,9 @@ fn read(path: &Path, time: &[f64]) -> Result<(String, Vec<Line>), String> {
         let force = (first..first + 3).map(|at| number(at).powi(2)).sum::<f64>().sqrt();
         things.entry(name).or_insert_with(|| vec![f64::NAN; time.len()])[row] = force;
     }
-    let most = |line: &Line| line.values.iter().copied().fold(0.0, f64::max);
-    let line = |(label, values)| Line { label, values, steps: false };
-    let mut lines: Vec<Line> = things.into_iter().map(line).filter(|l| most(l) > 0.0).collect();
+    let most = |line: &PlotLine| line.values.iter().copied().fold(0.0, f64::max);
+    let line = |(label, values)| PlotLine { label, values, steps: false };
+    let mut lines: Vec<PlotLine> = things.into_iter().map(line).filter(|l| most(l) > 0.0).collect();
     lines.sort_by(|a, b| most(b).total_cmp(&most(a)));
     Ok((header[first][1].clone(), lines))
 }

@@ -1,7 +1,7 @@
 //! Files in the folder of a run other than the fields: summary, histories, log and job.
 
 use super::paths::{self, WallPath};
-use super::plots::{History, Plots};
+use super::plots::{ColumnFile, Plots};
 use super::{single_forces, workers};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -14,11 +14,11 @@ const ACCEPTED_ERROR: f64 = 0.01;
 
 /// All files that exist.
 #[derive(Debug, Default)]
-pub struct Sources {
+pub struct RunFiles {
     /// `summary.json`.
     pub summary: Option<Map<String, Value>>,
     /// `history.csv`.
-    pub history: Option<History>,
+    pub history: Option<ColumnFile>,
     /// Paths of the walls, in their order, from `walls.csv`.
     pub paths: Vec<WallPath>,
     /// Plots of the history and of the files with forces.
@@ -31,7 +31,7 @@ pub struct Sources {
 
 /// A rigid wall: a plane, a rectangle, or a cylinder, as in `[[wall]]` of the job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Wall {
+pub struct DrawnWall {
     /// A point of the wall: a corner of a rectangle, the start of a cylinder's axis [length].
     pub point: [f64; 3],
     /// Normal of a plane or rectangle, towards the model.
@@ -52,7 +52,7 @@ pub struct Wall {
     pub path: Option<WallPath>,
 }
 
-impl Sources {
+impl RunFiles {
     /// Reads the files in the folder.
     pub fn read(dir: &Path) -> Self {
         let mut sources = Self::default();
@@ -60,7 +60,7 @@ impl Sources {
             Ok(summary) => sources.summary = Some(summary),
             Err(why) => sources.problems.push(why),
         }
-        match History::read(&dir.join("history.csv")) {
+        match ColumnFile::read(&dir.join("history.csv")) {
             Ok(history) => {
                 sources.problems.extend(history.damage.clone());
                 sources.plots = history.plots(sources.workers());
@@ -117,10 +117,10 @@ impl Sources {
     }
 
     /// Returns the limits at which the master orders redecompositions, if they are known.
-    fn limits(&self) -> Option<workers::Limits> {
+    fn limits(&self) -> Option<workers::RedecompositionLimits> {
         let limits = self.summary.as_ref()?.get("thresholds")?;
         let of = |key: &str| limits.get(key).and_then(Value::as_f64);
-        Some(workers::Limits { margin: of("margin")?, imbalance: of("imbalance")? })
+        Some(workers::RedecompositionLimits { margin: of("margin")?, imbalance: of("imbalance")? })
     }
 
     fn text(&self, key: &str) -> &str {
@@ -166,10 +166,10 @@ impl Sources {
     }
 
     /// Returns the rigid walls, with their known displacements.
-    pub fn walls(&self) -> Vec<Wall> {
+    pub fn walls(&self) -> Vec<DrawnWall> {
         let with_path = |(w, value): (usize, &Value)| {
             let path = self.paths.get(w).filter(|path| path.moves()).cloned();
-            Some(Wall { path, ..Wall::deserialize(value).ok()? })
+            Some(DrawnWall { path, ..DrawnWall::deserialize(value).ok()? })
         };
         self.all_walls().iter().enumerate().filter_map(with_path).collect()
     }
@@ -269,7 +269,7 @@ mod tests {
              {\"level\":\"ERROR\",\
              \"fields\":{\"message\":\"worker ends\",\"worker\":0,\"lost\":\"rank 2\"}}\n{\"lev",
         );
-        let s = Sources::read(dir.path());
+        let s = RunFiles::read(dir.path());
         let wanted = [
             "The run failed: cycle 3: an element inverts",
             "The energy balance has an error of up to 25.0 %; 1 % is usually acceptable.",
@@ -293,7 +293,7 @@ mod tests {
     #[test]
     fn an_empty_folder_has_two_problems_and_says_what_it_lacks() {
         let dir = tempfile::tempdir().unwrap();
-        let s = Sources::read(dir.path());
+        let s = RunFiles::read(dir.path());
         assert_eq!(s.problems.len(), 2);
         assert!(s.warnings[0].starts_with("The run has no summary"), "{:?}", s.warnings);
     }

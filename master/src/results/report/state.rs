@@ -4,11 +4,11 @@
 use super::encode::encode;
 use super::paths;
 use super::scalars;
-use super::scene::Scene;
-use super::series::{Series, read_state};
-use super::sources::{self, Sources};
+use super::scene::PageScene;
+use super::series::{MeshSeries, read_state};
+use super::sources::{self, RunFiles};
 use super::surface::faces;
-use crate::results::field_file::{self, Step};
+use crate::results::field_file::{self, FieldStep};
 use crate::results::fields::{COLLECTION, DIR};
 use base64::{Engine, prelude::BASE64_STANDARD};
 use serde_json::{Map, Value, json};
@@ -23,14 +23,14 @@ const MOST_BYTES: u64 = 150_000_000;
 
 /// A state of a run in files.
 #[derive(Clone, Debug, PartialEq)]
-pub struct State {
+pub struct PictureState {
     /// Simulated time [time].
     pub time: f64,
     /// Files of the workers' pieces.
     pub pieces: Vec<PathBuf>,
 }
 
-impl State {
+impl PictureState {
     /// Returns the newest output of the run in `dir` up to a time, else the first one; none
     /// without output.
     pub fn output_at(dir: &Path, time: f64) -> Option<Self> {
@@ -66,14 +66,14 @@ impl State {
     /// The files cannot be read.
     pub fn picture(&self, dir: &Path, about: Option<&Map<String, Value>>) -> Result<Value, String> {
         let series = read_state(&self.pieces, self.time)?;
-        let scene = limited(Scene::new(&series, faces(&series)), &series, MOST_FACES);
+        let scene = limited(PageScene::new(&series, faces(&series)), &series, MOST_FACES);
         let (model, picture) = encode(&series, &scene);
         let summary = match about {
             Some(about) => Some(about.clone()),
             None => sources::summary(&dir.join("summary.json")).ok(),
         };
         let paths = paths::read(&dir.join("walls.csv"));
-        let sources = Sources { summary, paths, ..Sources::default() };
+        let sources = RunFiles { summary, paths, ..RunFiles::default() };
         Ok(json!({
             "faces_seen": scene.faces_seen,
             "times": outputs(dir).iter().map(|step| step.time).collect::<Vec<_>>(),
@@ -87,13 +87,13 @@ impl State {
 }
 
 /// Returns the outputs of the run in `dir`, with ascending times.
-fn outputs(dir: &Path) -> Vec<Step> {
+fn outputs(dir: &Path) -> Vec<FieldStep> {
     field_file::steps(&dir.join(DIR).join(COLLECTION)).unwrap_or_default()
 }
 
 /// Returns the scene, coarser if it has more than `most` faces: by as little as a few trials find.
 /// Slender models need more cubes along their length than others, so that their faces stay.
-fn limited(whole: Scene, series: &Series, most: usize) -> Scene {
+fn limited(whole: PageScene, series: &MeshSeries, most: usize) -> PageScene {
     if whole.faces.len() <= most {
         return whole;
     }
@@ -129,14 +129,14 @@ mod tests {
     #[test]
     fn a_folder_without_fields_has_no_state_and_damaged_files_are_named() {
         let dir = tempfile::tempdir().unwrap();
-        assert_eq!(State::output_at(dir.path(), f64::INFINITY), None);
+        assert_eq!(PictureState::output_at(dir.path(), f64::INFINITY), None);
         let file = dir.path().join("piece.vtu");
         std::fs::write(&file, "<VTKFile").unwrap();
-        let state = State { time: 0.0, pieces: vec![file] };
+        let state = PictureState { time: 0.0, pieces: vec![file] };
         assert!(state.picture(dir.path(), None).unwrap_err().contains("piece.vtu"));
         let large = dir.path().join("large.vtu");
         std::fs::File::create(&large).unwrap().set_len(MOST_BYTES + 1_000_000).unwrap();
-        let state = State { time: 0.0, pieces: vec![large] };
+        let state = PictureState { time: 0.0, pieces: vec![large] };
         assert!(state.check_size().unwrap_err().contains("at most 150 MB"));
     }
 }

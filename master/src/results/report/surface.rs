@@ -1,12 +1,12 @@
 //! The visible faces of the elements: shells and lines, and the faces of solids that are outside
 //! at some time.
 
-use super::series::{ABSENT, Series, Shape};
+use super::series::{ABSENT, CellShape, MeshSeries};
 use std::collections::HashMap;
 
 /// A face with up to four corners. A triangle repeats its third, a line its second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Face {
+pub struct VisibleFace {
     /// Indices of its nodes.
     pub corners: [u32; 4],
     /// Indices of the elements on its two sides. The face is visible while exactly one of them is
@@ -22,23 +22,26 @@ const OF_HEXAHEDRON: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
 /// Returns the faces that are visible at some time, in the order of their elements.
-pub fn faces(series: &Series) -> Vec<Face> {
-    let mut faces: Vec<Face> = Vec::new();
+pub fn faces(series: &MeshSeries) -> Vec<VisibleFace> {
+    let mut faces: Vec<VisibleFace> = Vec::new();
     let mut between: HashMap<[u32; 4], usize> = HashMap::new();
     for (number, e) in series.elements.iter().enumerate() {
         let owner = number as u32;
         let c = e.corners;
         match e.shape {
-            Shape::Line => {
-                faces.push(Face { corners: [c[0], c[1], c[1], c[1]], owners: [owner, NO_ELEMENT] })
-            }
-            Shape::Triangle => {
-                faces.push(Face { corners: [c[0], c[1], c[2], c[2]], owners: [owner, NO_ELEMENT] })
-            }
-            Shape::Quad => {
-                faces.push(Face { corners: [c[0], c[1], c[2], c[3]], owners: [owner, NO_ELEMENT] })
-            }
-            Shape::Hexahedron => {
+            CellShape::Line => faces.push(VisibleFace {
+                corners: [c[0], c[1], c[1], c[1]],
+                owners: [owner, NO_ELEMENT],
+            }),
+            CellShape::Triangle => faces.push(VisibleFace {
+                corners: [c[0], c[1], c[2], c[2]],
+                owners: [owner, NO_ELEMENT],
+            }),
+            CellShape::Quad => faces.push(VisibleFace {
+                corners: [c[0], c[1], c[2], c[3]],
+                owners: [owner, NO_ELEMENT],
+            }),
+            CellShape::Hexahedron => {
                 for face in OF_HEXAHEDRON {
                     let Some(corners) = without_repeats(face.map(|i| c[i])) else { continue };
                     let mut key = corners;
@@ -47,7 +50,7 @@ pub fn faces(series: &Series) -> Vec<Face> {
                         Some(of_other) => faces[of_other].owners[1] = owner,
                         None => {
                             between.insert(key, faces.len());
-                            faces.push(Face { corners, owners: [owner, NO_ELEMENT] });
+                            faces.push(VisibleFace { corners, owners: [owner, NO_ELEMENT] });
                         }
                     }
                 }
@@ -58,8 +61,9 @@ pub fn faces(series: &Series) -> Vec<Face> {
         let state = &series.frames[frame].state;
         owner != NO_ELEMENT && state.get(owner as usize).is_some_and(|&s| s != ABSENT)
     };
-    let seen =
-        |f: &Face| (0..series.frames.len()).any(|k| there(k, f.owners[0]) != there(k, f.owners[1]));
+    let seen = |f: &VisibleFace| {
+        (0..series.frames.len()).any(|k| there(k, f.owners[0]) != there(k, f.owners[1]))
+    };
     faces.retain(seen);
     faces
 }
@@ -82,15 +86,15 @@ pub fn without_repeats(corners: [u32; 4]) -> Option<[u32; 4]> {
 
 #[cfg(test)]
 pub mod tests {
-    use super::super::series::{Element, Frame, SCALARS};
+    use super::super::series::{FieldFrame, SCALARS, SeriesElement};
     use super::*;
 
     /// Returns a row of `count` cubes. All are present at the first time, and those of `later` at
     /// the second.
-    pub fn row_of_cubes(count: u32, later: &[u8]) -> Series {
+    pub fn row_of_cubes(count: u32, later: &[u8]) -> MeshSeries {
         let node = |i: u32, j: u32| 4 * i + j;
-        let cube = |i: u32| Element {
-            shape: Shape::Hexahedron,
+        let cube = |i: u32| SeriesElement {
+            shape: CellShape::Hexahedron,
             corners: [0, 1, 2, 3, 4, 5, 6, 7].map(|k: u32| node(i + k / 4, k % 4)),
             part: i % 2,
         };
@@ -101,7 +105,7 @@ pub mod tests {
             };
             (0..4 * (count + 1)).map(x).collect::<Vec<[f32; 3]>>()
         };
-        let frame = |time: f64, state: Vec<u8>| Frame {
+        let frame = |time: f64, state: Vec<u8>| FieldFrame {
             time,
             position: at(time as f32),
             worker: (0..count as u16).collect(),
@@ -111,7 +115,7 @@ pub mod tests {
             state,
         };
         assert_eq!(SCALARS.len(), 3);
-        Series {
+        MeshSeries {
             elements: (0..count).map(cube).collect(),
             nodes: 4 * (count as usize + 1),
             frames: vec![frame(0.0, vec![1; count as usize]), frame(2.0, later.to_vec())],

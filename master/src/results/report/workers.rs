@@ -1,7 +1,7 @@
 //! Plots of `workers.csv`: displacement and load of each worker, with the limits at which the
 //! master orders a redecomposition.
 
-use super::plots::{Line, Plot};
+use super::plots::{Plot, PlotLine};
 use crate::results::workers::FILE;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,7 +11,7 @@ const MOST_LINES: usize = 6;
 
 /// Limits at which the master orders a redecomposition, from the summary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct RedecompositionLimits {
     /// Share of the margin: *high*.
     pub margin: f64,
     /// Imbalance: *low*.
@@ -19,13 +19,13 @@ pub struct Limits {
 }
 
 /// Largest values of a worker up to each history row since the row before; NaN without a report.
-type Columns = BTreeMap<usize, Vec<f64>>;
+type WorkerPeaks = BTreeMap<usize, Vec<f64>>;
 
 /// Returns the plots over the times of the history, none for a single worker or without the file.
 pub fn plots(
     dir: &Path,
     time: &[f64],
-    limits: Option<Limits>,
+    limits: Option<RedecompositionLimits>,
     problems: &mut Vec<String>,
 ) -> Vec<Plot> {
     let path = dir.join(FILE);
@@ -44,13 +44,13 @@ pub fn plots(
 
 /// Columns of the file over the times of the history.
 #[derive(Default)]
-struct Read {
-    share: Columns,
-    load: Columns,
+struct WorkerColumns {
+    share: WorkerPeaks,
+    load: WorkerPeaks,
     imbalance: Vec<f64>,
 }
 
-fn read(path: &Path, time: &[f64]) -> Result<Read, String> {
+fn read(path: &Path, time: &[f64]) -> Result<WorkerColumns, String> {
     let mut reader =
         csv::ReaderBuilder::new().flexible(true).from_path(path).map_err(|e| e.to_string())?;
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
@@ -65,7 +65,8 @@ fn read(path: &Path, time: &[f64]) -> Result<Read, String> {
         column("load")?,
         column("imbalance")?,
     ];
-    let mut all = Read { imbalance: vec![f64::NAN; time.len()], ..Read::default() };
+    let mut all =
+        WorkerColumns { imbalance: vec![f64::NAN; time.len()], ..WorkerColumns::default() };
     for record in reader.records() {
         let record = record.map_err(|e| e.to_string())?;
         let number = |at: usize| record.get(at).and_then(|f| f.parse::<f64>().ok());
@@ -93,12 +94,12 @@ fn carry_on(values: &mut [f64]) {
     }
 }
 
-fn line(label: String, values: Vec<f64>) -> Line {
-    Line { label, values, steps: true }
+fn line(label: String, values: Vec<f64>) -> PlotLine {
+    PlotLine { label, values, steps: true }
 }
 
 /// Returns the lines of the workers with the largest values.
-fn largest(columns: Columns) -> Vec<Line> {
+fn largest(columns: WorkerPeaks) -> Vec<PlotLine> {
     let top = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let mut all: Vec<_> = columns.into_iter().collect();
     all.sort_by(|a, b| top(&b.1).total_cmp(&top(&a.1)));
@@ -107,8 +108,8 @@ fn largest(columns: Columns) -> Vec<Line> {
     all.into_iter().map(|(worker, values)| line(format!("worker {worker}"), values)).collect()
 }
 
-fn plots_of(read: Read, rows: usize, limits: Option<Limits>) -> Vec<Plot> {
-    let Read { share, mut load, imbalance } = read;
+fn plots_of(read: WorkerColumns, rows: usize, limits: Option<RedecompositionLimits>) -> Vec<Plot> {
+    let WorkerColumns { share, mut load, imbalance } = read;
     for row in 0..rows {
         let mean = load.values().map(|v| v[row]).sum::<f64>() / load.len() as f64;
         load.values_mut().for_each(|v| v[row] /= mean);
@@ -156,7 +157,7 @@ mod tests {
                     0,0.5,0.1,1,1\n1,0.5,0.2,3,1\n0,0.9,0.6,1,1.5\n\
                     0,2.5,0.3,2,1.2\n1,2.5,0,2,1.2\n";
         std::fs::write(dir.path().join(FILE), text).unwrap();
-        let limits = Some(Limits { margin: 0.7, imbalance: 1.1 });
+        let limits = Some(RedecompositionLimits { margin: 0.7, imbalance: 1.1 });
         let mut problems = Vec::new();
         let made = plots(dir.path(), &[0.0, 1.0, 2.0, 3.0], limits, &mut problems);
         assert_eq!((made.len(), problems.len()), (2, 0), "{problems:?}");

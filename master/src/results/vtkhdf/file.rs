@@ -1,7 +1,7 @@
 //! Appends steps to a VTKHDF file. A topology that is the same as in the step before is written
 //! once.
 
-use crate::results::snapshot::{Column, Snapshot, Topology};
+use crate::results::snapshot::{Snapshot, SnapshotArray, Topology};
 use crumple_worker::vtu::{Array, CELL_ARRAYS, NumberType, POINT_ARRAYS};
 use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group, H5Type, Hdf5Error};
 use std::path::Path;
@@ -54,12 +54,12 @@ impl Growing {
         Ok(())
     }
 
-    fn append_column(&mut self, column: &Column) -> Result<()> {
+    fn append_column(&mut self, column: &SnapshotArray) -> Result<()> {
         match column {
-            Column::F32(numbers) => self.append(numbers),
-            Column::U32(numbers) => self.append(numbers),
-            Column::I64(numbers) => self.append(numbers),
-            Column::U8(numbers) => self.append(numbers),
+            SnapshotArray::F32(numbers) => self.append(numbers),
+            SnapshotArray::U32(numbers) => self.append(numbers),
+            SnapshotArray::I64(numbers) => self.append(numbers),
+            SnapshotArray::U8(numbers) => self.append(numbers),
         }
     }
 }
@@ -92,7 +92,7 @@ impl Arrays {
         })
     }
 
-    fn append(&mut self, columns: &[Column]) -> Result<()> {
+    fn append(&mut self, columns: &[SnapshotArray]) -> Result<()> {
         for ((values, offsets), column) in
             self.values.iter_mut().zip(&mut self.offsets).zip(columns)
         {
@@ -109,7 +109,7 @@ fn per_step<T: H5Type>(group: &H5Group, name: &str) -> Result<Growing> {
 }
 
 /// The file under construction.
-pub struct Writer {
+pub struct VtkhdfWriter {
     file: H5File,
     steps: H5Group,
     count: i64,
@@ -131,7 +131,7 @@ pub struct Writer {
     last: (Topology, [i64; 3]),
 }
 
-impl Writer {
+impl VtkhdfWriter {
     /// Creates a file.
     pub fn create(path: &Path) -> Result<Self> {
         let file = H5File::create(path)?;

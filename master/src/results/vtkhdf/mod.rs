@@ -45,7 +45,7 @@ pub fn export(dir: &Path) -> Result<String, String> {
     let path = dir.join(NAME);
     let unfinished = dir.join(format!("{NAME}.part"));
     let failed = |e: rust_hdf5::Hdf5Error| format!("{}: {e}", unfinished.display());
-    let create = || file::Writer::create(&unfinished);
+    let create = || file::VtkhdfWriter::create(&unfinished);
     let mut file = watched(&unfinished, create).map_err(failed)?;
     for step in &steps {
         let snapshot = crate::results::snapshot::Snapshot::read(step)?;

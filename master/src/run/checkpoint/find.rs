@@ -8,7 +8,7 @@ use crumple_proto::checkpoint::{PARTIAL, read};
 use crumple_proto::disk::watched;
 use crumple_proto::message::Changes;
 use crumple_proto::partition::ElementRecord;
-use crumple_worker::checkpoint::fit::{Expected, Source, verify};
+use crumple_worker::checkpoint::fit::{Expected, InitialModel, verify};
 use crumple_worker::checkpoint::layout::difference;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -200,7 +200,7 @@ impl Resumption {
     /// They are not; the message names the file.
     pub fn fit(&self, model: &Model) -> Result<(), String> {
         let (elements, nodes) = model.records();
-        let source = Source { settings: &model.settings, elements: &elements, nodes: &nodes };
+        let source = InitialModel { settings: &model.settings, elements: &elements, nodes: &nodes };
         let deleted = &deleted(&self.manifest.stamp.job);
         let is_there =
             |e: &&ElementRecord| !deleted.contains(&model.settings.parts[e.part as usize].id);

@@ -15,7 +15,7 @@ pub mod manifest;
 
 use crate::input::job::Model;
 use crate::results::history::Course;
-use crate::results::summary::{CheckpointSummary, Restart};
+use crate::results::summary::{CheckpointSummary, RestartSummary};
 use crate::results::table::Tables;
 use crate::run::balance::Accounts;
 use completion::Completion;
@@ -52,7 +52,7 @@ pub struct MasterState {
     /// True for each warning that was given and is given once.
     pub warned: [bool; 3],
     /// Continuations so far.
-    pub restarts: Vec<Restart>,
+    pub restarts: Vec<RestartSummary>,
     /// Interval of history rows, and times of fields [time].
     pub history_interval: f64,
     /// See `history_interval`.

@@ -4,17 +4,17 @@ use super::steer::Steering;
 use super::view::Viewing;
 use super::{Control, Origin, Results, RunError};
 use crate::input::job::Model;
-use crate::results::fields::{self, Series};
+use crate::results::fields::{self, FieldSeries};
 use crate::results::history::{Course, History};
-use crate::results::summary::{Outline, Restart};
+use crate::results::summary::{MeshOutline, RestartSummary};
 use crate::results::table::Tables;
-use crate::results::trace::Trace;
-use crate::results::workers::Workers;
-use crate::run::balance::{Balance, Limits};
+use crate::results::trace::TraceFile;
+use crate::results::workers::WorkerFile;
+use crate::run::balance::{Balance, BalanceLimits};
 use crate::run::checkpoint::find::{Resumption, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
-use crate::run::progress::Progress;
+use crate::run::progress::ProgressDisplay;
 use crate::run::service::Desk;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::Captured;
@@ -35,7 +35,7 @@ impl<'a> Control<'a> {
         let workers = comm.size() - 1;
         std::fs::create_dir_all(out).map_err(output_error(out))?;
         let mut checkpoints = new_checkpoints(model, out, workers, stamp);
-        let mut series = Series::new(&out.join(fields::DIR));
+        let mut series = FieldSeries::new(&out.join(fields::DIR));
         let known = match &mut from {
             Some((from, _)) => Some(restore_files(from, out, &mut checkpoints, &mut series)?),
             None => {
@@ -51,7 +51,7 @@ impl<'a> Control<'a> {
         let from = from.map(|(from, changes)| {
             let Captured { cycle, time, .. } = from.manifest.captured;
             let transport = comm.name().into();
-            restarts.push(Restart { cycle, time, workers, transport, changes });
+            restarts.push(RestartSummary { cycle, time, workers, transport, changes });
             from
         });
         let [penetration_warned, energy_warned, step_warned] = known.warned;
@@ -60,7 +60,7 @@ impl<'a> Control<'a> {
             tree,
             balance,
             series,
-            progress: Progress::new(model.settings.end_time, quiet),
+            progress: ProgressDisplay::new(model.settings.end_time, quiet),
             out: out.to_owned(),
             orders: 0,
             stop_ordered: false,
@@ -80,7 +80,7 @@ impl<'a> Control<'a> {
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
-            outline: Outline::from_mesh(&model.mesh),
+            outline: MeshOutline::from_mesh(&model.mesh),
             model,
             comm,
             workers,
@@ -108,7 +108,7 @@ fn restore_files(
     from: &mut Resumption,
     out: &Path,
     checkpoints: &mut Checkpoints,
-    series: &mut Series,
+    series: &mut FieldSeries,
 ) -> Result<MasterState, RunError> {
     from.begin_lost_histories();
     from.removed = tidy(checkpoints.dir(), Some(&from.folder));
@@ -120,7 +120,7 @@ fn restore_files(
 }
 
 /// Removes the checkpoints and field files of an earlier run.
-fn remove_old_files(checkpoints: &Checkpoints, series: &Series) -> Result<(), RunError> {
+fn remove_old_files(checkpoints: &Checkpoints, series: &FieldSeries) -> Result<(), RunError> {
     tidy(checkpoints.dir(), None);
     let folder = series.dir();
     if folder.exists() {
@@ -135,23 +135,23 @@ fn open_tables(
     out: &Path,
     workers: usize,
     known: Option<&MasterState>,
-) -> Result<(History, Workers), RunError> {
+) -> Result<(History, WorkerFile), RunError> {
     let lengths = known.map(|known| &known.lengths);
     let course = known.map_or_else(Course::default, |known| known.course.clone());
     let unwritten = |(path, error): (PathBuf, std::io::Error)| RunError::Output { path, error };
     let history = History::new(Tables { dir: out, lengths }, workers, model, course);
     let history = history.map_err(unwritten)?;
-    let of_workers = Workers::new(Tables { dir: out, lengths }, workers, model);
+    let of_workers = WorkerFile::new(Tables { dir: out, lengths }, workers, model);
     Ok((history, of_workers.map_err(unwritten)?))
 }
 
-fn new_trace(path: &Path, workers: usize) -> Result<Trace, RunError> {
-    Trace::new(path, workers).map_err(|error| RunError::Trace { path: path.to_owned(), error })
+fn new_trace(path: &Path, workers: usize) -> Result<TraceFile, RunError> {
+    TraceFile::new(path, workers).map_err(|error| RunError::Trace { path: path.to_owned(), error })
 }
 
 fn new_balance(model: &Model, workers: usize, known: Option<&MasterState>) -> Balance {
     let parallel = &model.job.parallel;
-    let limits = Limits {
+    let limits = BalanceLimits {
         imbalance: parallel.imbalance,
         low_every_at_least: parallel.low_every_at_least,
         forced: parallel.force_every > 0,

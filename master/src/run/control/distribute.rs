@@ -5,7 +5,7 @@ use crate::input::job::Model;
 use crate::results::fields;
 use crate::run::balance::Due;
 use crate::run::checkpoint::find::{self, Resumption};
-use crate::run::decompose::{Loads, Workers, bisect, drifted};
+use crate::run::decompose::{ElementLoads, Workers, bisect, drifted};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
@@ -117,7 +117,7 @@ impl Control<'_> {
         let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
         let load = |e| self.model.settings.load(e);
         let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
-        self.tree = bisect(&mut Loads(loads), self.workers)?;
+        self.tree = bisect(&mut ElementLoads(loads), self.workers)?;
         let mut shares = vec![Vec::new(); self.workers];
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);

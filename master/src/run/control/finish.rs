@@ -1,7 +1,7 @@
 //! The end of a run: its summary.
 
 use super::{Control, RunError};
-use crate::results::summary::{self, Status, Summary};
+use crate::results::summary::{self, RunEnd, Summary};
 use crate::run::balance::URGENT;
 use crumple_proto::report::FinalReport;
 use crumple_worker::vtu;
@@ -24,16 +24,16 @@ impl Control<'_> {
     }
 
     /// Returns how the run ended, and why.
-    fn ending(&self, end: &FinalReport) -> (Status, String) {
+    fn ending(&self, end: &FinalReport) -> (RunEnd, String) {
         match &self.trouble {
             Some(t) => {
-                (Status::Failed, format!("cycle {}, time {:.6e}: {}", t.cycle, t.time, t.why))
+                (RunEnd::Failed, format!("cycle {}, time {:.6e}: {}", t.cycle, t.time, t.why))
             }
-            None if end.stopped => (Status::Stopped, "stopped by the user".into()),
+            None if end.stopped => (RunEnd::Stopped, "stopped by the user".into()),
             None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => {
-                (Status::Completed, "max_cycles".into())
+                (RunEnd::Completed, "max_cycles".into())
             }
-            None => (Status::Completed, "end_time".into()),
+            None => (RunEnd::Completed, "end_time".into()),
         }
     }
 
@@ -68,7 +68,10 @@ impl Control<'_> {
                 high: balance.high,
                 erosion: end.erosions,
             },
-            thresholds: summary::Thresholds { margin: URGENT, imbalance: job.parallel.imbalance },
+            thresholds: summary::RedecompositionThresholds {
+                margin: URGENT,
+                imbalance: job.parallel.imbalance,
+            },
             classes: summary::classes(&closings),
             imbalance: summary::MeanMax { mean: balance.mean_imbalance(), max: balance.worst },
             contact: self.contact(&closings),
@@ -95,12 +98,12 @@ impl Control<'_> {
         }
     }
 
-    fn energy(&self) -> summary::Energy {
+    fn energy(&self) -> summary::EnergySummary {
         let course = &self.history.course;
         let initial = course.first.clone().unwrap_or_default().sum.energies;
         let last = course.last.clone().unwrap_or_default();
         let energies = last.sum.energies;
-        summary::Energy {
+        summary::EnergySummary {
             kinetic: energies.kinetic,
             internal: energies.internal,
             contact: energies.contact,
@@ -116,11 +119,11 @@ impl Control<'_> {
         }
     }
 
-    fn momentum(&self) -> summary::Momentum {
+    fn momentum(&self) -> summary::LinearMomentum {
         let course = &self.history.course;
         let first = course.first.clone().unwrap_or_default().sum;
         let last = course.last.clone().unwrap_or_default().sum;
-        summary::Momentum {
+        summary::LinearMomentum {
             start: first.momentum,
             end: last.momentum,
             wall_impulse: std::array::from_fn(|c| last.wall_impulse.iter().map(|p| p[c]).sum()),

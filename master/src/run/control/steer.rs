@@ -2,7 +2,7 @@
 //! agree. The answer follows when the order has taken effect.
 
 use super::Control;
-use crate::results::steering::Record;
+use crate::results::steering::SteeringRecord;
 use crate::run::balance::URGENT;
 use crate::run::request::{Answer, Done, Energy, Progress, Request, Status, Thresholds, Worker};
 use crate::run::service::{Desk, Reply};
@@ -62,8 +62,8 @@ impl Steering {
     }
 
     /// Returns the orders that have taken effect, for the summary.
-    pub(super) fn records(&self) -> Vec<Record> {
-        self.done.iter().map(Record::from).collect()
+    pub(super) fn records(&self) -> Vec<SteeringRecord> {
+        self.done.iter().map(SteeringRecord::from).collect()
     }
 
     /// Sends a line to all clients. Without clients none is made.

@@ -46,7 +46,7 @@ fn add(sum: &mut [Vec<f64>], part: &[Vec<f64>]) {
 pub struct Centres(pub Vec<[f64; 3]>);
 
 /// Element centres in this process, each with its load.
-pub struct Loads(pub Vec<([f64; 3], f64)>);
+pub struct ElementLoads(pub Vec<([f64; 3], f64)>);
 
 impl Load for Centres {
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost> {
@@ -63,7 +63,7 @@ impl Load for Centres {
     }
 }
 
-impl Load for Loads {
+impl Load for ElementLoads {
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost> {
         Ok(extents(self.0.iter().map(|l| l.0), tree, entries))
     }

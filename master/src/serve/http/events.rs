@@ -3,9 +3,9 @@
 
 use super::App;
 use super::jobs::found;
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::serve::api::Refusal;
-use crate::serve::live::Line;
+use crate::serve::live::LiveLine;
 use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::IntoResponse;
@@ -48,16 +48,18 @@ pub async fn events(
     found(&app, id).await?;
     let place = app.counters.places.clone().try_acquire_owned().map_err(|_| {
         let why = "the service has too many watchers";
-        Problem(StatusCode::SERVICE_UNAVAILABLE, why.into())
+        HttpProblem(StatusCode::SERVICE_UNAVAILABLE, why.into())
     })?;
     let last = headers.get("last-event-id").and_then(|value| value.to_str().ok());
     let last = match last.filter(|text| !text.is_empty()) {
-        Some(text) => Some(text.parse().map_err(|_| Problem::bad("Last-Event-ID: give a number"))?),
+        Some(text) => {
+            Some(text.parse().map_err(|_| HttpProblem::bad("Last-Event-ID: give a number"))?)
+        }
         None => query.after,
     };
     let (lines, progress) = app.keeper.live.subscribe(id);
     let mut ready = VecDeque::new();
-    ready.extend(progress.map(|data| Line { id: None, kind: "progress", data }));
+    ready.extend(progress.map(|data| LiveLine { id: None, kind: "progress", data }));
     let watcher = Watcher {
         app,
         id,
@@ -76,8 +78,8 @@ struct Watcher {
     id: i64,
     /// Number of the last event that was sent.
     last: i64,
-    lines: Receiver<Line>,
-    ready: VecDeque<Line>,
+    lines: Receiver<LiveLine>,
+    ready: VecDeque<LiveLine>,
     /// True if the database may have events that were not sent.
     behind: bool,
     ended: bool,
@@ -97,7 +99,7 @@ impl Watcher {
         })
     }
 
-    async fn next(&mut self) -> Option<Line> {
+    async fn next(&mut self) -> Option<LiveLine> {
         loop {
             if let Some(line) = self.ready.pop_front() {
                 return Some(line);
@@ -110,7 +112,7 @@ impl Watcher {
                 continue;
             }
             match self.lines.recv().await {
-                Ok(Line { id: Some(id), .. }) if id <= self.last => {}
+                Ok(LiveLine { id: Some(id), .. }) if id <= self.last => {}
                 Ok(line) => {
                     self.last = line.id.unwrap_or(self.last);
                     self.behind = line.kind == "state"; // it may be the last one
@@ -132,13 +134,13 @@ impl Watcher {
         for event in events {
             self.last = event.id;
             let kind = if event.kind == "state" { "state" } else { "event" };
-            self.ready.push_back(Line { id: Some(event.id), kind, data: event.data.into() });
+            self.ready.push_back(LiveLine { id: Some(event.id), kind, data: event.data.into() });
         }
         if all {
             self.behind = false;
             self.ended = is_final;
             if is_final {
-                self.ready.push_back(Line { id: None, kind: "end", data: Arc::from("{}") });
+                self.ready.push_back(LiveLine { id: None, kind: "end", data: Arc::from("{}") });
             }
         }
         Some(())

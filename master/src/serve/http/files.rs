@@ -2,7 +2,7 @@
 
 use super::App;
 use super::jobs::found;
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::serve::api::{FileEntry, Refusal};
 use axum::Json;
 use axum::body::Body;
@@ -26,7 +26,7 @@ pub async fn list(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<
     found(&app, id).await?;
     let folder = app.keeper.root.job(id);
     let files = tokio::task::spawn_blocking(move || folder.files()).await;
-    let files = files.map_err(Problem::internal)?.into_iter();
+    let files = files.map_err(HttpProblem::internal)?.into_iter();
     Ok(Json(files.map(|(path, size)| FileEntry { path, size }).collect()))
 }
 
@@ -44,15 +44,15 @@ pub async fn file(
 ) -> Answered<Response> {
     found(&app, id).await?;
     let path = app.keeper.root.job(id).readable(&name).map_err(|error| match error.kind() {
-        ErrorKind::InvalidInput => Problem::bad(error.to_string()),
-        _ => Problem::absent("the job has no such file"),
+        ErrorKind::InvalidInput => HttpProblem::bad(error.to_string()),
+        _ => HttpProblem::absent("the job has no such file"),
     })?;
     let served = ServeFile::new(&path).try_call(request).await?;
     let mut response = served.map(Body::new);
     if response.status() == StatusCode::RANGE_NOT_SATISFIABLE {
         let size = response.headers().get(header::CONTENT_RANGE).cloned();
         let why = "Range: give one range of bytes within the file".to_string();
-        let mut refusal = Problem(StatusCode::RANGE_NOT_SATISFIABLE, why).into_response();
+        let mut refusal = HttpProblem(StatusCode::RANGE_NOT_SATISFIABLE, why).into_response();
         refusal.headers_mut().extend(size.map(|size| (header::CONTENT_RANGE, size)));
         return Ok(refusal);
     }

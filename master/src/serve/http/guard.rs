@@ -1,8 +1,8 @@
 //! Checks of every request: the name of the host, the token, the rate, the time. Every order
 //! goes into the audit log.
 
-use super::problem::Problem;
-use super::{App, Settings};
+use super::problem::HttpProblem;
+use super::{App, HttpSettings};
 use crate::cli::Role;
 use crate::serve::api::AuditEntry;
 use crate::serve::store::now;
@@ -35,7 +35,7 @@ pub const COOKIE: &str = "crumple_session";
 /// Sessions and limits.
 pub struct Guard {
     /// Settings.
-    pub settings: Settings,
+    pub settings: HttpSettings,
     /// Sessions of browsers, by the hash of their cookie.
     sessions: Mutex<HashMap<String, Session>>,
     by_token: DefaultKeyedRateLimiter<String>,
@@ -54,7 +54,7 @@ fn count(n: u32) -> NonZeroU32 {
 
 impl Guard {
     /// Returns a guard without sessions.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: HttpSettings) -> Self {
         let rate = count(settings.rate);
         let quota = Quota::per_second(rate).allow_burst(rate.saturating_mul(count(2)));
         Self {
@@ -73,7 +73,7 @@ impl Guard {
     ///
     /// # Errors
     /// The system has no random numbers.
-    pub fn begin(&self, token: String) -> std::io::Result<String> {
+    pub fn open_session(&self, token: String) -> std::io::Result<String> {
         let secret = tokens::secret()?;
         let session = Session { token, until: Instant::now() + SESSION };
         self.sessions(|all| {
@@ -99,14 +99,14 @@ impl Guard {
 
     /// Counts a wrong token and returns the refusal. A token has 256 bits, so a limit would not
     /// make it harder to guess; the code shows an administrator that someone tries.
-    pub fn count_wrong(&self, address: IpAddr) -> Problem {
+    pub fn count_wrong(&self, address: IpAddr) -> HttpProblem {
         self.wrong.retain_recent();
         match self.wrong.check_key(&address) {
-            Ok(()) => Problem(
+            Ok(()) => HttpProblem(
                 StatusCode::UNAUTHORIZED,
                 "give a valid token, as `Authorization: Bearer TOKEN`".into(),
             ),
-            Err(_) => Problem(
+            Err(_) => HttpProblem(
                 StatusCode::TOO_MANY_REQUESTS,
                 "too many wrong tokens; wait a minute".into(),
             ),
@@ -148,7 +148,7 @@ pub async fn identify(
     };
     if app.guard.by_token.check_key(&identity.name).is_err() {
         let why = "too many requests; wait a second";
-        return Problem(StatusCode::TOO_MANY_REQUESTS, why.into()).into_response();
+        return HttpProblem(StatusCode::TOO_MANY_REQUESTS, why.into()).into_response();
     }
     let is_order = is_order(request.method());
     let what = format!("{} {}", request.method(), request.uri().path());
@@ -187,7 +187,7 @@ async fn identity(
     address: IpAddr,
     headers: &HeaderMap,
     method: &Method,
-) -> Result<Identity, Problem> {
+) -> Result<Identity, HttpProblem> {
     let guard = &app.guard;
     let hash = match bearer(headers) {
         Err(()) => return Err(guard.count_wrong(address)),
@@ -202,12 +202,12 @@ async fn identity(
             });
             let Some(token) = token else {
                 let why = "give a token, as `Authorization: Bearer TOKEN`";
-                return Err(Problem(StatusCode::UNAUTHORIZED, why.into()));
+                return Err(HttpProblem(StatusCode::UNAUTHORIZED, why.into()));
             };
             // Another page of the same machine would send the cookie too.
             if is_order(method) && !is_same_origin(app, headers) {
                 let why = "orders with a cookie are taken from the page of the service only";
-                return Err(Problem(StatusCode::FORBIDDEN, why.into()));
+                return Err(HttpProblem(StatusCode::FORBIDDEN, why.into()));
             }
             token
         }
@@ -235,7 +235,7 @@ pub async fn bound(State(app): State<App>, request: Request, next: Next) -> Resp
     let host = request.headers().get(header::HOST).and_then(|value| value.to_str().ok());
     if !host.is_some_and(|host| app.guard.settings.hosts.iter().any(|own| own == host)) {
         let why = "the service has another name; add this one with --host";
-        return Problem(StatusCode::MISDIRECTED_REQUEST, why.into()).into_response();
+        return HttpProblem(StatusCode::MISDIRECTED_REQUEST, why.into()).into_response();
     }
     let is_submission = *request.method() == Method::POST && request.uri().path() == "/api/jobs";
     let limit = if is_submission { SUBMIT_WITHIN } else { ANSWER_WITHIN };
@@ -248,7 +248,7 @@ pub async fn bound(State(app): State<App>, request: Request, next: Next) -> Resp
         }
         Err(_) => {
             let why = "the request took too long";
-            Problem(StatusCode::REQUEST_TIMEOUT, why.into()).into_response()
+            HttpProblem(StatusCode::REQUEST_TIMEOUT, why.into()).into_response()
         }
     }
 }
@@ -275,21 +275,21 @@ pub async fn headers(request: Request, next: Next) -> Response {
 }
 
 /// Answers requests for paths that do not exist.
-pub async fn no_such_path() -> Problem {
-    Problem::absent("there is no such path; see /api/openapi.json")
+pub async fn no_such_path() -> HttpProblem {
+    HttpProblem::absent("there is no such path; see /api/openapi.json")
 }
 
 /// Answers requests by methods that a path does not have.
-pub async fn no_such_method() -> Problem {
+pub async fn no_such_method() -> HttpProblem {
     let why = "the path has no method of this name; see /api/openapi.json";
-    Problem(StatusCode::METHOD_NOT_ALLOWED, why.into())
+    HttpProblem(StatusCode::METHOD_NOT_ALLOWED, why.into())
 }
 
 /// Checks that a token has a role.
 ///
 /// # Errors
 /// It has a lesser one.
-pub fn require(identity: &Identity, role: Role) -> Result<(), Problem> {
+pub fn require(identity: &Identity, role: Role) -> Result<(), HttpProblem> {
     match identity.role >= role {
         true => Ok(()),
         false => {
@@ -299,7 +299,7 @@ pub fn require(identity: &Identity, role: Role) -> Result<(), Problem> {
                 identity.role.name(),
                 role.name()
             );
-            Err(Problem(StatusCode::FORBIDDEN, why))
+            Err(HttpProblem(StatusCode::FORBIDDEN, why))
         }
     }
 }
@@ -308,11 +308,11 @@ pub fn require(identity: &Identity, role: Role) -> Result<(), Problem> {
 ///
 /// # Errors
 /// It may not.
-pub fn may_order(identity: &Identity, owner: &str) -> Result<(), Problem> {
+pub fn may_order(identity: &Identity, owner: &str) -> Result<(), HttpProblem> {
     require(identity, Role::Submit)?;
     match identity.role == Role::Admin || identity.name == owner {
         true => Ok(()),
-        false => Err(Problem(
+        false => Err(HttpProblem(
             StatusCode::FORBIDDEN,
             format!("the job belongs to {owner}; only {owner} and admins give it orders"),
         )),

@@ -2,12 +2,12 @@
 
 use super::App;
 use super::guard::{Detail, may_order, require};
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::cli::Role;
 use crate::input::findings::Findings;
 use crate::run::checkpoint::find::newest_cycle;
-use crate::serve::api::{AuditEntry, Job, JobPage, JobState, Refusal, Resumption};
-use crate::serve::store::{Filter, Stored};
+use crate::serve::api::{AuditEntry, JobPage, JobState, Refusal, ResumeRequest, ServiceJob};
+use crate::serve::store::{Filter, StoredJob};
 use crate::serve::tokens::Identity;
 use axum::Json;
 use axum::extract::{Extension, Path, Query, State};
@@ -48,7 +48,7 @@ pub async fn list(
         None => None,
         Some(name) => Some(name.parse().map_err(|_| {
             let names: Vec<_> = JobState::iter().map(JobState::name).collect();
-            Problem::bad(format!("there is no such state; these are: {}", names.join(", ")))
+            HttpProblem::bad(format!("there is no such state; these are: {}", names.join(", ")))
         })?),
     };
     let limit = query.limit.unwrap_or(50).clamp(1, LARGEST_PAGE);
@@ -61,15 +61,15 @@ pub async fn list(
 }
 
 /// Returns a job, or a refusal.
-pub async fn found(app: &App, id: i64) -> Answered<Stored> {
+pub async fn found(app: &App, id: i64) -> Answered<StoredJob> {
     let found = app.keeper.store.job(id).await?;
-    found.ok_or_else(|| Problem::absent(format!("there is no job {id}")))
+    found.ok_or_else(|| HttpProblem::absent(format!("there is no job {id}")))
 }
 
 /// Returns one job.
 #[utoipa::path(get, path = "/api/jobs/{id}", params(("id" = i64, Path, description = "job")),
-    responses((status = 200, body = Job), (status = 404, body = Refusal)))]
-pub async fn one(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<Job>> {
+    responses((status = 200, body = ServiceJob), (status = 404, body = Refusal)))]
+pub async fn one(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<ServiceJob>> {
     Ok(Json(found(&app, id).await?.job))
 }
 
@@ -80,8 +80,8 @@ pub async fn one(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<J
 pub async fn findings(State(app): State<App>, Path(id): Path<i64>) -> Answered<Json<Findings>> {
     found(&app, id).await?;
     let read = tokio::fs::read(app.keeper.root.job(id).findings()).await;
-    let read = read.map_err(|_| Problem::absent("the job has not been checked yet"))?;
-    serde_json::from_slice(&read).map(Json).map_err(Problem::internal)
+    let read = read.map_err(|_| HttpProblem::absent("the job has not been checked yet"))?;
+    serde_json::from_slice(&read).map(Json).map_err(HttpProblem::internal)
 }
 
 /// Returns the last progress of a run, as on its socket.
@@ -92,7 +92,8 @@ pub async fn findings(State(app): State<App>, Path(id): Path<i64>) -> Answered<J
 pub async fn progress(State(app): State<App>, Path(id): Path<i64>) -> Answered<Response> {
     found(&app, id).await?;
     let line = app.keeper.live.progress(id);
-    let line = line.ok_or_else(|| Problem::absent("the job does not run, or has just begun"))?;
+    let line =
+        line.ok_or_else(|| HttpProblem::absent("the job does not run, or has just begun"))?;
     Ok(([(CONTENT_TYPE, "application/json")], line.to_string()).into_response())
 }
 
@@ -108,7 +109,7 @@ pub struct StopQuery {
 /// that was asked before is killed: it keeps the state of its last checkpoint.
 #[utoipa::path(post, path = "/api/jobs/{id}/stop",
     params(("id" = i64, Path, description = "job"), StopQuery),
-    responses((status = 202, body = Job), (status = 403, body = Refusal),
+    responses((status = 202, body = ServiceJob), (status = 403, body = Refusal),
               (status = 404, body = Refusal), (status = 409, body = Refusal)))]
 pub async fn stop(
     State(app): State<App>,
@@ -120,14 +121,17 @@ pub async fn stop(
     may_order(&identity, &stored.job.owner)?;
     let active = matches!(stored.job.state, JobState::Starting | JobState::Running);
     if query.force && active && !stored.job.stopping {
-        return Err(Problem::conflict(
+        return Err(HttpProblem::conflict(
             "the job was not asked to stop: ask it first, without force; it then keeps its state",
         ));
     }
     if app.keeper.store.stop(id, identity.name, query.force).await?.is_none() {
-        return Err(Problem::conflict(format!("the job is {} already", stored.job.state.name())));
+        return Err(HttpProblem::conflict(format!(
+            "the job is {} already",
+            stored.job.state.name()
+        )));
     }
-    app.keeper.announce(id).await.map_err(Problem::internal)?;
+    app.keeper.announce(id).await.map_err(HttpProblem::internal)?;
     app.keeper.wake.notify_one();
     let detail = Detail(if query.force { "force" } else { "" }.into());
     let job = Json(found(&app, id).await?.job);
@@ -135,16 +139,16 @@ pub async fn stop(
 }
 
 /// Starts a job that was only checked, or continues one from its newest checkpoint.
-#[utoipa::path(post, path = "/api/jobs/{id}/resume", request_body = Resumption,
+#[utoipa::path(post, path = "/api/jobs/{id}/resume", request_body = ResumeRequest,
     params(("id" = i64, Path, description = "job")),
-    responses((status = 202, body = Job), (status = 403, body = Refusal),
+    responses((status = 202, body = ServiceJob), (status = 403, body = Refusal),
               (status = 404, body = Refusal), (status = 409, body = Refusal),
               (status = 422, body = Refusal)))]
 pub async fn resume(
     State(app): State<App>,
     Extension(identity): Extension<Identity>,
     Path(id): Path<i64>,
-    body: Option<Json<Resumption>>,
+    body: Option<Json<ResumeRequest>>,
 ) -> Answered<Response> {
     let job = found(&app, id).await?.job;
     may_order(&identity, &job.owner)?;
@@ -154,13 +158,13 @@ pub async fn resume(
     super::submit::check_workers(&app, &job.launcher, workers)?;
     let folder = app.keeper.root.job(id);
     if job.state == JobState::Completed && newest_cycle(&folder.results()).is_none() {
-        return Err(Problem::conflict("the job is complete and has no checkpoint"));
+        return Err(HttpProblem::conflict("the job is complete and has no checkpoint"));
     }
     let detail = format!("workers={workers} {}", change.set.join(" "));
     if !app.keeper.store.resume(id, workers, change.set).await? {
-        return Err(Problem::conflict(format!("the job is {}", job.state.name())));
+        return Err(HttpProblem::conflict(format!("the job is {}", job.state.name())));
     }
-    app.keeper.announce(id).await.map_err(Problem::internal)?;
+    app.keeper.announce(id).await.map_err(HttpProblem::internal)?;
     app.keeper.wake.notify_one();
     let answer = (StatusCode::ACCEPTED, Json(found(&app, id).await?.job));
     Ok((Extension(Detail(detail)), answer).into_response())

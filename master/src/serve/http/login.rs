@@ -2,7 +2,7 @@
 
 use super::App;
 use super::guard::{COOKIE, is_same_origin};
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::serve::api::About;
 use crate::serve::tokens::{self, Identity};
 use axum::Json;
@@ -29,13 +29,13 @@ pub async fn login(
 ) -> Answered<impl IntoResponse> {
     if !is_same_origin(&app, &headers) {
         let why = "sessions begin on the page of the service only";
-        return Err(Problem(StatusCode::FORBIDDEN, why.into()));
+        return Err(HttpProblem(StatusCode::FORBIDDEN, why.into()));
     }
     let hash = tokens::hash(&login.token);
     if app.keeper.store.token(hash.clone()).await?.is_none() {
         return Err(app.guard.count_wrong(address.ip()));
     }
-    let secret = app.guard.begin(hash)?;
+    let secret = app.guard.open_session(hash)?;
     let secure = if app.guard.settings.is_secure { "; Secure" } else { "" };
     let cookie = format!("{COOKIE}={secret}; Path=/; HttpOnly; SameSite=Strict{secure}");
     Ok((StatusCode::NO_CONTENT, [(SET_COOKIE, cookie)]))

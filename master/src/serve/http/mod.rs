@@ -43,7 +43,7 @@ pub struct App {
 
 /// Settings of the service over HTTP.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct HttpSettings {
     /// Names under which the service is reached, with the port.
     pub hosts: Vec<String>,
     /// True with TLS.
@@ -57,7 +57,7 @@ pub struct Settings {
 }
 
 /// Returns the service.
-pub fn router(keeper: Arc<Keeper>, settings: Settings) -> Router {
+pub fn router(keeper: Arc<Keeper>, settings: HttpSettings) -> Router {
     let (most_bytes, disk) = (settings.most_bytes, settings.disk.clone());
     let (guard, counters) = (Arc::new(Guard::new(settings)), Arc::default());
     let app = App { keeper, guard, counters, most_bytes, disk };

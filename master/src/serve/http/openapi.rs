@@ -35,11 +35,11 @@ use utoipa::OpenApi;
         metrics::ready,
     ),
     components(schemas(
-        api::Job,
+        api::ServiceJob,
         api::JobState,
         api::JobPage,
         api::Submission,
-        api::Resumption,
+        api::ResumeRequest,
         api::FileEntry,
         findings::Findings,
         findings::Finding,

@@ -3,7 +3,7 @@
 use super::App;
 use super::guard::{Detail, may_order};
 use super::jobs::found;
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::run::request::{Answer, Request};
 use crate::serve::api::Refusal;
 use crate::serve::live;
@@ -35,12 +35,12 @@ pub async fn order(
 ) -> Answered<Response> {
     let job = found(&app, id).await?.job;
     may_order(&identity, &job.owner)?;
-    let request = Request::from_line(&body).map_err(Problem::bad)?;
+    let request = Request::from_line(&body).map_err(HttpProblem::bad)?;
     if request == Request::Watch {
-        return Err(Problem::bad(format!("the stream is at /api/jobs/{id}/events")));
+        return Err(HttpProblem::bad(format!("the stream is at /api/jobs/{id}/events")));
     }
     if !job.state.is_active() {
-        return Err(Problem::conflict(format!("the job is {}", job.state.name())));
+        return Err(HttpProblem::conflict(format!("the job is {}", job.state.name())));
     }
     let detail = Extension(Detail(request.to_line().trim().to_string()));
     let folder = app.keeper.root.job(id);
@@ -48,13 +48,15 @@ pub async fn order(
     let answer = match asked {
         Err(_) => {
             let why = "the order has not taken effect yet; it may do so later";
-            return Err(Problem(StatusCode::GATEWAY_TIMEOUT, why.into()));
+            return Err(HttpProblem(StatusCode::GATEWAY_TIMEOUT, why.into()));
         }
-        Ok(Err(_)) => return Err(Problem::conflict("the run does not answer: it begins or ends")),
+        Ok(Err(_)) => {
+            return Err(HttpProblem::conflict("the run does not answer: it begins or ends"));
+        }
         Ok(Ok(answer)) => answer,
     };
     Ok(match answer {
-        Answer::Refused { why } => (detail, Problem::conflict(why)).into_response(),
+        Answer::Refused { why } => (detail, HttpProblem::conflict(why)).into_response(),
         answer => (detail, Json(answer)).into_response(),
     })
 }

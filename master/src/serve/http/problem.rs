@@ -1,7 +1,7 @@
 //! Refusals as answers.
 
 use crate::serve::api::Refusal;
-use crate::serve::intake::Fault;
+use crate::serve::intake::IntakeFault;
 use axum::Json;
 use axum::body::to_bytes;
 use axum::extract::Request;
@@ -11,12 +11,12 @@ use axum::response::{IntoResponse, Response};
 
 /// A refusal: status code and reason.
 #[derive(Debug)]
-pub struct Problem(pub StatusCode, pub String);
+pub struct HttpProblem(pub StatusCode, pub String);
 
 /// Answer of a handler.
-pub type Answered<T> = Result<T, Problem>;
+pub type Answered<T> = Result<T, HttpProblem>;
 
-impl Problem {
+impl HttpProblem {
     /// A request that cannot be understood or is out of range.
     pub fn bad(why: impl Into<String>) -> Self {
         Self(StatusCode::UNPROCESSABLE_ENTITY, why.into())
@@ -39,25 +39,25 @@ impl Problem {
     }
 }
 
-impl From<rusqlite::Error> for Problem {
+impl From<rusqlite::Error> for HttpProblem {
     fn from(error: rusqlite::Error) -> Self {
         Self::internal(error)
     }
 }
 
-impl From<Fault> for Problem {
-    fn from(fault: Fault) -> Self {
+impl From<IntakeFault> for HttpProblem {
+    fn from(fault: IntakeFault) -> Self {
         match fault {
-            Fault::Refused(why) => Self::bad(why),
-            Fault::TooMuch(why) => Self(StatusCode::PAYLOAD_TOO_LARGE, why),
-            Fault::Late(why) => Self(StatusCode::REQUEST_TIMEOUT, why),
-            Fault::Full(why) => Self(StatusCode::INSUFFICIENT_STORAGE, why),
-            Fault::Failed(error) => error.into(),
+            IntakeFault::Refused(why) => Self::bad(why),
+            IntakeFault::TooMuch(why) => Self(StatusCode::PAYLOAD_TOO_LARGE, why),
+            IntakeFault::Late(why) => Self(StatusCode::REQUEST_TIMEOUT, why),
+            IntakeFault::Full(why) => Self(StatusCode::INSUFFICIENT_STORAGE, why),
+            IntakeFault::Failed(error) => error.into(),
         }
     }
 }
 
-impl From<std::io::Error> for Problem {
+impl From<std::io::Error> for HttpProblem {
     fn from(error: std::io::Error) -> Self {
         use std::io::ErrorKind::{QuotaExceeded, StorageFull};
         match error.kind() {
@@ -69,7 +69,7 @@ impl From<std::io::Error> for Problem {
     }
 }
 
-impl IntoResponse for Problem {
+impl IntoResponse for HttpProblem {
     fn into_response(self) -> Response {
         (self.0, Json(Refusal { error: self.1 })).into_response()
     }
@@ -88,5 +88,5 @@ pub async fn explain(request: Request, next: Next) -> Response {
         return response;
     }
     let text = to_bytes(response.into_body(), LARGEST).await.unwrap_or_default();
-    Problem(status, String::from_utf8_lossy(&text).into_owned()).into_response()
+    HttpProblem(status, String::from_utf8_lossy(&text).into_owned()).into_response()
 }

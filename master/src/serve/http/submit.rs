@@ -2,10 +2,10 @@
 
 use super::App;
 use super::guard::{Detail, Subject, require};
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::cli::Role;
-use crate::serve::api::{Job, Refusal, Submission};
-use crate::serve::archive::{self, Format, Limits};
+use crate::serve::api::{Refusal, ServiceJob, Submission};
+use crate::serve::archive::{self, ArchiveFormat, ArchiveLimits};
 use crate::serve::folder::{JobFolder, relative};
 use crate::serve::intake::Intake;
 use crate::serve::store::NewJob;
@@ -41,7 +41,7 @@ const LONGEST_NAME: usize = 200;
 /// Submits a job.
 #[utoipa::path(post, path = "/api/jobs", request_body(content(
     (Submission = "application/json"), (Submission = "multipart/form-data"))),
-    responses((status = 201, body = Job), (status = 403, body = Refusal),
+    responses((status = 201, body = ServiceJob), (status = 403, body = Refusal),
               (status = 413, body = Refusal), (status = 422, body = Refusal)))]
 pub async fn submit(
     State(app): State<App>,
@@ -52,12 +52,12 @@ pub async fn submit(
     let open = app.keeper.store.open_jobs().await?;
     if open >= MOST_OPEN {
         let why = format!("{open} jobs wait already; try again later");
-        return Err(Problem(StatusCode::SERVICE_UNAVAILABLE, why));
+        return Err(HttpProblem(StatusCode::SERVICE_UNAVAILABLE, why));
     }
     let disk = app.disk.clone();
     let stated = stated_length(&request);
     let room = tokio::task::spawn_blocking(move || disk.room(stated)).await;
-    room.map_err(Problem::internal)??;
+    room.map_err(HttpProblem::internal)??;
     let id = app.keeper.store.reserve(identity.name.clone()).await?;
     let folder = app.keeper.root.job(id);
     let arrival = Arc::new(Arrival { app: app.clone(), id, folder, kept: AtomicBool::new(false) });
@@ -66,7 +66,7 @@ pub async fn submit(
     let detail = format!("{}: {} with {} files", new.name, new.main, intake.files().len());
     app.keeper.store.submit(id, new).await?;
     arrival.kept.store(true, Ordering::Relaxed);
-    app.keeper.announce(id).await.map_err(Problem::internal)?;
+    app.keeper.announce(id).await.map_err(HttpProblem::internal)?;
     app.keeper.wake.notify_one();
     let job = super::jobs::found(&app, id).await?.job;
     let location = [(header::LOCATION, format!("/api/jobs/{id}"))];
@@ -103,8 +103,8 @@ impl Drop for Arrival {
     }
 }
 
-fn broken(error: MultipartError) -> Problem {
-    Problem(error.status(), error.body_text())
+fn broken(error: MultipartError) -> HttpProblem {
+    HttpProblem(error.status(), error.body_text())
 }
 
 impl Arrival {
@@ -114,12 +114,12 @@ impl Arrival {
         let kind = kind.as_ref().and_then(|kind| kind.to_str().ok()).unwrap_or_default();
         if kind.starts_with("multipart/form-data") {
             let parts = Multipart::from_request(request, &()).await;
-            let parts = parts.map_err(|error| Problem(error.status(), error.body_text()))?;
+            let parts = parts.map_err(|error| HttpProblem(error.status(), error.body_text()))?;
             return self.receive_parts(parts).await;
         }
         let parsed = Json::<Submission>::from_request(request, &()).await;
         let Json(mut options) =
-            parsed.map_err(|error| Problem(error.status(), error.body_text()))?;
+            parsed.map_err(|error| HttpProblem(error.status(), error.body_text()))?;
         let given = std::mem::take(&mut options.files);
         let arrival = self.clone();
         let write = move || -> Answered<Intake> {
@@ -129,7 +129,7 @@ impl Arrival {
             }
             Ok(intake)
         };
-        let intake = tokio::task::spawn_blocking(write).await.map_err(Problem::internal)??;
+        let intake = tokio::task::spawn_blocking(write).await.map_err(HttpProblem::internal)??;
         Ok((options, intake))
     }
 
@@ -152,7 +152,7 @@ impl Arrival {
                 }
                 _ => {
                     let why = "give one part `options`, parts `file` and at most one `archive`";
-                    return Err(Problem::bad(why));
+                    return Err(HttpProblem::bad(why));
                 }
             }
         }
@@ -161,12 +161,15 @@ impl Arrival {
 
     /// Stores an archive and unpacks it on a thread of its own.
     async fn unpack(self: &Arc<Self>, part: Field<'_>, mut intake: Intake) -> Answered<Intake> {
-        let format = Format::of_name(part.file_name().unwrap_or_default()).ok_or_else(|| {
-            Problem::bad("archive: give a file name that ends in .zip, .tar, .tar.gz or .tgz")
-        })?;
+        let format =
+            ArchiveFormat::of_name(part.file_name().unwrap_or_default()).ok_or_else(|| {
+                HttpProblem::bad(
+                    "archive: give a file name that ends in .zip, .tar, .tar.gz or .tgz",
+                )
+            })?;
         let path = self.folder.path().join("archive");
         store(part, std::fs::File::create_new(&path)?).await?;
-        let permit = UNPACKING.acquire().await.map_err(Problem::internal)?;
+        let permit = UNPACKING.acquire().await.map_err(HttpProblem::internal)?;
         let gone = CancellationToken::new();
         let _leaves_with_client = gone.clone().drop_guard();
         let arrival = self.clone();
@@ -174,12 +177,12 @@ impl Arrival {
             let _permit = permit;
             let app = &arrival.app;
             let most_bytes = app.disk.room(0)?.min(app.most_bytes);
-            let limits = Limits { most_bytes, until: Instant::now() + UNPACK_WITHIN, gone };
+            let limits = ArchiveLimits { most_bytes, until: Instant::now() + UNPACK_WITHIN, gone };
             archive::unpack(&path, format, &mut intake, &limits)?;
             std::fs::remove_file(&path)?;
             Ok(intake)
         };
-        tokio::task::spawn_blocking(unpack).await.map_err(Problem::internal)?
+        tokio::task::spawn_blocking(unpack).await.map_err(HttpProblem::internal)?
     }
 }
 
@@ -193,7 +196,7 @@ async fn store(mut part: Field<'_>, file: std::fs::File) -> Answered<()> {
 
 /// Waits for a client that sends, as long as it is not too slow.
 async fn in_time<T>(next: impl Future<Output = T>) -> Answered<T> {
-    let late = |_| Problem(StatusCode::REQUEST_TIMEOUT, "the files arrive too slowly".into());
+    let late = |_| HttpProblem(StatusCode::REQUEST_TIMEOUT, "the files arrive too slowly".into());
     tokio::time::timeout(SLOWEST, next).await.map_err(late)
 }
 
@@ -203,14 +206,14 @@ async fn read_options(mut part: Field<'_>) -> Answered<Submission> {
         text.extend_from_slice(&bytes);
         if text.len() > LARGEST_OPTIONS {
             let why = format!("options have at most {LARGEST_OPTIONS} bytes");
-            return Err(Problem(StatusCode::PAYLOAD_TOO_LARGE, why));
+            return Err(HttpProblem(StatusCode::PAYLOAD_TOO_LARGE, why));
         }
     }
-    let options: Submission =
-        serde_json::from_slice(&text).map_err(|error| Problem::bad(format!("options: {error}")))?;
+    let options: Submission = serde_json::from_slice(&text)
+        .map_err(|error| HttpProblem::bad(format!("options: {error}")))?;
     match options.files.is_empty() {
         true => Ok(options),
-        false => Err(Problem::bad("options: give files as parts `file`")),
+        false => Err(HttpProblem::bad("options: give files as parts `file`")),
     }
 }
 
@@ -221,14 +224,14 @@ async fn read_options(mut part: Field<'_>) -> Answered<Submission> {
 pub fn check_sets(sets: &[String]) -> Answered<()> {
     let (most, longest) = MOST_SETS;
     if sets.len() > most {
-        return Err(Problem::bad(format!("give at most {most} changes")));
+        return Err(HttpProblem::bad(format!("give at most {most} changes")));
     }
     let is_one = |set: &String| {
         set.len() <= longest && set.contains('=') && !set.chars().any(char::is_control)
     };
     match sets.iter().find(|set| !is_one(set)) {
         None => Ok(()),
-        Some(_) => Err(Problem::bad("set: give key=value, such as end_time=5")),
+        Some(_) => Err(HttpProblem::bad("set: give key=value, such as end_time=5")),
     }
 }
 
@@ -239,12 +242,12 @@ pub fn check_sets(sets: &[String]) -> Answered<()> {
 pub fn check_workers(app: &App, launcher: &str, workers: u32) -> Answered<()> {
     let Some(found) = app.keeper.launchers.get(launcher) else {
         let names: Vec<_> = app.keeper.launchers.keys().copied().collect();
-        return Err(Problem::bad(format!("launcher: this service has {}", names.join(", "))));
+        return Err(HttpProblem::bad(format!("launcher: this service has {}", names.join(", "))));
     };
     let most = found.limit().workers;
     match (1..=most).contains(&workers) {
         true => Ok(()),
-        false => Err(Problem::bad(format!("workers: give 1 to {most}"))),
+        false => Err(HttpProblem::bad(format!("workers: give 1 to {most}"))),
     }
 }
 
@@ -254,23 +257,23 @@ fn new_job(
     options: Submission,
     files: &[PathBuf],
 ) -> Answered<NewJob> {
-    let main = main_file(&options.job, files).map_err(Problem::bad)?;
+    let main = main_file(&options.job, files).map_err(HttpProblem::bad)?;
     let name = match options.name.trim() {
         "" => main.clone(),
         name => name.to_string(),
     };
     if name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
-        return Err(Problem::bad(format!(
+        return Err(HttpProblem::bad(format!(
             "name: give at most {LONGEST_NAME} printable characters"
         )));
     }
     let priority = options.priority;
     if !(-100..=100).contains(&priority) {
-        return Err(Problem::bad("priority: give -100 to 100"));
+        return Err(HttpProblem::bad("priority: give -100 to 100"));
     }
     let retries = options.retries.unwrap_or(2);
     if retries > 20 {
-        return Err(Problem::bad("retries: give at most 20"));
+        return Err(HttpProblem::bad("retries: give at most 20"));
     }
     check_sets(&options.set)?;
     let launcher = match options.launcher.as_str() {

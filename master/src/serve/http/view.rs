@@ -2,7 +2,7 @@
 
 use super::App;
 use super::jobs::found;
-use super::problem::{Answered, Problem};
+use super::problem::{Answered, HttpProblem};
 use crate::serve::api::Refusal;
 use axum::extract::{Path, Query, State};
 use axum::http::header::{CONTENT_TYPE, ETAG, IF_NONE_MATCH};
@@ -41,7 +41,7 @@ pub async fn view(
         Some(time) => app.keeper.views.at(&folder, time).await,
         None => app.keeper.views.newest(id, &folder).await,
     };
-    let newest = newest.map_err(|why| Problem(StatusCode::SERVICE_UNAVAILABLE, why))?;
+    let newest = newest.map_err(|why| HttpProblem(StatusCode::SERVICE_UNAVAILABLE, why))?;
     let Some(picture) = newest else { return Ok(StatusCode::NO_CONTENT.into_response()) };
     let known =
         headers.get(IF_NONE_MATCH).is_some_and(|tag| tag.as_bytes() == picture.tag.as_bytes());

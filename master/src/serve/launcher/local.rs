@@ -2,7 +2,7 @@
 //! other hosts. A run survives the service.
 
 use super::processes::{kill_all_in, send};
-use super::{Launcher, Order, Seen, stop_by_socket};
+use super::{LaunchOrder, LaunchState, Launcher, stop_by_socket};
 use crate::run::attempt::{self, State};
 use crate::run::lock::is_held;
 use crate::serve::limits::Amount;
@@ -32,7 +32,7 @@ impl Launcher for Local {
         self.ranks.as_deref()
     }
 
-    fn start(&self, order: &Order) -> Result<String, String> {
+    fn start(&self, order: &LaunchOrder) -> Result<String, String> {
         let failed = |error: std::io::Error| format!("the run cannot be started: {error}");
         let output = File::options()
             .create(true)
@@ -54,24 +54,26 @@ impl Launcher for Local {
         Ok(String::new())
     }
 
-    fn look(&self, order: &Order, _: &str) -> Result<Seen, String> {
+    fn attempt_state(&self, order: &LaunchOrder, _: &str) -> Result<LaunchState, String> {
         let state =
-            attempt::look(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
+            attempt::read_state(&order.folder.attempt(order.attempt)).map_err(|e| e.to_string())?;
         Ok(match state {
-            State::Absent => Seen::Waiting,
-            State::Running(_) => Seen::Running,
-            State::Ended(code) => Seen::Ended(code),
+            State::Absent => LaunchState::Waiting,
+            State::Running(_) => LaunchState::Running,
+            State::Ended(code) => LaunchState::Ended(code),
             // The run goes on if only its supervisor was killed.
-            State::Lost | State::Withdrawn if is_held(&order.folder.results()) => Seen::Running,
-            State::Withdrawn => Seen::Waiting,
-            State::Lost => Seen::Lost,
+            State::Lost | State::Withdrawn if is_held(&order.folder.results()) => {
+                LaunchState::Running
+            }
+            State::Withdrawn => LaunchState::Waiting,
+            State::Lost => LaunchState::Lost,
         })
     }
 
-    fn stop(&self, order: &Order, _: &str) -> Result<(), String> {
+    fn stop(&self, order: &LaunchOrder, _: &str) -> Result<(), String> {
         let failed = |error: io::Error| format!("the run cannot be stopped: {error}");
         let path = order.folder.attempt(order.attempt);
-        match attempt::look(&path).map_err(failed)? {
+        match attempt::read_state(&path).map_err(failed)? {
             State::Running(pid) if !attempt::is_stopping(&path).map_err(failed)? => {
                 send(pid, Signal::TERM).map_err(failed)?;
             }
@@ -83,7 +85,7 @@ impl Launcher for Local {
         Ok(())
     }
 
-    fn kill(&self, order: &Order, _: &str) -> Result<(), String> {
+    fn kill(&self, order: &LaunchOrder, _: &str) -> Result<(), String> {
         match kill_all_in(order.folder.path(), &self.program) {
             Ok(0) => Err("the run cannot be killed: it has no process on this machine".into()),
             Ok(_) => Ok(()),

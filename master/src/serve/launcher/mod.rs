@@ -17,7 +17,7 @@ const ANSWER_WITHIN: Duration = Duration::from_secs(2);
 
 /// An attempt to run a job.
 #[derive(Clone, Debug)]
-pub struct Order {
+pub struct LaunchOrder {
     /// Number of the job.
     pub id: i64,
     /// Its folder, in which the process runs.
@@ -32,7 +32,7 @@ pub struct Order {
 
 /// Asks a run to stop through its socket. A second signal would end it at once and cut its last
 /// checkpoint short; here a run that stops already only says so.
-fn stop_by_socket(order: &Order) {
+fn stop_by_socket(order: &LaunchOrder) {
     let ask = || -> std::io::Result<()> {
         let mut stream = socket::connect(&order.folder.results())?;
         stream.set_read_timeout(Some(ANSWER_WITHIN))?;
@@ -45,7 +45,7 @@ fn stop_by_socket(order: &Order) {
 
 /// State of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
+pub enum LaunchState {
     /// It has not begun.
     Waiting,
     /// It runs.
@@ -68,25 +68,25 @@ pub trait Launcher: Send + Sync {
     ///
     /// # Errors
     /// It cannot be started.
-    fn start(&self, order: &Order) -> Result<String, String>;
+    fn start(&self, order: &LaunchOrder) -> Result<String, String>;
 
     /// Returns what became of an attempt.
     ///
     /// # Errors
     /// It is not known now.
-    fn look(&self, order: &Order, handle: &str) -> Result<Seen, String>;
+    fn attempt_state(&self, order: &LaunchOrder, handle: &str) -> Result<LaunchState, String>;
 
     /// Asks a run to stop and to keep its state. It may be asked again, also by a later service.
     ///
     /// # Errors
     /// It cannot be reached.
-    fn stop(&self, order: &Order, handle: &str) -> Result<(), String>;
+    fn stop(&self, order: &LaunchOrder, handle: &str) -> Result<(), String>;
 
     /// Kills all processes of an attempt, or has them killed. It may be called again.
     ///
     /// # Errors
     /// They cannot be reached.
-    fn kill(&self, order: &Order, handle: &str) -> Result<(), String>;
+    fn kill(&self, order: &LaunchOrder, handle: &str) -> Result<(), String>;
 
     /// Returns true if an attempt that waits will run without the service.
     fn is_queued_elsewhere(&self, handle: &str) -> bool;

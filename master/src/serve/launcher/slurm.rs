@@ -1,7 +1,7 @@
 //! Runs by Slurm: `sbatch`, `squeue`, `sacct` and `scancel`. The folder of the service must be on a
 //! file system that all nodes share.
 
-use super::{Launcher, Order, Seen, stop_by_socket};
+use super::{LaunchOrder, LaunchState, Launcher, stop_by_socket};
 use crate::run::attempt::{self, State};
 use crate::serve::limits::Amount;
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ impl Launcher for Slurm {
         self.ranks.as_deref()
     }
 
-    fn start(&self, order: &Order) -> Result<String, String> {
+    fn start(&self, order: &LaunchOrder) -> Result<String, String> {
         let mut command = Command::new("sbatch");
         let folder = order.folder.path();
         command.arg("--parsable").arg("--no-requeue");
@@ -54,14 +54,14 @@ impl Launcher for Slurm {
         }
     }
 
-    fn look(&self, order: &Order, handle: &str) -> Result<Seen, String> {
+    fn attempt_state(&self, order: &LaunchOrder, handle: &str) -> Result<LaunchState, String> {
         let path = order.folder.attempt(order.attempt);
-        let state = || attempt::look(&path).map_err(|error| error.to_string());
+        let state = || attempt::read_state(&path).map_err(|error| error.to_string());
         if let State::Ended(code) = state()? {
-            return Ok(Seen::Ended(code));
+            return Ok(LaunchState::Ended(code));
         }
         if !is_number(handle) {
-            return Ok(Seen::Waiting);
+            return Ok(LaunchState::Waiting);
         }
         let mut queue = Command::new("squeue");
         queue.args(["--noheader", "--states=all", "--format=%T", "--jobs", handle]);
@@ -73,13 +73,13 @@ impl Launcher for Slurm {
         };
         // The file may have arrived meanwhile.
         match (seen, state()?) {
-            (Seen::Waiting | Seen::Running, _) => Ok(seen),
-            (_, State::Ended(code)) => Ok(Seen::Ended(code)),
+            (LaunchState::Waiting | LaunchState::Running, _) => Ok(seen),
+            (_, State::Ended(code)) => Ok(LaunchState::Ended(code)),
             _ => Ok(seen),
         }
     }
 
-    fn stop(&self, order: &Order, handle: &str) -> Result<(), String> {
+    fn stop(&self, order: &LaunchOrder, handle: &str) -> Result<(), String> {
         if !is_number(handle) {
             return Ok(());
         }
@@ -88,7 +88,7 @@ impl Launcher for Slurm {
             stop_by_socket(order);
             return Ok(());
         }
-        let begun = attempt::look(&path).map_err(|e| e.to_string())?;
+        let begun = attempt::read_state(&path).map_err(|e| e.to_string())?;
         let mut command = Command::new("scancel");
         if matches!(begun, State::Running(_)) {
             // Only to the batch script, which is the supervisor of the run.
@@ -97,7 +97,7 @@ impl Launcher for Slurm {
         output(command_with(command, handle)).map(drop)
     }
 
-    fn kill(&self, _: &Order, handle: &str) -> Result<(), String> {
+    fn kill(&self, _: &LaunchOrder, handle: &str) -> Result<(), String> {
         if !is_number(handle) {
             return Ok(());
         }
@@ -111,23 +111,23 @@ impl Launcher for Slurm {
 }
 
 /// Returns what a state of Slurm means.
-fn seen(state: &str) -> Seen {
+fn seen(state: &str) -> LaunchState {
     match state.split_whitespace().next().unwrap_or_default() {
-        "PENDING" | "CONFIGURING" | "REQUEUED" | "SUSPENDED" => Seen::Waiting,
-        "RUNNING" | "COMPLETING" | "SIGNALING" | "STAGE_OUT" => Seen::Running,
-        "CANCELLED" | "CANCELLED+" => Seen::Ended(crumple_proto::exit_code::STOPPED),
-        _ => Seen::Lost,
+        "PENDING" | "CONFIGURING" | "REQUEUED" | "SUSPENDED" => LaunchState::Waiting,
+        "RUNNING" | "COMPLETING" | "SIGNALING" | "STAGE_OUT" => LaunchState::Running,
+        "CANCELLED" | "CANCELLED+" => LaunchState::Ended(crumple_proto::exit_code::STOPPED),
+        _ => LaunchState::Lost,
     }
 }
 
 /// Returns what became of a job that the queue has forgotten. Many clusters keep no accounts.
-fn accounted(handle: &str) -> Result<Seen, String> {
+fn accounted(handle: &str) -> Result<LaunchState, String> {
     let mut accounts = Command::new("sacct");
     accounts.args(["--noheader", "--allocations", "--parsable2", "--format=State"]);
     accounts.args(["--jobs", handle]);
     match output(accounts) {
         Ok(said) => Ok(seen(&said)),
-        Err(why) if why.contains("is disabled") => Ok(Seen::Lost),
+        Err(why) if why.contains("is disabled") => Ok(LaunchState::Lost),
         Err(why) => Err(why),
     }
 }

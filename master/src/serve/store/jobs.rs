@@ -1,7 +1,7 @@
 //! Jobs in the database.
 
-use super::{Outcome, Store, now};
-use crate::serve::api::{Job, JobState};
+use super::{Store, StoreResult, now};
+use crate::serve::api::{JobState, ServiceJob};
 use rusqlite::types::Value;
 use rusqlite::{OptionalExtension, Row, params, params_from_iter};
 use strum::IntoEnumIterator;
@@ -17,9 +17,9 @@ const COLUMNS: &str = "id, name, owner, state, priority, workers, launcher, main
 
 /// A job with what only the service needs.
 #[derive(Clone, Debug)]
-pub struct Stored {
+pub struct StoredJob {
     /// The job as clients see it.
-    pub job: Job,
+    pub job: ServiceJob,
     /// Changes given when it was resumed.
     pub later_sets: Vec<String>,
     /// Name of the process at its launcher, such as a number of Slurm.
@@ -76,10 +76,10 @@ fn text(list: &[String]) -> String {
     serde_json::to_string(list).unwrap_or_default()
 }
 
-fn stored(row: &Row) -> Outcome<Stored> {
+fn stored(row: &Row) -> StoreResult<StoredJob> {
     let state: String = row.get(3)?;
-    Ok(Stored {
-        job: Job {
+    Ok(StoredJob {
+        job: ServiceJob {
             id: row.get(0)?,
             name: row.get(1)?,
             owner: row.get(2)?,
@@ -112,7 +112,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn reserve(&self, owner: String) -> Outcome<i64> {
+    pub async fn reserve(&self, owner: String) -> StoreResult<i64> {
         self.call(move |db| {
             let sql = "INSERT INTO job (name, owner, state, priority, workers, launcher, main, \
                        sets, retries, submitted) VALUES ('', ?1, ?2, 0, 1, '', '', '[]', 0, ?3)";
@@ -126,7 +126,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn submit(&self, id: i64, new: NewJob) -> Outcome<()> {
+    pub async fn submit(&self, id: i64, new: NewJob) -> StoreResult<()> {
         self.call(move |db| {
             let sql = "UPDATE job SET name = ?2, owner = ?3, state = ?4, priority = ?5, workers = \
                        ?6, launcher = ?7, main = ?8, sets = ?9, retries = ?10, check_only = ?11, \
@@ -157,7 +157,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn forget(&self, id: i64) -> Outcome<()> {
+    pub async fn forget(&self, id: i64) -> StoreResult<()> {
         let sql = "DELETE FROM job WHERE id = ?1 AND state = ?2";
         self.call(move |db| db.execute(sql, params![id, INCOMING]).map(drop)).await
     }
@@ -166,7 +166,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn incoming(&self) -> Outcome<Vec<i64>> {
+    pub async fn incoming(&self) -> StoreResult<Vec<i64>> {
         self.call(|db| {
             let mut query = db.prepare("SELECT id FROM job WHERE state = ?1")?;
             query.query_map([INCOMING], |row| row.get(0))?.collect()
@@ -178,7 +178,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn job(&self, id: i64) -> Outcome<Option<Stored>> {
+    pub async fn job(&self, id: i64) -> StoreResult<Option<StoredJob>> {
         self.call(move |db| {
             let sql = format!("SELECT {COLUMNS} FROM job WHERE id = ?1 AND state != ?2");
             db.prepare_cached(&sql)?.query_row(params![id, INCOMING], stored).optional()
@@ -190,7 +190,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn in_state(&self, state: JobState) -> Outcome<Vec<Stored>> {
+    pub async fn in_state(&self, state: JobState) -> StoreResult<Vec<StoredJob>> {
         self.call(move |db| {
             let sql =
                 format!("SELECT {COLUMNS} FROM job WHERE state = ?1 ORDER BY priority DESC, id");
@@ -204,7 +204,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn list(&self, filter: Filter) -> Outcome<(Vec<Job>, i64)> {
+    pub async fn list(&self, filter: Filter) -> StoreResult<(Vec<ServiceJob>, i64)> {
         self.call(move |db| {
             let mut clauses = vec!["state != ?".to_string()];
             let mut values: Vec<Value> = vec![INCOMING.to_string().into()];
@@ -233,7 +233,8 @@ impl Store {
             let sql = format!("SELECT {COLUMNS} FROM job WHERE {page} ORDER BY id DESC LIMIT ?");
             let mut query = db.prepare_cached(&sql)?;
             let rows = query.query_map(params_from_iter(values.iter()), stored)?;
-            let jobs: Outcome<Vec<Job>> = rows.map(|row| row.map(|stored| stored.job)).collect();
+            let jobs: StoreResult<Vec<ServiceJob>> =
+                rows.map(|row| row.map(|stored| stored.job)).collect();
             Ok((jobs?, total))
         })
         .await
@@ -243,11 +244,11 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn counts(&self) -> Outcome<Vec<(JobState, i64)>> {
+    pub async fn counts(&self) -> StoreResult<Vec<(JobState, i64)>> {
         self.call(|db| {
             let mut query = db.prepare_cached("SELECT state, count(*) FROM job GROUP BY state")?;
             let rows = query.query_map([], |row| Ok((row.get::<_, String>(0)?, row.get(1)?)))?;
-            let found: Vec<(String, i64)> = rows.collect::<Outcome<_>>()?;
+            let found: Vec<(String, i64)> = rows.collect::<StoreResult<_>>()?;
             let count = |state: JobState| {
                 found.iter().find(|(name, _)| name == state.name()).map_or(0, |(_, n)| *n)
             };
@@ -260,7 +261,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn open_jobs(&self) -> Outcome<i64> {
+    pub async fn open_jobs(&self) -> StoreResult<i64> {
         let sql = "SELECT count(*) FROM job WHERE state IN \
                    ('incoming', 'checking', 'queued', 'starting', 'running')";
         self.call(move |db| db.query_row(sql, [], |row| row.get(0))).await
@@ -276,7 +277,7 @@ impl Store {
         state: JobState,
         memory: f64,
         why: String,
-    ) -> Outcome<bool> {
+    ) -> StoreResult<bool> {
         self.call(move |db| {
             let sql = "UPDATE job SET state = ?2, memory_mb = ?3, reason = ?4, code = ?5, ended = \
                        ?6 WHERE id = ?1 AND state = 'checking'";
@@ -293,7 +294,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn begin(&self, id: i64) -> Outcome<bool> {
+    pub async fn start_attempt(&self, id: i64) -> StoreResult<bool> {
         self.call(move |db| {
             let sql = "UPDATE job SET state = 'starting', attempt = attempt + 1, handle = '', \
                        started = ?2, ended = NULL, code = NULL, reason = '' \
@@ -307,7 +308,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn set_handle(&self, id: i64, handle: String) -> Outcome<()> {
+    pub async fn set_handle(&self, id: i64, handle: String) -> StoreResult<()> {
         let sql = "UPDATE job SET handle = ?2 WHERE id = ?1";
         self.call(move |db| db.execute(sql, params![id, handle]).map(drop)).await
     }
@@ -316,7 +317,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn runs(&self, id: i64) -> Outcome<bool> {
+    pub async fn runs(&self, id: i64) -> StoreResult<bool> {
         let sql = "UPDATE job SET state = 'running' WHERE id = ?1 AND state = 'starting'";
         self.call(move |db| Ok(db.execute(sql, [id])? == 1)).await
     }
@@ -325,7 +326,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn end(&self, id: i64, state: JobState, code: u8, reason: String) -> Outcome<()> {
+    pub async fn end(&self, id: i64, state: JobState, code: u8, reason: String) -> StoreResult<()> {
         self.call(move |db| {
             let sql = "UPDATE job SET state = ?2, code = ?3, reason = ?4, ended = ?5, stopping = 0 \
                        WHERE id = ?1";
@@ -338,7 +339,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn requeue(&self, id: i64, lost: u32, reason: String) -> Outcome<()> {
+    pub async fn requeue(&self, id: i64, lost: u32, reason: String) -> StoreResult<()> {
         let sql = "UPDATE job SET state = 'queued', lost = ?2, reason = ?3 \
                    WHERE id = ?1 AND state IN ('starting', 'running') AND NOT stopping";
         self.call(move |db| db.execute(sql, params![id, lost, reason]).map(drop)).await
@@ -350,7 +351,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn stop(&self, id: i64, who: String, forced: bool) -> Outcome<Option<JobState>> {
+    pub async fn stop(&self, id: i64, who: String, forced: bool) -> StoreResult<Option<JobState>> {
         self.call(move |db| {
             let tx = db.transaction()?;
             let sql = "SELECT state FROM job WHERE id = ?1";
@@ -377,7 +378,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn resume(&self, id: i64, workers: u32, sets: Vec<String>) -> Outcome<bool> {
+    pub async fn resume(&self, id: i64, workers: u32, sets: Vec<String>) -> StoreResult<bool> {
         self.call(move |db| {
             let sql = "UPDATE job SET state = 'queued', workers = ?2, later_sets = ?3, lost = 0, \
                        stopping = 0, code = NULL, ended = NULL, reason = '' WHERE id = ?1 AND \

@@ -4,7 +4,7 @@
 mod jobs;
 mod records;
 
-pub use jobs::{Filter, NewJob, Stored};
+pub use jobs::{Filter, NewJob, StoredJob};
 
 use rusqlite::Connection;
 use std::path::Path;
@@ -18,7 +18,7 @@ pub struct Store {
 }
 
 /// Outcome of a call.
-pub type Outcome<T> = rusqlite::Result<T>;
+pub type StoreResult<T> = rusqlite::Result<T>;
 
 impl Store {
     /// Opens the database, or makes it. Only its owner can read it.
@@ -28,7 +28,7 @@ impl Store {
     pub fn open(path: &Path) -> Result<Self, String> {
         let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         private(path).map_err(|error| named(&error))?;
-        let open = || -> Outcome<Connection> {
+        let open = || -> StoreResult<Connection> {
             let connection = Connection::open(path)?;
             connection.busy_timeout(std::time::Duration::from_secs(10))?;
             connection.pragma_update(None, "journal_mode", "WAL")?;
@@ -43,8 +43,8 @@ impl Store {
     /// Calls a function with the database, on a thread where it may wait.
     async fn call<T: Send + 'static>(
         &self,
-        body: impl FnOnce(&mut Connection) -> Outcome<T> + Send + 'static,
-    ) -> Outcome<T> {
+        body: impl FnOnce(&mut Connection) -> StoreResult<T> + Send + 'static,
+    ) -> StoreResult<T> {
         let connection = self.connection.clone();
         let called = tokio::task::spawn_blocking(move || {
             body(&mut connection.lock().unwrap_or_else(PoisonError::into_inner))

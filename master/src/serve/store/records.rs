@@ -1,6 +1,6 @@
 //! Events, tokens and the audit log in the database.
 
-use super::{Outcome, Store, now};
+use super::{Store, StoreResult, now};
 use crate::cli::Role;
 use crate::serve::api::AuditEntry;
 use crate::serve::tokens::Identity;
@@ -11,7 +11,7 @@ const MOST_EVENTS: i64 = 10_000;
 
 /// Event of a job.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Event {
+pub struct JobEvent {
     /// Number, ascending over all jobs.
     pub id: i64,
     /// `state` or `event`.
@@ -25,7 +25,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn add_event(&self, job: i64, kind: &'static str, data: String) -> Outcome<i64> {
+    pub async fn add_event(&self, job: i64, kind: &'static str, data: String) -> StoreResult<i64> {
         self.call(move |db| {
             let sql = "INSERT INTO event (job, at, kind, data) VALUES (?1, ?2, ?3, ?4)";
             db.prepare_cached(sql)?.execute(params![job, now(), kind, data])?;
@@ -44,13 +44,13 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn events(&self, job: i64, after: i64, limit: u32) -> Outcome<Vec<Event>> {
+    pub async fn events(&self, job: i64, after: i64, limit: u32) -> StoreResult<Vec<JobEvent>> {
         self.call(move |db| {
             let sql = "SELECT id, kind, data FROM event WHERE job = ?1 AND id > ?2 ORDER BY id \
                        LIMIT ?3";
             let mut query = db.prepare_cached(sql)?;
             let event = |row: &rusqlite::Row| {
-                Ok(Event { id: row.get(0)?, kind: row.get(1)?, data: row.get(2)? })
+                Ok(JobEvent { id: row.get(0)?, kind: row.get(1)?, data: row.get(2)? })
             };
             query.query_map(params![job, after, limit], event)?.collect()
         })
@@ -62,7 +62,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn unannounced(&self) -> Outcome<Vec<i64>> {
+    pub async fn unannounced(&self) -> StoreResult<Vec<i64>> {
         self.call(|db| {
             let sql = "SELECT id FROM job WHERE state != 'incoming' AND state IS NOT (SELECT \
                        json_extract(data, '$.state') FROM event WHERE event.job = job.id AND kind \
@@ -76,7 +76,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn add_token(&self, name: String, role: Role, hash: String) -> Outcome<()> {
+    pub async fn add_token(&self, name: String, role: Role, hash: String) -> StoreResult<()> {
         let sql = "INSERT OR REPLACE INTO token (name, role, hash, made) VALUES (?1, ?2, ?3, ?4)";
         self.call(move |db| db.execute(sql, params![name, role.name(), hash, now()]).map(drop))
             .await
@@ -86,7 +86,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn remove_token(&self, name: String) -> Outcome<bool> {
+    pub async fn remove_token(&self, name: String) -> StoreResult<bool> {
         self.call(move |db| Ok(db.execute("DELETE FROM token WHERE name = ?1", [name])? == 1)).await
     }
 
@@ -94,7 +94,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn token(&self, hash: String) -> Outcome<Option<Identity>> {
+    pub async fn token(&self, hash: String) -> StoreResult<Option<Identity>> {
         self.call(move |db| {
             let sql = "SELECT name, role FROM token WHERE hash = ?1";
             let row = |row: &rusqlite::Row| {
@@ -112,7 +112,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn has_tokens(&self) -> Outcome<bool> {
+    pub async fn has_tokens(&self) -> StoreResult<bool> {
         let sql = "SELECT count(*) > 0 FROM token";
         self.call(move |db| db.query_row(sql, [], |row| row.get(0))).await
     }
@@ -121,7 +121,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn audit(&self, entry: AuditEntry) -> Outcome<()> {
+    pub async fn audit(&self, entry: AuditEntry) -> StoreResult<()> {
         self.call(move |db| {
             let sql = "INSERT INTO audit (at, who, what, job, detail, status) \
                        VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
@@ -135,7 +135,7 @@ impl Store {
     ///
     /// # Errors
     /// The database fails.
-    pub async fn audit_log(&self, limit: u32) -> Outcome<Vec<AuditEntry>> {
+    pub async fn audit_log(&self, limit: u32) -> StoreResult<Vec<AuditEntry>> {
         self.call(move |db| {
             let sql =
                 "SELECT at, who, what, job, detail, status FROM audit ORDER BY id DESC LIMIT ?1";

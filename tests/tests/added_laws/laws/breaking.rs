@@ -2,7 +2,7 @@
 //! set. It shows what a run does when a worker has a bug.
 
 use super::maxwell;
-use crumple_worker::fem::materials::{BuildResult, Elastic, Law, PlaneStress, Points};
+use crumple_worker::fem::materials::{Elastic, Law, LawResult, PlaneStress, Points};
 use crumple_worker::math::lanes::{Lane, Lane32};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,7 +20,7 @@ pub static BREAKS: AtomicBool = AtomicBool::new(false);
 
 struct Breaking(Box<dyn PlaneStress>);
 
-fn build(material: &crumple_proto::partition::Material) -> BuildResult {
+fn build(material: &crumple_proto::partition::Material) -> LawResult {
     Ok(Box::new(Breaking((maxwell::LAW.build)(material)?)))
 }
 

@@ -8,10 +8,10 @@
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::materials::plasticity::{
-    Coefficients, Failure, Plasticity, Rate, YieldCurve,
+    Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve,
 };
 use crumple_worker::fem::materials::{
-    BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow, Parameters,
+    DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, Parameters, SolidLawResult,
 };
 
 /// The row of this law.
@@ -47,11 +47,11 @@ const PARAMETERS: &[ParameterRow] = &[
     },
 ];
 
-fn build(material: &Material) -> BuildResult {
+fn build(material: &Material) -> LawResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuildSolidResult {
+fn solid(material: &Material) -> SolidLawResult {
     Parameters::new(material).solid_law(read)
 }
 
@@ -68,6 +68,6 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
         curve: YieldCurve::Power { b: b / a, n },
         rate: Rate::None,
         thermal: None,
-        failure: Failure::None,
+        failure: FailureCriterion::None,
     })
 }

@@ -9,8 +9,8 @@
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::materials::{
-    BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow, Parameters,
-    PlaneStress, Points, Solid, SolidPoint,
+    DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, Parameters, PlaneStress, Points,
+    Solid, SolidLawResult, SolidPoint,
 };
 use crumple_worker::math::lanes::{Lane, Lane32, Real};
 
@@ -37,11 +37,11 @@ struct Maxwell {
     relaxation_time: f64,
 }
 
-fn build(material: &Material) -> BuildResult {
+fn build(material: &Material) -> LawResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuildSolidResult {
+fn solid(material: &Material) -> SolidLawResult {
     Parameters::new(material).solid_law(read)
 }
 

@@ -21,7 +21,7 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
         let model = model(&scene).unwrap();
         let (mut watch, mut least, mut deepest) = (Watch::default(), 0.0f64, 0.0f64);
         let end = run_alone(&model, |e: &Engine| {
-            watch.look(e);
+            watch.record(e);
             deepest = deepest.max(e.contact.as_ref().unwrap().penetration);
             least =
                 least.max(e.ledger.energies(&e.nodes, &e.blocks).values().contact / watch.initial);

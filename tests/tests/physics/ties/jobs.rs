@@ -28,7 +28,7 @@ fn wrong_jobs_are_reported() {
     );
     said(
         "[[tie]]\nnodes = \"end\"\nnode = 550\nparts = [1]\n",
-        &["has no surface and no offset", "node 550 is tied to itself"],
+        &["also has `parts`, `faces` or `offset`", "node 550 is tied to itself"],
     );
     said("[[tie]]\nnodes = \"end\"\nnode = 9999\n", &["no element has node 9999"]);
     said("[[tie]]\nnodes = \"end\"\nparts = [1]\ntolerance = -1.0\n", &["tolerance is -1"]);

@@ -90,7 +90,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn look(&mut self, e: &Engine) {
+    fn record(&mut self, e: &Engine) {
         let (p, l) = momentum(&e.nodes);
         let first = *self.first.get_or_insert([p, l]);
         for ((changed, now), then) in self.changed.iter_mut().zip([p, l]).zip(first) {

@@ -12,7 +12,7 @@ fn nodes_share_displacements() {
     scene.add(&format!("[[tie]]\nnodes = \"rest\"\nnode = {master}"));
     scene.start(second.all(), [1.0, 0.0, 0.0], [0.0; 3]);
     let mut watch = Watch::default();
-    let end = run_alone(&model(&scene).unwrap(), |e: &Engine| watch.look(e));
+    let end = run_alone(&model(&scene).unwrap(), |e: &Engine| watch.record(e));
     let velocity = |node: u32| end.nodes.v[local(&end, node)];
     assert_eq!(slaves.len(), 15);
     for &slave in slaves {
@@ -42,7 +42,7 @@ fn a_wave_goes_through_a_tie() {
     let mut watch = Watch::default();
     let (mut arrival, mut at_half) = (None, None);
     run_alone(&tied, |e: &Engine| {
-        watch.look(e);
+        watch.record(e);
         let middle = (0..e.nodes.local_count).find(|&i| e.nodes.x0[i][0] == 1.5 * LENGTH).unwrap();
         if e.nodes.v[middle][0] > 0.25 {
             arrival.get_or_insert(e.clock.time);
@@ -79,7 +79,7 @@ fn a_wave_goes_through_a_tie() {
     scene.set_named("second", &second);
     scene.add(rest);
     let mut one = Watch::default();
-    run_alone(&model(&scene).unwrap(), |e: &Engine| one.look(e));
+    run_alone(&model(&scene).unwrap(), |e: &Engine| one.record(e));
     let (unexplained, of_one) = (watch.unexplained, one.unexplained);
     assert!(unexplained < 2.0 * of_one && of_one < 1e-6, "{unexplained}, in one mesh {of_one}");
 }
@@ -96,7 +96,7 @@ fn tied_bars_turn_without_strain() {
     ));
     let model = model(&scene).unwrap();
     let mut watch = Watch::default();
-    let end = run_alone(&model, |e: &Engine| watch.look(e));
+    let end = run_alone(&model, |e: &Engine| watch.record(e));
     let Watch { changed: worst, unexplained, .. } = watch;
     let whole = 2.0 * RHO * SIDE * SIDE * LENGTH;
     assert!(worst[0] < 1e-11 * whole && worst[1] < 1e-10 * whole * 100.0, "{worst:?} of {whole}");
@@ -134,7 +134,7 @@ fn arms_turn_with_their_face() {
         let model = model(&scene).unwrap();
         assert!(model.settings.ties.iter().all(|t| t.offset) && model.settings.ties.len() == 20);
         let mut watch = Watch::default();
-        let end = run_alone(&model, |e: &Engine| watch.look(e));
+        let end = run_alone(&model, |e: &Engine| watch.record(e));
         let Watch { changed: worst, unexplained, initial, .. } = watch;
         let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
         // The arms turn exactly, but their moments are those of small steps: the error is the
@@ -197,7 +197,7 @@ fn ties_stand_on_ties_but_for_arms() {
             && of_third.iter().all(|t| t.masters.iter().all(|c| c.0.0 <= 10) && t.faces.len() > 1)
     );
     let mut watch = Watch::default();
-    run_alone(&model, |e: &Engine| watch.look(e));
+    run_alone(&model, |e: &Engine| watch.record(e));
     let mass = RHO * 8.0 * 6.0;
     let came = watch.first.unwrap()[0];
     for (came, velocity) in came.into_iter().zip([3.0, 1.0, 0.0]) {

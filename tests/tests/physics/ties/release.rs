@@ -28,7 +28,7 @@ fn a_face_that_fails_lets_go() {
     let mut watch = Watch::default();
     let (mut whole, mut left) = (Vec::new(), None);
     let end = run_alone(&model, |e: &Engine| {
-        watch.look(e);
+        watch.record(e);
         whole.push((0..e.nodes.local_count).map(|i| e.nodes.mass[i]).sum::<f64>());
         if e.constraints.ties.is_empty() && left.is_none() {
             left = Some((

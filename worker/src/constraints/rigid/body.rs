@@ -12,7 +12,7 @@ use crate::constraints::prescribed::MotionCurve;
 use crate::energy::Work;
 use crate::math::row::V3;
 use crumple_proto::loads::MotionForm;
-use crumple_proto::rigid::RigidBody as BodyJob;
+use crumple_proto::rigid::RigidBody;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -80,12 +80,12 @@ impl Momentum {
 }
 
 /// Returns the prescribed motions of a body with their degrees of freedom.
-fn courses(job: &BodyJob, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)> {
+fn courses(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)> {
     job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect()
 }
 
 /// Returns true for each fixed or prescribed degree of freedom.
-fn held(job: &BodyJob) -> [bool; 6] {
+fn held(job: &RigidBody) -> [bool; 6] {
     let bits = job.motions.iter().fold(job.fixed, |bits, m| bits | m.dofs);
     std::array::from_fn(|c| bits >> c & 1 == 1)
 }
@@ -93,7 +93,7 @@ fn held(job: &BodyJob) -> [bool; 6] {
 impl Body {
     /// Returns true if it has the constraints of a job's body, and a possible mass, place and
     /// orientation.
-    pub fn fits(&self, job: &BodyJob) -> bool {
+    pub fn fits(&self, job: &RigidBody) -> bool {
         let vectors = [self.centre, self.last.velocity, self.last.angular, self.last_spin];
         // Round-off of a run is many orders smaller; other numbers are no turn.
         let is_turn = |q: &UnitQuaternion<f64>| (q.norm() - 1.0).abs() < 1e-3;
@@ -106,13 +106,13 @@ impl Body {
     }
 
     /// Sets the prescribed motions of a body from a checkpoint.
-    pub fn restore(&mut self, job: &BodyJob, given: &[Vec<[f64; 2]>]) {
+    pub fn restore(&mut self, job: &RigidBody, given: &[Vec<[f64; 2]>]) {
         self.courses = courses(job, given);
     }
 
     /// Builds a body at time 0.
     pub fn new(
-        job: &BodyJob,
+        job: &RigidBody,
         curves: &[Vec<[f64; 2]>],
         mass: f64,
         inertia: Matrix3<f64>,

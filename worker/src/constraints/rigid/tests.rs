@@ -2,7 +2,7 @@
 
 use super::body::{Body, Momentum};
 use crate::math::row::V3;
-use crumple_proto::loads::{Motion, MotionForm};
+use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::rigid::RigidBody;
 use nalgebra::Matrix3;
 
@@ -92,7 +92,13 @@ fn a_guided_body_turns_about_what_is_left() {
 /// Prescribed rotation and displacement, with the third translation free.
 #[test]
 fn a_prescribed_body_follows_its_curve() {
-    let motion = |form, dofs, amount| Motion { nodes: Vec::new(), dofs, form, amount, curve: None };
+    let motion = |form, dofs, amount| PrescribedMotion {
+        nodes: Vec::new(),
+        dofs,
+        form,
+        amount,
+        curve: None,
+    };
     let spin = motion(MotionForm::Spin { centre: [0.0; 3] }, 0b11_1000, [0.0, 0.6, 0.8]);
     let led = RigidBody {
         motions: vec![spin, motion(MotionForm::Velocity, 0b011, [1.0, -2.0, 5.0])],

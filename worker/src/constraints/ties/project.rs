@@ -10,7 +10,7 @@ use crumple_proto::boxes::Aabb;
 const MAX_OUTSIDE: f64 = 0.05;
 
 /// Corners of a face; a triangle repeats the third [length].
-pub type Face = [[f64; 3]; 4];
+pub type FaceCorners = [[f64; 3]; 4];
 
 /// Projection of a point onto a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Foot {
 }
 
 /// Returns the shorter diagonal of a face, or the shortest side of a triangle [length].
-pub fn diagonal(face: &Face) -> f64 {
+pub fn diagonal(face: &FaceCorners) -> f64 {
     let between = |a: usize, b: usize| (V3::from(face[a]) - V3::from(face[b])).norm();
     if face[2] == face[3] {
         between(0, 1).min(between(1, 2)).min(between(2, 0))
@@ -40,12 +40,13 @@ pub fn diagonal(face: &Face) -> f64 {
 /// zero for a pair that is excluded [length]. `widest` returns the largest tolerance of a face
 /// [length].
 pub fn feet(
-    faces: &[Face],
+    faces: &[FaceCorners],
     points: &[[f64; 3]],
     widest: impl Fn(usize) -> f64,
     tolerance: impl Fn(usize, usize) -> f64,
 ) -> Vec<Option<Foot>> {
-    let grown = |(f, face): (usize, &Face)| Aabb::around(face.iter().copied()).grown(widest(f));
+    let grown =
+        |(f, face): (usize, &FaceCorners)| Aabb::around(face.iter().copied()).grown(widest(f));
     let boxes: Vec<Aabb> = faces.iter().enumerate().map(grown).collect();
     let mut feet: Vec<Option<Foot>> = vec![None; points.len()];
     linked_cells(&boxes, points, &mut |f, p| {
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
 
     /// Two adjacent squares, followed by a triangle.
-    const FACES: [Face; 3] = [
+    const FACES: [FaceCorners; 3] = [
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
         [[2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 1.0, 0.0]],

@@ -5,7 +5,7 @@
 //! than its motion relative to the wall in one step. Therefore no node is pushed out faster
 //! than its own speed.
 use crate::math::row::V3;
-use crumple_proto::wall::{Wall as WallJob, WallForm};
+use crumple_proto::wall::{ResolvedWall, WallForm};
 use serde::{Deserialize, Serialize};
 
 /// Depth due to round-off, over the size of the wall.
@@ -19,11 +19,11 @@ pub struct WallSurface {
     place: V3,
     /// Distance of the plane from the origin along its normal [length].
     offset: f64,
-    form: Form,
+    form: SurfaceForm,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Form {
+pub(crate) enum SurfaceForm {
     Plane,
     /// Directions and lengths of the sides; unlimited lengths are infinite.
     Rectangle([(V3, f64); 2]),
@@ -36,17 +36,20 @@ pub(crate) enum Form {
 
 impl WallSurface {
     /// Builds the surface at time 0.
-    pub fn new(job: &WallJob) -> Self {
+    pub fn new(job: &ResolvedWall) -> Self {
         let direction = V3::from(job.direction).normalize();
         let ends = |length: f64| if length > 0.0 { length } else { f64::INFINITY };
         let form = match job.form {
-            WallForm::Plane => Form::Plane,
+            WallForm::Plane => SurfaceForm::Plane,
             WallForm::Rectangle { edge, lengths: [first, second] } => {
                 let edge = V3::from(edge);
-                Form::Rectangle([(edge, ends(first)), (direction.cross(&edge), ends(second))])
+                SurfaceForm::Rectangle([
+                    (edge, ends(first)),
+                    (direction.cross(&edge), ends(second)),
+                ])
             }
             WallForm::Cylinder { radius, length } => {
-                Form::Cylinder { radius, length: ends(length) }
+                SurfaceForm::Cylinder { radius, length: ends(length) }
             }
         };
         let mut surface = Self { direction, place: V3::zeros(), offset: 0.0, form };
@@ -55,7 +58,7 @@ impl WallSurface {
     }
 
     /// Returns true if this is the surface of a job's wall, at any place.
-    pub fn fits(&self, job: &WallJob) -> bool {
+    pub fn fits(&self, job: &ResolvedWall) -> bool {
         let wanted = Self::new(job);
         let place = [self.place.x, self.place.y, self.place.z, self.offset];
         self.direction == wanted.direction
@@ -79,8 +82,10 @@ impl WallSurface {
     #[inline]
     pub fn distance(&self, x: &V3) -> f64 {
         match self.form {
-            Form::Plane | Form::Rectangle(_) => self.direction.dot(x) - self.offset,
-            Form::Cylinder { radius, .. } => self.off_axis(&(x - self.place)).norm() - radius,
+            SurfaceForm::Plane | SurfaceForm::Rectangle(_) => self.direction.dot(x) - self.offset,
+            SurfaceForm::Cylinder { radius, .. } => {
+                self.off_axis(&(x - self.place)).norm() - radius
+            }
         }
     }
 
@@ -89,8 +94,8 @@ impl WallSurface {
     pub fn near(&self, x: &V3, moved: f64) -> Option<(V3, f64)> {
         let gap = self.distance(x);
         let normal = match self.form {
-            Form::Plane | Form::Rectangle(_) => self.direction,
-            Form::Cylinder { .. } => self.off_axis(&(x - self.place)).try_normalize(0.0)?,
+            SurfaceForm::Plane | SurfaceForm::Rectangle(_) => self.direction,
+            SurfaceForm::Cylinder { .. } => self.off_axis(&(x - self.place)).try_normalize(0.0)?,
         };
         self.is_constrained(x, gap, moved).then_some((normal, gap))
     }
@@ -99,7 +104,7 @@ impl WallSurface {
     /// front of it after `dt`: the fast test for nearly all nodes.
     #[inline(always)]
     pub fn cannot_reach(&self, x: &V3, v: &V3, dt: f64) -> bool {
-        !matches!(self.form, Form::Cylinder { .. }) && self.gap_after(x, v, dt) >= 0.0
+        !matches!(self.form, SurfaceForm::Cylinder { .. }) && self.gap_after(x, v, dt) >= 0.0
     }
 
     #[inline(always)]
@@ -111,7 +116,7 @@ impl WallSurface {
     /// surface stops it. `v` is its velocity relative to the surface in the step, `before` the
     /// one in the step before.
     pub fn contact_point(&self, x: &V3, v: &V3, before: &V3, dt: f64) -> Option<(V3, f64)> {
-        if let Form::Cylinder { radius, .. } = self.form {
+        if let SurfaceForm::Cylinder { radius, .. } = self.form {
             let from = self.off_axis(&(x - self.place));
             let to = from + self.off_axis(v) * dt;
             let gap = to.norm() - radius;
@@ -121,7 +126,7 @@ impl WallSurface {
             return Some((to.try_normalize(0.0).or_else(|| from.try_normalize(0.0))?, gap));
         }
         let gap = self.gap_after(x, v, dt);
-        let limited = !matches!(self.form, Form::Plane);
+        let limited = !matches!(self.form, SurfaceForm::Plane);
         if gap >= 0.0 || limited && !self.is_constrained(x, self.distance(x), dt * before.norm()) {
             return None;
         }
@@ -137,12 +142,12 @@ impl WallSurface {
         };
         let deepest = |size: f64| -(moved + ROUNDING * size);
         match self.form {
-            Form::Plane => true,
-            Form::Rectangle(sides) => {
+            SurfaceForm::Plane => true,
+            SurfaceForm::Rectangle(sides) => {
                 let size = sides.iter().map(|s| s.1).filter(|l| l.is_finite()).fold(0.0, f64::max);
                 gap >= deepest(size) && sides.iter().all(|(along, length)| within(along, *length))
             }
-            Form::Cylinder { radius, length } => {
+            SurfaceForm::Cylinder { radius, length } => {
                 gap >= deepest(radius) && within(&self.direction, length)
             }
         }

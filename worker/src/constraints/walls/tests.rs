@@ -1,12 +1,12 @@
 //! Tests of single masses against walls of all shapes.
 
 use super::*;
-use crumple_proto::loads::{Motion, MotionForm};
+use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::threads;
 
 fn wall(friction: f64) -> Walls {
-    Walls::new(&[WallJob::plane([0.0, 0.0, 1.0], [0.0, 0.0, 2.0], friction)], &[])
+    Walls::new(&[ResolvedWall::plane([0.0, 0.0, 1.0], [0.0, 0.0, 2.0], friction)], &[])
 }
 
 /// Builds nodes from positions, velocities and masses.
@@ -121,7 +121,7 @@ fn an_impact_loses_its_normal_part_and_friction_its_share() {
 /// In the corner of two walls a node stays in front of both; no wall moves a fixed node.
 #[test]
 fn a_corner_keeps_out_and_a_held_node_stays() {
-    let to = |normal| WallJob::plane([0.0; 3], normal, 0.0);
+    let to = |normal| ResolvedWall::plane([0.0; 3], normal, 0.0);
     let corner = Walls::new(&[to([1.0, 0.0, 0.0]), to([0.0, 1.0, 0.0])], &[]);
     let v = stop(&corner, [0.1, 0.2, 0.0], [-5.0, -5.0, 1.0], 0.1);
     assert!((v[0] + 1.0).abs() < 1e-12 && (v[1] + 2.0).abs() < 1e-12 && v[2] == 1.0, "{v:?}");
@@ -137,10 +137,10 @@ fn a_corner_keeps_out_and_a_held_node_stays() {
 fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
     let (mass, speed, dt) = (3.0, 4.0, 1e-3);
     let motion = WallMotion::Pushed { mass, speed };
-    let job = WallJob {
+    let job = ResolvedWall {
         motion,
         except: vec![NodeId(5)],
-        ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0)
+        ..ResolvedWall::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0)
     };
     let mut walls = Walls::new(&[job], &[]);
     let still = [0.0; 3];
@@ -198,16 +198,16 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
 #[test]
 fn a_prescribed_wall_moves_nodes_in_contact() {
     let dt = 1e-3;
-    let motion = Motion {
+    let motion = PrescribedMotion {
         nodes: Vec::new(),
         dofs: 0b111,
         form: MotionForm::Velocity,
         amount: [2.0, 0.0, 1.0],
         curve: Some(0),
     };
-    let job = WallJob {
+    let job = ResolvedWall {
         motion: WallMotion::Led(motion),
-        ..WallJob::plane([0.0, 0.0, -0.05], [0.0, 0.0, 1.0], 0.5)
+        ..ResolvedWall::plane([0.0, 0.0, -0.05], [0.0, 0.0, 1.0], 0.5)
     };
     let mut walls = Walls::new(&[job], &[vec![[0.0, 1.0], [0.1, 1.0], [0.2, 3.0]]]);
     let mut nodes = masses(&[([0.0; 3], [0.0; 3], 2.0)]);
@@ -240,8 +240,10 @@ fn a_prescribed_wall_moves_nodes_in_contact() {
 #[test]
 fn a_rectangle_ends_where_it_ends() {
     let form = WallForm::Rectangle { edge: [1.0, 0.0, 0.0], lengths: [2.0, 1.0] };
-    let mut walls =
-        Walls::new(&[WallJob { form, ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }], &[]);
+    let mut walls = Walls::new(
+        &[ResolvedWall { form, ..ResolvedWall::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }],
+        &[],
+    );
     let down = [0.0, 0.0, -10.0];
     let mut nodes = masses(&[
         ([1.0, 0.5, 0.1], down, 1.0),
@@ -259,7 +261,7 @@ fn a_rectangle_ends_where_it_ends() {
     assert_eq!((nodes.v[4], z[4]), ([10.0, 0.0, 0.0, 0.0], -0.2), "always behind the wall");
     let ends = WallForm::Rectangle { edge: [1.0, 0.0, 0.0], lengths: [0.0, 1.0] };
     let long = Walls::new(
-        &[WallJob { form: ends, ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }],
+        &[ResolvedWall { form: ends, ..ResolvedWall::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }],
         &[],
     );
     assert_eq!(stop(&long, [-1e6, 0.5, 0.0], down, 0.1)[2], 0.0, "an infinite side");
@@ -272,7 +274,7 @@ fn a_rectangle_ends_where_it_ends() {
 #[test]
 fn a_cylinder_catches() {
     let form = WallForm::Cylinder { radius: 1.0, length: 3.0 };
-    let job = WallJob { form, ..WallJob::plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.0) };
+    let job = ResolvedWall { form, ..ResolvedWall::plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.0) };
     let mut walls = Walls::new(&[job], &[]);
     let mut nodes = masses(&[
         ([0.6, 0.0, 2.0], [0.0, 0.0, -5.0], 1.0),

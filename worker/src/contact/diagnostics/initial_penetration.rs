@@ -38,7 +38,7 @@ pub struct InitialPenetrations {
     /// opens by itself.
     pub penetrations: Vec<Penetration>,
     /// Number of shells and beams whose thickness in contact is reduced
-    /// ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest fraction of the
+    /// ([`crumple_proto::job::ContactInput::thickness_limit`]), and the smallest fraction of the
     /// thickness that is left; `None` if there are none.
     pub thinned: Option<(usize, f64)>,
 }

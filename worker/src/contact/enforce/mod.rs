@@ -13,7 +13,7 @@ use crate::math::row::{Row, V3};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crate::registry::{Named, Registry};
 use crate::time::StepSizes;
-use crumple_proto::job::Contact;
+use crumple_proto::job::ContactInput;
 use crumple_proto::problem::Problem;
 
 /// Data of the parts for the contact laws.
@@ -145,7 +145,7 @@ impl LawRow {
     }
 
     /// Returns its values in the settings of an interface.
-    pub fn values<'a>(&self, contact: &'a Contact) -> Values<'a> {
+    pub fn values<'a>(&self, contact: &'a ContactInput) -> Values<'a> {
         Values::new([self.parameters, self.global], &contact.parameters)
     }
 }
@@ -176,7 +176,7 @@ const TOLERANCE: ParameterRow = ParameterRow {
 };
 
 /// Returns true if segments touch segments in an interface of a job.
-pub fn by_segments(job: &Contact) -> bool {
+pub fn by_segments(job: &ContactInput) -> bool {
     job.each().any(|c| c.law == mortar::LAW.name)
 }
 
@@ -215,14 +215,15 @@ impl Laws {
     ///
     /// # Panics
     /// On a law that is not in the table; the master checks names before it distributes work.
-    pub fn new(job: &Contact, parts: &Elasticity) -> Self {
-        let build = |contact: Contact| {
+    pub fn new(job: &ContactInput, parts: &Elasticity) -> Self {
+        let build = |contact: ContactInput| {
             let row = CONTACT_LAWS.iter().find(|row| row.name == contact.law);
             let row = row.unwrap_or_else(|| panic!("no contact law {}", contact.law));
             (row.build)(&row.values(&contact), parts)
         };
-        let of =
-            job.each().map(|c| (c.law != Contact::NO_LAW).then(|| InterfaceLaw::new(build(c))));
+        let of = job
+            .each()
+            .map(|c| (c.law != ContactInput::NO_LAW).then(|| InterfaceLaw::new(build(c))));
         let of: Vec<Option<InterfaceLaw>> = of.collect();
         let mut iterations = Vec::new();
         for iteration in of.iter().flatten().map(|law| law.iteration) {

@@ -23,7 +23,7 @@ use crate::nodes::Nodes;
 use crate::testing::Free;
 use crate::time::StepSizes;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
-use crumple_proto::job::Contact as ContactJob;
+use crumple_proto::job::ContactInput as ContactJob;
 use crumple_proto::partition::NodeRecord;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Elements of one part and shape: connectivity, history columns, energies.
 
 use super::{Class, LocalElement, Portion};
-use crate::fem::columns::{HistoryColumns, State};
+use crate::fem::columns::{ElementState, HistoryColumns};
 use crate::fem::elements::{
     Element, ElementNodalForces, ElementPass, PassTotals, build_block, energy_places,
 };
@@ -46,7 +46,7 @@ pub struct Block {
 
 impl Block {
     /// Returns the history columns of one element.
-    pub fn state(&self, index: usize) -> State<'_> {
+    pub fn state(&self, index: usize) -> ElementState<'_> {
         self.history.element(index)
     }
 

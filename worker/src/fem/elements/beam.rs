@@ -37,15 +37,15 @@ mod tests;
 use self::section::FibreSection;
 use super::section::label;
 use super::{
-    BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, PassTotals,
-    energy_places, failed_column,
+    Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
+    energy_places, law_column,
 };
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
 use crate::parameter::Values;
-use crumple_proto::job::{Beam as BeamJob, BeamSection, Part, Weld};
+use crumple_proto::job::{BeamInput, BeamSection, Part, Weld};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
 use nalgebra::{Rotation3, UnitQuaternion};
@@ -60,7 +60,7 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-type Turn = UnitQuaternion<f64>;
+type Rotation = UnitQuaternion<f64>;
 
 /// Columns of an element: 1 if it has started, else 0; length then [length]; triads as quaternions
 /// (before the start a vector towards the second axis); deformation; forces at its corners; 1 if it
@@ -112,7 +112,7 @@ pub struct Beam {
     weld: Option<Weld>,
 }
 
-fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
         problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
@@ -144,20 +144,17 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult 
         shear_areas: [beam.shear_areas[1], beam.shear_areas[0]],
         section,
         stride: STRESS + history.len(),
-        plastic_strain: history
-            .iter()
-            .position(|&name| name == "plastic_strain")
-            .map(|column| STRESS + column),
-        failed: failed_column(history).map(|column| STRESS + column),
+        plastic_strain: law_column(history, "plastic_strain", STRESS),
+        failed: law_column(history, "failed", STRESS),
         law,
     }))
 }
 
 /// Reports a problem: the key, what is wrong, and what to do.
-type Say<'a> = dyn FnMut(&str, String, &str) + 'a;
+type AddProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
 
 /// Checks the numbers of a cross section.
-fn check_section(beam: &BeamJob, say: &mut Say<'_>) {
+fn check_section(beam: &BeamInput, say: &mut AddProblem<'_>) {
     let [about_y, about_z] = beam.second_moments;
     let all = [
         ("height", beam.height),
@@ -198,7 +195,7 @@ fn check_section(beam: &BeamJob, say: &mut Say<'_>) {
 }
 
 /// Checks one number of a cross section: its range, and that the section has it.
-fn check_number(beam: &BeamJob, key: &str, value: f64, say: &mut Say<'_>) {
+fn check_number(beam: &BeamInput, key: &str, value: f64, say: &mut AddProblem<'_>) {
     let needed: &[&str] = match beam.section {
         BeamSection::Rectangle => &["height", "width"],
         BeamSection::Tube => &["radius"],
@@ -221,7 +218,7 @@ fn check_number(beam: &BeamJob, key: &str, value: f64, say: &mut Say<'_>) {
 }
 
 /// Checks the limits of the welds.
-fn check_weld(weld: &Weld, say: &mut Say<'_>) {
+fn check_weld(weld: &Weld, say: &mut AddProblem<'_>) {
     let Weld { normal, shear, bending, torsion, exponents: [n, m] } = *weld;
     let limits = [("normal", normal), ("shear", shear), ("bending", bending), ("torsion", torsion)];
     for (key, value) in limits.into_iter().filter(|limit| limit.1 < 0.0) {
@@ -256,14 +253,14 @@ struct Ends {
 
 /// Results of a beam for its nodes: force on the second one, moments on both, and true if it is
 /// finite and its strain increments are within the limit.
-struct Response {
+struct BeamResponse {
     force: V3,
     moments: [V3; 2],
     sound: bool,
 }
 
 impl Beam {
-    fn respond(&self, state: &mut [f64], ends: &Ends, dt: f64) -> Response {
+    fn respond(&self, state: &mut [f64], ends: &Ends, dt: f64) -> BeamResponse {
         let line = ends.x[1] - ends.x[0];
         let length = line.norm();
         if state[STARTED] == 0.0 {
@@ -275,8 +272,9 @@ impl Beam {
         }
         // 1. Triads, frame, deformation.
         let triads = [0, 1].map(|k| {
-            let turn = Turn::from_scaled_axis(ends.w[k] * dt) * turn_at(&state[TRIADS + 4 * k..]);
-            let turn = Turn::new_normalize(turn.into_inner());
+            let turn =
+                Rotation::from_scaled_axis(ends.w[k] * dt) * turn_at(&state[TRIADS + 4 * k..]);
+            let turn = Rotation::new_normalize(turn.into_inner());
             put_turn(&mut state[TRIADS + 4 * k..], &turn);
             turn
         });
@@ -341,7 +339,7 @@ impl Beam {
             }
         }
         let sum = force.abs().sum() + moments[0].abs().sum() + moments[1].abs().sum();
-        Response { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
+        BeamResponse { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
     }
 
     /// Returns the part of an increment of the mean rotation of the ends about the second (0) or
@@ -406,16 +404,18 @@ fn weld_is_broken(weld: &Weld, axial: f64, across: f64, bent: f64, torque: f64) 
 }
 
 /// Returns the rotation of the axes of space to a first and a second axis, and the third one.
-fn frame(first: &V3, second: &V3) -> Turn {
+fn frame(first: &V3, second: &V3) -> Rotation {
     let axes = [*first, *second, first.cross(second)];
-    Turn::from_rotation_matrix(&Rotation3::from_basis_unchecked(&axes))
+    Rotation::from_rotation_matrix(&Rotation3::from_basis_unchecked(&axes))
 }
 
-fn turn_at(columns: &[f64]) -> Turn {
-    Turn::new_unchecked(nalgebra::Quaternion::new(columns[0], columns[1], columns[2], columns[3]))
+fn turn_at(columns: &[f64]) -> Rotation {
+    Rotation::new_unchecked(nalgebra::Quaternion::new(
+        columns[0], columns[1], columns[2], columns[3],
+    ))
 }
 
-fn put_turn(columns: &mut [f64], turn: &Turn) {
+fn put_turn(columns: &mut [f64], turn: &Rotation) {
     columns[..4].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
 }
 
@@ -512,12 +512,12 @@ impl Element for Beam {
         self.step((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 
-    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
+    fn stable_dt_now(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> f64 {
         let length = (V3::from(x[1]) - V3::from(x[0])).norm();
         self.step(if history.at(STARTED) > 0.0 { length.min(history.at(LENGTH)) } else { length })
     }
 
-    fn failed(&self, history: State<'_>) -> bool {
+    fn failed(&self, history: ElementState<'_>) -> bool {
         self.is_gone(&history.to_vec())
     }
 
@@ -525,7 +525,7 @@ impl Element for Beam {
         self.failed.is_some() || self.weld.is_some()
     }
 
-    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields {
+    fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields {
         let state = history.to_vec();
         let along = (V3::from(x[1]) - V3::from(x[0])).try_normalize(0.0).unwrap_or_default();
         let (mut fields, mut mean) = (ElementFields::default(), 0.0);

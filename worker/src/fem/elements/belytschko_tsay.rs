@@ -18,11 +18,12 @@
 
 use super::bounds::{self, Bounds, Mode};
 use super::quad::{
-    DRILLING, Generalised, Geometry, HOURGLASS, Kernel, Modes, Motion, Quad, Response,
+    DRILLING, Generalised, HOURGLASS, Kernel, Quad, QuadGeometry, QuadModes, QuadMotion,
+    QuadResponse,
 };
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
-use super::{BuildResult, Constructor, ElementEntry, HourglassForm, parameters, zero_failed};
+use super::{Constructor, ElementEntry, ElementResult, HourglassForm, parameters, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::math::lanes::{Each, Real};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Values};
@@ -84,7 +85,7 @@ pub struct BelytschkoTsay {
     drilling: f64,
 }
 
-fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     Ok(Box::new(Shell(Quad(BelytschkoTsay {
         section: Section::new(part, values, law)?,
         hourglass: HourglassForm::from_word(&values.word("hourglass")),
@@ -105,7 +106,7 @@ struct Warping<R> {
 
 impl<R: Real> Warping<R> {
     #[inline(always)]
-    fn new(g: &Geometry<R>) -> Self {
+    fn new(g: &QuadGeometry<R>) -> Self {
         // 2 z0/A^2 with z0 = hz/4.
         let c = R::splat(2.0) * g.hz * g.inv_2a * g.inv_2a;
         let (bc1, bc2) = ([c * g.x[0], -(c * g.x[1])], [c * g.y[0], -(c * g.y[1])]);
@@ -116,8 +117,8 @@ impl<R: Real> Warping<R> {
     /// Returns curvature increments from displacement increments in the plane, minus those of the
     /// rigid part of K, which is K without the strain.
     #[inline(always)]
-    fn curvature(&self, motion: &Motion<R>) -> [R; 3] {
-        let Motion { u, k, almansi: e, .. } = motion;
+    fn curvature(&self, motion: &QuadMotion<R>) -> [R; 3] {
+        let QuadMotion { u, k, almansi: e, .. } = motion;
         let u = [[u[0][0], u[1][0]], [u[0][1], u[1][1]]];
         let on = |bc: [R; 2], u: [R; 2]| bc[0].mul_add(u[0], bc[1] * u[1]);
         let [xx, xy, yy] = self.on_x;
@@ -164,18 +165,18 @@ impl Kernel for BelytschkoTsay {
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,
-        g: &Geometry<R>,
-        modes: &Modes<R>,
+        g: &QuadGeometry<R>,
+        modes: &QuadModes<R>,
         history: &mut [R],
         dt: f64,
-    ) -> Response<R> {
+    ) -> QuadResponse<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let (hourglass, drill) = own[..HOURGLASS + DRILLING].split_at_mut(HOURGLASS);
         // Before the first step nothing has moved, so all rates are zero.
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
 
         // 1. Frame, and all motions in its axes.
-        let (motion, mut strains) = Motion::new(g, modes, dt);
+        let (motion, mut strains) = QuadMotion::new(g, modes, dt);
         let warping = if self.warping { Some(Warping::new(g)) } else { None };
         if let Some(warping) = &warping {
             let more = warping.curvature(&motion);
@@ -221,8 +222,13 @@ impl Kernel for BelytschkoTsay {
             }
         }
         let energies = [work * g.area, R::splat(0.5) * energy];
-        let mut response =
-            Response::new::<Self>(g, (&self.section, section), (force, moment), energies, sound);
+        let mut response = QuadResponse::new::<Self>(
+            g,
+            (&self.section, section),
+            (force, moment),
+            energies,
+            sound,
+        );
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, hourglass);
@@ -235,7 +241,7 @@ impl Kernel for BelytschkoTsay {
 impl BelytschkoTsay {
     /// Returns the coefficients of tx, ty, vz, vx, vy.
     #[inline(always)]
-    fn hourglass_stiffness<R: Real>(&self, g: &Geometry<R>, t: R) -> [R; HOURGLASS] {
+    fn hourglass_stiffness<R: Real>(&self, g: &QuadGeometry<R>, t: R) -> [R; HOURGLASS] {
         let elastic = &self.section.elastic;
         let e = elastic.youngs_modulus;
         let sq = |v: R| v * v;

@@ -57,7 +57,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
             let mut noise = Noise(17);
             for _ in 0..20 {
                 let mut patch = quad(part.clone(), elastic(E, NU, 1.0), nodes);
-                let g = Geometry::new(&super::super::quad::coordinate_modes(&nodes));
+                let g = QuadGeometry::new(&super::super::quad::coordinate_modes(&nodes));
                 let l: [[f64; 3]; 3] =
                     std::array::from_fn(|_| std::array::from_fn(|_| 1e-9 * noise.next()));
                 for (node, at) in nodes.into_iter().enumerate() {

@@ -33,10 +33,10 @@
 //! the membrane, except for 5 % at nu = 0 (1/s is at most 8 A^2/P).
 
 use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
-use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
+use super::section::{SHEAR_CORRECTION, Section, StepQuantities, Strains};
 use super::shell::{Formulation, Shell};
 use super::{
-    BuildResult, Constructor, ElementEntry, GroupCorners, GroupNodes, Totals, parameters,
+    Constructor, ElementEntry, ElementResult, GroupCorners, GroupNodes, Totals, parameters,
     zero_failed,
 };
 use crate::fem::materials::{PlaneStress, PointLanes, PointReal};
@@ -75,7 +75,7 @@ pub struct C0Triangle {
     drilling: f64,
 }
 
-fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     Ok(Box::new(Shell(C0Triangle {
         section: Section::new(part, values, law)?,
         hourglass_coefficient: values.number("hourglass_coefficient"),
@@ -103,7 +103,7 @@ impl<R: Real> Corners<R> {
 }
 
 /// Result of a kernel for a group, in global axes.
-pub struct Response<R: Real> {
+pub struct TriangleResponse<R: Real> {
     /// Forces of corners 2 and 3; corner 1 has the negative of their sum [force].
     pub force: [[R; 3]; 2],
     /// Moments of corners 1, 2, 3 [force length].
@@ -127,7 +127,7 @@ impl<R: Real> Corners<R> {
     }
 }
 
-impl<R: Real> Response<R> {
+impl<R: Real> TriangleResponse<R> {
     /// Adds to the moments those of the forces, which act at `arm` from the nodes, as for quads.
     #[inline(always)]
     fn shift_to_nodes(&mut self, arm: [R; 3]) {
@@ -150,7 +150,7 @@ impl<R: Real> Response<R> {
 }
 
 /// Frame and shape of an element.
-struct Geometry<R: Real> {
+struct TriangleGeometry<R: Real> {
     frame: Frame<R>,
     area: R,
     /// Sides 1-2 and 1-3 in the plane [length].
@@ -159,7 +159,7 @@ struct Geometry<R: Real> {
     b: [[R; 2]; 2],
 }
 
-impl<R: Real> Geometry<R> {
+impl<R: Real> TriangleGeometry<R> {
     #[inline(always)]
     fn new([r21, r31]: [[R; 3]; 2]) -> Self {
         let one = R::splat(1.0);
@@ -213,9 +213,9 @@ impl<R: Real> Geometry<R> {
 
     /// Returns the quantities of the present shape that determine the stable step.
     #[inline(always)]
-    fn limits(&self, poisson: f64) -> Limits<R> {
+    fn limits(&self, poisson: f64) -> StepQuantities<R> {
         let sides2 = R::splat(2.0) * self.half_sides2();
-        Limits {
+        StepQuantities {
             area: self.area,
             inv_area: R::splat(1.0) / self.area,
             side2: self.equivalent_side2(poisson),
@@ -268,14 +268,14 @@ impl C0Triangle {
         corners: &Corners<R>,
         history: &mut [R],
         dt: f64,
-    ) -> Response<R> {
+    ) -> TriangleResponse<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let own = &mut own[..OWN];
         let step = R::splat(dt);
         let [half, third, sixth] = [0.5, 1.0 / 3.0, 1.0 / 6.0].map(R::splat);
 
         // 1. Frame, and all motions in its axes, as increments of the step.
-        let g = Geometry::new(corners.x);
+        let g = TriangleGeometry::new(corners.x);
         let u = g.frame.increments(&corners.v, step);
 
         // 2. Gradients.
@@ -374,7 +374,7 @@ impl C0Triangle {
             hourglass: half * energy,
             sound,
         };
-        let mut response = Response { force, moment, totals, calm };
+        let mut response = TriangleResponse { force, moment, totals, calm };
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, own);
@@ -411,7 +411,7 @@ fn gather<L: PointLanes<W>, const W: usize>(
 /// Converts lanes to rows. The fourth corner repeats the third and gets zero.
 #[inline(always)]
 fn scatter<L: PointLanes<W>, const W: usize>(
-    response: &Response<L>,
+    response: &TriangleResponse<L>,
     force: &mut GroupCorners<4, W>,
     moment: &mut GroupCorners<4, W>,
 ) {
@@ -448,12 +448,12 @@ impl Formulation for C0Triangle {
     }
 
     fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2] {
-        let g = Geometry::new(sides(x));
+        let g = TriangleGeometry::new(sides(x));
         [g.area, g.inertia()]
     }
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
-        let geometry = Geometry::new(sides(x));
+        let geometry = TriangleGeometry::new(sides(x));
         if !geometry.sound() {
             return f64::NAN;
         }
@@ -461,7 +461,7 @@ impl Formulation for C0Triangle {
     }
 
     fn stable_dt_now(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
-        let geometry = Geometry::new(sides(x));
+        let geometry = TriangleGeometry::new(sides(x));
         if !geometry.sound() {
             return f64::NAN;
         }
@@ -469,7 +469,7 @@ impl Formulation for C0Triangle {
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
-        let Frame { e1, e2, n } = Geometry::new(sides(x)).frame;
+        let Frame { e1, e2, n } = TriangleGeometry::new(sides(x)).frame;
         [e1, e2, n]
     }
 
@@ -512,7 +512,7 @@ impl Formulation for C0Triangle {
             let [a, b, c] = std::array::from_fn(|c| Lane::new(nodes.x[group[c][lane] as usize]));
             [rows[0][lane], rows[1][lane]] = [b - a, c - a].map(L::row);
         }
-        let geometry = Geometry::new(rows.each(L::from_rows));
+        let geometry = TriangleGeometry::new(rows.each(L::from_rows));
         let stable_dt = geometry.stable_dt(&self.section);
         let stable_dt =
             self.section.offset_factor(history).map_or(stable_dt, |factor| stable_dt * factor);

@@ -35,11 +35,11 @@
 //! `hourglass`, `hourglass_coefficient` and `warping` of a part are not read.
 
 use super::bounds;
-use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
+use super::quad::{DRILLING, Kernel, Quad, QuadGeometry, QuadModes, QuadMotion, QuadResponse};
 use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
-use super::{BuildResult, Constructor, ElementEntry, parameters, zero_failed};
+use super::{Constructor, ElementEntry, ElementResult, parameters, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::parameter::Values;
 use crumple_proto::job::Part;
@@ -66,7 +66,7 @@ pub struct FullyIntegratedQuad {
     drilling: f64,
 }
 
-fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     let section = Section::new(part, values, law)?.at_points(PLANAR);
     let drilling = values.number("drilling");
     Ok(Box::new(Shell(Quad(FullyIntegratedQuad { section, drilling }))))
@@ -92,18 +92,18 @@ impl Kernel for FullyIntegratedQuad {
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,
-        g: &Geometry<R>,
-        modes: &Modes<R>,
+        g: &QuadGeometry<R>,
+        modes: &QuadModes<R>,
         history: &mut [R],
         dt: f64,
-    ) -> Response<R> {
+    ) -> QuadResponse<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let drill = &mut own[..DRILLING];
         let quarter = R::splat(0.25);
         let gauss = R::splat(1.0 / 3.0_f64.sqrt());
 
         // 1. Frame, and all motions in its axes.
-        let (motion, mut strains) = Motion::new(g, modes, dt);
+        let (motion, mut strains) = QuadMotion::new(g, modes, dt);
         let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(g);
 
         // 2. Shear from the sides, and membrane strain of twisted sides.
@@ -203,7 +203,7 @@ impl Kernel for FullyIntegratedQuad {
         let hourglass = [-minus_on_tx, on_ty, on_x, on_y];
         let (force, moment) =
             sides.corners(g, &OnSides { n, m, q, shear: [on_xi, on_eta], hourglass, drill });
-        let mut response = Response::new::<Self>(
+        let mut response = QuadResponse::new::<Self>(
             g,
             (&self.section, section),
             (force, moment),

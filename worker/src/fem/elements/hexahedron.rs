@@ -36,13 +36,13 @@
 mod hourglass;
 mod modes;
 
-use self::hourglass::{Hourglass, Step, apply};
-use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
+use self::hourglass::{Hourglass, HourglassStep, apply};
+use self::modes::{Gradient, HOURGLASS_MODES, HexahedronModes, gather, modes_of_corners, scatter};
 use super::{
-    BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, GroupCorners,
-    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, failed_column, zero_failed,
+    Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupCorners,
+    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, law_column, zero_failed,
 };
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::fem::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
 use crate::math::lanes::{Real, dot};
 use crate::nodes::NodeView;
@@ -125,7 +125,7 @@ pub struct Hexahedron {
     failed: Option<usize>,
 }
 
-fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> BuildResult {
+fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
     let elastic = law.elastic();
     let (history, poisson) = (law.history(), elastic.poisson);
     debug_assert!(poisson < 0.5, "laws of solids require a finite bulk modulus");
@@ -137,17 +137,14 @@ fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> BuildResult {
         },
         bulk_viscosity: values.numbers("bulk_viscosity"),
         state: STRESS + history.len(),
-        plastic_strain: history
-            .iter()
-            .position(|&name| name == "plastic_strain")
-            .map(|column| STRESS + column),
-        failed: failed_column(history).map(|column| STRESS + column),
+        plastic_strain: law_column(history, "plastic_strain", STRESS),
+        failed: law_column(history, "failed", STRESS),
         law,
     }))
 }
 
 /// Shape of an element at the end of a step.
-struct End<R> {
+struct EndShape<R> {
     gradient: Gradient<R>,
     /// One over 64 V [1/length^3].
     inverse64: R,
@@ -161,13 +158,13 @@ struct End<R> {
 }
 
 /// Result of a kernel for a group, in global axes.
-struct Response<R: Real> {
+struct HexahedronResponse<R: Real> {
     /// Forces of the modes [force]. Corner forces are their sums with the signs of the modes.
-    force: Modes<R>,
+    force: HexahedronModes<R>,
     totals: Totals<R>,
 }
 
-impl<R: Real> Response<R> {
+impl<R: Real> HexahedronResponse<R> {
     /// Removes failed elements: they have no forces, do not limit the step and are never reported
     /// as trouble.
     #[inline(always)]
@@ -183,11 +180,11 @@ impl Hexahedron {
     #[inline(always)]
     fn respond<R: PointReal>(
         &self,
-        x: &Modes<R>,
-        v: &Modes<R>,
+        x: &HexahedronModes<R>,
+        v: &HexahedronModes<R>,
         history: &mut [R],
         dt: f64,
-    ) -> Response<R> {
+    ) -> HexahedronResponse<R> {
         let (state, own) = history.split_at_mut(self.state);
         let ([first_volume, viscosity], hourglass) =
             own.split_first_chunk_mut().expect("the history has columns() values");
@@ -197,7 +194,7 @@ impl Hexahedron {
 
         // 1. Kinematics in the middle of the step.
         let back = R::splat(0.5 * dt);
-        let mid: Modes<R> =
+        let mid: HexahedronModes<R> =
             std::array::from_fn(|k| std::array::from_fn(|i| back.neg_mul_add(v[k][i], x[k][i])));
         let mid_gradient = Gradient::new(&mid);
         let k = mid_gradient.gradient_of(v, dt);
@@ -207,7 +204,7 @@ impl Hexahedron {
 
         // 2. Shape at the end of the step, before stress, so that the root and the quotient of the
         //    rotation are ready when they are used.
-        let End { gradient, inverse64, density, gram, slowness, length } =
+        let EndShape { gradient, inverse64, density, gram, slowness, length } =
             self.end(x, first_volume);
 
         // 3. Stress.
@@ -235,7 +232,7 @@ impl Hexahedron {
                 k[i][0].neg_mul_add(x[0], field)
             })
         };
-        let step = Step {
+        let step = HourglassStep {
             mid: &mid,
             mid_gradient: &mid_gradient,
             end: x,
@@ -292,8 +289,10 @@ impl Hexahedron {
             R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(R::LARGEST)));
         let sound = R::both(whole, calm);
         let internal = work * mid_gradient.volume();
-        let mut response =
-            Response { force, totals: Totals { stable_dt, internal, hourglass: resisted, sound } };
+        let mut response = HexahedronResponse {
+            force,
+            totals: Totals { stable_dt, internal, hourglass: resisted, sound },
+        };
         if let Some(column) = self.failed {
             let failed = state[column].gt(half);
             response.zero_failed(failed);
@@ -304,7 +303,7 @@ impl Hexahedron {
 
     /// Computes the shape at these coordinates. Sets the volume at the start if there is none yet.
     #[inline(always)]
-    fn end<R: Real>(&self, x: &Modes<R>, first_volume: &mut R) -> End<R> {
+    fn end<R: Real>(&self, x: &HexahedronModes<R>, first_volume: &mut R) -> EndShape<R> {
         let gradient = Gradient::new(x);
         let inverse64 = R::splat(1.0) / gradient.volume64;
         let volume = gradient.volume();
@@ -313,7 +312,7 @@ impl Hexahedron {
         let gram = gradient.gram(inverse64);
         let slowness = (density * R::splat(1.0 / self.modulus())).sqrt();
         let length = self.length(&gram);
-        End { gradient, inverse64, density, gram, slowness, length }
+        EndShape { gradient, inverse64, density, gram, slowness, length }
     }
 
     /// Returns the column of the volume at the start.
@@ -413,7 +412,7 @@ impl SolidGroups for Hexahedron {
         history: &mut [L],
     ) -> Totals<L> {
         let [x, _] = gather(group, [nodes.x, nodes.v]);
-        let End { gradient, slowness, length, .. } =
+        let EndShape { gradient, slowness, length, .. } =
             self.end(&x, &mut history[self.first_volume()]);
         let [b1, _] = self.bulk_viscosity;
         Totals::inactive(viscous(length * slowness, L::splat(b1)), gradient.whole())
@@ -459,7 +458,7 @@ impl Element for Hexahedron {
         self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
-    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
+    fn stable_dt_now(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> f64 {
         let (first, volume) = (
             history.at(self.first_volume()),
             Gradient::new(&modes_of_corners(per_corner(x))).volume(),
@@ -468,11 +467,11 @@ impl Element for Hexahedron {
             * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
     }
 
-    fn is_unstrained(&self, history: State<'_>) -> bool {
+    fn is_unstrained(&self, history: ElementState<'_>) -> bool {
         history.is_zero_where(|column| column != self.first_volume())
     }
 
-    fn failed(&self, history: State<'_>) -> bool {
+    fn failed(&self, history: ElementState<'_>) -> bool {
         self.failed.is_some_and(|column| history.at(column) > 0.5)
     }
 
@@ -480,7 +479,7 @@ impl Element for Hexahedron {
         self.failed.is_some()
     }
 
-    fn fields(&self, history: State<'_>, _x: &[[f64; 3]]) -> ElementFields {
+    fn fields(&self, history: ElementState<'_>, _x: &[[f64; 3]]) -> ElementFields {
         let at = |column: usize| history.at(column);
         let stress: [f64; STRESS] = std::array::from_fn(at);
         let [x, y, z, xy, yz, zx] = stress;

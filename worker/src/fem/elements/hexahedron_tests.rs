@@ -292,23 +292,20 @@ fn every_lane_is_what_it_would_be_alone() {
                 hourglass: Hourglass { form, coefficient: 0.05 },
                 bulk_viscosity: [0.06, 1.5],
                 state: STRESS + history.len(),
-                plastic_strain: history
-                    .iter()
-                    .position(|&name| name == "plastic_strain")
-                    .map(|column| STRESS + column),
-                failed: failed_column(history).map(|column| STRESS + column),
+                plastic_strain: law_column(history, "plastic_strain", STRESS),
+                failed: law_column(history, "failed", STRESS),
                 law,
             };
             let columns = element.columns();
             let mut wide = vec![Lane::splat(0.0); columns];
             let mut alone = vec![vec![0.0; columns]; LANES];
             let mut noise = Noise(9);
-            let mut x: [Modes<f64>; LANES] = std::array::from_fn(|_| {
+            let mut x: [HexahedronModes<f64>; LANES] = std::array::from_fn(|_| {
                 let (nodes, _) = distorted(0.1);
                 modes_of_corners(&std::array::from_fn(|c| nodes[[0, 1, 4, 3, 9, 10, 13, 12][c]]))
             });
             for _ in 0..40 {
-                let v: [Modes<f64>; LANES] = [0.0, 1e-4, 3e-3, 3e-2].map(|size| {
+                let v: [HexahedronModes<f64>; LANES] = [0.0, 1e-4, 3e-3, 3e-2].map(|size| {
                     std::array::from_fn(|_| std::array::from_fn(|_| size * noise.next()))
                 });
                 for (x, v) in x.iter_mut().zip(&v) {
@@ -317,7 +314,7 @@ fn every_lane_is_what_it_would_be_alone() {
                         .zip(v.iter().flatten())
                         .for_each(|(x, v)| *x += 0.01 * v);
                 }
-                let lanes = |modes: &[Modes<f64>; LANES]| -> Modes<Lane> {
+                let lanes = |modes: &[HexahedronModes<f64>; LANES]| -> HexahedronModes<Lane> {
                     std::array::from_fn(|k| {
                         std::array::from_fn(|i| {
                             Lane::new(std::array::from_fn(|lane| modes[lane][k][i]))

@@ -44,7 +44,7 @@ pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
 pub use section::LARGEST_OFFSET;
 
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::fem::materials::{self, PlaneStress, Solid, unknown_name};
 use crate::math::lanes::Real;
 use crate::parameter::{ParameterRow, Values};
@@ -110,7 +110,7 @@ pub trait Element: Send + Sync {
     /// Returns true if an element with this history has no force and remains without stress as long
     /// as its nodes have one velocity and do not rotate (at rest, or in uniform motion). Elements
     /// for which this is never true are always computed.
-    fn is_unstrained(&self, _history: State<'_>) -> bool {
+    fn is_unstrained(&self, _history: ElementState<'_>) -> bool {
         false
     }
 
@@ -121,7 +121,7 @@ pub trait Element: Send + Sync {
 
     /// Returns the stable step of an element with this history, which keeps the mass of the start
     /// [time].
-    fn stable_dt_now(&self, _history: State<'_>, x: &[[f64; 3]]) -> f64 {
+    fn stable_dt_now(&self, _history: ElementState<'_>, x: &[[f64; 3]]) -> f64 {
         self.stable_dt(x, OwnSection::default())
     }
 
@@ -140,10 +140,10 @@ pub trait Element: Send + Sync {
     /// Returns true if the law of the element with this history has failed at every point, or if
     /// the element was inverted and its part deletes such elements. A failed element has no force,
     /// does not limit the step and is never reported as trouble.
-    fn failed(&self, history: State<'_>) -> bool;
+    fn failed(&self, history: ElementState<'_>) -> bool;
 
     /// Returns true if the element has failed because it was inverted.
-    fn is_deleted(&self, _history: State<'_>) -> bool {
+    fn is_deleted(&self, _history: ElementState<'_>) -> bool {
         false
     }
 
@@ -151,7 +151,7 @@ pub trait Element: Send + Sync {
     fn can_fail(&self) -> bool;
 
     /// Returns the fields of the element with this history at the slot coordinates `x`.
-    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields;
+    fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields;
 }
 
 /// A spring or damper.
@@ -189,7 +189,7 @@ fn four(x: &[[f64; 3]]) -> &[[f64; 3]; 4] {
 }
 
 /// An element, or all problems of its part.
-pub type BuildResult = Result<Box<dyn Element>, Vec<Problem>>;
+pub type ElementResult = Result<Box<dyn Element>, Vec<Problem>>;
 
 /// A row of [`ELEMENTS`].
 pub struct ElementEntry {
@@ -225,11 +225,11 @@ impl ElementEntry {
 #[derive(Clone, Copy)]
 pub enum Constructor {
     /// With a law in plane stress.
-    Shell(fn(&Part, &Values<'_>, Box<dyn PlaneStress>) -> BuildResult),
+    Shell(fn(&Part, &Values<'_>, Box<dyn PlaneStress>) -> ElementResult),
     /// With a law in three dimensions.
-    Solid(fn(&Part, &Values<'_>, Box<dyn Solid>) -> BuildResult),
+    Solid(fn(&Part, &Values<'_>, Box<dyn Solid>) -> ElementResult),
     /// Without a law.
-    Discrete(fn(&Part) -> BuildResult),
+    Discrete(fn(&Part) -> ElementResult),
 }
 
 /// All formulations. The first one of each shape is the default of parts that name none. For quads
@@ -249,7 +249,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
 /// its material. Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
 ///
 /// Quads and hexahedra use the formulation of the part; each other shape has only one.
-pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> BuildResult {
+pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> ElementResult {
     let part = &settings.parts[part_index];
     let mut problems = Vec::new();
     let mut note = |prefix: String, found: Vec<Problem>| {
@@ -317,8 +317,8 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
 fn with_values(
     row: &ElementEntry,
     part: &Part,
-    build: impl FnOnce(&Values<'_>) -> BuildResult,
-) -> BuildResult {
+    build: impl FnOnce(&Values<'_>) -> ElementResult,
+) -> ElementResult {
     let owner = format!("part {}", section::label(part));
     let values = row.values(part);
     let missing = |row: &ParameterRow| {
@@ -384,9 +384,10 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     })
 }
 
-/// Returns the column, among the history columns of a law, in which it marks failed points, if any.
-fn failed_column(history: &[&str]) -> Option<usize> {
-    history.iter().position(|&name| name == "failed")
+/// Returns the column of a point that has this history column of its law, if the law has it. The
+/// columns of the law begin at `first`.
+fn law_column(history: &[&str], name: &str, first: usize) -> Option<usize> {
+    history.iter().position(|&column| column == name).map(|column| first + column)
 }
 
 /// Sets the lanes that have failed to zero.

@@ -51,14 +51,17 @@
 //! are sums: the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has
 //! parts in the first two only.
 
-use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, rotated};
-use super::section::{Limits, Section, Strains};
+mod mode_rows;
+
+use super::kinematics::{Frame, PlaneMotion, curvature, rotated};
+use super::section::{Section, StepQuantities, Strains};
 use super::shell::Formulation;
 use super::{GroupCorners, GroupNodes, Totals, zero_failed};
 use crate::fem::materials::{PointLanes, PointReal};
-use crate::math::lanes::{Each, Lane, Real, cross, dot};
+use crate::math::lanes::{Real, cross, dot};
 use crate::nodes::NodeView;
 use crumple_proto::mesh::OwnSection;
+use mode_rows::{ModeRows, scatter, shift_to_middle, shift_to_nodes, zero_corners};
 
 /// Number of generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;
@@ -76,7 +79,7 @@ const SINGLE_ELEMENT_FACTOR: f64 = 1.05;
 const MIN_AREA: f64 = 1e-6;
 
 /// Corner velocities of an element, as modes.
-pub struct Modes<R> {
+pub struct QuadModes<R> {
     /// Modes 1 - 3, 2 - 4 and h of the velocities [length/time].
     pub v: [[R; 3]; 3],
     /// Modes 1 - 3, 2 - 4, h and the sum of the rotational velocities [1/time].
@@ -84,7 +87,7 @@ pub struct Modes<R> {
 }
 
 /// Result of a kernel for a group, in global axes.
-pub struct Response<R: Real> {
+pub struct QuadResponse<R: Real> {
     /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
     pub force: [[R; 3]; 3],
     /// Corner moments: signs as in `force`, with `+ sum` at all corners [force length].
@@ -95,7 +98,7 @@ pub struct Response<R: Real> {
     calm: R::Mask,
 }
 
-impl<R: Real> Response<R> {
+impl<R: Real> QuadResponse<R> {
     /// Removes failed elements: they have no forces, do not limit the step and are never reported
     /// as trouble.
     #[inline(always)]
@@ -107,7 +110,7 @@ impl<R: Real> Response<R> {
 }
 
 /// Frame and shape of an element.
-pub struct Geometry<R: Real> {
+pub struct QuadGeometry<R: Real> {
     pub frame: Frame<R>,
     pub area: R,
     /// 1/2A [1/length^2].
@@ -128,7 +131,7 @@ pub struct Geometry<R: Real> {
     pub has_area: R::Mask,
 }
 
-impl<R: Real> Geometry<R> {
+impl<R: Real> QuadGeometry<R> {
     #[inline(always)]
     pub fn new(x: &[[R; 3]; 3]) -> Self {
         let [x13, x24, h] = *x;
@@ -194,11 +197,11 @@ impl<R: Real> Geometry<R> {
 
     /// Returns the limits of the step for the kernel `K`.
     #[inline(always)]
-    fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
+    fn limits<K: Kernel>(&self, section: &Section) -> StepQuantities<R> {
         let area = self.area;
         let h2 = self.x[2].mul_add(self.x[2], self.y[2] * self.y[2]);
         let taper = R::splat(K::TAPER) * h2;
-        Limits {
+        StepQuantities {
             area,
             inv_area: self.inv_2a + self.inv_2a,
             side2: self.equivalent_side2(section.elastic.poisson),
@@ -244,7 +247,7 @@ impl<R: Real> Geometry<R> {
 }
 
 /// Motion of an element in a step, in its axes, as increments of the step.
-pub struct Motion<R> {
+pub struct QuadMotion<R> {
     /// Modes 13, 24 and h of displacement [length].
     pub u: [[R; 3]; 3],
     /// Modes 13, 24, h and the sum of rotation.
@@ -261,10 +264,10 @@ pub struct Motion<R> {
     k_z: [R; 3],
 }
 
-impl<R: Real> Motion<R> {
+impl<R: Real> QuadMotion<R> {
     /// Computes the motion of a step and its strain increments.
     #[inline(always)]
-    pub fn new(g: &Geometry<R>, modes: &Modes<R>, dt: f64) -> (Self, Strains<R>) {
+    pub fn new(g: &QuadGeometry<R>, modes: &QuadModes<R>, dt: f64) -> (Self, Strains<R>) {
         let step = R::splat(dt);
         let [half, quarter] = [0.5, 0.25].map(R::splat);
         let u = g.frame.increments(&modes.v, step);
@@ -293,7 +296,7 @@ impl<R: Real> Motion<R> {
 
     /// Returns the increments of the hourglass modes tx, ty, vz, vx, vy.
     #[inline(always)]
-    pub fn hourglass(&self, g: &Geometry<R>) -> [R; HOURGLASS] {
+    pub fn hourglass(&self, g: &QuadGeometry<R>) -> [R; HOURGLASS] {
         let Self { u, t, k, .. } = self;
         let [k_xz, k_yz, k_zz] = self.k_z;
         // I - K rotates back: `back` is the increment of the shape in the configuration before the
@@ -343,7 +346,7 @@ pub struct Generalised<'a, R> {
 impl<R: Real> Generalised<'_, R> {
     /// Returns the modes of the corner forces and moments, in the axes of the element.
     #[inline(always)]
-    pub fn corners(&self, g: &Geometry<R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
+    pub fn corners(&self, g: &QuadGeometry<R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
         let [half, quarter] = [0.5, 0.25].map(R::splat);
         let ([nx, ny, nxy], [mx, my, mxy], [qx, qy]) = (self.n, self.m, self.q);
         let [hg_tx, hg_ty, hg_z, hg_x, hg_y] = self.hourglass;
@@ -369,13 +372,13 @@ impl<R: Real> Generalised<'_, R> {
     }
 }
 
-impl<R: Real> Response<R> {
+impl<R: Real> QuadResponse<R> {
     /// Builds the response of the kernel `K` from corner modes in the axes of the element and the
     /// columns of the section. `energies` are internal and hourglass energy; `healthy` are the
     /// lanes with the strain increments of a valid step.
     #[inline(always)]
     pub fn new<K: Kernel>(
-        g: &Geometry<R>,
+        g: &QuadGeometry<R>,
         (section, columns): (&Section, &[R]),
         (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
         [internal, hourglass]: [R; 2],
@@ -418,11 +421,11 @@ pub trait Kernel: Send + Sync {
     /// kernel are this one function.
     fn respond<R: PointReal, const N: usize>(
         &self,
-        g: &Geometry<R>,
-        modes: &Modes<R>,
+        g: &QuadGeometry<R>,
+        modes: &QuadModes<R>,
         history: &mut [R],
         dt: f64,
-    ) -> Response<R>;
+    ) -> QuadResponse<R>;
 }
 
 /// A quad with the kernel `K`.
@@ -451,12 +454,12 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 
     fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2] {
-        let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
+        let (section, g) = (self.section(), QuadGeometry::new(&coordinate_modes(x)));
         [g.area, g.limits::<K>(section).floor]
     }
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
-        let geometry = Geometry::new(&coordinate_modes(x));
+        let geometry = QuadGeometry::new(&coordinate_modes(x));
         if !geometry.has_area {
             return f64::NAN;
         }
@@ -464,7 +467,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 
     fn stable_dt_now(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
-        let (section, geometry) = (self.section(), Geometry::new(&coordinate_modes(x)));
+        let (section, geometry) = (self.section(), QuadGeometry::new(&coordinate_modes(x)));
         if !geometry.has_area {
             return f64::NAN;
         }
@@ -472,7 +475,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
-        let Frame { e1, e2, n } = Geometry::new(&coordinate_modes(x)).frame;
+        let Frame { e1, e2, n } = QuadGeometry::new(&coordinate_modes(x)).frame;
         [e1, e2, n]
     }
 
@@ -490,7 +493,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         // velocities are gathered after it, so that the processor has other work meanwhile.
         let mut rows = ModeRows::zero();
         rows.gather_coordinates(group, nodes.x);
-        let geometry = Geometry::new(&rows.coordinates());
+        let geometry = QuadGeometry::new(&rows.coordinates());
         rows.gather_velocities(group, nodes);
         // Rare options work in place on arrays in memory, outside of this function: in registers
         // they would cost every element a fifth of its time.
@@ -521,157 +524,11 @@ impl<K: Kernel> Formulation for Quad<K> {
     ) -> Totals<L> {
         let mut rows = ModeRows::<L, W>::zero();
         rows.gather_coordinates(group, nodes.x);
-        let geometry = Geometry::new(&rows.coordinates());
+        let geometry = QuadGeometry::new(&rows.coordinates());
         let stable_dt = geometry.stable_dt(self.section(), K::STEP);
         let factor = self.section().offset_factor(history);
         let stable_dt = factor.map_or(stable_dt, |factor| factor * stable_dt);
         Totals::inactive(stable_dt, geometry.has_area)
-    }
-}
-
-/// Modes of the corners of a group, one row for each element. Rows are filled in place: they are
-/// too many to be returned without a copy.
-struct ModeRows<L: PointLanes<W>, const W: usize> {
-    x: [[L::Row; W]; 3],
-    v: [[L::Row; W]; 3],
-    w: [[L::Row; W]; 4],
-}
-
-impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
-    #[inline(always)]
-    fn zero() -> Self {
-        let zero = L::row(Lane::splat(0.0));
-        Self { x: [[zero; W]; 3], v: [[zero; W]; 3], w: [[zero; W]; 4] }
-    }
-
-    /// Gathers the corner coordinates of a group. Differences are taken row by row, before the
-    /// rows become lanes.
-    #[inline(always)]
-    fn gather_coordinates(&mut self, group: &GroupNodes<4, W>, x: &[[f64; 4]]) {
-        for lane in 0..W {
-            let corner = group.map(|corner| corner[lane] as usize);
-            let rows = rows_of_coordinates(x, corner).map(L::row);
-            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
-        }
-    }
-
-    /// Gathers the corner velocities of a group in the same way.
-    #[inline(always)]
-    fn gather_velocities(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
-        // One length for both columns, so that one bounds check per node is enough.
-        let n = nodes.x.len();
-        let (v, w) = (&nodes.v[..n], &nodes.w[..n]);
-        for lane in 0..W {
-            let corner = group.map(|corner| corner[lane] as usize);
-            let modes = |column: &[[f64; 4]]| {
-                let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
-                [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
-            };
-            let rows = modes(v);
-            (0..3).for_each(|mode| self.v[mode][lane] = rows[mode]);
-            let rows = modes(w);
-            (0..4).for_each(|mode| self.w[mode][lane] = rows[mode]);
-        }
-    }
-
-    /// Returns the modes 1 - 3, 2 - 4 and h of the coordinates [length].
-    #[inline(always)]
-    fn coordinates(&self) -> [[L; 3]; 3] {
-        self.x.each(L::from_rows)
-    }
-
-    #[inline(always)]
-    fn modes(&self) -> Modes<L> {
-        Modes { v: self.v.each(L::from_rows), w: self.w.each(L::from_rows) }
-    }
-
-    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
-    #[cold]
-    #[inline(never)]
-    fn magnitude(&self) -> L {
-        let (x, Modes { v, w }) = (self.coordinates(), self.modes());
-        let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
-        all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
-    }
-}
-
-/// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which is
-/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of the
-/// coordinates are the same for both.
-#[cold]
-#[inline(never)]
-fn shift_to_middle<L: PointLanes<W>, const W: usize>(rows: &mut ModeRows<L, W>, e: L) -> [L; 3] {
-    let (x, Modes { v, w }) = (rows.coordinates(), rows.modes());
-    let arm = along_normal(e, x[0], x[1]);
-    for c in 0..3 {
-        let more = cross(w[c], arm);
-        let shifted = std::array::from_fn(|i| v[c][i] + more[i]);
-        rows.v[c] = L::to_rows(shifted).map(L::row);
-    }
-    arm
-}
-
-/// Adds to the moments on the nodes those of the forces on the middle surface, which act at `arm`
-/// from the nodes, so that the work on both is the same.
-#[cold]
-#[inline(never)]
-fn shift_to_nodes<L: PointLanes<W>, const W: usize>(
-    arm: [L; 3],
-    force: &GroupCorners<4, W>,
-    moment: &mut GroupCorners<4, W>,
-) {
-    let arm = L::to_rows(arm).map(|arm| arm.to_array());
-    for lane in 0..W {
-        for (f, m) in force[lane].iter().zip(&mut moment[lane]) {
-            let more = cross([arm[lane][0], arm[lane][1], arm[lane][2]], [f[0], f[1], f[2]]);
-            (0..3).for_each(|i| m[i] += more[i]);
-        }
-    }
-}
-
-/// Sets forces and moments of the lanes `gone` to zero.
-#[cold]
-#[inline(never)]
-fn zero_corners<L: PointLanes<W>, const W: usize>(
-    gone: L::Mask,
-    force: &mut GroupCorners<4, W>,
-    moment: &mut GroupCorners<4, W>,
-) {
-    let gone = L::select(gone, L::splat(1.0), L::zero()).to_array();
-    for lane in (0..W).filter(|&lane| gone[lane] > 0.0) {
-        (force[lane], moment[lane]) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
-    }
-}
-
-/// Returns the modes of the coordinates of an element. h is taken from differences of neighbours,
-/// which are small: `(1 - 2) + (3 - 4)`.
-#[inline(always)]
-fn rows_of_coordinates(x: &[[f64; 4]], corner: [usize; 4]) -> [Lane; 3] {
-    let [a, b, c, d] = corner.map(|node| Lane::new(x[node]));
-    [a - c, b - d, (a - b) + (c - d)]
-}
-
-/// Converts modes to corner values and lanes to rows.
-#[inline(always)]
-fn scatter<L: PointLanes<W>, const W: usize>(
-    response: &Response<L>,
-    force: &mut GroupCorners<4, W>,
-    moment: &mut GroupCorners<4, W>,
-) {
-    let [f13, f24, fh] = response.force.each(L::to_rows);
-    let [m13, m24, mh, ms] = response.moment.each(L::to_rows);
-    for lane in 0..W {
-        let force = &mut force[lane];
-        force[0] = (fh[lane] + f13[lane]).to_array();
-        force[1] = (f24[lane] - fh[lane]).to_array();
-        force[2] = (fh[lane] - f13[lane]).to_array();
-        force[3] = (-(f24[lane] + fh[lane])).to_array();
-        let moment = &mut moment[lane];
-        let (even, odd) = (ms[lane] + mh[lane], ms[lane] - mh[lane]);
-        moment[0] = (even + m13[lane]).to_array();
-        moment[1] = (odd + m24[lane]).to_array();
-        moment[2] = (even - m13[lane]).to_array();
-        moment[3] = (odd - m24[lane]).to_array();
     }
 }
 

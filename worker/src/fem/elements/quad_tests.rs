@@ -4,7 +4,7 @@ use super::super::testing::Noise;
 use super::super::{Element, ElementFields};
 use super::*;
 use crate::fem::columns::HistoryColumns;
-use crate::math::lanes::LANES;
+use crate::math::lanes::{LANES, Lane};
 use crumple_proto::job::Precision;
 use crumple_proto::mesh::OwnSection;
 
@@ -12,8 +12,8 @@ use crumple_proto::mesh::OwnSection;
 /// large in the last, and compares bits; returns the fields of the lanes.
 pub fn singles_and_lanes(
     shell: &dyn Element,
-    lanes_of: impl Fn(&Geometry<Lane>, &Modes<Lane>, &mut [Lane]) -> Response<Lane>,
-    one_of: impl Fn(&Geometry<f64>, &Modes<f64>, &mut [f64]) -> Response<f64>,
+    lanes_of: impl Fn(&QuadGeometry<Lane>, &QuadModes<Lane>, &mut [Lane]) -> QuadResponse<Lane>,
+    one_of: impl Fn(&QuadGeometry<f64>, &QuadModes<f64>, &mut [f64]) -> QuadResponse<f64>,
 ) -> [ElementFields; LANES] {
     let mut noise = Noise(41);
     let mut fresh = vec![0.0; shell.columns()];
@@ -32,13 +32,13 @@ pub fn singles_and_lanes(
         let w: [[[f64; LANES]; 3]; 4] =
             std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
         let to = |v: [f64; LANES]| Lane::new(v);
-        let geometry = Geometry::new(&x.map(|r| r.map(to)));
-        let modes = Modes { v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+        let geometry = QuadGeometry::new(&x.map(|r| r.map(to)));
+        let modes = QuadModes { v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
         let lanes = lanes_of(&geometry, &modes, &mut wide);
         for (lane, history) in alone.iter_mut().enumerate() {
             let to = |v: [f64; LANES]| v[lane];
-            let geometry = Geometry::new(&x.map(|r| r.map(to)));
-            let modes = Modes { v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+            let geometry = QuadGeometry::new(&x.map(|r| r.map(to)));
+            let modes = QuadModes { v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
             let one = one_of(&geometry, &modes, history);
             let pairs =
                 lanes.force.iter().zip(&one.force).chain(lanes.moment.iter().zip(&one.moment));

@@ -5,7 +5,7 @@ use super::{
     Element, ElementFields, ElementPass, GroupCorners, GroupNodes, PassTotals, ShellGroups, Totals,
     four, with_points,
 };
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::fem::materials::PointLanes;
 use crate::nodes::NodeView;
 use crumple_proto::mesh::OwnSection;
@@ -132,7 +132,7 @@ impl<F: Formulation> Element for Shell<F> {
         with_points!(self.section().points, N => pass.shells(columns, &WithPoints::<F, N>(&self.0)))
     }
 
-    fn is_unstrained(&self, history: State<'_>) -> bool {
+    fn is_unstrained(&self, history: ElementState<'_>) -> bool {
         self.section().is_unstrained(history)
     }
 
@@ -141,7 +141,7 @@ impl<F: Formulation> Element for Shell<F> {
         self.0.stable_dt(four(x)) * self.section().offset_factor_at_start(own, floor)
     }
 
-    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
+    fn stable_dt_now(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> f64 {
         // A history row asks all elements: no copy of all columns, and no allocation.
         match self.section().shape_columns(history) {
             Some(columns) => self.0.stable_dt_now(&columns, four(x)),
@@ -153,11 +153,11 @@ impl<F: Formulation> Element for Shell<F> {
         F::ALONE
     }
 
-    fn failed(&self, history: State<'_>) -> bool {
+    fn failed(&self, history: ElementState<'_>) -> bool {
         self.section().has_failed(history) || self.is_deleted(history)
     }
 
-    fn is_deleted(&self, history: State<'_>) -> bool {
+    fn is_deleted(&self, history: ElementState<'_>) -> bool {
         self.section().deletes && history.at(self.columns() - 1) > 0.5
     }
 
@@ -165,7 +165,7 @@ impl<F: Formulation> Element for Shell<F> {
         self.section().can_fail()
     }
 
-    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields {
+    fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields {
         let fields = self.section().fields(history, &F::axes(four(x)));
         ElementFields { failed: self.failed(history), ..fields }
     }

@@ -1,7 +1,7 @@
 //! Transverse shear from the sides of a quad, and membrane strain of twisted sides, shared by
 //! `stabilised_quad.rs`, which has the equations, and `fully_integrated_quad.rs`.
 
-use super::quad::{DRILLING, Generalised, Geometry, Motion};
+use super::quad::{DRILLING, Generalised, QuadGeometry, QuadMotion};
 use super::section::Strains;
 use crate::math::lanes::Real;
 
@@ -20,7 +20,7 @@ pub struct Slopes<R> {
 
 impl<R: Real> Slopes<R> {
     #[inline(always)]
-    pub fn new(g: &Geometry<R>) -> Self {
+    pub fn new(g: &QuadGeometry<R>) -> Self {
         let p = [g.x[0] - g.x[1], g.y[0] - g.y[1]];
         let q = [g.x[0] + g.x[1], g.y[0] + g.y[1]];
         let inv_a = g.inv_2a + g.inv_2a;
@@ -76,7 +76,12 @@ impl<R: Real> Sides<R> {
     /// Computes the increments of this motion, whose hourglass increment of vz is `q_z`, and adds
     /// their parts of the strains to `strains`.
     #[inline(always)]
-    pub fn new(g: &Geometry<R>, motion: &Motion<R>, q_z: R, strains: &mut Strains<R>) -> Self {
+    pub fn new(
+        g: &QuadGeometry<R>,
+        motion: &QuadMotion<R>,
+        q_z: R,
+        strains: &mut Strains<R>,
+    ) -> Self {
         let [quarter, sixteenth] = [0.25, 0.0625].map(R::splat);
         let s = Slopes::new(g);
 
@@ -108,9 +113,9 @@ impl<R: Real> Sides<R> {
         Self { slopes: s, rate_xi, rate_eta, h, climb }
     }
 
-    /// Returns [`Motion::extrapolated`] about the normals of the corners.
+    /// Returns [`QuadMotion::extrapolated`] about the normals of the corners.
     #[inline(always)]
-    pub fn ahead(&self, g: &Geometry<R>, motion: &Motion<R>) -> [R; DRILLING] {
+    pub fn ahead(&self, g: &QuadGeometry<R>, motion: &QuadMotion<R>) -> [R; DRILLING] {
         let (t, mut ahead) = (&motion.t, motion.extrapolated());
         let [on_13, on_24] = std::array::from_fn(|c| g.b1[c].mul_add(t[c][0], g.b2[c] * t[c][1]));
         ahead[2] = g.hz.neg_mul_add(on_13 + on_24, ahead[2]);
@@ -121,7 +126,7 @@ impl<R: Real> Sides<R> {
     /// Returns the modes of the corner forces and moments. Forces on the rates of the sides are
     /// distributed to the modes from which these rates are computed.
     #[inline(always)]
-    pub fn corners(&self, g: &Geometry<R>, on: &OnSides<'_, R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
+    pub fn corners(&self, g: &QuadGeometry<R>, on: &OnSides<'_, R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
         let [quarter, sixteenth] = [0.25, 0.0625].map(R::splat);
         let Self { slopes: s, h, climb, .. } = self;
         let (OnSides { n, m, q, drill, .. }, [on_xi, on_eta], [on_tx, on_ty, on_x, on_y]) =

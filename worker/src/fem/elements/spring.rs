@@ -12,10 +12,10 @@
 //! largest k as long as f(0) = 0.
 
 use super::{
-    BuildResult, Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass,
+    Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
     PassTotals, energy_places, section,
 };
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::math::lanes::LANES;
 use crate::math::row::{V3, xyz};
 use crumple_proto::job::Part;
@@ -43,15 +43,15 @@ const ENDS: usize = 2;
 
 /// Parameters of springs.
 pub struct Spring {
-    elongation: Line,
-    rate: Line,
+    elongation: PiecewiseLinear,
+    rate: PiecewiseLinear,
     direction: Option<V3>,
 }
 
 /// A piecewise linear function, extrapolated beyond its ends.
-struct Line(Vec<[f64; 2]>);
+struct PiecewiseLinear(Vec<[f64; 2]>);
 
-impl Line {
+impl PiecewiseLinear {
     /// Builds the function from its points, or through the origin with a slope if there are no
     /// points.
     fn new(points: &[[f64; 2]], slope: f64) -> Self {
@@ -82,7 +82,7 @@ impl Line {
     }
 }
 
-fn build(part: &Part) -> BuildResult {
+fn build(part: &Part) -> ElementResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
         problems.push(Problem::error(key, format!("part {}: {what}", section::label(part)), help));
@@ -119,7 +119,7 @@ fn build(part: &Part) -> BuildResult {
                 "give one of them",
             );
         }
-        if let Some(fault) = Line::fault(points) {
+        if let Some(fault) = PiecewiseLinear::fault(points) {
             let help = "give at least two points with ascending first numbers";
             say(&format!("spring.{key}"), format!("{key} {fault}"), help);
         }
@@ -143,8 +143,8 @@ fn build(part: &Part) -> BuildResult {
         return Err(problems);
     }
     Ok(Box::new(Spring {
-        elongation: Line::new(&spring.force_elongation, spring.stiffness),
-        rate: Line::new(&spring.force_rate, spring.damping),
+        elongation: PiecewiseLinear::new(&spring.force_elongation, spring.stiffness),
+        rate: PiecewiseLinear::new(&spring.force_rate, spring.damping),
         direction: direction.flatten(),
     }))
 }
@@ -218,7 +218,7 @@ impl Element for Spring {
         Some(Discrete { stiffness, damping, along_line: self.direction.is_none() })
     }
 
-    fn failed(&self, _: State<'_>) -> bool {
+    fn failed(&self, _: ElementState<'_>) -> bool {
         false
     }
 
@@ -226,7 +226,7 @@ impl Element for Spring {
         false
     }
 
-    fn fields(&self, _: State<'_>, _: &[[f64; 3]]) -> ElementFields {
+    fn fields(&self, _: ElementState<'_>, _: &[[f64; 3]]) -> ElementFields {
         ElementFields::default()
     }
 }
@@ -237,10 +237,10 @@ mod tests {
 
     #[test]
     fn lines_go_on_beyond_their_ends() {
-        let line = Line::new(&[[-1.0, -3.0], [0.0, 0.0], [2.0, 1.0]], 0.0);
+        let line = PiecewiseLinear::new(&[[-1.0, -3.0], [0.0, 0.0], [2.0, 1.0]], 0.0);
         let at = [-2.0, -1.0, -0.5, 0.0, 1.0, 2.0, 4.0].map(|x| line.value(x));
         assert_eq!(at, [-6.0, -3.0, -1.5, 0.0, 0.5, 1.0, 2.0]);
-        assert_eq!((line.steepest(), Line::new(&[], 7.0).value(-2.0)), (3.0, -14.0));
+        assert_eq!((line.steepest(), PiecewiseLinear::new(&[], 7.0).value(-2.0)), (3.0, -14.0));
     }
 
     /// Checks the amplification polynomial: at the stable step a mode grows at most linearly, just

@@ -47,11 +47,11 @@
 //! are not read.
 
 use super::bounds;
-use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
+use super::quad::{DRILLING, Kernel, Quad, QuadGeometry, QuadModes, QuadMotion, QuadResponse};
 use super::section::{Flow, Resultants, SAVED, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
-use super::{BuildResult, Constructor, ElementEntry, parameters, zero_failed};
+use super::{Constructor, ElementEntry, ElementResult, parameters, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::math::lanes::{Each, Real};
 use crate::parameter::Values;
@@ -89,7 +89,7 @@ pub struct StabilisedQuad {
     least_stiffness: f64,
 }
 
-fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> BuildResult {
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     Ok(Box::new(Shell(Quad(StabilisedQuad {
         section: Section::new(part, values, law)?,
         drilling: values.number("drilling"),
@@ -125,16 +125,16 @@ impl Kernel for StabilisedQuad {
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(
         &self,
-        g: &Geometry<R>,
-        modes: &Modes<R>,
+        g: &QuadGeometry<R>,
+        modes: &QuadModes<R>,
         history: &mut [R],
         dt: f64,
-    ) -> Response<R> {
+    ) -> QuadResponse<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let (stabilising, drill) = own[..STABILISING + DRILLING].split_at_mut(STABILISING);
 
         // 1. Frame, and all motions in its axes.
-        let (motion, mut strains) = Motion::new(g, modes, dt);
+        let (motion, mut strains) = QuadMotion::new(g, modes, dt);
         let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(g);
 
         // 2. Shear from the sides, and membrane strain of twisted sides.
@@ -216,8 +216,13 @@ impl Kernel for StabilisedQuad {
         };
         let (force, moment) = sides.corners(g, &on_sides);
         let energies = [work * g.area, R::splat(0.5) * energy];
-        let mut response =
-            Response::new::<Self>(g, (&self.section, section), (force, moment), energies, sound);
+        let mut response = QuadResponse::new::<Self>(
+            g,
+            (&self.section, section),
+            (force, moment),
+            energies,
+            sound,
+        );
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, stabilising);

@@ -58,7 +58,7 @@ enum Kick {
 }
 
 /// Runs rest, uniform motion and a kick with unstrained elements left out, and with all computed.
-fn follow(
+fn compare_runs(
     [mut left_out, mut computed]: [Box<dyn Mesh>; 2],
     (kick, component): (Kick, usize),
     name: &str,
@@ -125,11 +125,15 @@ fn every_law_in_every_element_keeps_its_bits() {
     {
         for kind in 0..FORMULATIONS.len() {
             let meshes = [0; 2].map(|_| fresh_shells(precision, &law, kind));
-            follow(meshes, (Kick::Move(0), 1), &format!("{precision:?} {} shell {kind}", law.law));
+            compare_runs(
+                meshes,
+                (Kick::Move(0), 1),
+                &format!("{precision:?} {} shell {kind}", law.law),
+            );
         }
         for form in FORMS {
             let meshes = [0; 2].map(|_| fresh_solids(precision, &law, form));
-            follow(
+            compare_runs(
                 meshes,
                 (Kick::Move(0), 1),
                 &format!("{precision:?} {} solid {form:?}", law.law),
@@ -149,11 +153,11 @@ fn whatever_any_corner_does_is_seen() {
             kicks.flat_map(|kick| (0..FORMULATIONS.len()).map(move |kind| (kick, kind)))
         {
             let meshes = [0; 2].map(|_| fresh_shells(Precision::Double, elastic, kind));
-            follow(meshes, (kick, component), &format!("shell {kind}"));
+            compare_runs(meshes, (kick, component), &format!("shell {kind}"));
         }
         for corner in 0..8 {
             let meshes = [0; 2].map(|_| fresh_solids(Precision::Double, elastic, FORMS[0]));
-            follow(meshes, (Kick::Move(corner), component), "solid");
+            compare_runs(meshes, (Kick::Move(corner), component), "solid");
         }
     }
 }

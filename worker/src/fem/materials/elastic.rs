@@ -6,7 +6,7 @@
 //! is a Hencky law as long as the principal axes of strain do not rotate in the material.
 
 use super::parameters::Parameters;
-use super::{BuildResult, BuildSolidResult, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
+use super::{Elastic, Law, LawResult, PlaneStress, Points, Solid, SolidLawResult, SolidPoint};
 use crate::math::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
@@ -24,11 +24,11 @@ struct LinearElastic {
     elastic: Elastic,
 }
 
-fn build(material: &Material) -> BuildResult {
+fn build(material: &Material) -> LawResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuildSolidResult {
+fn solid(material: &Material) -> SolidLawResult {
     Parameters::new(material).solid_law(read)
 }
 

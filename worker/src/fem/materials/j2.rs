@@ -20,8 +20,8 @@
 //! most shell codes).
 
 use super::parameters::Parameters;
-use super::plasticity::{Coefficients, Failure, Plasticity, Rate, YieldCurve};
-use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
+use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve};
+use super::{DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -75,11 +75,11 @@ const PARAMETERS: &[ParameterRow] = &[
     },
 ];
 
-fn build(material: &Material) -> BuildResult {
+fn build(material: &Material) -> LawResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuildSolidResult {
+fn solid(material: &Material) -> SolidLawResult {
     Parameters::new(material).solid_law(read)
 }
 
@@ -103,8 +103,8 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
         }
     };
     let failure = match parameters.optional("failure_strain", "above 0", |f| f > 0.0) {
-        Some(strain) => Failure::Strain(strain),
-        None => Failure::None,
+        Some(strain) => FailureCriterion::Strain(strain),
+        None => FailureCriterion::None,
     };
     parameters.finish()?;
     let curve = YieldCurve::lines(yield_stress, slope, &ramps);

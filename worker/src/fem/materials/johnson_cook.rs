@@ -16,8 +16,8 @@
 //! surface is in `plasticity`.
 
 use super::parameters::Parameters;
-use super::plasticity::{Coefficients, Failure, Plasticity, Rate, Thermal, YieldCurve};
-use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Form, Law, ParameterRow};
+use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, Thermal, YieldCurve};
+use super::{DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -112,11 +112,11 @@ const PARAMETERS: &[ParameterRow] = &[
     },
 ];
 
-fn build(material: &Material) -> BuildResult {
+fn build(material: &Material) -> LawResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuildSolidResult {
+fn solid(material: &Material) -> SolidLawResult {
     Parameters::new(material).solid_law(read)
 }
 
@@ -138,7 +138,8 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
         curve: YieldCurve::Power { b: b / a, n },
         rate: if c > 0.0 { Rate::Logarithmic { c, reference } } else { Rate::None },
         thermal,
-        failure: d.map_or(Failure::None, |d| Failure::JohnsonCook { d, reference }),
+        failure: d
+            .map_or(FailureCriterion::None, |d| FailureCriterion::JohnsonCook { d, reference }),
         coefficients: Coefficients::new(&elastic, a),
     })
 }

@@ -200,9 +200,9 @@ impl PointReal for f64 {
 }
 
 /// A law in plane stress, or all problems of its material.
-pub type BuildResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
+pub type LawResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
 /// A law in three dimensions, or all problems of its material.
-pub type BuildSolidResult = Result<Box<dyn Solid>, Vec<Problem>>;
+pub type SolidLawResult = Result<Box<dyn Solid>, Vec<Problem>>;
 
 /// Parameters of all laws.
 pub const ELASTIC: &[ParameterRow] = &[
@@ -232,9 +232,9 @@ pub struct Law {
     /// Its parameters, without [`ELASTIC`].
     pub parameters: &'static [ParameterRow],
     /// Builds the law for shells.
-    pub build: fn(&Material) -> BuildResult,
+    pub build: fn(&Material) -> LawResult,
     /// Builds the law for solids.
-    pub solid: fn(&Material) -> BuildSolidResult,
+    pub solid: fn(&Material) -> SolidLawResult,
 }
 
 impl Named for Law {
@@ -248,13 +248,13 @@ pub static LAWS: Registry<Law> = Registry::new(&[elastic::LAW, j2::LAW, johnson_
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,
 /// with paths relative to it.
-pub fn build(material: &Material) -> BuildResult {
+pub fn build(material: &Material) -> LawResult {
     (row_of(material)?.build)(material)
 }
 
 /// Builds the law of a solid's material. Returns all problems of the material if there are any,
 /// with paths relative to it.
-pub fn build_solid(material: &Material) -> BuildSolidResult {
+pub fn build_solid(material: &Material) -> SolidLawResult {
     (row_of(material)?.solid)(material)
 }
 

@@ -1,6 +1,6 @@
 //! Reads the parameters of a law and collects all problems of a material at once.
 
-use super::{BuildResult, BuildSolidResult, Elastic, PlaneStress, Solid};
+use super::{Elastic, LawResult, PlaneStress, Solid, SolidLawResult};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -95,7 +95,7 @@ impl<'a> Parameters<'a> {
     pub fn shell_law<L>(
         mut self,
         read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
-    ) -> BuildResult
+    ) -> LawResult
     where
         L: PlaneStress + 'static,
     {
@@ -107,7 +107,7 @@ impl<'a> Parameters<'a> {
     pub fn solid_law<L>(
         mut self,
         read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
-    ) -> BuildSolidResult
+    ) -> SolidLawResult
     where
         L: Solid + 'static,
     {

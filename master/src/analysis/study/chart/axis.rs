@@ -2,7 +2,7 @@
 
 /// A scale: linear, logarithmic, or a row of words.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct ChartAxis {
     log: bool,
     /// Ends of the scale; their logarithms (base 10) on a logarithmic scale.
     ends: [f64; 2],
@@ -24,7 +24,7 @@ pub struct Tick {
 /// Margin outside the outermost values, as a fraction of their distance.
 const ROOM: f64 = 0.06;
 
-impl Axis {
+impl ChartAxis {
     /// Creates a scale that shows all values. Values that it cannot show are ignored.
     pub fn around(values: impl Iterator<Item = f64>, log: bool, page: [f64; 2]) -> Self {
         let on_scale = values.map(|v| if log { v.log10() } else { v }).filter(|v| v.is_finite());
@@ -170,7 +170,7 @@ pub fn short(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn labels(axis: &Axis) -> Vec<String> {
+    fn labels(axis: &ChartAxis) -> Vec<String> {
         axis.ticks().into_iter().filter_map(|t| t.label).collect()
     }
 
@@ -178,24 +178,24 @@ mod tests {
     fn ticks_stand_at_round_numbers() {
         let page = [0.0, 100.0];
         assert_eq!(
-            labels(&Axis::between(0.0, 1.0, false, page)),
+            labels(&ChartAxis::between(0.0, 1.0, false, page)),
             ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
         );
         assert_eq!(
-            labels(&Axis::between(1e-4, 1.0, true, page)),
+            labels(&ChartAxis::between(1e-4, 1.0, true, page)),
             ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"]
         );
-        assert_eq!(labels(&Axis::between(0.1, 1.0, true, page)), ["0.1", "0.2", "0.5", "1"]);
+        assert_eq!(labels(&ChartAxis::between(0.1, 1.0, true, page)), ["0.1", "0.2", "0.5", "1"]);
         assert_eq!(
-            labels(&Axis::between(21.5, 22.6, true, page)),
+            labels(&ChartAxis::between(21.5, 22.6, true, page)),
             ["21.6", "21.8", "22.0", "22.2", "22.4", "22.6"]
         );
-        assert_eq!(labels(&Axis::of_words(vec!["a".into(), "b".into()], page)), ["a", "b"]);
+        assert_eq!(labels(&ChartAxis::of_words(vec!["a".into(), "b".into()], page)), ["a", "b"]);
     }
 
     #[test]
     fn values_go_where_the_scale_says() {
-        let axis = Axis::between(0.01, 100.0, true, [200.0, 0.0]);
+        let axis = ChartAxis::between(0.01, 100.0, true, [200.0, 0.0]);
         assert_eq!(axis.at(1.0), 100.0);
         assert!(axis.at(0.0).is_nan() && axis.at(-1.0).is_nan());
         assert!(axis.holds(axis.at(100.0)) && !axis.holds(axis.at(1000.0)));

@@ -47,7 +47,7 @@ pub enum Anchor {
 }
 
 #[derive(Clone, Debug)]
-enum Shape {
+enum DrawnShape {
     Line { points: Vec<[f64; 2]>, colour: Colour, width: f64 },
     Area { points: Vec<[f64; 2]>, colour: Colour },
     Text { at: [f64; 2], text: String, size: f64, anchor: Anchor, upright: bool, colour: Colour },
@@ -56,7 +56,7 @@ enum Shape {
 /// A page.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
-    shapes: Vec<Shape>,
+    shapes: Vec<DrawnShape>,
     /// Required height, if that of [`SIZE`] is too small.
     needed: f64,
 }
@@ -69,7 +69,7 @@ impl Sheet {
 
     /// Draws a line through points.
     pub fn line(&mut self, points: &[[f64; 2]], colour: Colour, width: f64) {
-        self.shapes.push(Shape::Line { points: points.to_vec(), colour, width });
+        self.shapes.push(DrawnShape::Line { points: points.to_vec(), colour, width });
     }
 
     /// Draws a dashed line through points.
@@ -98,7 +98,7 @@ impl Sheet {
 
     /// Draws a filled polygon.
     pub fn area(&mut self, points: &[[f64; 2]], colour: Colour) {
-        self.shapes.push(Shape::Area { points: points.to_vec(), colour });
+        self.shapes.push(DrawnShape::Area { points: points.to_vec(), colour });
     }
 
     /// Draws a filled rectangle between two corners.
@@ -108,7 +108,7 @@ impl Sheet {
 
     /// Draws a text in one line, vertically centred at `at`.
     pub fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
-        self.shapes.push(Shape::Text {
+        self.shapes.push(DrawnShape::Text {
             at,
             text: text.into(),
             size,
@@ -121,7 +121,7 @@ impl Sheet {
     /// Draws a text that runs upwards, with its middle at `at`.
     pub fn upright(&mut self, at: [f64; 2], text: &str, size: f64) {
         let text = text.into();
-        self.shapes.push(Shape::Text {
+        self.shapes.push(DrawnShape::Text {
             at,
             text,
             size,
@@ -176,18 +176,18 @@ impl Sheet {
         area.fill(&rgb(WHITE)).map_err(|e| failed(&e))?;
         for shape in &self.shapes {
             match shape {
-                Shape::Line { points, colour, width } => {
+                DrawnShape::Line { points, colour, width } => {
                     let stroke_width = pixel(*width).max(1) as u32;
                     let style =
                         ShapeStyle { color: rgb(*colour).into(), filled: false, stroke_width };
                     area.draw(&PathElement::new(pixels(points), style))
                 }
-                Shape::Area { points, colour } => {
+                DrawnShape::Area { points, colour } => {
                     let style =
                         ShapeStyle { color: rgb(*colour).into(), filled: true, stroke_width: 0 };
                     area.draw(&Polygon::new(pixels(points), style))
                 }
-                Shape::Text { at, text, size, anchor, upright, colour } => {
+                DrawnShape::Text { at, text, size, anchor, upright, colour } => {
                     let font = (FONT_NAME, size * SCALE).into_font();
                     let font =
                         if *upright { font.transform(FontTransform::Rotate270) } else { font };

@@ -1,7 +1,7 @@
 //! Common parts of all charts: title, axes with titles and ticks, and a column on the right for
 //! the legend.
 
-use super::axis::Axis;
+use super::axis::ChartAxis;
 use super::canvas::{Anchor, BLACK, Colour, GREY, LIGHT, SIZE, Sheet};
 
 /// Left edge of the plot on the page.
@@ -42,19 +42,19 @@ pub fn colour(series: usize) -> Colour {
 }
 
 /// A page with axes. Further shapes are drawn over it.
-pub struct Frame {
+pub struct ChartFrame {
     /// The page.
     pub sheet: Sheet,
     /// Scale along x.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// Scale along y.
-    pub y: Axis,
+    pub y: ChartAxis,
     below: f64,
 }
 
-impl Frame {
-    /// Draws title and grid; [`Frame::close`] draws the axes.
-    pub fn new(head: &str, x: Axis, y: Axis, grid: bool) -> Self {
+impl ChartFrame {
+    /// Draws title and grid; [`ChartFrame::draw_axes`] draws the axes.
+    pub fn new(head: &str, x: ChartAxis, y: ChartAxis, grid: bool) -> Self {
         let mut sheet = Sheet::default();
         sheet.text([LEFT, 28.0], head, HEAD, Anchor::Start, BLACK);
         if grid {
@@ -99,7 +99,7 @@ impl Frame {
     }
 
     /// Draws the axes and their titles, and returns the page.
-    pub fn close(mut self, x_title: &str, y_title: &str) -> Sheet {
+    pub fn draw_axes(mut self, x_title: &str, y_title: &str) -> Sheet {
         let sheet = &mut self.sheet;
         sheet.reach(self.below + LINE);
         sheet.line(

@@ -1,10 +1,10 @@
 //! A measure over one setting, with a line for each series and each combination of its other
 //! settings.
 
-use super::View;
-use super::axis::Axis;
+use super::ChartView;
+use super::axis::ChartAxis;
 use super::canvas::{GREY, Sheet, WHITE};
-use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
+use super::frame::{BOTTOM, ChartFrame, LEFT, RIGHT, TOP, colour};
 use super::map::curves;
 use crate::analysis::study::grid::{number, plain, short};
 use crate::analysis::study::results::PointResult;
@@ -14,7 +14,7 @@ use crate::analysis::study::spec::flatten;
 ///
 /// # Errors
 /// No point can be shown.
-pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
+pub fn draw(view: &ChartView<'_>) -> Result<Sheet, String> {
     let chart = view.chart;
     let key = chart.x.clone().unwrap_or_default();
     let varying: Vec<&PointResult> =
@@ -42,12 +42,15 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     }
     let reference = view.table.references[view.measure_index()].filter(|_| !chart.error);
     let x = match in_words {
-        true => Axis::of_words(words.clone(), [LEFT, RIGHT]),
-        false => Axis::around(shown.iter().map(|r| along(r)), log[0], [LEFT, RIGHT]),
+        true => ChartAxis::of_words(words.clone(), [LEFT, RIGHT]),
+        false => ChartAxis::around(shown.iter().map(|r| along(r)), log[0], [LEFT, RIGHT]),
     };
-    let y =
-        Axis::around(shown.iter().map(|r| view.value(r)).chain(reference), log[1], [BOTTOM, TOP]);
-    let mut frame = Frame::new(view.head(), x, y, true);
+    let y = ChartAxis::around(
+        shown.iter().map(|r| view.value(r)).chain(reference),
+        log[1],
+        [BOTTOM, TOP],
+    );
+    let mut frame = ChartFrame::new(view.head(), x, y, true);
     if let Some(level) = reference.map(|r| frame.y.at(r)) {
         frame.sheet.dashed(&[[LEFT, level], [RIGHT, level]], GREY, 1.2);
         frame.entry("reference", |sheet, at| {
@@ -87,12 +90,12 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     }
     let x_title = chart.x_title.clone().unwrap_or(key);
     let y_title = chart.y_title.clone().unwrap_or_else(|| view.measure_title(chart.error));
-    Ok(frame.close(&x_title, &y_title))
+    Ok(frame.draw_axes(&x_title, &y_title))
 }
 
 /// Returns the name of the line of a row: its series and its other varied settings. Settings that
 /// vary together with the one along x are not part of it.
-fn name(view: &View<'_>, row: &PointResult, along: &str) -> String {
+fn name(view: &ChartView<'_>, row: &PointResult, along: &str) -> String {
     let zipped: Vec<String> =
         flatten(&view.study.series[row.series].zip).into_iter().map(|(k, _)| k).collect();
     let with_x = |k: &String| k == along || zipped.iter().any(|z| z == along) && zipped.contains(k);

@@ -1,10 +1,10 @@
 //! A stability map: a measure, or the end of the runs, as colour over two settings, with
 //! theoretical curves.
 
-use super::View;
-use super::axis::{Axis, short};
+use super::ChartView;
+use super::axis::{ChartAxis, short};
 use super::canvas::{Anchor, BLACK, Colour, Sheet, WHITE};
-use super::frame::{BOTTOM, Frame, LEFT, LEGEND, RIGHT, SMALL, TOP};
+use super::frame::{BOTTOM, ChartFrame, LEFT, LEGEND, RIGHT, SMALL, TOP};
 use crate::analysis::study::grid::number;
 use crate::analysis::study::results::PointResult;
 use crate::analysis::study::spec::{ENDED, formula};
@@ -26,7 +26,7 @@ const ROOM: [f64; 2] = [44.0, 18.0];
 ///
 /// # Errors
 /// The series does not vary both settings, or their values are no numbers.
-pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
+pub fn draw(view: &ChartView<'_>, series: usize) -> Result<Sheet, String> {
     let chart = view.chart;
     let name = &view.study.series[series].name;
     let key = |axis: &Option<String>| axis.clone().unwrap_or_default();
@@ -46,17 +46,17 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
     let (x_edges, y_edges) = (edges(0, view.is_log("x")), edges(1, view.is_log("y")));
     let ends = |e: &[f64]| (e[0], e[e.len() - 1]);
     let (x_ends, y_ends) = (ends(&x_edges), ends(&y_edges));
-    let x = Axis::between(x_ends.0, x_ends.1, view.is_log("x"), [LEFT, RIGHT]);
-    let y = Axis::between(y_ends.0, y_ends.1, view.is_log("y"), [BOTTOM, TOP]);
+    let x = ChartAxis::between(x_ends.0, x_ends.1, view.is_log("x"), [LEFT, RIGHT]);
+    let y = ChartAxis::between(y_ends.0, y_ends.1, view.is_log("y"), [BOTTOM, TOP]);
     let ended_only = chart.measure.as_deref() == Some(ENDED);
     let values = cells.iter().filter(|(_, r)| r.ended_well()).map(|(_, r)| view.value(r));
-    let colours = Axis::around(values, view.is_log("colour"), [0.0, 1.0]);
+    let colours = ChartAxis::around(values, view.is_log("colour"), [0.0, 1.0]);
     let head = if view.study.series.len() > 1 {
         format!("{}: {name}", view.head())
     } else {
         view.head().into()
     };
-    let mut frame = Frame::new(&head, x, y, false);
+    let mut frame = ChartFrame::new(&head, x, y, false);
     let mut words = Vec::new();
     for ([cx, cy], row) in worst_last(cells, view) {
         let [x0, x1] = around(&x_edges, cx).map(|e| frame.x.at(e));
@@ -102,13 +102,13 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
     });
     let title =
         |given: &Option<String>, key: &str| given.clone().unwrap_or_else(|| key.to_string());
-    Ok(frame.close(&title(&chart.x_title, &x_key), &title(&chart.y_title, &y_key)))
+    Ok(frame.draw_axes(&title(&chart.x_title, &x_key), &title(&chart.y_title, &y_key)))
 }
 
 /// Sorts cells so that the worst of several at the same position is drawn last, over the others.
 fn worst_last<'a>(
     mut cells: Vec<([f64; 2], &'a PointResult)>,
-    view: &View<'_>,
+    view: &ChartView<'_>,
 ) -> Vec<([f64; 2], &'a PointResult)> {
     cells.sort_by(|a, b| {
         let badness = |r: &PointResult| (!r.ended_well(), view.value(r));
@@ -155,7 +155,7 @@ fn square(sheet: &mut Sheet, at: [f64; 2], colour: Colour) {
 }
 
 /// Draws the colour bar with its ticks in the legend.
-fn bar(frame: &mut Frame, colours: &Axis, title: &str) {
+fn bar(frame: &mut ChartFrame, colours: &ChartAxis, title: &str) {
     frame.gap(8.0);
     frame.note(title);
     let top = frame.gap(BAR + 24.0) + 2.0;
@@ -181,7 +181,7 @@ fn bar(frame: &mut Frame, colours: &Axis, title: &str) {
 }
 
 /// Draws the theoretical curves over the chart, and adds them to the legend.
-pub fn curves(view: &View<'_>, frame: &mut Frame) -> Result<(), String> {
+pub fn curves(view: &ChartView<'_>, frame: &mut ChartFrame) -> Result<(), String> {
     const SAMPLES: usize = 400;
     for (number, curve) in view.chart.curve.iter().enumerate() {
         let part = |i: usize| i as f64 / SAMPLES as f64;

@@ -13,7 +13,7 @@ mod map;
 mod pareto;
 pub mod series;
 
-use super::results::{PointResult, Table};
+use super::results::{PointResult, PointTable};
 use super::spec::{Chart, ChartKind, Measure, Study};
 use canvas::Sheet;
 use std::path::{Path, PathBuf};
@@ -22,10 +22,10 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// A chart has no data, or a file cannot be written.
-pub fn draw_all(study: &Study, table: &Table, out: &Path) -> Result<Vec<PathBuf>, String> {
+pub fn draw_all(study: &Study, table: &PointTable, out: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
     for chart in &study.chart {
-        let view = View { study, table, chart };
+        let view = ChartView { study, table, chart };
         let sheets: Vec<(String, Sheet)> = match chart.kind {
             ChartKind::Pareto => vec![(chart.file.clone(), pareto::draw(&view)?)],
             ChartKind::Lines => vec![(chart.file.clone(), lines::draw(&view)?)],
@@ -56,13 +56,13 @@ fn map_name(study: &Study, chart: &Chart, series: usize, shown: usize) -> String
 }
 
 /// A chart and its data.
-struct View<'a> {
+struct ChartView<'a> {
     study: &'a Study,
-    table: &'a Table,
+    table: &'a PointTable,
     chart: &'a Chart,
 }
 
-impl View<'_> {
+impl ChartView<'_> {
     fn head(&self) -> &str {
         self.chart.title.as_deref().unwrap_or(&self.study.title)
     }

@@ -1,16 +1,16 @@
 //! Error over cost on logarithmic axes, with the Pareto front: the points that no other point
 //! beats in both.
 
-use super::axis::Axis;
+use super::axis::ChartAxis;
 use super::canvas::{Anchor, BLACK, Sheet, WHITE};
-use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
-use super::{View, dash};
+use super::frame::{BOTTOM, ChartFrame, LEFT, RIGHT, TOP, colour};
+use super::{ChartView, dash};
 
 /// Draws the chart.
 ///
 /// # Errors
 /// No point can be shown.
-pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
+pub fn draw(view: &ChartView<'_>) -> Result<Sheet, String> {
     let m = view.measure_index();
     let shown: Vec<_> =
         view.rows().filter(|(_, r)| r.ended_well() && r.errors[m] > 0.0 && r.cost > 0.0).collect();
@@ -20,11 +20,12 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
             view.chart.file
         ));
     }
-    let x = Axis::around(shown.iter().map(|(_, r)| r.cost), true, [LEFT, RIGHT]);
-    let y = Axis::around(shown.iter().map(|(_, r)| r.errors[m]), true, [BOTTOM, TOP]);
-    let mut frame = Frame::new(view.head(), x, y, true);
+    let x = ChartAxis::around(shown.iter().map(|(_, r)| r.cost), true, [LEFT, RIGHT]);
+    let y = ChartAxis::around(shown.iter().map(|(_, r)| r.errors[m]), true, [BOTTOM, TOP]);
+    let mut frame = ChartFrame::new(view.head(), x, y, true);
     let front = view.table.front(m, |r| view.shows_series(r.series) && r.errors[m] > 0.0);
-    let place = |f: &Frame, i: usize| f.at(view.table.rows[i].cost, view.table.rows[i].errors[m]);
+    let place =
+        |f: &ChartFrame, i: usize| f.at(view.table.rows[i].cost, view.table.rows[i].errors[m]);
     let corners: Vec<[f64; 2]> = front.iter().filter_map(|&i| place(&frame, i)).collect();
     frame.sheet.dashed(&staircase(&corners), BLACK, 1.2);
     for &(i, row) in &shown {
@@ -73,7 +74,7 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
         .clone()
         .unwrap_or_else(|| format!("{} [{}]", cost.name, dash(&cost.unit)));
     let y_title = view.chart.y_title.clone().unwrap_or_else(|| view.measure_title(true));
-    Ok(frame.close(&x_title, &y_title))
+    Ok(frame.draw_axes(&x_title, &y_title))
 }
 
 /// Returns the staircase through points. It runs along x first, then along y, because up to the

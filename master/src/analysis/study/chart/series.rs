@@ -1,8 +1,8 @@
 //! Curves given as numbers, for commands that measure without a study.
 
-use super::axis::Axis;
+use super::axis::ChartAxis;
 use super::canvas::WHITE;
-use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
+use super::frame::{BOTTOM, ChartFrame, LEFT, RIGHT, TOP, colour};
 use std::path::{Path, PathBuf};
 
 /// A named curve.
@@ -32,8 +32,8 @@ pub fn percent_over_doublings(
     let most = all().map(|p| p[0]).fold(1.0, f64::max);
     let words = (0..=most.log2().ceil() as u32).map(|power| 2u64.pow(power).to_string()).collect();
     let top = all().map(|p| p[1]).fold(100.0, f64::max);
-    let y = Axis::between(0.0, 1.04 * top, false, [BOTTOM, TOP]);
-    let mut frame = Frame::new(head, Axis::of_words(words, [LEFT, RIGHT]), y, true);
+    let y = ChartAxis::between(0.0, 1.04 * top, false, [BOTTOM, TOP]);
+    let mut frame = ChartFrame::new(head, ChartAxis::of_words(words, [LEFT, RIGHT]), y, true);
     for curve in curves {
         let places: Vec<[f64; 2]> =
             curve.points.iter().filter_map(|p| frame.at(p[0].log2(), p[1])).collect();
@@ -55,5 +55,5 @@ pub fn percent_over_doublings(
             sheet.marker(at, number, 5.5, tint);
         });
     }
-    frame.close(titles[0], titles[1]).write(path)
+    frame.draw_axes(titles[0], titles[1]).write(path)
 }

@@ -1,12 +1,12 @@
 //! Converts `*ELEMENT_BEAM`, and the sections of its parts.
 
 use super::DeckConverter;
-use super::materials::Material;
+use super::materials::DeckMaterial;
 use super::sections::DeckSection;
 use super::sets::id;
 use super::space::{cross, unit};
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::corner_nodes;
 use std::f64::consts::PI;
@@ -95,14 +95,14 @@ impl DeckConverter {
     /// Converts a part of beams.
     pub(super) fn beam_part(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         section: &DeckSection,
-        material: &Material,
-        table: &mut Table,
+        material: &DeckMaterial,
+        table: &mut JobTable,
     ) {
         let card = &section.record;
         let (pid, elform) = (record.integer("pid"), card.integer("elform"));
-        let mut beam = Table::new(card.head);
+        let mut beam = JobTable::new(card.head);
         if card.real("nsm") != 0.0 {
             self.unsupported_value(card, "nsm", "mass in addition to that of the material");
         }
@@ -127,7 +127,7 @@ impl DeckConverter {
         };
         let mut used = format!("corotational beam, section {used}; {shear}");
         if let Some((limits, place)) = material.weld {
-            let mut weld = Table::new(place);
+            let mut weld = JobTable::new(place);
             for (key, limit) in ["normal", "shear", "bending", "torsion"].into_iter().zip(limits) {
                 weld.put(key, place, limit);
             }
@@ -147,7 +147,11 @@ impl DeckConverter {
     }
 
     /// Converts a section with integrated fibres. Returns its name, and true if it is round.
-    fn integrated(&mut self, card: &Record, beam: &mut Table) -> Option<(&'static str, bool)> {
+    fn integrated(
+        &mut self,
+        card: &CardRecord,
+        beam: &mut JobTable,
+    ) -> Option<(&'static str, bool)> {
         if card.real("qr") < 0.0 {
             self.unsupported_value(card, "qr", "integration rules of *INTEGRATION_BEAM");
             return None;
@@ -190,9 +194,9 @@ impl DeckConverter {
     /// Converts a section with given area and moments.
     fn resultant(
         &mut self,
-        card: &Record,
-        material: &Material,
-        beam: &mut Table,
+        card: &CardRecord,
+        material: &DeckMaterial,
+        beam: &mut JobTable,
     ) -> Option<(&'static str, bool)> {
         beam.put("section", card.head, "general");
         beam.put("area", card.place("a"), card.real("a"));
@@ -221,7 +225,7 @@ impl DeckConverter {
 }
 
 /// Sets the shear areas of a section with shear deformation.
-fn shear(card: &Record, area: f64, beam: &mut Table) {
+fn shear(card: &CardRecord, area: f64, beam: &mut JobTable) {
     if matches!(card.integer("elform"), 0 | 1 | 9) {
         beam.put("shear_areas", card.place("shrf"), [card.real("shrf") * area; 2]);
     }

@@ -1,10 +1,10 @@
 //! Converts `*CONTACT_...`: contact and its interfaces, one for each card.
 
 use super::DeckConverter;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
-use crumple_proto::job::Contact;
+use crumple_proto::job::ContactInput;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Contacts that include the thickness of beams (LS-DYNA support, contact types 13 and 26).
@@ -45,7 +45,7 @@ pub(super) struct Friction {
 
 impl Friction {
     /// Reads the friction of a card.
-    pub(super) fn from_record(record: &Record) -> Self {
+    pub(super) fn from_record(record: &CardRecord) -> Self {
         let [fixed, sliding, decay, limit] =
             ["fs", "fd", "dc", "vc"].map(|field| record.real(field));
         Self { fixed, sliding, decay, limit }
@@ -73,7 +73,7 @@ impl DeckConverter {
     /// name two parts the last one holds, so contacts of one surface come before those of two.
     /// `shifted` is the setting that contact uses the offset of shells.
     pub(super) fn contacts(&mut self, shifted: Option<(i64, Place)>) {
-        let mut found: Vec<(bool, Record)> = Vec::new();
+        let mut found: Vec<(bool, CardRecord)> = Vec::new();
         for (keyword, single) in KEYWORDS {
             found.extend(self.take_records(keyword).into_iter().map(|record| (single, record)));
         }
@@ -94,9 +94,9 @@ impl DeckConverter {
         }
         let mut tables = tables.into_iter();
         if let Some(mut first) = tables.next() {
-            let mut interfaces: Vec<Table> = tables.collect();
+            let mut interfaces: Vec<JobTable> = tables.collect();
             // An interface inherits the keys that it does not set.
-            let default = Contact::default().law;
+            let default = ContactInput::default().law;
             for table in interfaces.iter_mut().filter(|table| first.has("law") && !table.has("law"))
             {
                 table.put("law", table.place(), default.as_str());
@@ -124,8 +124,8 @@ impl DeckConverter {
 
     /// Converts a contact to a table of `[contact]` or of an interface, and to further tables if
     /// its parts have individual friction. Returns no table if the contact has no surface.
-    fn contact(&mut self, name: &str, single: bool, record: &Record) -> Vec<Table> {
-        let mut table = Table::new(record.head).with("name", record.head, name);
+    fn contact(&mut self, name: &str, single: bool, record: &CardRecord) -> Vec<JobTable> {
+        let mut table = JobTable::new(record.head).with("name", record.head, name);
         let sides: &[(&str, &str, &str)] = match single {
             true => &[("surfa", "surfatyp", "parts")],
             false => &[("surfa", "surfatyp", "parts"), ("surfb", "surfbtyp", "against")],
@@ -178,7 +178,7 @@ impl DeckConverter {
     }
 
     /// Includes or excludes beams, and adds this to the mapping, if the deck has beams.
-    fn with_beams(&mut self, record: &Record, name: &str, table: &mut Table) {
+    fn with_beams(&mut self, record: &CardRecord, name: &str, table: &mut JobTable) {
         if self.rows.beams.is_empty() {
             return;
         }
@@ -201,7 +201,7 @@ impl DeckConverter {
     }
 
     /// Returns the parts of one side; `None` for all.
-    fn side(&mut self, record: &Record, side: &str, kind: &str) -> Option<Vec<i64>> {
+    fn side(&mut self, record: &CardRecord, side: &str, kind: &str) -> Option<Vec<i64>> {
         let (id, place) = (record.integer(side), record.place(side));
         match record.integer(kind) {
             5 => None,
@@ -243,7 +243,7 @@ impl DeckConverter {
     /// Returns the parts that have any of these nodes, because contact works with whole parts.
     fn parts_with(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         side: &str,
         what: &str,
         nodes: &BTreeSet<crumple_proto::ids::NodeId>,
@@ -266,7 +266,7 @@ impl DeckConverter {
     }
 
     /// Converts the friction of the card, except for fs -1.
-    fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
+    fn friction(&mut self, record: &CardRecord, name: &str, table: &mut JobTable) {
         let fs = record.real("fs");
         if fs == 2.0 && record.name().ends_with("SURFACE_TO_SURFACE") {
             let (id, place) = (record.real("fd") as i64, record.place("fd"));
@@ -287,7 +287,13 @@ impl DeckConverter {
         }
     }
 
-    fn put_friction(&mut self, record: &Record, name: &str, friction: Friction, table: &mut Table) {
+    fn put_friction(
+        &mut self,
+        record: &CardRecord,
+        name: &str,
+        friction: Friction,
+        table: &mut JobTable,
+    ) {
         let Friction { fixed, sliding, decay, limit } = friction;
         table.put("friction", record.place("fs"), fixed);
         if decay > 0.0 && fixed != sliding {
@@ -306,8 +312,8 @@ impl DeckConverter {
     /// Converts the friction of `*PART_CONTACT`. Parts with equal friction form a group, and each
     /// two groups in contact get an interface. The first two groups are those of the contact
     /// itself.
-    fn friction_of_parts(&mut self, record: &Record, name: &str, tables: &mut Vec<Table>) {
-        let named = |table: &Table, key: &str| table.integers(key);
+    fn friction_of_parts(&mut self, record: &CardRecord, name: &str, tables: &mut Vec<JobTable>) {
+        let named = |table: &JobTable, key: &str| table.integers(key);
         let everyone: Vec<i64> = self.parts.keys().copied().collect();
         let ahead = named(&tables[0], "parts").unwrap_or_else(|| everyone.clone());
         let behind = named(&tables[0], "against");
@@ -395,7 +401,7 @@ impl DeckConverter {
 
     /// Converts the contact thickness, given directly or by a factor. For two surfaces the mean
     /// is used.
-    fn thickness(&mut self, record: &Record, name: &str, single: bool, table: &mut Table) {
+    fn thickness(&mut self, record: &CardRecord, name: &str, single: bool, table: &mut JobTable) {
         let [a, b] = ["sast", "sbst"].map(|field| record.real(field));
         let b = if single { a } else { b };
         if a > 0.0 && b > 0.0 {
@@ -427,7 +433,7 @@ impl DeckConverter {
     }
 
     /// Lists the options that are not used in one line.
-    fn options(&mut self, record: &Record, name: &str) {
+    fn options(&mut self, record: &CardRecord, name: &str) {
         let given = |field: &&str| {
             let default = record
                 .row
@@ -464,7 +470,7 @@ fn written(place: Place) -> (u32, u32) {
 }
 
 /// Sets the largest shear stress of friction, if there is one [force/length^2].
-fn put_friction_limit(record: &Record, limit: f64, table: &mut Table) {
+fn put_friction_limit(record: &CardRecord, limit: f64, table: &mut JobTable) {
     if limit > 0.0 && limit.is_finite() {
         table.put("friction_limit", record.place("vc"), limit);
     }

@@ -1,7 +1,7 @@
 //! Converts `*CONTROL_...`, `*DATABASE_...`, `*TITLE`: settings of the run.
 
 use super::DeckConverter;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 
 impl DeckConverter {
     pub(super) fn control(&mut self) {
@@ -82,7 +82,7 @@ impl DeckConverter {
 
     /// Returns the records of a keyword that a deck needs once. Warns if there are more; the last
     /// one counts.
-    fn take_one(&mut self, name: &str) -> Vec<Record> {
+    fn take_one(&mut self, name: &str) -> Vec<CardRecord> {
         let records = self.take_records(name);
         if let [_, .., last] = &records[..] {
             let message = format!("*{name} occurs {} times: the last one counts", records.len());

@@ -1,7 +1,7 @@
 //! Converts `*DEFINE_CURVE`.
 
 use super::DeckConverter;
-use super::tree::Table;
+use super::tree::JobTable;
 use crate::input::job::tree::Place;
 
 /// A curve with its scales and offsets applied.
@@ -24,7 +24,7 @@ impl DeckConverter {
             let place = record.place("lcid");
             let (sfa, sfo) = (one(record.real("sfa")), one(record.real("sfo")));
             let (offa, offo) = (record.real("offa"), record.real("offo"));
-            let point = |line: &crate::input::deck::record::Line| {
+            let point = |line: &crate::input::deck::record::CardLine| {
                 [sfa * (line.real("a") + offa), sfo * (line.real("o") + offo)]
             };
             let points: Vec<[f64; 2]> = record.lines("a").map(point).collect();
@@ -60,7 +60,7 @@ impl DeckConverter {
         let curve = self.curve(id, place)?;
         let name = format!("curve-{id}");
         if !curve.used {
-            let mut table = Table::new(curve.place).with("name", curve.place, name.as_str());
+            let mut table = JobTable::new(curve.place).with("name", curve.place, name.as_str());
             table.put(
                 "points",
                 curve.place,

@@ -5,8 +5,8 @@
 use super::DeckConverter;
 use super::sets::{id, ids};
 use super::space::{cross, unit};
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{MeshElement, Shape};
@@ -44,9 +44,9 @@ impl DeckConverter {
         self.node_histories();
     }
 
-    fn put_list(&mut self, key: &str, list: Vec<(Place, Table)>) {
+    fn put_list(&mut self, key: &str, list: Vec<(Place, JobTable)>) {
         let Some(&(place, _)) = list.first() else { return };
-        let tables: Vec<Table> = list.into_iter().map(|entry| entry.1).collect();
+        let tables: Vec<JobTable> = list.into_iter().map(|entry| entry.1).collect();
         self.tree.set_in("output", key, place, tables);
     }
 
@@ -62,7 +62,7 @@ impl DeckConverter {
                 heading.to_string()
             };
             let mut table =
-                Table::new(record.head).with("name", record.place("heading"), name.as_str());
+                JobTable::new(record.head).with("name", record.place("heading"), name.as_str());
             let surfaces = [
                 ("surfa", "surfatyp", ["parts", "nodes"]),
                 ("surfb", "surfbtyp", ["from_parts", "from_nodes"]),
@@ -96,11 +96,11 @@ impl DeckConverter {
     /// everything.
     fn felt_surface(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         name: &str,
         (side, kind): (&str, &str),
         [parts, nodes]: [&str; 2],
-        table: &mut Table,
+        table: &mut JobTable,
     ) -> bool {
         let (number, place) = (record.integer(side), record.place(side));
         if number == 0 {
@@ -172,10 +172,10 @@ impl DeckConverter {
 
     fn section_of_sets(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         name: String,
         sets: &[ElementSets; 3],
-    ) -> Option<(Place, Table)> {
+    ) -> Option<(Place, JobTable)> {
         let set = self.node_set(record.integer("nsid"), record.place("nsid"))?;
         let mut elements: Vec<i64> = Vec::new();
         for (kind, (_, _, field)) in ELEMENT_SETS.iter().enumerate() {
@@ -221,11 +221,11 @@ impl DeckConverter {
 
     fn section(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         name: String,
         set: String,
         elements: Vec<i64>,
-    ) -> Option<(Place, Table)> {
+    ) -> Option<(Place, JobTable)> {
         let rigid = |e: &&MeshElement| self.bodies.contains_key(&i64::from(e.part));
         let without_forces: HashSet<u64> =
             self.rows.elements().filter(rigid).map(|e| e.id.0).collect();
@@ -245,20 +245,20 @@ impl DeckConverter {
             self.map(&name, "forces in the axes of id", "in global axes");
         }
         self.map(&name, "cross section", format!("sections.csv: {} elements", elements.len()));
-        let table = Table::new(record.head).with("name", record.place("title"), name);
+        let table = JobTable::new(record.head).with("name", record.place("title"), name);
         Some((
             record.head,
             table.with("nodes", record.head, set).with("elements", record.head, elements),
         ))
     }
 
-    fn section_of_plane(&mut self, record: &Record, name: String) -> Option<(Place, Table)> {
+    fn section_of_plane(&mut self, record: &CardRecord, name: String) -> Option<(Place, JobTable)> {
         let place = record.place("psid");
         let parts: Option<Vec<i64>> = match record.integer("psid") {
             0 => None,
             set => Some(self.part_set(set, place)),
         };
-        let plane = Plane::from_record(record);
+        let plane = CuttingPlane::from_record(record);
         let Some(plane) = plane else {
             let help = "give a head that differs from the tail";
             self.trouble.warning(
@@ -302,7 +302,7 @@ impl DeckConverter {
         for record in self.take_records("DATABASE_HISTORY_NODE_SET") {
             for (set, place) in ids(&record, "id") {
                 if let Some(name) = self.node_set(set, place) {
-                    histories.push((place, Table::new(record.head).with("nodes", place, name)));
+                    histories.push((place, JobTable::new(record.head).with("nodes", place, name)));
                 }
             }
         }
@@ -321,15 +321,16 @@ impl DeckConverter {
             let own: Vec<(i64, Place)> =
                 ids(&record, "id").into_iter().filter(&mut there).collect();
             let list: Vec<i64> = own.iter().map(|n| n.0).collect();
-            named
-                .extend((!list.is_empty()).then(|| {
-                    (record.head, Table::new(record.head).with("ids", record.head, list))
-                }));
+            named.extend(
+                (!list.is_empty()).then(|| {
+                    (record.head, JobTable::new(record.head).with("ids", record.head, list))
+                }),
+            );
         }
         for record in self.records.remove("DATABASE_HISTORY_NODE_ID").unwrap_or_default() {
             for line in record.lines("id") {
                 if there(&(line.integer("id"), line.place("id"))) {
-                    let table = Table::new(line.place).with(
+                    let table = JobTable::new(line.place).with(
                         "name",
                         line.place("heading"),
                         line.word("heading"),
@@ -347,7 +348,7 @@ impl DeckConverter {
 }
 
 /// Returns a unique name for each section: its title, otherwise one from its id or position.
-fn section_names<'a>(records: impl Iterator<Item = &'a Record>) -> Vec<String> {
+fn section_names<'a>(records: impl Iterator<Item = &'a CardRecord>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for (record, number) in records.zip(1..) {
         let mut name = match (record.word("title"), record.integer("csid")) {
@@ -364,7 +365,7 @@ fn section_names<'a>(records: impl Iterator<Item = &'a Record>) -> Vec<String> {
 }
 
 /// A cutting plane, with or without an edge.
-struct Plane {
+struct CuttingPlane {
     tail: [f64; 3],
     /// Unit normal.
     normal: [f64; 3],
@@ -375,8 +376,8 @@ struct Plane {
     sides: [([f64; 3], f64); 2],
 }
 
-impl Plane {
-    fn from_record(record: &Record) -> Option<Self> {
+impl CuttingPlane {
+    fn from_record(record: &CardRecord) -> Option<Self> {
         let tail = ["xct", "yct", "zct"].map(|c| record.real(c));
         let head = ["xch", "ych", "zch"].map(|c| record.real(c));
         let normal = unit([0, 1, 2].map(|c| head[c] - tail[c]))?;

@@ -3,8 +3,8 @@
 use super::DeckConverter;
 use super::sets::id;
 use super::space::unit;
-use super::tree::Table;
-use crate::input::deck::record::{Line, Record};
+use super::tree::JobTable;
+use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::MeshElement;
@@ -23,7 +23,7 @@ impl DeckConverter {
         }
         for record in self.take_records("INITIAL_VELOCITY_NODE") {
             let mut equal: BTreeMap<Bits, ([f64; 3], Vec<NodeId>, Place)> = BTreeMap::new();
-            let lines: Vec<Line> = record.lines("nid").cloned().collect();
+            let lines: Vec<CardLine> = record.lines("nid").cloned().collect();
             for line in lines {
                 let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
                 self.no_spin(&record, &line, ["vxr", "vyr", "vzr"]);
@@ -38,7 +38,7 @@ impl DeckConverter {
             }
         }
         for record in self.take_records("INITIAL_VELOCITY_RIGID_BODY") {
-            let lines: Vec<Line> = record.lines("pid").cloned().collect();
+            let lines: Vec<CardLine> = record.lines("pid").cloned().collect();
             for line in lines {
                 let (part, place) = (line.integer("pid"), line.place("pid"));
                 if !self.has_part(part, place) {
@@ -53,7 +53,7 @@ impl DeckConverter {
         }
     }
 
-    fn of_set(&mut self, record: &Record) {
+    fn of_set(&mut self, record: &CardRecord) {
         let Some(line) = record.line("vx").cloned() else { return };
         let Some(head) = record.line("nsid").cloned() else { return };
         let v = ["vx", "vy", "vz"].map(|c| line.real(c));
@@ -84,7 +84,7 @@ impl DeckConverter {
         }
     }
 
-    fn generation(&mut self, record: &Record) {
+    fn generation(&mut self, record: &CardRecord) {
         let (sid, place) = (record.integer("id"), record.place("id"));
         let set = match (sid, record.integer("styp")) {
             (0, _) => None,
@@ -157,7 +157,7 @@ impl DeckConverter {
         v: [f64; 3],
         spin: Option<([f64; 3], [f64; 3])>,
     ) {
-        let mut table = Table::new(place).with("velocity", place, v);
+        let mut table = JobTable::new(place).with("velocity", place, v);
         if let Some(set) = set {
             table.put("nodes", place, set);
         }
@@ -168,12 +168,12 @@ impl DeckConverter {
         self.add("initial_velocity", table);
     }
 
-    fn velocity(&mut self, line: &Line, names: [&str; 3], system: &str) -> [f64; 3] {
+    fn velocity(&mut self, line: &CardLine, names: [&str; 3], system: &str) -> [f64; 3] {
         let v = names.map(|c| line.real(c));
         self.turned(v, line, system)
     }
 
-    fn no_spin(&mut self, record: &Record, line: &Line, names: [&str; 3]) {
+    fn no_spin(&mut self, record: &CardRecord, line: &CardLine, names: [&str; 3]) {
         if let Some(name) = names.iter().find(|c| line.real(c) != 0.0) {
             let message =
                 format!("{}: {name} = {} is not supported", record.name(), line.real(name));

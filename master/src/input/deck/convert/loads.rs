@@ -2,8 +2,8 @@
 
 use super::DeckConverter;
 use super::sets::id;
-use super::tree::Table;
-use crate::input::deck::record::Line;
+use super::tree::JobTable;
+use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::{BTreeMap, HashSet};
@@ -28,7 +28,7 @@ impl DeckConverter {
             self.rows.add_set(name.clone(), nodes, place);
             self.add(
                 "mass",
-                Table::new(place).with("nodes", place, name).with("mass", place, total),
+                JobTable::new(place).with("nodes", place, name).with("mass", place, total),
             );
         }
         for record in self.take_records("ELEMENT_MASS_NODE_SET") {
@@ -36,7 +36,7 @@ impl DeckConverter {
                 let Some(set) = self.node_set(line.integer("nsid"), line.place("nsid")) else {
                     continue;
                 };
-                let table = Table::new(line.place).with("nodes", line.place("nsid"), set);
+                let table = JobTable::new(line.place).with("nodes", line.place("nsid"), set);
                 self.add("mass", table.with("mass", line.place("mass"), line.real("mass")));
             }
         }
@@ -55,8 +55,11 @@ impl DeckConverter {
                 acceleration[axis] = -record.real("sf");
                 let place = record.place("lcid");
                 let Some(curve) = self.time_curve(record.integer("lcid"), place) else { continue };
-                let table =
-                    Table::new(record.head).with("acceleration", record.place("sf"), acceleration);
+                let table = JobTable::new(record.head).with(
+                    "acceleration",
+                    record.place("sf"),
+                    acceleration,
+                );
                 self.add("gravity", table.with("curve", place, curve));
             }
         }
@@ -67,7 +70,7 @@ impl DeckConverter {
         for (keyword, field) in [("LOAD_NODE_SET", "nsid"), ("LOAD_NODE_POINT", "nid")] {
             let mut used: Option<HashSet<NodeId>> = None;
             for record in self.take_records(keyword) {
-                let lines: Vec<Line> = record.lines(field).cloned().collect();
+                let lines: Vec<CardLine> = record.lines(field).cloned().collect();
                 for line in lines {
                     let of = line.integer(field);
                     let set = if field == "nsid" {
@@ -97,7 +100,7 @@ impl DeckConverter {
         }
     }
 
-    fn nodal_load(&mut self, line: &Line, set: String, force: f64) {
+    fn nodal_load(&mut self, line: &CardLine, set: String, force: f64) {
         let dof = line.integer("dof");
         if !self.is_plain(line.integer("cid")) || !matches!(dof, 1..=3 | 5..=7) {
             let message = format!(
@@ -110,7 +113,7 @@ impl DeckConverter {
         let (key, axis) = if dof < 4 { ("force", dof - 1) } else { ("moment", dof - 5) };
         let mut amount = [0.0; 3];
         amount[axis as usize] = force;
-        let table = Table::new(line.place)
+        let table = JobTable::new(line.place)
             .with("nodes", line.place, set)
             .with(key, line.place("dof"), amount)
             .with("curve", line.place("lcid"), curve);

@@ -1,18 +1,18 @@
 //! Converts `*MAT_...`: laws and their parameters.
 
 use super::DeckConverter;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
 
 /// A material of the deck.
 #[derive(Debug)]
-pub struct Material {
+pub struct DeckMaterial {
     /// Name in the job.
     pub name: String,
     /// Its table in the job, until a part uses it.
-    pub table: Option<Table>,
+    pub table: Option<JobTable>,
     /// Degrees of freedom that a rigid part of this material fixes; `None` if it is not rigid.
     pub rigid: Option<Vec<&'static str>>,
     /// True if it carries no load.
@@ -44,8 +44,8 @@ const KEYWORDS: [&str; 7] = [
 ];
 
 impl DeckConverter {
-    pub(super) fn materials(&mut self) -> HashMap<i64, Material> {
-        let mut materials: HashMap<i64, Material> = HashMap::new();
+    pub(super) fn materials(&mut self) -> HashMap<i64, DeckMaterial> {
+        let mut materials: HashMap<i64, DeckMaterial> = HashMap::new();
         for keyword in KEYWORDS {
             for record in self.take_records(keyword) {
                 let id = record.integer("mid");
@@ -77,7 +77,7 @@ impl DeckConverter {
                 }
                 let density = record.real("ro");
                 let (table, skin) = (Some(table), keyword == "MAT_NULL");
-                let material = Material {
+                let material = DeckMaterial {
                     name,
                     skin,
                     table,
@@ -100,7 +100,7 @@ impl DeckConverter {
         materials
     }
 
-    fn plastic_kinematic(&mut self, record: &Record, table: &mut Table) {
+    fn plastic_kinematic(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
         let (e, tangent) = (record.real("e"), record.real("etan"));
         table.put("yield_stress", record.place("sigy"), record.real("sigy"));
@@ -116,7 +116,13 @@ impl DeckConverter {
         }
     }
 
-    fn hardening_modulus(&mut self, record: &Record, e: f64, tangent: f64, table: &mut Table) {
+    fn hardening_modulus(
+        &mut self,
+        record: &CardRecord,
+        e: f64,
+        tangent: f64,
+        table: &mut JobTable,
+    ) {
         if tangent >= e {
             let message = format!(
                 "{}: the tangent modulus {tangent} is not below Young's modulus {e}",
@@ -132,7 +138,7 @@ impl DeckConverter {
         }
     }
 
-    fn piecewise(&mut self, record: &Record, table: &mut Table) {
+    fn piecewise(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
         rates(record, "c", "p", table);
         let fail = record.real("fail");
@@ -192,12 +198,12 @@ impl DeckConverter {
     }
 
     /// Converts a Johnson-Cook material and returns Young's modulus [force/length^2].
-    fn johnson_cook(&mut self, record: &Record, table: &mut Table) -> f64 {
+    fn johnson_cook(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {
         table.put("law", record.head, "johnson_cook");
         let (g, pr) = (record.real("g"), record.real("pr"));
         let e = if record.real("e") > 0.0 { record.real("e") } else { 2.0 * g * (1.0 + pr) };
         table.put("youngs_modulus", record.place("e"), e);
-        let number = |table: &mut Table, field: &str, key: &str| {
+        let number = |table: &mut JobTable, field: &str, key: &str| {
             table.put(key, record.place(field), record.real(field));
         };
         number(table, "a", "a");
@@ -232,7 +238,11 @@ impl DeckConverter {
     }
 
     /// Converts `*MAT_SPOTWELD` and returns the limits of its beams, with zeros for none.
-    fn spot_weld(&mut self, record: &Record, table: &mut Table) -> Option<([f64; 4], Place)> {
+    fn spot_weld(
+        &mut self,
+        record: &CardRecord,
+        table: &mut JobTable,
+    ) -> Option<([f64; 4], Place)> {
         if record.real("sigy") > 0.0 {
             table.put("law", record.head, "j2");
             table.put("yield_stress", record.place("sigy"), record.real("sigy"));
@@ -269,7 +279,7 @@ impl DeckConverter {
     }
 
     /// Returns the degrees of freedom that a rigid material fixes.
-    fn rigid_material(&mut self, record: &Record) -> Vec<&'static str> {
+    fn rigid_material(&mut self, record: &CardRecord) -> Vec<&'static str> {
         if record.real("n") != 0.0 {
             self.unsupported_value(record, "n", "coupling with another program");
         }
@@ -290,9 +300,9 @@ impl DeckConverter {
 }
 
 /// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].
-fn elastic(record: &Record, name: &str) -> (Table, f64) {
+fn elastic(record: &CardRecord, name: &str) -> (JobTable, f64) {
     let e = record.real("e");
-    let table = Table::new(record.head)
+    let table = JobTable::new(record.head)
         .with("name", record.place("mid"), name)
         .with("density", record.place("ro"), record.real("ro"))
         .with("youngs_modulus", record.place("e"), e)
@@ -315,7 +325,7 @@ pub fn held(code: f64, dofs: [&'static str; 3]) -> Vec<&'static str> {
     }
 }
 
-fn rates(record: &Record, c: &str, p: &str, table: &mut Table) {
+fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable) {
     if record.real(c) > 0.0 && record.real(p) > 0.0 {
         table.put("cowper_symonds", record.place(c), [record.real(c), record.real(p)]);
     }

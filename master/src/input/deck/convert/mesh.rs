@@ -15,7 +15,7 @@ use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A line of a file: the file's number, first byte and one past the last.
-type Line = (u32, u32, u32);
+type LineSpan = (u32, u32, u32);
 
 /// Nodes and elements as written, and their places.
 #[derive(Debug, Default)]
@@ -25,11 +25,11 @@ pub struct Rows {
     pub solids: Vec<MeshElement>,
     pub springs: Vec<MeshElement>,
     pub beams: Vec<MeshElement>,
-    node_lines: Vec<Line>,
-    shell_lines: Vec<Line>,
-    solid_lines: Vec<Line>,
-    spring_lines: Vec<Line>,
-    beam_lines: Vec<Line>,
+    node_lines: Vec<LineSpan>,
+    shell_lines: Vec<LineSpan>,
+    solid_lines: Vec<LineSpan>,
+    spring_lines: Vec<LineSpan>,
+    beam_lines: Vec<LineSpan>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
     /// Nodes with constraint codes `tc` and `rc`, with a line that has these codes.
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
@@ -48,7 +48,7 @@ pub struct Rows {
 const HELD_IN_PLACE: (i64, i64) = (7, 0);
 
 /// One line of a keyword for mesh data during reading.
-struct Numbers<'a, 'c> {
+struct MeshLine<'a, 'c> {
     cards: &'a mut Cards<'c>,
     block: &'a KeywordBlock,
     card: &'a Card,
@@ -57,7 +57,7 @@ struct Numbers<'a, 'c> {
     whole: bool,
 }
 
-impl Numbers<'_, '_> {
+impl MeshLine<'_, '_> {
     fn text(&self, index: usize) -> &[u8] {
         self.fields.text(self.cards.texts.line(self.block, self.line), index)
     }
@@ -366,7 +366,7 @@ impl Rows {
     }
 
     /// Returns the number of elements of each kind, in the order of [`Rows::finish`].
-    pub fn lists(&self) -> Lists {
+    pub fn lists(&self) -> ListLengths {
         let [shells, solids, springs, beams] =
             [&self.shells, &self.solids, &self.springs, &self.beams].map(|list| list.len());
         [("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
@@ -396,13 +396,13 @@ fn start<'a, 'c>(
     card: &'a Card,
     block: &'a KeywordBlock,
     line: (u32, u32),
-) -> Numbers<'a, 'c> {
+) -> MeshLine<'a, 'c> {
     let fields = split(cards.texts.line(block, line), card, block.format);
-    Numbers { cards, block, card, line, fields, whole: true }
+    MeshLine { cards, block, card, line, fields, whole: true }
 }
 
 /// Returns the id of a part, which has 32 bits.
-fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
+fn narrow(part: u64, numbers: &mut MeshLine<'_, '_>) -> Option<u32> {
     let narrow = u32::try_from(part).ok();
     if narrow.is_none() {
         numbers.wrong(1, "a part id of at most 4294967295");
@@ -411,16 +411,16 @@ fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
 }
 
 /// Names of the lists of elements in a job's `[mesh]`, with their lengths.
-pub type Lists = [(&'static str, usize); 4];
+pub type ListLengths = [(&'static str, usize); 4];
 
 /// Places of the mesh data.
 #[derive(Debug, Default)]
 pub struct Places {
-    nodes: Vec<Line>,
-    shells: Vec<Line>,
-    solids: Vec<Line>,
-    springs: Vec<Line>,
-    beams: Vec<Line>,
+    nodes: Vec<LineSpan>,
+    shells: Vec<LineSpan>,
+    solids: Vec<LineSpan>,
+    springs: Vec<LineSpan>,
+    beams: Vec<LineSpan>,
     sets: BTreeMap<String, Place>,
 }
 

@@ -27,8 +27,8 @@ mod welds;
 
 use super::diagnostics::Trouble;
 use super::keywords::{self, KeywordRow};
-use super::parameters::Parameters;
-use super::record::{Cards, Record};
+use super::parameters::DeckParameters;
+use super::record::{CardRecord, Cards};
 use super::table::Effect;
 use super::text::{KeywordBlock, Texts};
 use super::{Mapping, Unsupported};
@@ -36,12 +36,12 @@ use crate::input::job::tree::{Node, Place};
 use crumple_proto::ids::NodeId;
 use mesh::Rows;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use tree::{Table, Tree};
+use tree::{JobTable, Tree};
 
 /// Data converted so far, and intermediate data.
 pub struct DeckConverter {
     /// Cards by keyword; each family of keywords takes its own.
-    records: HashMap<&'static str, Vec<Record>>,
+    records: HashMap<&'static str, Vec<CardRecord>>,
     /// Nodes and elements.
     pub rows: Rows,
     /// Problems.
@@ -57,12 +57,12 @@ pub struct DeckConverter {
     axes: HashMap<i64, [[f64; 3]; 3]>,
     node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
     part_sets: BTreeMap<i64, Vec<(i64, Place)>>,
-    segment_sets: BTreeMap<i64, Vec<segments::Segment>>,
-    parts: BTreeMap<i64, parts::Part>,
+    segment_sets: BTreeMap<i64, Vec<segments::DeckSegment>>,
+    parts: BTreeMap<i64, parts::DeckPart>,
     used_materials: Vec<i64>,
     /// Scales of the forces of springs by part, with their places.
     spring_scales: BTreeMap<i64, (f64, Place)>,
-    spring_laws: BTreeMap<i64, Record>,
+    spring_laws: BTreeMap<i64, CardRecord>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
     /// Directions of springs by part, with their places; `None` for the line between their nodes.
@@ -143,7 +143,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
 impl DeckConverter {
     /// Reads all blocks by the table of keywords.
     fn collect(&mut self, texts: &Texts, leave_out: &[String]) {
-        let mut parameters = Parameters::default();
+        let mut parameters = DeckParameters::default();
         let left_out = |name: &str| {
             leave_out.iter().any(|l| l.trim_start_matches('*').eq_ignore_ascii_case(name))
         };
@@ -178,7 +178,7 @@ impl DeckConverter {
         block: &KeywordBlock,
         row: &'static KeywordRow,
         options: &[&'static str],
-        parameters: &mut Parameters,
+        parameters: &mut DeckParameters,
     ) {
         let name = row.keyword.name;
         match row.keyword.effect {
@@ -211,7 +211,7 @@ impl DeckConverter {
     }
 
     /// Takes all records of a keyword, which no other code needs.
-    fn take_records(&mut self, name: &str) -> Vec<Record> {
+    fn take_records(&mut self, name: &str) -> Vec<CardRecord> {
         self.records.remove(name).unwrap_or_default()
     }
 
@@ -221,7 +221,7 @@ impl DeckConverter {
     }
 
     /// Notes a value that the engine does not support.
-    fn unsupported_value(&mut self, record: &Record, field: &str, why: &str) {
+    fn unsupported_value(&mut self, record: &CardRecord, field: &str, why: &str) {
         let value = record.line(field).map_or(String::new(), |l| l.real(field).to_string());
         let message = format!("{}: `{field}` = {value} is not supported: {why}", record.name());
         let what = format!("{} {field}={value}", record.name());
@@ -303,7 +303,8 @@ impl DeckConverter {
         for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT"] {
             self.take_records(name);
         }
-        let left: Vec<Record> = std::mem::take(&mut self.records).into_values().flatten().collect();
+        let left: Vec<CardRecord> =
+            std::mem::take(&mut self.records).into_values().flatten().collect();
         for record in left {
             let message = format!("{} is not supported", record.name());
             self.unsupported(record.head, message, record.name());
@@ -311,7 +312,7 @@ impl DeckConverter {
     }
 
     /// Adds an entry to a list of the job.
-    fn add(&mut self, list: &str, entry: Table) {
+    fn add(&mut self, list: &str, entry: JobTable) {
         self.tree.add(list, entry);
     }
 }

@@ -3,8 +3,8 @@
 use super::DeckConverter;
 use super::materials::held;
 use super::sets::id;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::BTreeMap;
@@ -59,11 +59,14 @@ impl DeckConverter {
 
     fn fix(&mut self, set: String, dofs: Vec<&'static str>, place: Place) {
         if !dofs.is_empty() {
-            self.add("fix", Table::new(place).with("nodes", place, set).with("dofs", place, dofs));
+            self.add(
+                "fix",
+                JobTable::new(place).with("nodes", place, set).with("dofs", place, dofs),
+            );
         }
     }
 
-    fn dofs(&mut self, record: &Record) -> Vec<&'static str> {
+    fn dofs(&mut self, record: &CardRecord) -> Vec<&'static str> {
         let cid = record.integer("cid");
         if !self.is_plain(cid) {
             self.unsupported_value(
@@ -100,7 +103,7 @@ impl DeckConverter {
         }
     }
 
-    fn motion(&mut self, record: &Record, key: &str, of: String, place: Place) {
+    fn motion(&mut self, record: &CardRecord, key: &str, of: String, place: Place) {
         let (dof, vad) = (record.integer("dof"), record.integer("vad"));
         for (field, plain) in [("death", 1e28), ("birth", 0.0)] {
             let given = record.real(field);
@@ -138,7 +141,7 @@ impl DeckConverter {
         let mut amount = [0.0; 3];
         amount[axis] = if record.real("sf") == 0.0 { 1.0 } else { record.real("sf") };
         let dofs = if rotation { ["rx", "ry", "rz"] } else { ["x", "y", "z"] };
-        let table = Table::new(record.head)
+        let table = JobTable::new(record.head)
             .with(key, place, of)
             .with("dofs", record.place("dof"), vec![dofs[axis]])
             .with(form, record.place("vad"), amount)

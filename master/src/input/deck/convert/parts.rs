@@ -3,10 +3,10 @@
 
 use super::DeckConverter;
 use super::contact::Friction;
-use super::materials::Material;
-use super::sections::{self, DeckSection, Hourglass, SectionKind, Sections};
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::materials::DeckMaterial;
+use super::sections::{self, DeckHourglass, DeckSection, SectionKind, Sections};
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::mesh::Shape;
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ const DEFAULT_HOURGLASS: f64 = 0.1;
 
 /// A part of the deck.
 #[derive(Debug)]
-pub struct Part {
+pub struct DeckPart {
     /// Degrees of freedom that a rigid part fixes; `None` if it is deformable.
     pub rigid: Option<Vec<&'static str>>,
     /// Name of its material.
@@ -42,7 +42,7 @@ pub(super) struct PartElements<'a> {
 }
 
 impl DeckConverter {
-    pub(super) fn parts(&mut self, materials: &HashMap<i64, Material>, sections: &Sections) {
+    pub(super) fn parts(&mut self, materials: &HashMap<i64, DeckMaterial>, sections: &Sections) {
         let shapes = self.shapes_of_parts();
         let own_thickness = self.thickness_of_elements();
         let mut names: Vec<String> = Vec::new();
@@ -61,14 +61,14 @@ impl DeckConverter {
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             if let Some(section) = section.filter(|s| s.kind == SectionKind::Discrete) {
-                self.parts.insert(id, Part { rigid: None, material: None, place });
+                self.parts.insert(id, DeckPart { rigid: None, material: None, place });
                 self.spring_part(&record, section, &name);
                 continue;
             }
             let material = materials.get(&mid);
             self.check_references(&record, (material, materials), (section, sections));
             let (Some(material), Some(section)) = (material, section) else {
-                let part = Part { rigid: None, material: None, place };
+                let part = DeckPart { rigid: None, material: None, place };
                 self.parts.insert(id, part);
                 continue;
             };
@@ -77,7 +77,7 @@ impl DeckConverter {
                 thickness: own_thickness.get(&id).map(Vec::as_slice),
             };
             let table = self.part_table(&record, name, material, (section, sections), elements);
-            let part = Part {
+            let part = DeckPart {
                 rigid: material.rigid.clone(),
                 material: Some(material.name.clone()),
                 place,
@@ -107,17 +107,17 @@ impl DeckConverter {
     /// Converts a part with a material and a section to a table of the job.
     fn part_table(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         name: String,
-        material: &Material,
+        material: &DeckMaterial,
         (section, sections): (&DeckSection, &Sections),
         elements: PartElements<'_>,
-    ) -> Table {
+    ) -> JobTable {
         if record.integer("eosid") != 0 {
             self.unsupported_value(record, "eosid", "an equation of state");
         }
         let id = record.integer("pid");
-        let mut table = Table::new(record.head)
+        let mut table = JobTable::new(record.head)
             .with("id", record.place("pid"), id)
             .with("name", record.place("heading"), name)
             .with("material", record.place("mid"), material.name.as_str());
@@ -137,8 +137,8 @@ impl DeckConverter {
     /// Reports a part without its material or its section.
     fn check_references(
         &mut self,
-        record: &Record,
-        (material, materials): (Option<&Material>, &HashMap<i64, Material>),
+        record: &CardRecord,
+        (material, materials): (Option<&DeckMaterial>, &HashMap<i64, DeckMaterial>),
         (section, sections): (Option<&DeckSection>, &Sections),
     ) {
         let [id, mid, secid] = ["pid", "mid", "secid"].map(|field| record.integer(field));
@@ -169,10 +169,10 @@ impl DeckConverter {
     /// Makes a part of a null material a skin, and reports materials that its elements cannot have.
     fn check_material(
         &mut self,
-        record: &Record,
-        material: &Material,
+        record: &CardRecord,
+        material: &DeckMaterial,
         kind: SectionKind,
-        table: &mut Table,
+        table: &mut JobTable,
     ) {
         let id = record.integer("pid");
         match (material.skin, kind) {
@@ -197,7 +197,13 @@ impl DeckConverter {
     }
 
     /// Converts the card of `*PART_CONTACT`: individual friction and contact thickness.
-    fn contact_card(&mut self, record: &Record, id: i64, kind: SectionKind, table: &mut Table) {
+    fn contact_card(
+        &mut self,
+        record: &CardRecord,
+        id: i64,
+        kind: SectionKind,
+        table: &mut JobTable,
+    ) {
         if !record.has("CONTACT") {
             return;
         }
@@ -218,11 +224,11 @@ impl DeckConverter {
 
     fn solid(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         section: &DeckSection,
         sections: &Sections,
         shapes: Shapes,
-        table: &mut Table,
+        table: &mut JobTable,
     ) {
         let card = &section.record;
         let (id, elform) = (record.integer("pid"), card.integer("elform"));
@@ -268,9 +274,9 @@ impl DeckConverter {
     /// Converts the hourglass control of a part. Returns the name of the form and its origin.
     pub(super) fn hourglass(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         sections: &Sections,
-        table: &mut Table,
+        table: &mut JobTable,
         solids: bool,
     ) -> (&'static str, &'static str) {
         // LS-DYNA's default in explicit analysis for shells.
@@ -281,7 +287,8 @@ impl DeckConverter {
             let known: Vec<String> = sections.hourglass.keys().map(i64::to_string).collect();
             self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
         }
-        let Some((Hourglass { form, coefficient }, place)) = own.or(sections.defaults.hourglass)
+        let Some((DeckHourglass { form, coefficient }, place)) =
+            own.or(sections.defaults.hourglass)
         else {
             if !solids {
                 table.put("hourglass", record.place("hgid"), default);
@@ -312,7 +319,7 @@ impl DeckConverter {
 }
 
 /// Returns the name of a part, other than those of earlier parts.
-fn part_name(record: &Record, id: i64, names: &[String]) -> String {
+fn part_name(record: &CardRecord, id: i64, names: &[String]) -> String {
     let heading = record.word("heading").to_string();
     match heading.is_empty() {
         true => format!("part-{id}"),

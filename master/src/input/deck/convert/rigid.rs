@@ -3,7 +3,7 @@
 
 use super::DeckConverter;
 use super::sets::id;
-use super::tree::Table;
+use super::tree::JobTable;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::btree_map::Entry;
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A body under construction, by its leading part.
 #[derive(Debug, Default)]
-struct Body {
+struct DeckBody {
     parts: BTreeSet<i64>,
     nodes: BTreeSet<NodeId>,
     fixed: BTreeSet<&'static str>,
@@ -38,7 +38,7 @@ impl DeckConverter {
             }
         }
         self.join_touching(&mut lead);
-        let mut bodies: BTreeMap<i64, Body> = BTreeMap::new();
+        let mut bodies: BTreeMap<i64, DeckBody> = BTreeMap::new();
         for &part in lead.keys() {
             let body = bodies.entry(root(&lead, part)).or_default();
             body.parts.insert(part);
@@ -50,7 +50,7 @@ impl DeckConverter {
         for (id, body) in bodies {
             let place = body.place.unwrap_or(Place::Whole);
             let name = format!("part-{id}");
-            let mut table = Table::new(place).with("name", place, name.as_str());
+            let mut table = JobTable::new(place).with("name", place, name.as_str());
             table.put("parts", place, body.parts.into_iter().collect::<Vec<_>>());
             if !body.nodes.is_empty() {
                 let set = format!("body-{id}-nodes");
@@ -130,7 +130,7 @@ impl DeckConverter {
         }
     }
 
-    fn extra_nodes(&mut self, lead: &BTreeMap<i64, i64>, bodies: &mut BTreeMap<i64, Body>) {
+    fn extra_nodes(&mut self, lead: &BTreeMap<i64, i64>, bodies: &mut BTreeMap<i64, DeckBody>) {
         for (keyword, field) in
             [("CONSTRAINED_EXTRA_NODES_NODE", "nid"), ("CONSTRAINED_EXTRA_NODES_SET", "nsid")]
         {
@@ -171,7 +171,7 @@ impl DeckConverter {
             let name = format!("body-{pid}");
             self.add(
                 "rigid",
-                Table::new(place).with("name", place, name.as_str()).with(
+                JobTable::new(place).with("name", place, name.as_str()).with(
                     "nodes",
                     record.place(field),
                     set,

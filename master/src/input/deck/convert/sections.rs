@@ -1,7 +1,7 @@
 //! Converts `*SECTION_...` and `*HOURGLASS`: formulations and their parameters.
 
 use super::DeckConverter;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ pub struct DeckSection {
     /// Kind of its elements.
     pub kind: SectionKind,
     /// Its card.
-    pub record: Record,
+    pub record: CardRecord,
 }
 
 /// Kind of the elements of a section.
@@ -36,13 +36,13 @@ pub struct Defaults {
     pub thinning: Option<Place>,
     /// The setting that contact uses the offset of shells, if it is not zero, and its place.
     pub shifted: Option<(i64, Place)>,
-    pub hourglass: Option<(Hourglass, Place)>,
+    pub hourglass: Option<(DeckHourglass, Place)>,
     pub bulk: Option<([f64; 2], Place)>,
 }
 
 /// An hourglass form: its number and coefficient, zero if not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hourglass {
+pub struct DeckHourglass {
     pub form: i64,
     pub coefficient: f64,
 }
@@ -52,24 +52,24 @@ pub struct Hourglass {
 pub struct Sections {
     pub by_id: HashMap<i64, DeckSection>,
     pub defaults: Defaults,
-    pub hourglass: HashMap<i64, (Hourglass, Option<[f64; 2]>, Place)>,
+    pub hourglass: HashMap<i64, (DeckHourglass, Option<[f64; 2]>, Place)>,
 }
 
 /// A formulation of shells: name in the job, and true if it includes warping.
-pub struct Formulation {
+pub struct DeckFormulation {
     pub element: &'static str,
     pub warping: bool,
 }
 
 /// Returns the formulation of the engine nearest to one of the deck; `None` if there is none.
-pub fn shell(elform: i64) -> Option<Formulation> {
+pub fn shell(elform: i64) -> Option<DeckFormulation> {
     let (element, warping) = match elform {
         1 | 2 | 3 | 4 | 11 | 17 => ("belytschko_tsay", false),
         10 => ("belytschko_tsay", true),
         6 | 7 | 8 | 16 | -16 | 18 | 20 | 21 | 25 | 26 => ("stabilised_quad", false),
         _ => return None,
     };
-    Some(Formulation { element, warping })
+    Some(DeckFormulation { element, warping })
 }
 
 /// Returns the hourglass form for a solid formulation that the engine's hexahedron can replace.
@@ -106,7 +106,8 @@ impl DeckConverter {
         }
         let mut hourglass = HashMap::new();
         for record in self.take_records("HOURGLASS") {
-            let form = Hourglass { form: record.integer("ihq"), coefficient: record.real("qm") };
+            let form =
+                DeckHourglass { form: record.integer("ihq"), coefficient: record.real("qm") };
             let given = record.real("q1") != 0.0 || record.real("q2") != 0.0;
             let bulk = given.then(|| [record.real("q2"), record.real("q1")]);
             hourglass.insert(record.integer("hgid"), (form, bulk, record.place("ihq")));
@@ -138,7 +139,8 @@ impl DeckConverter {
             }
         }
         for record in self.take_records("CONTROL_HOURGLASS") {
-            let form = Hourglass { form: record.integer("ihq"), coefficient: record.real("qh") };
+            let form =
+                DeckHourglass { form: record.integer("ihq"), coefficient: record.real("qh") };
             d.hourglass =
                 (form.form != 0 || form.coefficient != 0.0).then(|| (form, record.place("ihq")));
         }

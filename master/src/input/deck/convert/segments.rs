@@ -2,25 +2,25 @@
 
 use super::DeckConverter;
 use super::sets::id;
-use super::tree::Table;
-use crate::input::deck::record::Line;
+use super::tree::JobTable;
+use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::{BTreeSet, HashMap};
 
 /// A face given by its nodes in order.
 #[derive(Clone, Debug)]
-pub struct Segment {
+pub struct DeckSegment {
     /// Three or four nodes.
     pub nodes: Vec<NodeId>,
     /// Place of the segment.
     pub place: Place,
 }
 
-fn segment(line: &Line) -> Segment {
+fn segment(line: &CardLine) -> DeckSegment {
     let mut nodes: Vec<NodeId> = line.integers("n").filter_map(|n| id(n.0)).collect();
     nodes.dedup();
-    Segment { nodes, place: line.place }
+    DeckSegment { nodes, place: line.place }
 }
 
 /// Returns the nodes of a face in ascending order.
@@ -41,7 +41,7 @@ impl DeckConverter {
 
     pub(super) fn pressures(&mut self) {
         // Faces with the same curve and scale form one load.
-        let mut loads: Vec<(i64, f64, Place, Vec<Segment>)> = Vec::new();
+        let mut loads: Vec<(i64, f64, Place, Vec<DeckSegment>)> = Vec::new();
         for record in self.take_records("LOAD_SEGMENT") {
             for line in record.lines("lcid") {
                 self.arrival(line);
@@ -85,7 +85,7 @@ impl DeckConverter {
                         part + 1
                     );
                     self.rows.add_set(set.clone(), nodes, group);
-                    let mut table = Table::new(place).with("nodes", place, set).with(
+                    let mut table = JobTable::new(place).with("nodes", place, set).with(
                         "pressure",
                         place,
                         sign * scale,
@@ -97,7 +97,7 @@ impl DeckConverter {
         }
     }
 
-    fn arrival(&mut self, line: &Line) {
+    fn arrival(&mut self, line: &CardLine) {
         if line.real("at") != 0.0 {
             let message = format!("`at` = {}: arrival times are not supported", line.real("at"));
             self.unsupported(line.place("at"), message, "*LOAD_SEGMENT at".into());
@@ -121,10 +121,10 @@ impl DeckConverter {
     /// `along` is true, the other ones otherwise.
     fn of_sense(
         &mut self,
-        segments: &[Segment],
+        segments: &[DeckSegment],
         faces: &HashMap<Vec<NodeId>, Option<Vec<NodeId>>>,
         along: bool,
-    ) -> Vec<Segment> {
+    ) -> Vec<DeckSegment> {
         let mut found = Vec::new();
         for segment in segments {
             match faces.get(&key(&segment.nodes)) {
@@ -161,7 +161,7 @@ fn same_sense(order: &[NodeId], nodes: &[NodeId]) -> bool {
 /// Returns the segments in groups of nodes that contain no other face: one group if possible,
 /// otherwise one per segment.
 fn whole_groups(
-    segments: &[Segment],
+    segments: &[DeckSegment],
     faces: &HashMap<Vec<NodeId>, Option<Vec<NodeId>>>,
 ) -> Vec<(Place, Vec<NodeId>)> {
     let Some(first) = segments.first() else { return Vec::new() };

@@ -1,7 +1,7 @@
 //! Converts sets of nodes and of parts.
 
 use super::DeckConverter;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::BTreeSet;
@@ -96,7 +96,7 @@ impl DeckConverter {
     }
 
     /// Adds a node set given by ids.
-    fn add_node_set(&mut self, record: &Record, ids: Vec<(i64, Place)>) {
+    fn add_node_set(&mut self, record: &CardRecord, ids: Vec<(i64, Place)>) {
         let nodes = ids.into_iter().filter_map(|(n, place)| {
             let found = id(n);
             if found.is_none() {
@@ -109,7 +109,7 @@ impl DeckConverter {
         self.keep_nodes(record, nodes);
     }
 
-    fn keep_nodes(&mut self, record: &Record, mut nodes: Vec<NodeId>) {
+    fn keep_nodes(&mut self, record: &CardRecord, mut nodes: Vec<NodeId>) {
         nodes.sort_unstable();
         nodes.dedup();
         let (sid, place) = (record.integer("sid"), record.place("sid"));
@@ -124,7 +124,7 @@ impl DeckConverter {
     }
 
     /// Adds the set under its title too.
-    fn named(&mut self, record: &Record) {
+    fn named(&mut self, record: &CardRecord) {
         let title = record.word("heading").to_string();
         if let (false, Some((nodes, place))) =
             (title.is_empty(), self.node_sets.get(&record.integer("sid")))
@@ -133,7 +133,7 @@ impl DeckConverter {
         }
     }
 
-    fn general(&mut self, record: &Record) -> Vec<NodeId> {
+    fn general(&mut self, record: &CardRecord) -> Vec<NodeId> {
         let mut nodes: BTreeSet<NodeId> = BTreeSet::new();
         let lines: Vec<_> = record.lines("option").cloned().collect();
         for line in lines {
@@ -197,7 +197,7 @@ impl DeckConverter {
 }
 
 /// Returns all ids of a list with their places.
-pub fn ids(record: &Record, name: &str) -> Vec<(i64, Place)> {
+pub fn ids(record: &CardRecord, name: &str) -> Vec<(i64, Place)> {
     record.lines(name).flat_map(|line| line.integers(name).collect::<Vec<_>>()).collect()
 }
 

@@ -3,8 +3,8 @@
 use super::DeckConverter;
 use super::parts::PartElements;
 use super::sections::{self, DeckSection, Sections};
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::mesh::MeshElement;
 use crumple_worker::fem::elements::LARGEST_OFFSET;
@@ -17,11 +17,11 @@ impl DeckConverter {
     /// Converts a part of shells.
     pub(super) fn shell(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         section: &DeckSection,
         sections: &Sections,
         elements: PartElements<'_>,
-        table: &mut Table,
+        table: &mut JobTable,
     ) {
         let card = &section.record;
         let id = record.integer("pid");
@@ -46,7 +46,7 @@ impl DeckConverter {
 
     /// Returns the thickness of a part of shells: that of its elements, or the mean of the corners
     /// of its section [length].
-    fn shell_thickness(&mut self, id: i64, card: &Record, elements: PartElements<'_>) -> f64 {
+    fn shell_thickness(&mut self, id: i64, card: &CardRecord, elements: PartElements<'_>) -> f64 {
         let corners = ["t1", "t2", "t3", "t4"].map(|t| card.real(t));
         let given = if corners[1..].iter().all(|&t| t == 0.0) { [corners[0]; 4] } else { corners };
         let mean = if given[1..].iter().all(|&t| t == given[0]) {
@@ -68,7 +68,13 @@ impl DeckConverter {
     }
 
     /// Converts the offset of the middle surface, and notes parts of shells that have one.
-    fn shell_offset(&mut self, record: &Record, card: &Record, thickness: f64, table: &mut Table) {
+    fn shell_offset(
+        &mut self,
+        record: &CardRecord,
+        card: &CardRecord,
+        thickness: f64,
+        table: &mut JobTable,
+    ) {
         let id = record.integer("pid");
         // LS-DYNA's nloc is the position of the nodes in the section, `offset` that of the middle
         // surface relative to the nodes.
@@ -88,11 +94,11 @@ impl DeckConverter {
     /// Converts the formulation of shells with its hourglass control, and lists what differs.
     fn shell_formulation(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         section: &DeckSection,
         sections: &Sections,
         elements: PartElements<'_>,
-        table: &mut Table,
+        table: &mut JobTable,
     ) {
         let card = &section.record;
         let of = format!("part {}", record.integer("pid"));

@@ -1,7 +1,7 @@
 //! Boxes and coordinate systems.
 
 use super::DeckConverter;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
 
 impl DeckConverter {
@@ -51,7 +51,7 @@ impl DeckConverter {
     }
 
     /// Adds axes given by an origin, a point on the x axis and one in the x-y plane.
-    fn system(&mut self, record: &Record, o: [f64; 3], l: [f64; 3], p: [f64; 3]) {
+    fn system(&mut self, record: &CardRecord, o: [f64; 3], l: [f64; 3], p: [f64; 3]) {
         let from = |a: [f64; 3]| [0, 1, 2].map(|c| a[c] - o[c]);
         let axes = unit(from(l)).and_then(|x| {
             let z = unit(cross(x, from(p)))?;
@@ -79,7 +79,7 @@ impl DeckConverter {
     pub(super) fn turned(
         &mut self,
         v: [f64; 3],
-        record: &crate::input::deck::record::Line,
+        record: &crate::input::deck::record::CardLine,
         field: &str,
     ) -> [f64; 3] {
         match record.integer(field) {

@@ -3,8 +3,8 @@
 use super::DeckConverter;
 use super::sections::DeckSection;
 use super::sets::id;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::ElemId;
 use std::collections::BTreeMap;
 
@@ -134,7 +134,7 @@ impl DeckConverter {
     }
 
     /// Converts a part of springs.
-    pub(super) fn spring_part(&mut self, record: &Record, section: &DeckSection, name: &str) {
+    pub(super) fn spring_part(&mut self, record: &CardRecord, section: &DeckSection, name: &str) {
         let (pid, mid) = (record.integer("pid"), record.integer("mid"));
         for (field, why) in UNSERVED {
             if section.record.real(field) != 0.0 {
@@ -151,7 +151,7 @@ impl DeckConverter {
             );
         };
         let scale = self.spring_scales.get(&pid).map_or(1.0, |s| s.0);
-        let mut spring = Table::new(law.head);
+        let mut spring = JobTable::new(law.head);
         let (key, field, below) = match law.row.keyword.name {
             "MAT_SPRING_ELASTIC" => ("stiffness", "k", None),
             "MAT_DAMPER_VISCOUS" => ("damping", "dc", None),
@@ -185,7 +185,7 @@ impl DeckConverter {
             false => format!("{} scaled by {scale}", law.name()),
         };
         self.map(format!("part {pid}"), asked, format!("springs with {key}"));
-        let table = Table::new(record.head)
+        let table = JobTable::new(record.head)
             .with("id", record.place("pid"), pid)
             .with("name", record.place("heading"), name)
             .with("spring", law.head, spring);

@@ -3,7 +3,7 @@
 
 use super::DeckConverter;
 use super::curves::one;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 
 /// A table, with the scale and the offset of its values applied.
@@ -25,11 +25,12 @@ impl DeckConverter {
         }
     }
 
-    fn table(&mut self, keyword: &str, record: &Record) {
+    fn table(&mut self, keyword: &str, record: &CardRecord) {
         let (id, place) = (record.integer("tbid"), record.place("tbid"));
         let (scale, offset) = (one(record.real("sfa")), record.real("offa"));
         let lines: Vec<_> = record.lines("value").collect();
-        let value = |line: &crate::input::deck::record::Line| scale * (line.real("value") + offset);
+        let value =
+            |line: &crate::input::deck::record::CardLine| scale * (line.real("value") + offset);
         let values: Vec<f64> = lines.iter().map(|line| value(line)).collect();
         if values.is_empty() || values.windows(2).any(|two| two[0] >= two[1]) {
             let message = format!("the values of *{keyword} {id} do not ascend: {values:?}");

@@ -1,8 +1,8 @@
 //! Converts `*CONTACT_TIED_...` and `*CONTACT_SPOTWELD`: nodes tied to surfaces.
 
 use super::DeckConverter;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
 
 /// Keywords; true if they tie rotations too.
@@ -25,7 +25,7 @@ impl DeckConverter {
         }
     }
 
-    fn tie(&mut self, record: &Record, number: usize, rotations: bool) {
+    fn tie(&mut self, record: &CardRecord, number: usize, rotations: bool) {
         let of = format!("tie {number}");
         let (Some(nodes), Some(surface)) =
             (self.tied_nodes(record, number), self.surface(record, number))
@@ -37,7 +37,7 @@ impl DeckConverter {
             heading => heading.to_string(),
         };
         let offset = OFFSETS.iter().find(|o| record.has(o));
-        let mut table = Table::new(record.head)
+        let mut table = JobTable::new(record.head)
             .with("name", record.head, name)
             .with("nodes", record.place("surfa"), nodes)
             .with("rotations", record.head, rotations)
@@ -85,7 +85,7 @@ impl DeckConverter {
     }
 
     /// Returns the name of a set with the nodes of the first side.
-    fn tied_nodes(&mut self, record: &Record, number: usize) -> Option<String> {
+    fn tied_nodes(&mut self, record: &CardRecord, number: usize) -> Option<String> {
         let (id, place) = (record.integer("surfa"), record.place("surfa"));
         match record.integer("surfatyp") {
             4 => self.node_set(id, place),
@@ -107,7 +107,7 @@ impl DeckConverter {
     }
 
     /// Returns the surface of the second side.
-    fn surface(&mut self, record: &Record, number: usize) -> Option<TiedSurface> {
+    fn surface(&mut self, record: &CardRecord, number: usize) -> Option<TiedSurface> {
         let (id, place) = (record.integer("surfb"), record.place("surfb"));
         match record.integer("surfbtyp") {
             2 => Some(TiedSurface::Parts(self.part_set(id, place)))
@@ -128,7 +128,12 @@ impl DeckConverter {
     }
 
     /// Adds a set with the nodes of a set of segments.
-    fn nodes_of_segments(&mut self, record: &Record, side: &str, name: String) -> Option<String> {
+    fn nodes_of_segments(
+        &mut self,
+        record: &CardRecord,
+        side: &str,
+        name: String,
+    ) -> Option<String> {
         let (id, place) = (record.integer(side), record.place(side));
         let Some(set) = self.segment_sets.get(&id) else {
             let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 
 /// A table of the job: keys with values and their places in the deck.
 #[derive(Debug)]
-pub struct Table {
+pub struct JobTable {
     entries: BTreeMap<String, Entry>,
     place: Place,
 }
 
-impl Table {
+impl JobTable {
     /// Creates an empty table; `place` is that of the keyword.
     pub fn new(place: Place) -> Self {
         Self { entries: BTreeMap::new(), place }
@@ -100,8 +100,8 @@ impl From<String> for NodeContent {
     }
 }
 
-impl From<Table> for NodeContent {
-    fn from(table: Table) -> Self {
+impl From<JobTable> for NodeContent {
+    fn from(table: JobTable) -> Self {
         NodeContent::Table(table.entries)
     }
 }
@@ -128,7 +128,7 @@ pub struct Tree {
 
 impl Tree {
     /// Adds an entry to a list such as `part`.
-    pub fn add(&mut self, list: &str, entry: Table) {
+    pub fn add(&mut self, list: &str, entry: JobTable) {
         let empty = || Entry {
             key: Place::Whole,
             node: Node { kind: NodeContent::Array(Vec::new()), place: Place::Whole },

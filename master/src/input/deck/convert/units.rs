@@ -1,7 +1,7 @@
 //! Finds the units of a deck from the plausibility of its materials.
 
 use super::DeckConverter;
-use super::materials::Material;
+use super::materials::DeckMaterial;
 use crate::input::job::tree::Place;
 use crate::input::job::units_fit;
 use std::collections::HashMap;
@@ -20,7 +20,7 @@ const SETS: [&str; 8] = [
 
 impl DeckConverter {
     /// Adds the materials in use to the job, and the units in which they are plausible.
-    pub(super) fn units(&mut self, materials: &mut HashMap<i64, Material>) {
+    pub(super) fn units(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
         let mut used = Vec::new();
         let mut first = None;
         for id in std::mem::take(&mut self.used_materials) {

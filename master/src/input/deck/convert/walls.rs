@@ -1,8 +1,8 @@
 //! Converts `*RIGIDWALL_...`.
 
 use super::DeckConverter;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
 use std::collections::HashSet;
 
@@ -11,7 +11,7 @@ const KEYWORDS: [&str; 3] =
 
 impl DeckConverter {
     pub(super) fn walls(&mut self) {
-        let records: Vec<Record> =
+        let records: Vec<CardRecord> =
             KEYWORDS.iter().flat_map(|keyword| self.take_records(keyword)).collect();
         for (record, number) in records.iter().zip(1..) {
             let heading = record.word("heading");
@@ -21,7 +21,7 @@ impl DeckConverter {
         }
     }
 
-    fn wall(&mut self, record: &Record, name: String, number: usize) {
+    fn wall(&mut self, record: &CardRecord, name: String, number: usize) {
         let tail = ["xt", "yt", "zt"].map(|c| record.real(c));
         let normal = difference(record, ["xh", "yh", "zh"], tail);
         let friction = record.real("fric");
@@ -50,7 +50,7 @@ impl DeckConverter {
         }
         let round = record.line("radcyl").is_some();
         let direction = if round { "axis" } else { "normal" };
-        let mut table = Table::new(record.head)
+        let mut table = JobTable::new(record.head)
             .with("name", record.place("heading"), name.as_str())
             .with("point", record.place("xt"), tail)
             .with(direction, record.place("xh"), normal)
@@ -86,7 +86,7 @@ impl DeckConverter {
     }
 
     /// Converts the prescribed motion of a wall.
-    fn led(&mut self, record: &Record, name: &str, table: &mut Table) {
+    fn led(&mut self, record: &CardRecord, name: &str, table: &mut JobTable) {
         let way = ["vx", "vy", "vz"].map(|c| record.real(c));
         let length = way.iter().map(|c| c * c).sum::<f64>().sqrt();
         if length == 0.0 {
@@ -123,11 +123,11 @@ impl DeckConverter {
     /// Converts the nodes that the wall stops: all nodes, if the deck selects none.
     fn stopped(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         name: &str,
         number: usize,
         (tail, normal): ([f64; 3], [f64; 3]),
-        table: &mut Table,
+        table: &mut JobTable,
     ) {
         let (nsid, boxid, offset) =
             (record.integer("nsid"), record.integer("boxid"), record.real("offset"));
@@ -170,7 +170,7 @@ impl DeckConverter {
 }
 
 /// Returns the vector from tail to head.
-fn difference(record: &Record, head: [&str; 3], tail: [f64; 3]) -> [f64; 3] {
+fn difference(record: &CardRecord, head: [&str; 3], tail: [f64; 3]) -> [f64; 3] {
     let head = head.map(|c| record.real(c));
     [0, 1, 2].map(|c| head[c] - tail[c])
 }

@@ -2,10 +2,10 @@
 //! that fail, and `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
 
 use super::DeckConverter;
-use super::parts::Part;
+use super::parts::DeckPart;
 use super::sets::id;
-use super::tree::Table;
-use crate::input::deck::record::Record;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use std::collections::{BTreeMap, BTreeSet};
@@ -72,7 +72,7 @@ impl DeckConverter {
             let count = others.len();
             self.rows.add_set(set.clone(), others.to_vec(), place);
             let carrier = i64::try_from(first.0).unwrap_or(i64::MAX);
-            let table = Table::new(place).with("nodes", place, set).with("node", place, carrier);
+            let table = JobTable::new(place).with("nodes", place, set).with("node", place, carrier);
             self.add("tie", table);
             self.map(
                 format!("set {nsid}"),
@@ -83,7 +83,7 @@ impl DeckConverter {
     }
 
     /// Notes that failure at a time or by a strain is not supported.
-    fn never_fails(&mut self, record: &Record, time: &str, strain: &str) {
+    fn never_fails(&mut self, record: &CardRecord, time: &str, strain: &str) {
         if record.real(time) > 0.0 && record.real(time) < self.end_time {
             self.unsupported_value(record, time, "welds that fail at a given time");
         }
@@ -98,7 +98,7 @@ impl DeckConverter {
 
     fn weld(
         &mut self,
-        record: &Record,
+        record: &CardRecord,
         nodes: Vec<NodeId>,
         place: Place,
         bodies: &mut Vec<(BTreeSet<NodeId>, Place)>,
@@ -156,7 +156,7 @@ impl DeckConverter {
             self.rows.add_set(name.clone(), nodes.into_iter().collect(), place);
             self.add(
                 "rigid",
-                Table::new(place).with("name", place, name.as_str()).with(
+                JobTable::new(place).with("name", place, name.as_str()).with(
                     "nodes",
                     place,
                     name.as_str(),
@@ -186,21 +186,21 @@ impl DeckConverter {
             }
             let diameter = lengths / links.len() as f64;
             let [normal, shear, n, m] = limits;
-            let weld = Table::new(place)
+            let weld = JobTable::new(place)
                 .with("normal", place, normal)
                 .with("shear", place, shear)
                 .with("exponents", place, [n, m]);
-            let beam = Table::new(place)
+            let beam = JobTable::new(place)
                 .with("section", place, "tube")
                 .with("radius", place, 0.5 * diameter)
                 .with("weld", place, weld);
             let name = format!("welds-{pid}");
-            let table = Table::new(place)
+            let table = JobTable::new(place)
                 .with("id", place, pid)
                 .with("name", place, name)
                 .with("material", place, material.as_str())
                 .with("beam", place, beam);
-            self.parts.insert(pid, Part { rigid: None, material: Some(material), place });
+            self.parts.insert(pid, DeckPart { rigid: None, material: Some(material), place });
             self.round_parts.insert(part);
             self.map(
                 format!("part {pid}"),

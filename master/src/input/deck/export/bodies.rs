@@ -1,14 +1,14 @@
 //! Writes rigid bodies and prescribed motion as cards.
 
-use super::{Blank, Deck, Field, Id, Number, TimeCurves, line, list, named};
-use crumple_proto::job::{Job, Motion, Rigid};
+use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, line, list, named};
+use crumple_proto::job::{Job, MotionInput, Rigid};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
 /// Bodies with their names in the deck.
 #[derive(Default)]
-pub struct Bodies {
+pub struct DeckBodies {
     /// Material id by rigid part.
     pub materials: BTreeMap<u32, u64>,
     /// Part for motions, by the name of the body in the job; empty if bodies are not written as
@@ -19,8 +19,13 @@ pub struct Bodies {
 }
 
 /// Writes the materials of rigid parts, with ids from `next` on.
-pub fn materials(deck: &mut Deck, job: &Job, materials: &[Material], mut next: u64) -> Bodies {
-    let mut bodies = Bodies::default();
+pub fn materials(
+    deck: &mut DeckWriter,
+    job: &Job,
+    materials: &[Material],
+    mut next: u64,
+) -> DeckBodies {
+    let mut bodies = DeckBodies::default();
     let leads: Vec<Option<u32>> =
         job.rigid.iter().map(|body| body.parts.first().copied()).collect();
     // Decks have bodies of parts in ascending ids, then those of nodes alone.
@@ -57,7 +62,7 @@ pub fn materials(deck: &mut Deck, job: &Job, materials: &[Material], mut next: u
 
 const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 
-fn rigid_material(deck: &mut Deck, material: &Material, body: &Rigid, mid: u64) {
+fn rigid_material(deck: &mut DeckWriter, material: &Material, body: &Rigid, mid: u64) {
     let number = |key: &str| match material.parameters.get(key) {
         Some(crumple_proto::partition::Param::Number(x)) => Number(*x),
         _ => Blank,
@@ -78,10 +83,10 @@ fn rigid_material(deck: &mut Deck, material: &Material, body: &Rigid, mid: u64) 
 
 /// Writes joints of bodies, and motions. Content without a card is written after `$crumple:`.
 pub fn write(
-    deck: &mut Deck,
+    deck: &mut DeckWriter,
     job: &Job,
-    bodies: &Bodies,
-    set: impl Fn(&str) -> Field,
+    bodies: &DeckBodies,
+    set: impl Fn(&str) -> CardValue,
     curves: &mut TimeCurves<'_>,
 ) {
     if bodies.names.is_empty() {
@@ -89,12 +94,13 @@ pub fn write(
     } else {
         job.rigid.iter().for_each(|body| join(deck, body, bodies, &set));
     }
-    let cards: Option<Vec<Card>> = job.motion.iter().map(|motion| card(motion, bodies)).collect();
+    let cards: Option<Vec<MotionCard>> =
+        job.motion.iter().map(|motion| card(motion, bodies)).collect();
     let Some(cards) = cards.filter(|cards| cards.is_sorted_by_key(|c| c.of_body)) else {
-        let renamed = |motion: &Motion| {
+        let renamed = |motion: &MotionInput| {
             let rigid =
                 motion.rigid.as_ref().map(|name| bodies.names.get(name).unwrap_or(name).clone());
-            Motion { rigid, ..motion.clone() }
+            MotionInput { rigid, ..motion.clone() }
         };
         return list(deck, "motion", &job.motion.iter().map(renamed).collect::<Vec<_>>());
     };
@@ -116,7 +122,7 @@ pub fn write(
     }
 }
 
-fn join(deck: &mut Deck, body: &Rigid, bodies: &Bodies, set: impl Fn(&str) -> Field) {
+fn join(deck: &mut DeckWriter, body: &Rigid, bodies: &DeckBodies, set: impl Fn(&str) -> CardValue) {
     let (part, name) = (bodies.parts[&body.name], &bodies.names[&body.name]);
     let nodes = body.nodes.as_deref().map(set);
     let mut own = Table::from_iter([named(name)]);
@@ -151,14 +157,14 @@ fn join(deck: &mut Deck, body: &Rigid, bodies: &Bodies, set: impl Fn(&str) -> Fi
 }
 
 /// A motion of one degree of freedom.
-struct Card {
+struct MotionCard {
     of_body: bool,
     dof: u64,
     vad: u64,
     amount: f64,
 }
 
-fn card(motion: &Motion, bodies: &Bodies) -> Option<Card> {
+fn card(motion: &MotionInput, bodies: &DeckBodies) -> Option<MotionCard> {
     let of_body = motion.rigid.is_some();
     if motion.rigid.as_ref().is_some_and(|name| !bodies.parts.contains_key(name)) {
         return None;
@@ -176,5 +182,5 @@ fn card(motion: &Motion, bodies: &Bodies) -> Option<Card> {
     let along = axis.checked_sub(first).filter(|&c| c < 3)?;
     let alone = v[along] != 0.0 && (0..3).all(|c| c == along || v[c] == 0.0);
     let dof = (along + if first == 0 { 1 } else { 5 }) as u64;
-    alone.then_some(Card { of_body, dof, vad, amount: v[along] })
+    alone.then_some(MotionCard { of_body, dof, vad, amount: v[along] })
 }

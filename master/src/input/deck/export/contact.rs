@@ -1,8 +1,8 @@
 //! Writes contact and its interfaces, each as a card with sets of its parts. Keys without a field
 //! on the card, such as laws, are written after `$crumple:` with the name of the interface.
 
-use super::{Blank, Deck, Field, Id, Number, differing, line, named};
-use crumple_proto::job::{Contact, Interface, Job};
+use super::{Blank, CardValue, DeckWriter, Id, Number, differing, line, named};
+use crumple_proto::job::{ContactInput, Interface, Job};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
@@ -24,22 +24,29 @@ const CARRIED: [&str; 12] = [
 
 /// Writes the contact of a job. Interfaces become cards if those of one surface come before those
 /// of two, as the reader of cards assumes, and if all of them have a law and parts on each side.
-pub fn write(deck: &mut Deck, job: &Job) {
+pub fn write(deck: &mut DeckWriter, job: &Job) {
     let Some(contact) = &job.contact else { return };
     let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
-    let all: Vec<Contact> = contact.each().collect();
-    let touches =
-        |c: &Contact| c.law != Contact::NO_LAW && c.sides(&ids).iter().all(|side| !side.is_empty());
+    let all: Vec<ContactInput> = contact.each().collect();
+    let touches = |c: &ContactInput| {
+        c.law != ContactInput::NO_LAW && c.sides(&ids).iter().all(|side| !side.is_empty())
+    };
     let in_order = all.iter().map(|c| !c.against.is_empty()).is_sorted();
     let mut sets = 0;
     if !(in_order && all.iter().all(touches)) {
-        let plain = Contact {
+        let plain = ContactInput {
             friction: contact.friction,
             parts: contact.parts.clone(),
-            ..Contact::default()
+            ..ContactInput::default()
         };
         card(deck, &plain, (&ids, job.end_time), None, &mut sets);
-        return differing(deck, "contact", contact, &Contact::default(), &["friction", "parts"]);
+        return differing(
+            deck,
+            "contact",
+            contact,
+            &ContactInput::default(),
+            &["friction", "parts"],
+        );
     }
     let names = names(&all);
     for (number, (one, name)) in (1..).zip(all.iter().zip(&names)) {
@@ -48,7 +55,7 @@ pub fn write(deck: &mut Deck, job: &Job) {
         card(deck, one, (&ids, job.end_time), heading, &mut sets);
     }
     let excluded: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
-    differing(deck, "contact", contact, &Contact::default(), &excluded);
+    differing(deck, "contact", contact, &ContactInput::default(), &excluded);
     let entries: Vec<Value> =
         contact.interface.iter().zip(&names[1..]).filter_map(|(i, name)| rest(i, name)).collect();
     if !entries.is_empty()
@@ -60,13 +67,16 @@ pub fn write(deck: &mut Deck, job: &Job) {
 }
 
 /// Returns unique names of the interfaces.
-fn names(all: &[Contact]) -> Vec<String> {
+fn names(all: &[ContactInput]) -> Vec<String> {
     let numbered = |number: usize| format!("contact {number}");
-    let name =
-        |(number, c): (usize, &Contact)| match line(&c.name).chars().take(70).collect::<String>() {
-            name if name.is_empty() => numbered(number),
-            name => name,
-        };
+    let name = |(number, c): (usize, &ContactInput)| match line(&c.name)
+        .chars()
+        .take(70)
+        .collect::<String>()
+    {
+        name if name.is_empty() => numbered(number),
+        name => name,
+    };
     let names: Vec<String> = (1..).zip(all).map(name).collect();
     let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
     if are_unique { names } else { (1..=all.len()).map(numbered).collect() }
@@ -89,8 +99,8 @@ fn rest(interface: &Interface, name: &str) -> Option<Value> {
 
 /// Writes one card with its heading and its sets. The job ends at `end` [time].
 fn card(
-    deck: &mut Deck,
-    c: &Contact,
+    deck: &mut DeckWriter,
+    c: &ContactInput,
     (ids, end): (&[u32], f64),
     heading: Option<(u64, &str)>,
     sets: &mut u64,
@@ -106,11 +116,11 @@ fn card(
         c.sides(ids).map(|side| side.into_iter().map(|place| ids[place]).collect::<Vec<u32>>());
     let [ahead, behind] = resolved;
     let all = c.parts.is_empty() && c.exclude.is_empty();
-    let side = |deck: &mut Deck, sets: &mut u64, parts: &[u32]| {
+    let side = |deck: &mut DeckWriter, sets: &mut u64, parts: &[u32]| {
         *sets += 1;
         deck.keyword("SET_PART_LIST");
         deck.card(&[Id(*sets)]);
-        let parts: Vec<Field> = parts.iter().map(|&p| Id(u64::from(p))).collect();
+        let parts: Vec<CardValue> = parts.iter().map(|&p| Id(u64::from(p))).collect();
         parts.chunks(8).for_each(|eight| deck.card(eight));
         [Id(*sets), Id(2)]
     };
@@ -140,6 +150,6 @@ fn card(
     ]);
     let thickness = or_blank(c.thickness.unwrap_or(0.0));
     let scale = if c.thickness_scale == 1.0 { Blank } else { Number(c.thickness_scale) };
-    let of_other = |field: Field| if single { Blank } else { field };
+    let of_other = |field: CardValue| if single { Blank } else { field };
     deck.card(&[Blank, Blank, thickness, of_other(thickness), scale, of_other(scale)]);
 }

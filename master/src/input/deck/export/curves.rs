@@ -1,7 +1,7 @@
 //! Writes factors over time as curves. Without a curve in the job the factor is 1, for which a
 //! deck needs a curve too.
 
-use super::{Deck, named, points};
+use super::{DeckWriter, named, points};
 use crumple_proto::job::Job;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
@@ -30,7 +30,7 @@ impl<'j> TimeCurves<'j> {
 
     /// Returns the id of a curve, which is written at its first use. Must not be called between a
     /// keyword and its cards.
-    pub fn id(&mut self, deck: &mut Deck, name: Option<&str>) -> u64 {
+    pub fn id(&mut self, deck: &mut DeckWriter, name: Option<&str>) -> u64 {
         let key = name.map(String::from);
         if let Some(&id) = self.ids.get(&key) {
             return id;
@@ -41,14 +41,14 @@ impl<'j> TimeCurves<'j> {
     }
 
     /// Writes the curve times a number, and returns its id.
-    pub fn scaled(&self, deck: &mut Deck, name: Option<&str>, scale: f64) -> u64 {
+    pub fn scaled(&self, deck: &mut DeckWriter, name: Option<&str>, scale: f64) -> u64 {
         let points_of: Vec<[f64; 2]> =
             self.points(name).iter().map(|p| [p[0], scale * p[1]]).collect();
         points(deck, &points_of)
     }
 
     /// Writes the curve after `$crumple:` too, and returns its name there.
-    pub fn write_table(&mut self, deck: &mut Deck, name: Option<&str>) -> String {
+    pub fn write_table(&mut self, deck: &mut DeckWriter, name: Option<&str>) -> String {
         let known = name.unwrap_or(CONSTANT).to_string();
         if !self.tables.contains(&known) {
             let rows =

@@ -1,12 +1,12 @@
 //! Writes gravity and forces on nodes as cards.
 
-use super::{Deck, Field, Id, Number, TimeCurves, list};
+use super::{CardValue, DeckWriter, Id, Number, TimeCurves, list};
 use crate::input::job::Model;
-use crumple_proto::job::Load;
+use crumple_proto::job::LoadInput;
 
 /// Writes gravity per axis. Decks accelerate the frame of reference, so bodies accelerate in the
 /// opposite direction.
-pub fn gravity(deck: &mut Deck, model: &Model, curves: &mut TimeCurves<'_>) {
+pub fn gravity(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
     for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate() {
         for gravity in model.job.gravity.iter().filter(|g| g.acceleration[axis] != 0.0) {
             let curve = curves.id(deck, gravity.curve.as_deref());
@@ -20,12 +20,12 @@ pub fn gravity(deck: &mut Deck, model: &Model, curves: &mut TimeCurves<'_>) {
 /// the nodes is not the force of the set to the last bit, all loads are written after
 /// `$crumple:`.
 pub fn on_nodes(
-    deck: &mut Deck,
+    deck: &mut DeckWriter,
     model: &Model,
-    set: impl Fn(&str) -> Field,
+    set: impl Fn(&str) -> CardValue,
     curves: &mut TimeCurves<'_>,
 ) {
-    let each = |load: &Load| -> Option<Vec<(u64, f64)>> {
+    let each = |load: &LoadInput| -> Option<Vec<(u64, f64)>> {
         let count = model.mesh.node_sets.get(&load.nodes).map_or(0, |nodes| {
             nodes
                 .iter()

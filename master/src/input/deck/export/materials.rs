@@ -1,6 +1,6 @@
 //! Writes materials as cards.
 
-use super::{Blank, Deck, Id, Number, line, named, points};
+use super::{Blank, DeckWriter, Id, Number, line, named, points};
 use crate::input::job::Model;
 use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use toml::Table;
 
 /// Writes the materials of deformable parts. `rigid` holds the parts with a material of a rigid
 /// body.
-pub fn write(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>) {
+pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
     let deforms = |m: &Material| {
         model.job.part.iter().any(|p| p.material == m.name && !rigid.contains_key(&p.id))
     };
@@ -74,7 +74,7 @@ pub fn write(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>) {
 }
 
 fn johnson_cook(
-    deck: &mut Deck,
+    deck: &mut DeckWriter,
     material: &Material,
     mid: u64,
     title: &str,
@@ -117,7 +117,7 @@ fn johnson_cook(
 }
 
 /// Writes the hardening table of a material as a curve, and returns its id.
-fn curve(deck: &mut Deck, material: &Material) -> Option<u64> {
+fn curve(deck: &mut DeckWriter, material: &Material) -> Option<u64> {
     let Some(Param::Table(rows)) = material.parameters.get("hardening") else { return None };
     let pairs: Vec<[f64; 2]> =
         rows.iter().filter(|row| row.len() == 2).map(|row| [row[0], row[1]]).collect();

@@ -1,15 +1,15 @@
 //! Writes springs and dampers as cards.
 
-use super::{Blank, Deck, Id, Number, line, points};
-use crumple_proto::job::{Part, Spring};
+use super::{Blank, DeckWriter, Id, Number, line, points};
+use crumple_proto::job::{Part, SpringInput};
 use crumple_proto::mesh::{MeshElement, Shape};
 use toml::{Table, Value};
 
 /// Writes a part of springs with a section and an individual material `mid`. A card has one law;
 /// other keys of the part are written after `$crumple:`.
-pub fn part(deck: &mut Deck, part: &Part, spring: &Spring, mid: u64) {
+pub fn part(deck: &mut DeckWriter, part: &Part, spring: &SpringInput, mid: u64) {
     let id = u64::from(part.id);
-    let mut rest = Spring { direction: spring.direction, ..Spring::default() };
+    let mut rest = SpringInput { direction: spring.direction, ..SpringInput::default() };
     let tables = [&spring.force_elongation, &spring.force_rate];
     let [elongation, rate] = tables.map(|table| (!table.is_empty()).then(|| points(deck, table)));
     let law = match (elongation, spring.stiffness, rate) {
@@ -34,7 +34,7 @@ pub fn part(deck: &mut Deck, part: &Part, spring: &Spring, mid: u64) {
         Ok(Value::Table(own)) => own,
         _ => return,
     };
-    let none = Value::try_from(Spring::default()).unwrap_or(Value::Boolean(false));
+    let none = Value::try_from(SpringInput::default()).unwrap_or(Value::Boolean(false));
     let own: Table = own.into_iter().filter(|(key, value)| none.get(key) != Some(value)).collect();
     if !own.is_empty() {
         deck.entry(
@@ -45,7 +45,7 @@ pub fn part(deck: &mut Deck, part: &Part, spring: &Spring, mid: u64) {
 }
 
 /// Writes the elements.
-pub fn elements<'m>(deck: &mut Deck, elements: impl Iterator<Item = &'m MeshElement>) {
+pub fn elements<'m>(deck: &mut DeckWriter, elements: impl Iterator<Item = &'m MeshElement>) {
     let mut springs = elements.filter(|e| e.shape == Shape::Line2).peekable();
     if springs.peek().is_some() {
         deck.keyword("ELEMENT_DISCRETE");

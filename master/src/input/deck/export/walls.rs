@@ -1,8 +1,8 @@
 //! Writes rigid walls as cards. Values that the digits of a card do not reproduce to the last bit
 //! are written after `$crumple:` with the wall's name.
 
-use super::{Blank, Deck, Field, Id, Number, TimeCurves, line, list, named};
-use crumple_proto::job::{Job, Wall};
+use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, line, list, named};
+use crumple_proto::job::{Job, WallInput};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
@@ -14,7 +14,7 @@ enum WallCard {
     Cylinder,
 }
 
-fn kind(wall: &Wall) -> Option<WallCard> {
+fn kind(wall: &WallInput) -> Option<WallCard> {
     let led = wall.velocity.or(wall.displacement);
     let stands = led.is_some_and(|v| v == [0.0; 3]);
     match (wall.axis, wall.normal) {
@@ -28,7 +28,12 @@ fn kind(wall: &Wall) -> Option<WallCard> {
 
 /// Writes all walls. None is written as a card if one of them has no card, or if cards would
 /// change their order.
-pub fn write(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field, curves: &mut TimeCurves<'_>) {
+pub fn write(
+    deck: &mut DeckWriter,
+    job: &Job,
+    set: impl Fn(&str) -> CardValue,
+    curves: &mut TimeCurves<'_>,
+) {
     let kinds: Option<Vec<WallCard>> = job.wall.iter().map(kind).collect();
     let names: Vec<String> =
         (1..).zip(&job.wall).map(|(number, wall)| name(wall, number)).collect();
@@ -41,16 +46,16 @@ pub fn write(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field, curves: &m
     }
 }
 
-fn name(wall: &Wall, number: u64) -> String {
+fn name(wall: &WallInput, number: u64) -> String {
     if wall.name.is_empty() { format!("wall-{number}") } else { line(&wall.name) }
 }
 
 fn one(
-    deck: &mut Deck,
-    wall: &Wall,
+    deck: &mut DeckWriter,
+    wall: &WallInput,
     kind: WallCard,
     (name, number): (&str, u64),
-    set: impl Fn(&str) -> Field,
+    set: impl Fn(&str) -> CardValue,
     curves: &mut TimeCurves<'_>,
 ) {
     let mut exact = Table::from_iter([named(name)]);
@@ -104,11 +109,11 @@ fn one(
 
 /// Writes the card of a motion: a curve of lengths along a direction of length 1.
 fn led(
-    deck: &mut Deck,
-    wall: &Wall,
+    deck: &mut DeckWriter,
+    wall: &WallInput,
     curves: &mut TimeCurves<'_>,
     exact: &mut Table,
-) -> Option<[Field; 5]> {
+) -> Option<[CardValue; 5]> {
     let (key, form, v) = match (wall.velocity, wall.displacement) {
         (Some(v), _) => ("velocity", 0, v),
         (None, Some(u)) => ("displacement", 1, u),

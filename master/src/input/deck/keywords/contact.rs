@@ -1,7 +1,7 @@
 //! Contact and rigid walls.
 
 use super::id;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
@@ -131,30 +131,30 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
 ];
 
-fn mpp(record: &Record) -> usize {
+fn mpp(record: &CardRecord) -> usize {
     usize::from(record.has("MPP"))
 }
 
-fn eroding(record: &Record) -> usize {
+fn eroding(record: &CardRecord) -> usize {
     usize::from(record.row.keyword.name.contains("ERODING"))
 }
 
-fn finite(record: &Record) -> usize {
+fn finite(record: &CardRecord) -> usize {
     usize::from(record.has("FINITE"))
 }
 
-fn moving(record: &Record) -> usize {
+fn moving(record: &CardRecord) -> usize {
     usize::from(record.has("MOVING"))
 }
 
-fn forces(record: &Record) -> usize {
+fn forces(record: &CardRecord) -> usize {
     usize::from(record.has("FORCES"))
 }
 
-fn motion(record: &Record) -> usize {
+fn motion(record: &CardRecord) -> usize {
     usize::from(record.has("MOTION"))
 }
 
-fn display(record: &Record) -> usize {
+fn display(record: &CardRecord) -> usize {
     usize::from(record.has("DISPLAY"))
 }

@@ -1,7 +1,7 @@
 //! Constraints, motions and loads of the model.
 
 use super::id;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{Keyword, Times::*};
 
 pub const KEYWORDS: &[Keyword] = &[
@@ -122,12 +122,12 @@ const GRAVITY: &[(&str, crate::input::deck::table::Times)] =
 
 /// Returns 1 if prescribed motion has a second line: for a degree of freedom with an offset, or
 /// for relative motion.
-fn offsets(record: &Record) -> usize {
+fn offsets(record: &CardRecord) -> usize {
     usize::from(
         matches!(record.integer("dof").unsigned_abs(), 9..=11) || record.integer("vad") == 4,
     )
 }
 
-fn exempted(record: &Record) -> usize {
+fn exempted(record: &CardRecord) -> usize {
     usize::from(record.integer("nsidex") > 0)
 }

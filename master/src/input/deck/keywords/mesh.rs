@@ -1,6 +1,6 @@
 //! Nodes and elements.
 
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{Keyword, Times::*};
 
 pub const KEYWORDS: &[Keyword] = &[
@@ -58,14 +58,14 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
 ];
 
-fn orientation(record: &Record) -> usize {
+fn orientation(record: &CardRecord) -> usize {
     usize::from(record.has("ORIENTATION"))
 }
 
-fn offset(record: &Record) -> usize {
+fn offset(record: &CardRecord) -> usize {
     usize::from(record.has("OFFSET"))
 }
 
-fn thickness(record: &Record) -> usize {
+fn thickness(record: &CardRecord) -> usize {
     usize::from(record.has("THICKNESS") || record.has("BETA"))
 }

@@ -11,7 +11,7 @@ mod mesh;
 mod parts;
 mod sets;
 
-use super::record::Record;
+use super::record::CardRecord;
 use super::table::{Card, Effect, Keyword, Times};
 use std::collections::HashMap;
 use std::sync::LazyLock;
@@ -95,12 +95,12 @@ pub fn is_output(name: &str) -> bool {
 }
 
 /// Returns 1, for a heading line, with the option `TITLE`.
-fn title(record: &Record) -> usize {
+fn title(record: &CardRecord) -> usize {
     usize::from(record.has("TITLE"))
 }
 
 /// Returns 1, for a line with an id and a heading, with the options `ID` and `TITLE`.
-fn id(record: &Record) -> usize {
+fn id(record: &CardRecord) -> usize {
     usize::from(record.has("ID") || record.has("TITLE"))
 }
 

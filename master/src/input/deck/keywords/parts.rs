@@ -1,7 +1,7 @@
 //! Parts, sections, hourglass control.
 
 use super::title;
-use crate::input::deck::record::Record;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{Keyword, Times::*};
 
 pub const KEYWORDS: &[Keyword] = &[
@@ -80,24 +80,24 @@ pub const KEYWORDS: &[Keyword] = &[
     .repeats(),
 ];
 
-fn integrated(record: &Record) -> usize {
+fn integrated(record: &CardRecord) -> usize {
     usize::from(matches!(record.integer("elform"), 0 | 1 | 4 | 5 | 9 | 11))
 }
 
-fn resultant(record: &Record) -> usize {
+fn resultant(record: &CardRecord) -> usize {
     usize::from(matches!(record.integer("elform"), 2 | 3 | 12 | 13))
 }
 
-fn of_another_kind(record: &Record) -> usize {
+fn of_another_kind(record: &CardRecord) -> usize {
     usize::from(integrated(record) + resultant(record) == 0)
 }
 
-fn contact(record: &Record) -> usize {
+fn contact(record: &CardRecord) -> usize {
     usize::from(record.has("CONTACT"))
 }
 
 /// Returns the number of lines with material angles: eight per line, one angle for each point.
-fn angles(record: &Record) -> usize {
+fn angles(record: &CardRecord) -> usize {
     match record.integer("icomp") {
         1 => usize::try_from(record.integer("nip")).unwrap_or(0).min(100).div_ceil(8),
         _ => 0,

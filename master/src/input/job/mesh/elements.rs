@@ -1,6 +1,6 @@
 //! Checks of the elements of a mesh: ids, parts, corners, shapes.
 
-use super::{Few, Read, Written};
+use super::{Few, PlacedMesh, Written};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
@@ -13,7 +13,7 @@ const NO_AREA: f64 = 1e-12;
 /// Reports elements that cannot be computed. `at` are the positions of the nodes, `parts` the ids
 /// of the parts if they are known.
 pub(super) fn check(
-    read: &Read,
+    read: &PlacedMesh,
     at: &HashMap<NodeId, [f64; 3]>,
     parts: Option<&[u32]>,
     few: &mut Few<'_>,
@@ -54,7 +54,7 @@ pub(super) fn check(
             Shape::Beam2 => beam(element, &x, at, path(), few),
             Shape::Hex8 => solid(element, &x, path(), few),
             Shape::Quad4 | Shape::Tri3 => match outline(&x) {
-                Outline::Concave => {
+                ShapeOutline::Concave => {
                     let (first, count) = concave.unwrap_or((index, 0));
                     concave = Some((first, count + 1));
                 }
@@ -72,7 +72,7 @@ pub(super) fn check(
         few.findings.add(Problem::warning(
             read.element_path(index),
             message,
-            "results there are poor: remesh these quads",
+            "remesh these quads: results are poor there",
         ));
     }
 }
@@ -127,7 +127,7 @@ fn beam(
     few: &mut Few<'_>,
 ) {
     match at.get(&element.nodes[2]) {
-        Some(third) if matches!(outline(&[x[0], x[1], *third]), Outline::Good) => {}
+        Some(third) if matches!(outline(&[x[0], x[1], *third]), ShapeOutline::Good) => {}
         Some(_) => {
             let message = format!(
                 "beam {}: its third node lies on the line through the first two",
@@ -141,26 +141,31 @@ fn beam(
 }
 
 /// Reports a shell with an outline that cannot be computed.
-fn shell(element: &MeshElement, outline: &Outline, path: impl Fn() -> String, few: &mut Few<'_>) {
+fn shell(
+    element: &MeshElement,
+    outline: &ShapeOutline,
+    path: impl Fn() -> String,
+    few: &mut Few<'_>,
+) {
     let id = element.id;
     let (kind, message, help) = match outline {
-        Outline::Good | Outline::Concave => return,
-        Outline::NoArea => (
+        ShapeOutline::Good | ShapeOutline::Concave => return,
+        ShapeOutline::NoArea => (
             "no area",
             format!("element {id} has no area: its nodes lie on one line or at one point"),
             "move its nodes apart, or remove the element",
         ),
-        Outline::NoSide => (
+        ShapeOutline::NoSide => (
             "no side",
             format!("element {id} has two corners at one point"),
             "make it a triangle, or move one of the two nodes",
         ),
-        Outline::BowTie => (
+        ShapeOutline::BowTie => (
             "bow-tie",
             format!("element {id} is folded over: its sides cross (bow-tie)"),
             "give its nodes in order around the element; two are exchanged",
         ),
-        Outline::Overflow => (
+        ShapeOutline::Overflow => (
             "overflow",
             format!("element {id} is too large or too small to compute with"),
             "check the units of the coordinates",
@@ -171,7 +176,7 @@ fn shell(element: &MeshElement, outline: &Outline, path: impl Fn() -> String, fe
 
 /// Reports a part that the job does not have: index of its first element, and number of elements.
 fn orphan(
-    read: &Read,
+    read: &PlacedMesh,
     part: u32,
     (index, count): (usize, usize),
     parts: &[u32],
@@ -217,7 +222,7 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
     }
 }
 
-enum Outline {
+enum ShapeOutline {
     Good,
     Concave,
     /// Two corners coincide.
@@ -227,7 +232,7 @@ enum Outline {
     Overflow,
 }
 
-fn outline(x: &[[f64; 3]]) -> Outline {
+fn outline(x: &[[f64; 3]]) -> ShapeOutline {
     let n = x.len();
     let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -241,21 +246,21 @@ fn outline(x: &[[f64; 3]]) -> Outline {
     let size = dot(area, area);
     // This function and the elements compute fourth powers of lengths.
     if !(longest * longest).is_finite() || longest > 0.0 && longest * longest < f64::MIN_POSITIVE {
-        return Outline::Overflow;
+        return ShapeOutline::Overflow;
     }
     let corner = |i: usize| cross(side((i + n - 1) % n), side(i));
     if 0.5 * size.sqrt() <= NO_AREA * longest {
         let open = (0..n).any(|i| dot(corner(i), corner(i)).sqrt() > 1e-6 * longest);
-        return if open { Outline::BowTie } else { Outline::NoArea };
+        return if open { ShapeOutline::BowTie } else { ShapeOutline::NoArea };
     }
     if (0..n).any(|i| dot(side(i), side(i)).sqrt() <= NO_AREA * longest.sqrt()) {
-        return Outline::NoSide;
+        return ShapeOutline::NoSide;
     }
     let turned = (0..n).filter(|&i| dot(corner(i), area) < 0.0).count();
     match turned {
-        0 => Outline::Good,
-        1 => Outline::Concave,
-        _ => Outline::BowTie,
+        0 => ShapeOutline::Good,
+        1 => ShapeOutline::Concave,
+        _ => ShapeOutline::BowTie,
     }
 }
 
@@ -263,27 +268,39 @@ fn outline(x: &[[f64; 3]]) -> Outline {
 mod tests {
     use super::*;
 
-    fn shape(points: [[f64; 2]; 4]) -> Outline {
+    fn shape(points: [[f64; 2]; 4]) -> ShapeOutline {
         outline(&points.map(|[x, y]| [x, y, 0.0]))
     }
 
     #[test]
     fn outlines() {
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), Outline::Good));
+        assert!(matches!(
+            shape([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+            ShapeOutline::Good
+        ));
         assert!(matches!(
             shape([[0.0, 0.0], [1.0, 0.0], [0.3, 0.3], [0.0, 1.0]]),
-            Outline::Concave
+            ShapeOutline::Concave
         ));
         assert!(
-            matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Outline::BowTie),
+            matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), ShapeOutline::BowTie),
             "halves cancel"
         );
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]), Outline::BowTie));
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Outline::NoArea));
-        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), Outline::NoSide));
+        assert!(matches!(
+            shape([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]),
+            ShapeOutline::BowTie
+        ));
+        assert!(matches!(
+            shape([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]),
+            ShapeOutline::NoArea
+        ));
+        assert!(matches!(
+            shape([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
+            ShapeOutline::NoSide
+        ));
         assert!(matches!(
             shape([[0.0, 0.0], [1e200, 0.0], [1e200, 1e200], [0.0, 1e200]]),
-            Outline::Overflow
+            ShapeOutline::Overflow
         ));
     }
 }

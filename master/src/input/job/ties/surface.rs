@@ -3,13 +3,13 @@
 
 use super::{Projected, TieContext, name, whole};
 use crate::input::job::loads::outer_faces;
-use crate::input::job::validate::Findings;
+use crate::input::job::validate::JobProblems;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::Tie as TieSpec;
+use crumple_proto::job::TieInput;
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
-use crumple_worker::constraints::ties::project::{Face, Foot, diagonal, feet};
+use crumple_worker::constraints::ties::project::{FaceCorners, Foot, diagonal, feet};
 use std::collections::{HashMap, HashSet};
 
 /// Default tolerance, as a fraction of the sum of thicknesses, and of the shorter diagonal of the
@@ -20,24 +20,24 @@ const OF_DIAGONAL: f64 = 0.05;
 const NO_SHARE: f64 = 1e-12;
 
 /// The surface of an entry.
-pub(super) struct Surface<'a> {
-    spec: &'a TieSpec,
+pub(super) struct TieSurface<'a> {
+    spec: &'a TieInput,
     context: &'a TieContext<'a>,
     /// Element and number of each face.
     faces: Vec<(usize, usize)>,
     /// Nodes of each face, and their places.
     corners: Vec<[NodeId; 4]>,
-    places: Vec<Face>,
+    places: Vec<FaceCorners>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> TieSurface<'a> {
     /// Finds the faces of an entry, if its nodes are known. Reports an entry without a surface.
     pub(super) fn new(
-        spec: &'a TieSpec,
+        spec: &'a TieInput,
         entry: usize,
         context: &'a TieContext<'a>,
         with_nodes: bool,
-        findings: &mut Findings,
+        findings: &mut JobProblems,
     ) -> Option<Self> {
         let TieContext { job, mesh, sets, free, .. } = context;
         if spec.parts.is_empty() && spec.faces.is_none() {
@@ -165,7 +165,7 @@ impl<'a> Surface<'a> {
         let mut points: Vec<NodeId> =
             reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
         points.sort_unstable();
-        let places: Vec<Face> =
+        let places: Vec<FaceCorners> =
             between.iter().map(|c| c.map(|id| self.context.place(id))).collect();
         let widest = reach.values().copied().fold(0.0, f64::max);
         let found = feet(

@@ -6,7 +6,7 @@
 //! sections have four points at the radii of gyration: area and second moments are exact, but the
 //! plastic moment of the true section is unknown.
 
-use crumple_proto::job::{Beam, BeamSection};
+use crumple_proto::job::{BeamInput, BeamSection};
 use std::f64::consts::{PI, TAU};
 
 /// Number of points around a ring.
@@ -50,7 +50,7 @@ fn rectangle_torsion(a: f64, b: f64) -> f64 {
 
 impl FibreSection {
     /// Builds the section from the job, whose values have been checked.
-    pub fn new(job: &Beam) -> Self {
+    pub fn new(job: &BeamInput) -> Self {
         let (h, w) = (0.5 * job.height, 0.5 * job.width);
         match job.section {
             BeamSection::Rectangle => Self {
@@ -128,12 +128,12 @@ fn tube(inside: f64, outside: f64) -> Vec<Fibre> {
 mod tests {
     use super::*;
 
-    fn close(ours: f64, exact: f64, within: f64) {
+    fn assert_within(ours: f64, exact: f64, within: f64) {
         assert!((ours / exact - 1.0).abs() < within, "{ours} {exact}");
     }
 
-    fn beam(section: BeamSection) -> Beam {
-        Beam {
+    fn beam(section: BeamSection) -> BeamInput {
+        BeamInput {
             section,
             height: 6.0,
             width: 4.0,
@@ -160,37 +160,38 @@ mod tests {
         let s = FibreSection::new(&beam(BeamSection::Rectangle));
         let [a, iy, iz, j] = s.moments();
         for (ours, exact) in [(a, 24.0), (iy, 32.0), (iz, 72.0), (plastic(&s), 36.0)] {
-            close(ours, exact, 1e-14);
+            assert_within(ours, exact, 1e-14);
         }
-        close(j, 0.196 * 6.0 * 64.0, 4e-3); // Timoshenko & Goodier, a/b = 1.5
+        assert_within(j, 0.196 * 6.0 * 64.0, 4e-3); // Timoshenko & Goodier, a/b = 1.5
 
         let s = FibreSection::new(&beam(BeamSection::I));
         let [a, iy, iz, _] = s.moments();
-        close(a, 2.0 * 2.0 + 5.0 * 0.3, 1e-14);
-        close(iz, (4.0 * 216.0 - 3.7 * 125.0) / 12.0, 1e-14);
-        close(iy, (2.0 * 0.5 * 64.0 + 5.0 * 0.027) / 12.0, 1e-14);
-        close(plastic(&s), 2.0 * 2.0 * 2.75 + 0.3 * 6.25, 1e-14);
+        assert_within(a, 2.0 * 2.0 + 5.0 * 0.3, 1e-14);
+        assert_within(iz, (4.0 * 216.0 - 3.7 * 125.0) / 12.0, 1e-14);
+        assert_within(iy, (2.0 * 0.5 * 64.0 + 5.0 * 0.027) / 12.0, 1e-14);
+        assert_within(plastic(&s), 2.0 * 2.0 * 2.75 + 0.3 * 6.25, 1e-14);
 
         for (ours, exact) in FibreSection::new(&beam(BeamSection::General))
             .moments()
             .into_iter()
             .zip([7.0, 11.0, 13.0, 17.0])
         {
-            close(ours, exact, 1e-14);
+            assert_within(ours, exact, 1e-14);
         }
-        let truss = Beam { second_moments: [0.0; 2], torsion: 0.0, ..beam(BeamSection::General) };
+        let truss =
+            BeamInput { second_moments: [0.0; 2], torsion: 0.0, ..beam(BeamSection::General) };
         assert_eq!(FibreSection::new(&truss).moments(), [7.0, 0.0, 0.0, 0.0]);
 
         for wall in [1.0, 0.0] {
-            let s = FibreSection::new(&Beam { wall, ..beam(BeamSection::Tube) });
+            let s = FibreSection::new(&BeamInput { wall, ..beam(BeamSection::Tube) });
             let inside: f64 = if wall > 0.0 { 4.0 } else { 0.0 };
             let [a, iy, iz, j] = s.moments();
-            close(a, PI * (25.0 - inside.powi(2)), 1e-14);
+            assert_within(a, PI * (25.0 - inside.powi(2)), 1e-14);
             let i = 0.25 * PI * (625.0 - inside.powi(4));
             for (ours, exact) in [(iy, i), (iz, i), (j, 2.0 * i)] {
-                close(ours, exact, 1e-13);
+                assert_within(ours, exact, 1e-13);
             }
-            close(plastic(&s), 4.0 / 3.0 * (125.0 - inside.powi(3)), 0.0066);
+            assert_within(plastic(&s), 4.0 / 3.0 * (125.0 - inside.powi(3)), 0.0066);
         }
     }
 }

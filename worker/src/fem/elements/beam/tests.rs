@@ -4,11 +4,11 @@ use super::*;
 use crate::fem::columns::HistoryColumns;
 use crate::fem::elements::build_block;
 use crate::fem::elements::testing::{elastic, part, passed, settings};
-use crumple_proto::job::{Beam as BeamJob, Part as PartJob, Precision};
+use crumple_proto::job::{BeamInput, Part, Precision};
 use crumple_proto::mesh::OwnSection;
 
-fn rectangle() -> BeamJob {
-    BeamJob {
+fn rectangle() -> BeamInput {
+    BeamInput {
         section: BeamSection::Rectangle,
         height: 0.4,
         width: 0.2,
@@ -25,15 +25,15 @@ fn rectangle() -> BeamJob {
     }
 }
 
-fn beam(section: BeamJob) -> Box<dyn Element> {
-    let part = PartJob { beam: Some(section), ..part(0.0) };
+fn beam(section: BeamInput) -> Box<dyn Element> {
+    let part = Part { beam: Some(section), ..part(0.0) };
     build_block(&settings(part, elastic(2.0, 0.3, 1.0)), 0, Shape::Beam2)
         .unwrap_or_else(|e| panic!("{e:?}"))
 }
 
 /// Returns forces and moments of a beam whose ends move through `places` with rotational velocities
 /// `w` in steps of 1.
-fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
+fn led(section: BeamInput, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     let beam = beam(section);
     let mut fresh = vec![0.0; beam.columns()];
     beam.start(&mut fresh, OwnSection::default());
@@ -76,7 +76,7 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
 fn no_rotation_strains_it() {
     let axis = V3::new(1.0, -2.0, 0.5).normalize() * 0.4;
     let turned = |k: usize, p: V3| {
-        Turn::from_scaled_axis(axis * k as f64) * p + V3::new(0.1, 0.2, -0.3) * k as f64
+        Rotation::from_scaled_axis(axis * k as f64) * p + V3::new(0.1, 0.2, -0.3) * k as f64
     };
     let ends = [V3::new(1.0, 0.2, 0.0), V3::new(3.0, 0.5, 0.4)];
     let places: Vec<[V3; 2]> = (0..=100).map(|k| ends.map(|p| turned(k, p))).collect();
@@ -91,7 +91,7 @@ fn no_rotation_strains_it() {
 fn it_has_the_stiffness_of_a_beam() {
     let (e, g, length) = (2.0, 1.0 / 1.3, 2.0);
     let (iy, iz, area) = (0.4 * 0.008 / 12.0, 0.2 * 0.064 / 12.0, 0.08);
-    for turn in [Turn::identity(), Turn::from_euler_angles(0.4, 1.2, -0.7)] {
+    for turn in [Rotation::identity(), Rotation::from_euler_angles(0.4, 1.2, -0.7)] {
         // Axes of the section: the vector towards the second one is (0.3, 1, 0.2).
         let along = V3::x();
         let third = along.cross(&V3::new(0.3, 1.0, 0.2)).normalize();
@@ -135,7 +135,7 @@ fn it_has_the_stiffness_of_a_beam() {
 fn short_beams_shear() {
     let (e, g, length) = (2.0, 1.0 / 1.3, 2.0);
     let areas = [0.05, 0.07];
-    let job = BeamJob { shear_areas: areas, ..rectangle() };
+    let job = BeamInput { shear_areas: areas, ..rectangle() };
     let start = [V3::zeros(), V3::x() * length];
     let third = V3::x().cross(&V3::new(0.3, 1.0, 0.2)).normalize();
     let axes = frame(&V3::x(), &third.cross(&V3::x()));
@@ -175,8 +175,8 @@ fn short_beams_shear() {
 fn a_general_section_is_its_moments() {
     let [area, about_y, about_z, torsion] = FibreSection::new(&rectangle()).moments();
     let none =
-        BeamJob { section: BeamSection::General, height: 0.0, width: 0.0, area, ..rectangle() };
-    let general = BeamJob { second_moments: [about_y, about_z], torsion, ..none.clone() };
+        BeamInput { section: BeamSection::General, height: 0.0, width: 0.0, area, ..rectangle() };
+    let general = BeamInput { second_moments: [about_y, about_z], torsion, ..none.clone() };
     let ends = [V3::new(1.0, 0.2, 0.0), V3::new(3.0, 0.5, 0.4)];
     let moved = [ends[0], ends[1] + V3::new(1e-3, 2e-3, -1e-3)];
     let turns = [[V3::zeros(); 2], [V3::new(1e-3, 2e-3, 0.0), V3::new(-1e-3, 0.0, 2e-3)]];

@@ -32,7 +32,7 @@
 //! Taylor bar (B01, 8 cells on the radius, foot fixed to the wall) is 6 % too narrow with stiffness
 //! at kappa = 0.05, and 0.6 % with f and assumed strain.
 
-use super::modes::{Gradient, HOURGLASS_MODES, Modes};
+use super::modes::{Gradient, HOURGLASS_MODES, HexahedronModes};
 use crate::fem::elements::HourglassForm;
 use crate::fem::materials::Elastic;
 use crate::math::lanes::{Real, dot};
@@ -49,12 +49,12 @@ pub struct Hourglass {
 }
 
 /// Data of a step that the hourglass modes use.
-pub struct Step<'a, R> {
+pub struct HourglassStep<'a, R> {
     /// Coordinates and mean gradient in the middle of the step.
-    pub mid: &'a Modes<R>,
+    pub mid: &'a HexahedronModes<R>,
     pub mid_gradient: &'a Gradient<R>,
     /// Coordinates and mean gradient at the end of the step.
-    pub end: &'a Modes<R>,
+    pub end: &'a HexahedronModes<R>,
     pub end_gradient: &'a Gradient<R>,
     /// Increments q of the four modes [length].
     pub q: [[R; 3]; HOURGLASS_MODES],
@@ -77,7 +77,7 @@ impl Hourglass {
     pub fn update<R: Real>(
         &self,
         elastic: &Elastic,
-        step: &Step<'_, R>,
+        step: &HourglassStep<'_, R>,
         history: &mut [R],
     ) -> ([[R; 3]; HOURGLASS_MODES], R) {
         match self.form {
@@ -91,7 +91,7 @@ impl Hourglass {
     fn perturbation<R: Real>(
         &self,
         elastic: &Elastic,
-        step: &Step<'_, R>,
+        step: &HourglassStep<'_, R>,
         history: &mut [R],
         viscous: bool,
     ) -> ([[R; 3]; HOURGLASS_MODES], R) {
@@ -136,7 +136,7 @@ struct Lengths<R> {
 
 /// Computes the inverse lengths with one division, which costs as much as a dozen products.
 #[inline(always)]
-fn lengths<R: Real>(x: &Modes<R>) -> Lengths<R> {
+fn lengths<R: Real>(x: &HexahedronModes<R>) -> Lengths<R> {
     let [a, b, c] = std::array::from_fn(|i| dot(x[i], x[i]));
     let ab = a * b;
     let all = R::splat(1.0) / (ab * c);
@@ -149,7 +149,7 @@ fn lengths<R: Real>(x: &Modes<R>) -> Lengths<R> {
 #[inline(always)]
 fn assumed_strain<R: Real>(
     elastic: &Elastic,
-    step: &Step<'_, R>,
+    step: &HourglassStep<'_, R>,
     history: &mut [R],
 ) -> ([[R; 3]; HOURGLASS_MODES], R) {
     let [plane, _, g] = elastic.plane_stress().map(R::splat);

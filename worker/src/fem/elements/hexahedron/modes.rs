@@ -14,7 +14,7 @@ use crate::fem::materials::PointLanes;
 use crate::math::lanes::{Lane, Real, cross, dot};
 
 /// Modes of a vector at the corners.
-pub type Modes<R> = [[R; 3]; 7];
+pub type HexahedronModes<R> = [[R; 3]; 7];
 /// Number of hourglass modes among them.
 pub const HOURGLASS_MODES: usize = 4;
 
@@ -31,7 +31,7 @@ pub struct Gradient<R> {
 impl<R: Real> Gradient<R> {
     /// Computes the gradient at the coordinates with these modes.
     #[inline(always)]
-    pub fn new(x: &Modes<R>) -> Self {
+    pub fn new(x: &HexahedronModes<R>) -> Self {
         let third = R::splat(1.0 / 3.0);
         let [x1, x2, x3, x4, x5, x6, _] = *x;
         let [y4, y5, y6] = [x4, x5, x6].map(|v| v.map(|c| third * c));
@@ -66,7 +66,7 @@ impl<R: Real> Gradient<R> {
     /// Returns the mean gradient of `scale` times the field that has the modes `u`: component i by
     /// coordinate j.
     #[inline(always)]
-    pub fn gradient_of(&self, u: &Modes<R>, scale: f64) -> [[R; 3]; 3] {
+    pub fn gradient_of(&self, u: &HexahedronModes<R>, scale: f64) -> [[R; 3]; 3] {
         let inverse = R::splat(scale) / self.volume64;
         let b = &self.b;
         std::array::from_fn(|i| {
@@ -158,7 +158,7 @@ where
 pub fn gather<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<8, W>,
     [one, other]: [&[[f64; 4]]; 2],
-) -> [Modes<L>; 2] {
+) -> [HexahedronModes<L>; 2] {
     // One length for both columns, so that one bounds check per node is enough.
     let n = one.len();
     let columns = [&one[..n], &other[..n]];
@@ -204,7 +204,10 @@ fn corner<L: PointLanes<W>, const W: usize>(
 
 /// Converts forces of modes to rows of corner forces.
 #[inline(always)]
-pub fn scatter<L: PointLanes<W>, const W: usize>(modes: &Modes<L>, force: &mut GroupCorners<8, W>) {
+pub fn scatter<L: PointLanes<W>, const W: usize>(
+    modes: &HexahedronModes<L>,
+    force: &mut GroupCorners<8, W>,
+) {
     if L::SHORT {
         let rows = modes.map(L::to_rows);
         for (lane, force) in force.iter_mut().enumerate() {
@@ -222,7 +225,7 @@ pub fn scatter<L: PointLanes<W>, const W: usize>(modes: &Modes<L>, force: &mut G
 }
 
 /// Returns the modes of the corners of one element.
-pub fn modes_of_corners(x: &[[f64; 3]; 8]) -> Modes<f64> {
+pub fn modes_of_corners(x: &[[f64; 3]; 8]) -> HexahedronModes<f64> {
     let by_component: [[f64; 7]; 3] = std::array::from_fn(|i| modes_of(x.map(|corner| corner[i])));
     std::array::from_fn(|k| std::array::from_fn(|i| by_component[i][k]))
 }

@@ -22,9 +22,9 @@ mod step;
 mod tests;
 
 pub use flow::{Flow, SAVED};
-pub use step::Limits;
+pub use step::StepQuantities;
 
-use crate::fem::columns::State;
+use crate::fem::columns::ElementState;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crate::math::lanes::{Each, Real};
 use crate::parameter::Values;
@@ -32,7 +32,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
-use super::{ElementFields, failed_column, parameters, zero_failed};
+use super::{ElementFields, law_column, parameters, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -171,12 +171,9 @@ impl Section {
             stride: 3 + history.len(),
             thinning: values.flag("thinning"),
             deletes: parameters::deletes_inverted(values),
-            plastic_strain: history
-                .iter()
-                .position(|&name| name == "plastic_strain")
-                .map(|column| 3 + column),
+            plastic_strain: law_column(history, "plastic_strain", 3),
             initial_yield_stress: law.initial_yield_stress(),
-            failed: failed_column(history).map(|column| 3 + column),
+            failed: law_column(history, "failed", 3),
             law,
         })
     }
@@ -278,7 +275,7 @@ impl Section {
 
     /// Returns the columns of a history that [`Self::stable_dt`] reads, if these are the first
     /// ones: the thicknesses at several points in the plane and stored offsets are not.
-    pub fn shape_columns(&self, history: State<'_>) -> Option<[f64; POINTS]> {
+    pub fn shape_columns(&self, history: ElementState<'_>) -> Option<[f64; POINTS]> {
         (self.planar == 1 && !self.stores_offsets)
             .then(|| std::array::from_fn(|column| history.at(column)))
     }
@@ -290,7 +287,7 @@ impl Section {
     }
 
     /// Returns true if all columns are zero except those that are set at the start.
-    pub fn is_unstrained(&self, history: State<'_>) -> bool {
+    pub fn is_unstrained(&self, history: ElementState<'_>) -> bool {
         let (each, all, own) = (self.each(), self.point_columns(), self.columns());
         history.is_zero_where(|column| column >= own || column < all && column % each >= SHEAR)
     }
@@ -471,7 +468,7 @@ impl Section {
     }
 
     /// Returns true if all points of one element have failed.
-    pub fn has_failed(&self, history: State<'_>) -> bool {
+    pub fn has_failed(&self, history: ElementState<'_>) -> bool {
         let each = self.each();
         let mark = |p: usize, k: usize, column: usize| {
             history.at(p * each + POINTS + k * self.stride + column)
@@ -495,7 +492,7 @@ impl Section {
 
     /// Returns the fields of one element. Stress and thickness are means over its points in the
     /// plane; `axes` are its e1, e2 and normal.
-    pub fn fields(&self, history: State<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
+    pub fn fields(&self, history: ElementState<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
         let mean = |column: usize| {
             let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
             values.sum::<f64>() / self.planar as f64

@@ -11,7 +11,7 @@ const ROUND_OFF: f64 = 4e-6;
 /// Quantities of the present shape of a shell that determine its stable step. The squared frequency
 /// of its shear is `5/6 G/rho (corners s + (1 + taper s)/I)`, with I the rotational inertia per
 /// mass and s the larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
-pub struct Limits<R> {
+pub struct StepQuantities<R> {
     /// Area [length^2] and its reciprocal.
     pub area: R,
     pub inv_area: R,
@@ -60,7 +60,7 @@ impl Section {
     /// that of the start, has become too small for shear. Without [`Self::measure`] it is that of
     /// the membrane.
     #[inline(always)]
-    pub fn stable_dt<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+    pub fn stable_dt<R: Real>(&self, history: &[R], of: &StepQuantities<R>) -> R {
         if self.has_offset() {
             return self.stable_dt_with_offset(history, of);
         }
@@ -70,7 +70,7 @@ impl Section {
     /// Returns [`Self::stable_dt`] for this rotational inertia about the middle surface per mass
     /// [length^2].
     #[inline(always)]
-    fn stable_dt_at<R: Real>(&self, history: &[R], of: &Limits<R>, inertia: R) -> R {
+    fn stable_dt_at<R: Real>(&self, history: &[R], of: &StepQuantities<R>, inertia: R) -> R {
         let one = R::splat(1.0);
         // The squared frequency of shear goes with `corners s + (1 + taper s)/i`. If the inertia i
         // has become less than the floor f, it has risen by at most the factor
@@ -101,7 +101,7 @@ impl Section {
     /// Returns [`Self::stable_dt`] of a section with an offset.
     #[cold]
     #[inline(never)]
-    fn stable_dt_with_offset<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+    fn stable_dt_with_offset<R: Real>(&self, history: &[R], of: &StepQuantities<R>) -> R {
         let (one, known, arm) = (R::splat(1.0), history[INERTIA], self.arm(history));
         // Shear rotates the section about the middle surface. An inertia that is too small for
         // shear is replaced by a larger one; then more inertia is assumed than the nodes have.

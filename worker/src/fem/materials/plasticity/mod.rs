@@ -57,7 +57,7 @@ pub struct Plasticity {
     /// Dependence on the temperature, if any.
     pub thermal: Option<Thermal>,
     /// Failure of points.
-    pub failure: Failure,
+    pub failure: FailureCriterion,
     /// Coefficients of the updates, from the elastic constants and the yield stress.
     pub coefficients: Coefficients,
 }
@@ -164,7 +164,7 @@ pub struct Thermal {
 }
 
 /// Failure criterion of a point.
-pub enum Failure {
+pub enum FailureCriterion {
     /// Points do not fail.
     None,
     /// Fails at this plastic strain.
@@ -196,7 +196,7 @@ struct Damage<R> {
 impl Plasticity {
     /// Returns the names of the columns after stress.
     fn names(&self) -> &'static [&'static str] {
-        if self.thermal.is_none() && matches!(self.failure, Failure::None) {
+        if self.thermal.is_none() && matches!(self.failure, FailureCriterion::None) {
             &["plastic_strain"]
         } else {
             &["plastic_strain", "temperature_rise", "damage", "failed"]
@@ -289,9 +289,9 @@ impl Plasticity {
             columns[TEMPERATURE_RISE] = R::select(mask, rise, columns[TEMPERATURE_RISE]);
         }
         let limit = match self.failure {
-            Failure::None => return,
-            Failure::Strain(limit) => R::splat(limit),
-            Failure::JohnsonCook { d: [d1, d2, d3, d4, d5], reference } => {
+            FailureCriterion::None => return,
+            FailureCriterion::Strain(limit) => R::splat(limit),
+            FailureCriterion::JohnsonCook { d: [d1, d2, d3, d4, d5], reference } => {
                 let triaxiality = Real::min(step.mean / step.sig_y, R::splat(LARGEST_TRIAXIALITY));
                 let first = R::splat(d2).mul_add((R::splat(d3) * triaxiality).exp(), R::splat(d1));
                 let rate = logarithm(effective_rate(step.square, step.dt * reference));

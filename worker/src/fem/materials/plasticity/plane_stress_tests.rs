@@ -1,7 +1,7 @@
 //! Strain paths with known results. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as in common
 //! test drivers.
 
-use super::super::{Failure, Rate, YieldCurve};
+use super::super::{FailureCriterion, Rate, YieldCurve};
 use super::*;
 use crate::fem::materials::build;
 use crate::math::lanes::LANES;
@@ -250,7 +250,7 @@ fn every_lane_is_what_it_would_be_alone() {
 fn bisection_finds_what_halley_finds() {
     let elastic = Elastic { youngs_modulus: E, poisson: NU, density: 1.0 };
     let curve = YieldCurve::lines(YIELD, 1.0, &[(0.01, -0.5)]);
-    let (rate, thermal, failure) = (Rate::None, None, Failure::None);
+    let (rate, thermal, failure) = (Rate::None, None, FailureCriterion::None);
     let coefficients = Coefficients::new(&elastic, YIELD);
     let law =
         Plasticity { elastic, yield_stress: YIELD, curve, rate, thermal, failure, coefficients };

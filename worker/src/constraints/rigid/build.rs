@@ -1,0 +1,167 @@
+//! Rigid bodies at the start of a run, after a checkpoint, and after each renewal: their members,
+//! mass and inertia.
+
+use super::body::{Body, Momentum};
+use super::{Bodies, Member, NONE};
+use crate::math::row::{V3, xyz};
+use crate::nodes::Nodes;
+use bytemuck::{Pod, Zeroable};
+use crumple_proto::ids::NodeId;
+use crumple_proto::partition::Settings;
+use crumple_proto::rigid::RigidBody;
+use crumple_proto::transport::{RankLost, Transport, gather_all};
+use nalgebra::Matrix3;
+
+/// A member, as it is sent to all workers at the start.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireMember {
+    body: u64,
+    node: NodeId,
+    mass: f64,
+    inertia: f64,
+    x: [f64; 3],
+    v: [f64; 3],
+    w: [f64; 3],
+}
+
+impl Bodies {
+    /// Builds all bodies; their members come from the workers that own them. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn new(
+        comm: &mut dyn Transport,
+        settings: &Settings,
+        nodes: &Nodes,
+    ) -> Result<Self, RankLost> {
+        let mut all = Self::default();
+        all.extend(comm, settings, nodes)?;
+        Ok(all)
+    }
+
+    /// Builds the bodies of the job that are not there yet, from the present state of their
+    /// members. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn extend(
+        &mut self,
+        comm: &mut dyn Transport,
+        settings: &Settings,
+        nodes: &Nodes,
+    ) -> Result<(), RankLost> {
+        let all = self;
+        all.jobs = settings.rigid.clone();
+        let first = all.bodies.len();
+        if all.jobs.len() == first {
+            return Ok(());
+        }
+        let mut mine: Vec<WireMember> = Vec::new();
+        for (b, job) in all.jobs.iter().enumerate().skip(first) {
+            let owned =
+                job.nodes.iter().filter_map(|&id| nodes.local_index(id)).map(|n| n as usize);
+            mine.extend(owned.filter(|&i| nodes.is_owned(i)).map(|i| WireMember {
+                body: b as u64,
+                node: nodes.id[i],
+                mass: nodes.mass[i],
+                inertia: nodes.inertia[i],
+                x: xyz(&nodes.x[i]),
+                v: xyz(&nodes.v[i]),
+                w: xyz(&nodes.w[i]),
+            }));
+        }
+        let parcels = gather_all(comm, mine)?;
+        let mut members: Vec<WireMember> = parcels.concat();
+        members.sort_unstable_by_key(|m| (m.body, m.node));
+        for (b, job) in all.jobs.iter().enumerate().skip(first) {
+            let own: Vec<&WireMember> = members.iter().filter(|m| m.body == b as u64).collect();
+            let (body, beyond) = assemble(job, &settings.loads.curves, &own);
+            all.arms.push(own.iter().map(|m| V3::from(m.x) - body.centre).collect());
+            all.bodies.push(body);
+            all.beyond.push(beyond);
+        }
+        all.share.resize(all.bodies.len(), 0.0);
+        all.damped.resize(all.bodies.len(), [(V3::zeros(), V3::zeros()); 2]);
+        Ok(())
+    }
+
+    /// Checks that these are the bodies of a job, or its first ones.
+    ///
+    /// # Errors
+    /// They are not: the reason.
+    pub fn fit(&self, jobs: &[RigidBody]) -> Result<(), String> {
+        let count = self.bodies.len();
+        let lengths = [self.arms.len(), self.beyond.len(), self.share.len(), self.damped.len()];
+        if count > jobs.len() || lengths.iter().any(|&length| length != count) {
+            return Err(format!("it has {count} rigid bodies, and the job has {}", jobs.len()));
+        }
+        let other = |(arms, job): &(&Vec<V3>, &RigidBody)| arms.len() != job.nodes.len();
+        if let Some(body) = self.arms.iter().zip(jobs).position(|pair| other(&pair)) {
+            return Err(format!("rigid body {body} has other nodes in the job"));
+        }
+        match self.bodies.iter().zip(jobs).position(|(body, job)| !body.fits(job)) {
+            Some(body) => Err(format!("rigid body {body} differs from that of the job")),
+            None => Ok(()),
+        }
+    }
+
+    /// Sets the definitions of bodies from a checkpoint.
+    pub fn restore(&mut self, jobs: &[RigidBody], curves: &[Vec<[f64; 2]>]) {
+        self.jobs = jobs.to_vec();
+        self.bodies.iter_mut().zip(jobs).for_each(|(body, job)| body.restore(job, curves));
+    }
+
+    /// Finds the members that are present here.
+    pub fn bind_local(&mut self, nodes: &Nodes) {
+        self.members.clear();
+        self.copies.clear();
+        self.body_of.clear();
+        if self.jobs.is_empty() {
+            return;
+        }
+        self.body_of.resize(nodes.len(), NONE);
+        for (b, job) in self.jobs.iter().enumerate() {
+            for (index, &id) in job.nodes.iter().enumerate() {
+                if let Some(n) = nodes.index_of(id) {
+                    self.body_of[n as usize] = b as u32;
+                    let held = (n as usize) < nodes.local_count;
+                    let list = if held { &mut self.members } else { &mut self.copies };
+                    list.push(Member { local: n, body: b as u32, index: index as u32 });
+                }
+            }
+        }
+    }
+}
+
+/// Builds a body from its members in ascending node id, with the momenta of the nodes. Returns
+/// it with its inertia minus theirs.
+fn assemble(
+    job: &RigidBody,
+    curves: &[Vec<[f64; 2]>],
+    members: &[&WireMember],
+) -> (Body, Matrix3<f64>) {
+    let (mut mass, mut first, mut momentum) = (0.0, V3::zeros(), V3::zeros());
+    for m in members {
+        mass += m.mass;
+        first += V3::from(m.x) * m.mass;
+        momentum += V3::from(m.v) * m.mass;
+    }
+    let (centre, velocity) = (first / mass, momentum / mass);
+    let (mut own, mut angular) = (Matrix3::zeros(), V3::zeros());
+    for m in members {
+        let arm = V3::from(m.x) - centre;
+        own += (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * m.mass;
+        own += Matrix3::identity() * m.inertia;
+        angular += arm.cross(&(V3::from(m.v) - velocity)) * m.mass + V3::from(m.w) * m.inertia;
+    }
+    let given = job
+        .inertia
+        .map(|[xx, yy, zz, xy, yz, zx]| Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz));
+    let inertia = given.unwrap_or(own);
+    if given.is_some() {
+        // Rotational velocity of the nodes, with the prescribed inertia.
+        angular = inertia * own.try_inverse().map_or(V3::zeros(), |i| i * angular);
+    }
+    (Body::new(job, curves, mass, inertia, centre, Momentum::new(velocity, angular)), inertia - own)
+}
