@@ -46,7 +46,7 @@ impl Waiting {
                 let until = Lane::new(*some);
                 let is_due = Real::le(until, Lane::splat(path));
                 later = Real::min(Real::select(is_due, never, until), later);
-                // Whether a candidate is due is hard to predict: no branch depends on it.
+                // No branch depends on whether a candidate is due, because it is hard to predict.
                 let mask = is_due.to_bitmask();
                 for lane in 0..LANES {
                     found[count] = i + lane as u32;
