@@ -420,5 +420,11 @@ fn elasticity(settings: &Settings) -> Elasticity {
         })
     };
     let (moduli, speeds) = settings.parts.iter().map(of).unzip();
-    Elasticity { safety: settings.safety, moduli, speeds, with_edges: with_edges(settings) }
+    Elasticity {
+        safety: settings.safety,
+        moduli,
+        speeds,
+        with_edges: with_edges(settings),
+        is_dense: false,
+    }
 }

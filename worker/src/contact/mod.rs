@@ -61,7 +61,7 @@ use crumple_proto::job::ContactInput;
 use crumple_proto::transport::RankLost;
 use diagnostics::search_record::SearchRecord;
 use edges::Edges;
-use enforce::{Elasticity, Laws};
+use enforce::{Elasticity, LawSets};
 use facets::Facets;
 use geometry::Sphere;
 use interfaces::Interfaces;
@@ -79,7 +79,9 @@ use travel::Travel;
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
-    laws: Laws,
+    laws: LawSets,
+    /// Number of pairs of all workers in the last step, if sweeps can be accelerated.
+    pairs: u64,
     search_method: Search,
     skin: f64,
     by_mass: bool,
@@ -158,16 +160,18 @@ impl Contact {
     /// If a law or search is not in the tables. The master checks names before it sends the job
     /// to workers.
     pub fn new(job: &ContactInput, parts: &Elasticity) -> Self {
-        let laws = Laws::new(job, parts);
-        let accelerated = laws.accelerated();
+        let laws = LawSets::new(job, parts);
+        let first = laws.select(0);
+        let accelerated = first.accelerated();
         let method = SEARCHES
             .iter()
             .find(|s| s.name == job.search)
             .unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
-            interface_started: vec![false; laws.count()],
-            facets: Facets::new(laws.by_segments()),
+            interface_started: vec![false; first.count()],
+            facets: Facets::new(first.by_segments()),
             laws,
+            pairs: 0,
             search_method: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
@@ -211,7 +215,7 @@ impl Contact {
         self.surface.link_faces(nodes.local_count);
         self.surface.speeds.clone_from(&self.speeds);
         let stiffness =
-            self.surface.segments.iter().map(|s| self.laws.segment_stiffness(s, &nodes.x0));
+            self.surface.segments.iter().map(|s| self.laws().segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.candidates.clear();
         self.near_list.clear();
@@ -226,7 +230,7 @@ impl Contact {
     /// Returns true if workers check in every step if sweeps have converged on all of them, and
     /// accelerate the sweeps if not.
     pub fn accelerates(&self) -> bool {
-        self.accelerated > 0 && self.laws.converge()
+        self.accelerated > 0 && self.laws().converge()
     }
 
     /// Updates the candidates if the motion of nodes may have used up the skin of the search,
@@ -444,7 +448,7 @@ impl Contact {
         steps: StepSizes,
         pairs: &mut [Pair],
     ) {
-        let with_masses = self.laws.predict();
+        let with_masses = self.laws().predict();
         for p in pairs {
             if !started[p.interface as usize] {
                 p.initial_gap = p.tolerated_gap;
@@ -455,7 +459,7 @@ impl Contact {
             }
             self.surface.set_friction(p, nodes);
             self.record.touched(&p.nodes);
-            p.force = self.laws.of_pair(p).initial_force(p, steps);
+            p.force = self.laws().of_pair(p).initial_force(p, steps);
             self.penetration = self.penetration.max(p.penetration / p.contact_thickness);
         }
     }
@@ -483,7 +487,7 @@ impl Contact {
         let coupled = around.prepare(nodes, &t.touched, couples)?;
         let (free, free_spins) = (&self.free_velocities[..], &self.free_spins[..]);
         let mut sweeps = ContactSolver {
-            laws: &self.laws,
+            laws: self.laws.select(self.pairs),
             nodes,
             free,
             free_spins,
@@ -494,6 +498,7 @@ impl Contact {
             momentum: &mut self.momentum,
         };
         let swept = sweeps.run(t)?;
+        self.pairs = swept.pairs;
         self.sweeps += swept.sweeps;
         for (count, is_so) in self.unsettled.iter_mut().zip([swept.accelerated, swept.unsettled]) {
             *count += u64::from(is_so);
@@ -544,7 +549,7 @@ impl Contact {
             if p.initial_gap < 0.0 {
                 work.starting.add(p.work(nodes, steps.dt_velocity));
             }
-            let law = self.laws.of_pair(p);
+            let law = self.laws.select(self.pairs).of_pair(p);
             p.slip = law.slip(p, &velocity, steps);
             self.capped_pairs += u64::from(law.is_capped(p, steps));
         }

@@ -85,9 +85,9 @@ impl Contact {
         self.candidates.count() as u64
     }
 
-    /// Returns the laws of the interfaces.
+    /// Returns the laws of the interfaces for the number of pairs of the last step.
     pub fn laws(&self) -> &Laws {
-        &self.laws
+        self.laws.select(self.pairs)
     }
 
     /// Returns the nodes that pairs touch, ascending, with their velocities after contact but

@@ -41,6 +41,8 @@ pub struct ContactSolver<'a, S> {
 pub struct SolverOutcome {
     /// Number of sweeps.
     pub sweeps: u64,
+    /// Number of pairs of all workers, if sweeps can be accelerated.
+    pub pairs: u64,
     /// True if some sweeps were accelerated.
     pub accelerated: bool,
     /// True if the forces of own pairs are not accurate enough at the end. With accelerated
@@ -87,8 +89,12 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
         let touches = !t.pairs.is_empty() || self.coupled;
         let mut swept = if touches { self.run_plain_sweeps(t)? } else { SolverOutcome::default() };
         if self.accelerated > 0 {
-            swept.unsettled = self.around.max(f64::from(swept.unsettled))? > 0.0;
+            let own = t.pairs.iter().filter(|p| p.is_owned).count();
+            let mut counts = [i64::from(swept.unsettled), own as i64];
+            self.around.sum(&mut counts)?;
+            swept.unsettled = counts[0] > 0;
             swept.accelerated = swept.unsettled;
+            swept.pairs = counts[1] as u64;
         }
         if swept.accelerated {
             self.run_accelerated_sweeps(t, &mut swept)?;

@@ -15,6 +15,8 @@ pub struct ContactState {
     approach: f64,
     /// Marks of parts, see [`super::diagnostics::search_record`].
     parts: Vec<u8>,
+    /// Number of pairs of all workers in the last step; it selects the laws of the next one.
+    pairs: u64,
 }
 
 impl ContactState {
@@ -23,7 +25,7 @@ impl ContactState {
     /// # Errors
     /// They are not: the reason.
     pub fn fit(&self, parts: usize) -> Result<(), String> {
-        let counts = [self.searches, self.sweeps, self.capped_pairs];
+        let counts = [self.searches, self.sweeps, self.capped_pairs, self.pairs];
         if counts.into_iter().chain(self.unsettled).any(|count| count > MOST) {
             return Err("it has a number of contact searches or sweeps that is not possible".into());
         }
@@ -45,6 +47,7 @@ impl ContactState {
         self.capped_pairs += o.capped_pairs;
         self.penetration = self.penetration.max(o.penetration);
         self.approach = self.approach.max(o.approach);
+        self.pairs = self.pairs.max(o.pairs);
         self.parts.resize(self.parts.len().max(o.parts.len()), 0);
         self.parts.iter_mut().zip(&o.parts).for_each(|(a, b)| *a |= b);
     }
@@ -62,6 +65,7 @@ impl Contact {
             penetration,
             approach,
             record,
+            pairs,
             // Equal on all workers, see `started`.
             interface_started: _,
             // Pair histories are saved with their nodes.
@@ -99,6 +103,7 @@ impl Contact {
             penetration: *penetration,
             approach: *approach,
             parts: record.of_parts(&surface.segments),
+            pairs: *pairs,
         }
     }
 
@@ -115,6 +120,7 @@ impl Contact {
         self.capped_pairs = state.capped_pairs;
         self.penetration = state.penetration;
         self.approach = state.approach;
+        self.pairs = state.pairs;
         self.interface_started = started;
         self.record.restore(state.parts);
     }

@@ -3,13 +3,14 @@
 
 use crate::input::job::laws::{ElementKey, contact_keys, element_keys};
 use crumple_cases::GENERATORS;
-use crumple_proto::job::{ContactInput, Job};
+use crumple_proto::job::{ContactInput, Interface, Job, MaterialSpec, MeshSource, Part};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::ELEMENTS;
 use crumple_worker::fem::materials::{ELASTIC, LAWS};
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
+use schemars::JsonSchema;
 use serde_json::{Map, Value, json};
 
 /// The draft that most editors support. The schema needs no later one.
@@ -23,10 +24,10 @@ pub fn job_schema() -> Value {
         let mut entry = of_key(row);
         let laws: Vec<String> = laws.into_iter().map(|law| format!("`{law}`")).collect();
         entry["description"] = format!("{} Used by {}.", row.meaning, laws.join(", ")).into();
-        schema["$defs"]["Contact"]["properties"][row.key] = entry;
+        of_type::<ContactInput>(&mut schema)["properties"][row.key] = entry;
     }
     for key in element_keys() {
-        schema["$defs"]["Part"]["properties"][key.key] = of_element_key(&key);
+        of_type::<Part>(&mut schema)["properties"][key.key] = of_element_key(&key);
     }
     for row in CONTACT_LAWS.iter().flat_map(|law| law.parameters) {
         let mut entry = of_key(row);
@@ -36,9 +37,18 @@ pub fn job_schema() -> Value {
         if let Some(Value::Array(words)) = entry.get_mut("enum") {
             words.push(Value::Null);
         }
-        schema["$defs"]["Interface"]["properties"][row.key] = entry;
+        of_type::<Interface>(&mut schema)["properties"][row.key] = entry;
     }
     schema
+}
+
+/// Returns the schema of a type of a job.
+///
+/// # Panics
+/// The schema has no such type.
+fn of_type<T: JsonSchema>(schema: &mut Value) -> &mut Value {
+    let name = T::schema_name();
+    schema["$defs"].get_mut(&*name).unwrap_or_else(|| panic!("no schema of {name}"))
 }
 
 /// Returns the schema of a key of `[[part]]`, with what its formulations say of it.
@@ -122,21 +132,20 @@ fn of_key(row: &ParameterRow) -> Value {
 pub fn schema() -> Value {
     let mut schema = job_schema();
     schema["$schema"] = DRAFT.into();
-    let defs = &mut schema["$defs"];
-    words(&mut defs["Contact"]["properties"]["search"], SEARCHES.iter().map(|s| s.name));
-    for of in ["Contact", "Interface"] {
-        let contact = &mut defs[of]["properties"];
-        words(
-            &mut contact["law"],
-            CONTACT_LAWS.iter().map(|l| l.name).chain([ContactInput::NO_LAW]),
-        );
-    }
+    let contact = &mut of_type::<ContactInput>(&mut schema)["properties"];
+    words(&mut contact["search"], SEARCHES.iter().map(|s| s.name));
+    let laws = || CONTACT_LAWS.iter().map(|l| l.name).chain([ContactInput::NO_LAW]);
+    words(&mut contact["law"], laws());
+    words(&mut of_type::<Interface>(&mut schema)["properties"]["law"], laws());
     words(
-        &mut defs["Part"]["properties"]["element"],
+        &mut of_type::<Part>(&mut schema)["properties"]["element"],
         ELEMENTS.iter().filter(|e| e.shape != Shape::Tri3).map(|e| e.name),
     );
-    words(&mut defs["MeshSource"]["properties"]["generator"], GENERATORS.iter().map(|g| g.name));
-    let material = &mut defs["MaterialSpec"];
+    words(
+        &mut of_type::<MeshSource>(&mut schema)["properties"]["generator"],
+        GENERATORS.iter().map(|g| g.name),
+    );
+    let material = of_type::<MaterialSpec>(&mut schema);
     words(&mut material["properties"]["law"], LAWS.iter().map(|l| l.name));
     material["allOf"] = LAWS.iter().map(|law| of_law(law.name, law.parameters)).collect();
     // A deck may have what a job must have.

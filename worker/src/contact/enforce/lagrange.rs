@@ -23,15 +23,16 @@ pub(super) const LAW: LawRow = LawRow {
     parameters: &[
         ParameterRow {
             key: "iteration",
-            form: Form::Word(&[SPLIT, GAUSS_SEIDEL]),
-            otherwise: DefaultValue::Word(SPLIT),
+            form: Form::Word(&[AUTO, SPLIT, GAUSS_SEIDEL]),
+            otherwise: DefaultValue::Word(AUTO),
             range: None,
-            meaning: "Iteration for coupled pairs. `split` (default) updates all pairs from the \
-                      same state, with nodal masses split among their pairs and with momentum \
-                      (Nesterov); workers exchange one message per sweep. `gauss_seidel` updates \
-                      one pair after the other, in an order that does not depend on the workers: \
-                      fewer sweeps where pairs are few, many messages where they are dense \
-                      (`cases/studies/README.md`, sandwich; `cases/bench/RESULTS.md`).",
+            meaning: "Iteration for coupled pairs. `split` updates all pairs from the same state, \
+                      with nodal masses split among their pairs and with momentum (Nesterov); \
+                      workers exchange one message per sweep. `gauss_seidel` updates one pair after \
+                      the other, in an order that does not depend on the workers: fewer sweeps, but \
+                      many messages where contact is dense. `auto` (default): `split` if the step \
+                      before had 300 pairs or more, else `gauss_seidel` \
+                      (`cases/bench/RESULTS.md`).",
         },
         SWEEPS,
         TOLERANCE,
@@ -48,8 +49,10 @@ pub(super) const LAW: LawRow = LawRow {
                   sandwich.",
     }],
     conflict: |_, _| None,
-    build: |values, _| {
+    build: |values, parts| {
         let iteration = match values.word("iteration").as_str() {
+            AUTO if parts.is_dense => Iteration::Split,
+            AUTO => Iteration::GaussSeidel,
             SPLIT => Iteration::Split,
             GAUSS_SEIDEL => Iteration::GaussSeidel,
             other => panic!("no iteration {other}"),
@@ -62,6 +65,7 @@ pub(super) const LAW: LawRow = LawRow {
 };
 
 /// Names of the iterations in a job.
+const AUTO: &str = "auto";
 const SPLIT: &str = "split";
 const GAUSS_SEIDEL: &str = "gauss_seidel";
 

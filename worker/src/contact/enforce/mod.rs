@@ -27,7 +27,13 @@ pub struct Elasticity {
     pub speeds: Vec<f64>,
     /// See [`with_edges`](crate::contact::beams::with_edges).
     pub with_edges: bool,
+    /// True for the laws of steps with many pairs, see [`DENSE`].
+    pub is_dense: bool,
 }
+
+/// Number of pairs of a step, of all workers, from which on contact is dense. Then the messages of a
+/// sweep count, and laws may select another iteration.
+const DENSE: u64 = 300;
 
 /// Method that computes the forces of all pairs within a step. The pairs are coupled through
 /// common nodes.
@@ -196,6 +202,22 @@ impl InterfaceLaw {
     fn new(law: Box<dyn ContactLaw>) -> Self {
         let (sweeps, iteration, converges) = (law.sweeps(), law.iteration(), law.converges());
         Self { law, sweeps, iteration, converges }
+    }
+}
+
+/// Laws of a job's interfaces, for steps with few and with many pairs.
+pub struct LawSets([Laws; 2]);
+
+impl LawSets {
+    /// Builds the laws as [`Laws::new`].
+    pub fn new(job: &ContactInput, parts: &Elasticity) -> Self {
+        let build = |is_dense| Laws::new(job, &Elasticity { is_dense, ..parts.clone() });
+        Self([false, true].map(build))
+    }
+
+    /// Returns the laws of a step, if the step before had this number of pairs on all workers.
+    pub fn select(&self, pairs: u64) -> &Laws {
+        &self.0[usize::from(pairs >= DENSE)]
     }
 }
 
