@@ -4,6 +4,7 @@
 
 use crumple::input::job::Model;
 use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
 
 const E: f64 = 207.0;
@@ -36,48 +37,41 @@ fn bar_text(kind: Bodies, end_time: f64) -> String {
         Bodies::Solids => &[[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]],
         Bodies::Beams => &[[0.0, 0.0]],
     };
-    let n = section.len();
-    let node = |i: usize, k: usize| n * i + k + 1;
-    let mut nodes = String::new();
-    for (i, x) in x.iter().enumerate() {
-        for (k, [y, z]) in section.iter().enumerate() {
-            nodes += &format!("[{}, {x:?}, {y:?}, {z:?}],", node(i, k));
+    let mut scene = Scene::default();
+    let nodes: Vec<Vec<u32>> =
+        x.iter().map(|&x| section.iter().map(|&[y, z]| scene.node([x, y, z])).collect()).collect();
+    let third = if kind == Bodies::Beams { scene.node([50.0, 50.0, 0.0]) } else { 0 };
+    for ends in nodes.windows(2) {
+        let (a, b) = (&ends[0], &ends[1]);
+        match kind {
+            Bodies::Shells => _ = scene.shell(1, &[a[0], b[0], b[1], a[1]]),
+            Bodies::Solids => {
+                scene.solid(1, std::array::from_fn(|c| if c < 4 { a[c] } else { b[c - 4] }));
+            }
+            Bodies::Beams => scene.beam(1, [a[0], b[0], third]),
         }
     }
-    let row = |i: usize| match kind {
-        Bodies::Shells => [node(i, 0), node(i + 1, 0), node(i + 1, 1), node(i, 1)].to_vec(),
-        Bodies::Solids => [0, 1, 2, 3]
-            .map(|k| node(i, k))
-            .into_iter()
-            .chain([0, 1, 2, 3].map(|k| node(i + 1, k)))
-            .collect(),
-        Bodies::Beams => vec![node(i, 0), node(i + 1, 0), 99],
-    };
-    let elements: String =
-        (0..23).map(|i| format!("{:?},", [vec![i + 1, 1], row(i)].concat())).collect();
-    let (name, part) = match kind {
-        Bodies::Shells => ("shells", format!("thickness = {SIDE:?}\npoints = 2")),
-        Bodies::Solids => ("solids", "bulk_viscosity = [0.0, 0.0]".to_string()),
+    scene.set_named("root", &nodes[0]);
+    scene.set_named("tip", &nodes[23]);
+    scene.set_named("all", &nodes.concat());
+    let part = match kind {
+        Bodies::Shells => format!("thickness = {SIDE:?}\npoints = 2"),
+        Bodies::Solids => "bulk_viscosity = [0.0, 0.0]".to_string(),
         Bodies::Beams => {
-            nodes += "[99, 50.0, 50.0, 0.0],";
-            ("beams", "[part.beam]\nsection = \"rectangle\"\nheight = 5.0\nwidth = 5.0".to_string())
+            "[part.beam]\nsection = \"rectangle\"\nheight = 5.0\nwidth = 5.0".to_string()
         }
     };
-    let set = |i: usize| (0..n).map(|k| node(i, k)).collect::<Vec<_>>();
     let across =
         if kind == Bodies::Beams { "\"y\", \"z\", \"rx\", \"ry\", \"rz\"" } else { "\"y\", \"z\"" };
     format!(
-        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\n{name} = [{elements}]\n\
-         node_sets = {{ root = {:?}, tip = {:?}, all = {:?} }}\n[output]\nfield_interval = -1.0\n\
+        "end_time = {end_time:?}\n{}[output]\nfield_interval = -1.0\n\
          [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
          youngs_modulus = {E:?}\npoisson = 0.0\n\
          [[part]]\nid = 1\nmaterial = \"steel\"\n{part}\n[[fix]]\nnodes = \"root\"\n\
          dofs = [\"x\"]\n\
          [[fix]]\nnodes = \"all\"\ndofs = [{across}]\n[[load]]\nnodes = \"tip\"\n\
          force = [{:?}, 0.0, 0.0]\n",
-        set(0),
-        set(23),
-        (1..=n * 24).collect::<Vec<_>>(),
+        scene.mesh_text(),
         FORCE,
     )
 }
@@ -180,37 +174,16 @@ fn workers_and_renewals_change_no_bit() {
     for i in 0..20 {
         x.push(x[i] + if (8..11).contains(&i) { 1.25 } else { 5.0 });
     }
-    let (mut nodes, mut shells) = (String::new(), String::new());
-    let node = |s: usize, i: usize, j: usize| 1000 * s + 4 * i + j + 1;
-    for (s, z) in [0.0, 2.0].into_iter().enumerate() {
-        for (i, x) in x.iter().enumerate() {
-            (0..4).for_each(|j| {
-                nodes += &format!(
-                    "[{}, {:?}, {:?}, {z:?}],",
-                    node(s, i, j),
-                    x + 3.0 * s as f64,
-                    5.0 * j as f64
-                )
-            });
-        }
-        for (i, j) in (0..20).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            let corners =
-                [node(s, i, j), node(s, i + 1, j), node(s, i + 1, j + 1), node(s, i, j + 1)];
-            shells += &format!(
-                "[{}, {}, {}, {}, {}, {}],",
-                100 * s + 3 * i + j + 1,
-                s + 1,
-                corners[0],
-                corners[1],
-                corners[2],
-                corners[3]
-            );
+    let mut scene = Scene::default();
+    for (strip, z) in [0.0, 2.0].into_iter().enumerate() {
+        let at = |i: usize, j: usize| [x[i] + 3.0 * strip as f64, 5.0 * j as f64, z];
+        let grid = scene.lattice(1 + strip as u32, [20, 3], at);
+        if strip == 1 {
+            scene.set_named("upper", grid.all());
         }
     }
-    let upper: Vec<usize> = (0..21).flat_map(|i| (0..4).map(move |j| node(1, i, j))).collect();
     let text = format!(
-        "end_time = 1.0\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
-         node_sets = {{ upper = {upper:?} }}\n\
+        "end_time = 1.0\n{}\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\n\
          density = {RHO:?}\nyoungs_modulus = {E:?}\n\
          poisson = 0.3\nhardening = [[0.0, 0.3], [1.0, 0.9]]\n[[part]]\nid = 1\n\
@@ -219,7 +192,8 @@ fn workers_and_renewals_change_no_bit() {
          pressure = -0.002\n\
          [[gravity]]\nacceleration = [0.0, 0.0, -1.0]\n\
          [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [4.0, 1.0, -30.0]\n\
-         spin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n[contact]\n"
+         spin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n[contact]\n",
+        scene.mesh_text()
     );
     let [model, kept] = [true, false]
         .map(|all| model_of(&text, &["time.subcycles=3", &format!("time.subcycle_contact={all}")]));
