@@ -211,7 +211,7 @@ fn a_stick_point_lasts_through_a_step_without_force() {
     for law in ["lagrange", "kinematic"] {
         let mut scene = pressed(0.3, law, 0.0, 1.0, 50.0);
         scene.step();
-        let (law, steps) = (scene.contact.laws.of_pair(&scene.pairs()[0]), scene.steps);
+        let (law, steps) = (scene.contact.laws().of_pair(&scene.pairs()[0]), scene.steps);
         let little = V3::x() * (1e-6 * THICK);
         let idle = Pair { force: V3::zeros(), slip: little, gap: 0.0, ..scene.pairs()[0] };
         let after = |pair: &Pair, way: V3| law.slip(pair, &(way / steps.dt), steps);
