@@ -23,10 +23,10 @@ pub fn job_schema() -> Value {
         let mut entry = of_key(row);
         let laws: Vec<String> = laws.into_iter().map(|law| format!("`{law}`")).collect();
         entry["description"] = format!("{} Used by {}.", row.meaning, laws.join(", ")).into();
-        schema["$defs"]["Contact"]["properties"][row.key] = entry;
+        properties(&mut schema, "ContactInput")[row.key] = entry;
     }
     for key in element_keys() {
-        schema["$defs"]["Part"]["properties"][key.key] = of_element_key(&key);
+        properties(&mut schema, "Part")[key.key] = of_element_key(&key);
     }
     for row in CONTACT_LAWS.iter().flat_map(|law| law.parameters) {
         let mut entry = of_key(row);
@@ -36,9 +36,20 @@ pub fn job_schema() -> Value {
         if let Some(Value::Array(words)) = entry.get_mut("enum") {
             words.push(Value::Null);
         }
-        schema["$defs"]["Interface"]["properties"][row.key] = entry;
+        properties(&mut schema, "Interface")[row.key] = entry;
     }
     schema
+}
+
+/// Returns the keys of a type of the job.
+///
+/// # Panics
+/// When the schema does not have the type: serde_json would add it.
+fn properties<'s>(schema: &'s mut Value, name: &str) -> &'s mut Value {
+    schema["$defs"]
+        .get_mut(name)
+        .and_then(|of_type| of_type.get_mut("properties"))
+        .unwrap_or_else(|| panic!("the schema of a job has no type {name}"))
 }
 
 /// Returns the schema of a key of `[[part]]`, with what its formulations say of it.
@@ -122,21 +133,22 @@ fn of_key(row: &ParameterRow) -> Value {
 pub fn schema() -> Value {
     let mut schema = job_schema();
     schema["$schema"] = DRAFT.into();
-    let defs = &mut schema["$defs"];
-    words(&mut defs["Contact"]["properties"]["search"], SEARCHES.iter().map(|s| s.name));
-    for of in ["Contact", "Interface"] {
-        let contact = &mut defs[of]["properties"];
+    let search = &mut properties(&mut schema, "ContactInput")["search"];
+    words(search, SEARCHES.iter().map(|s| s.name));
+    for of in ["ContactInput", "Interface"] {
+        let contact = properties(&mut schema, of);
         words(
             &mut contact["law"],
             CONTACT_LAWS.iter().map(|l| l.name).chain([ContactInput::NO_LAW]),
         );
     }
     words(
-        &mut defs["Part"]["properties"]["element"],
+        &mut properties(&mut schema, "Part")["element"],
         ELEMENTS.iter().filter(|e| e.shape != Shape::Tri3).map(|e| e.name),
     );
-    words(&mut defs["MeshSource"]["properties"]["generator"], GENERATORS.iter().map(|g| g.name));
-    let material = &mut defs["MaterialSpec"];
+    let generator = &mut properties(&mut schema, "MeshSource")["generator"];
+    words(generator, GENERATORS.iter().map(|g| g.name));
+    let material = &mut schema["$defs"]["MaterialSpec"];
     words(&mut material["properties"]["law"], LAWS.iter().map(|l| l.name));
     material["allOf"] = LAWS.iter().map(|law| of_law(law.name, law.parameters)).collect();
     // A deck may have what a job must have.
