@@ -51,7 +51,7 @@ fn the_schema_knows_what_shipped_jobs_say() {
                 path.display()
             );
         }
-        let law = &schema["$defs"]["Contact"]["properties"]["law"]["enum"];
+        let law = &schema["$defs"]["ContactInput"]["properties"]["law"]["enum"];
         let known = |name: &str| law.as_array().is_some_and(|l| l.iter().any(|w| w == name));
         assert!(model.job.contact.as_ref().is_none_or(|c| known(&c.law)), "{}", path.display());
     }

@@ -511,7 +511,7 @@ mod tests {
             "{said}"
         );
         let said = faulty(Faults { corner: true, ..Faults::default() });
-        assert!(said.contains("block 10 (block_10), element 2 of it"), "{said}");
+        assert!(said.contains("block 10 (block_10): its element 2 has the nodes"), "{said}");
         let said = faulty(Faults { plane: true, ..Faults::default() });
         assert!(said.contains("the model has 2 dimensions"), "{said}");
     }

@@ -106,7 +106,7 @@ fn a_name_that_is_taken_is_refused() {
 fn the_schema_lists_added_laws() {
     add();
     let schema = crumple::input::reference::schema();
-    let contact = &schema["$defs"]["Contact"]["properties"];
+    let contact = &schema["$defs"]["ContactInput"]["properties"];
     assert_eq!(contact["stickiness"]["default"], 0.25);
     let names = contact["law"]["enum"].as_array().expect("names of laws");
     assert!(names.iter().any(|name| name == "sticky"));

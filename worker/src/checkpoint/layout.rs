@@ -75,7 +75,7 @@ pub fn difference(written: &Layout, own: &Layout) -> Option<String> {
         let count = there.len().max(here.len());
         let at = (0..count).find(|&i| there.get(i) != here.get(i))?;
         let named =
-            |list: &[String]| list.get(at).map_or("no more".into(), |name| format!("`{name}`"));
+            |list: &[String]| list.get(at).map_or("missing".into(), |name| format!("`{name}`"));
         Some(format!(
             "number {} of {key} is {} in the checkpoint and {} in this program",
             at + 1,
@@ -96,7 +96,7 @@ mod tests {
         for name in ["Body", "Tie", "Ledger", "WallSurface"] {
             assert!(!all[name].is_empty(), "{name}");
         }
-        assert_eq!(all["Form"].len(), 3, "{:?}", all["Form"]);
+        assert_eq!(all["SurfaceForm"].len(), 3, "{:?}", all["SurfaceForm"]);
         assert_eq!(all["mean velocity"].last().unwrap(), "end at byte 56");
     }
 
@@ -109,9 +109,9 @@ mod tests {
         let old = of(&["stress", "strain"]);
         assert_eq!(difference(&old, &old), None);
         let renamed = difference(&old, &of(&["stress", "damage"])).unwrap();
-        assert!(renamed.contains("number 2 of Quad4 of part 1 is `strain` there and `damage`"));
+        assert!(renamed.contains("number 2 of Quad4 of part 1 is `strain` in the checkpoint and `damage`"));
         let more = difference(&old, &of(&["stress", "strain", "damage"])).unwrap();
-        assert!(more.contains("is no more there and `damage`"), "{more}");
+        assert!(more.contains("is missing in the checkpoint and `damage`"), "{more}");
         assert!(difference(&old, &Layout::new()).is_some());
         assert!(difference(&Layout::new(), &old).is_some());
     }

@@ -409,9 +409,9 @@ impl Count {
             words += self.copied_words as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {
-            // Convergence of all sweeps.
+            // Convergence of all sweeps, and number of pairs.
             messages += hops;
-            words += hops;
+            words += 2.0 * hops;
         }
         if !engine.constraints.bodies.is_empty() {
             words += others * (1 + self.members * ACTING_WORDS as u64) as f64;
