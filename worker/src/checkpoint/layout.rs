@@ -109,7 +109,10 @@ mod tests {
         let old = of(&["stress", "strain"]);
         assert_eq!(difference(&old, &old), None);
         let renamed = difference(&old, &of(&["stress", "damage"])).unwrap();
-        assert!(renamed.contains("number 2 of Quad4 of part 1 is `strain` in the checkpoint and `damage`"));
+        assert!(
+            renamed
+                .contains("number 2 of Quad4 of part 1 is `strain` in the checkpoint and `damage`")
+        );
         let more = difference(&old, &of(&["stress", "strain", "damage"])).unwrap();
         assert!(more.contains("is missing in the checkpoint and `damage`"), "{more}");
         assert!(difference(&old, &Layout::new()).is_some());
