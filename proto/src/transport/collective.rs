@@ -95,6 +95,19 @@ impl MaxReduction {
     }
 }
 
+/// Returns the rounds of a sum in which worker `me` (0-based) takes part, as one bit each. The lowest bit of `me` is the round in which it sends its sum to the worker without
+/// this bit.
+fn rounds_of_sum(me: usize, workers: usize) -> Vec<usize> {
+    let levels = (0..MaxReduction::hops(workers)).map(|level| 1 << level);
+    levels.take_while(|bit| me & (bit - 1) == 0).collect()
+}
+
+/// Returns the number of messages that worker `me` (0-based) sends in a sum over all workers.
+pub fn messages_of_sum(me: usize, workers: usize) -> usize {
+    let sends = |bit: &usize| me & bit != 0 || me + bit < workers;
+    rounds_of_sum(me, workers).into_iter().filter(sends).count()
+}
+
 /// Adds the integers of all workers, element by element; `values` contains the sums on every
 /// worker afterwards. The sums go up a binomial tree and down again: twice ceil(log2 P) rounds.
 /// Sums wrap around. No other exchange with this tag may be in progress.
@@ -104,10 +117,7 @@ impl MaxReduction {
 pub fn sum_all(comm: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), RankLost> {
     let (workers, me) = (comm.size() - 1, comm.rank() - 1);
     let mut buffer = Vec::new();
-    // The lowest bit of a worker's number is the round in which it sends its sum to the worker
-    // without this bit.
-    let levels = (0..MaxReduction::hops(workers)).map(|level| 1 << level);
-    let up: Vec<usize> = levels.take_while(|bit| me & (bit - 1) == 0).collect();
+    let up = rounds_of_sum(me, workers);
     for bit in &up {
         if me & bit != 0 {
             comm.send(me - bit + 1, tag, bytemuck::cast_slice(values))?;

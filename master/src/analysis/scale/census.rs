@@ -9,7 +9,7 @@
 
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
-use crumple_proto::transport::MaxReduction;
+use crumple_proto::transport::{MaxReduction, messages_of_sum};
 use crumple_worker::constraints::rigid::{ACTING_WORDS, MET_WORDS};
 use crumple_worker::contact::Contact;
 use crumple_worker::contact::beams::with_edges;
@@ -29,6 +29,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Work and messages of one worker in a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Count {
+    /// Number of the worker, from 0.
+    pub worker: usize,
     /// Own elements.
     pub elements: u64,
     /// Lanes that they occupy, per part; a group of lanes is computed as a whole.
@@ -107,10 +109,13 @@ impl Census {
         held.sort_unstable();
         held.dedup();
         let mut census = Self {
-            counts: vec![
-                Count { lanes: vec![0; engine.settings.parts.len()], ..Count::default() };
-                workers
-            ],
+            counts: (0..workers)
+                .map(|worker| Count {
+                    worker,
+                    lanes: vec![0; engine.settings.parts.len()],
+                    ..Count::default()
+                })
+                .collect(),
             worker,
             local_start: Vec::new(),
             local: Vec::new(),
@@ -410,8 +415,9 @@ impl Count {
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {
             // Convergence of all sweeps, and number of pairs.
-            messages += hops;
-            words += 2.0 * hops;
+            let sent = messages_of_sum(self.worker, workers) as f64;
+            messages += sent;
+            words += 2.0 * sent;
         }
         if !engine.constraints.bodies.is_empty() {
             words += others * (1 + self.members * ACTING_WORDS as u64) as f64;

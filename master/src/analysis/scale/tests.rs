@@ -64,7 +64,7 @@ fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> V
             one_step(&mut engine, comm).unwrap();
         }
         engine.renew(comm, tree.clone()).unwrap();
-        let mut count = counted(&engine, workers);
+        let mut count = Count { worker: comm.rank() - 1, ..counted(&engine, workers) };
         let before = comm.traffic();
         one_step(&mut engine, comm).unwrap();
         let after = comm.traffic();
