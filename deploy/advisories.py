@@ -36,7 +36,8 @@ def front_matter(advisory: dict) -> str:
     if "unaffected" in advisory:
         lines.append(f"unaffected = {strings(advisory['unaffected'])}")
     name = advisory["id"]
-    return "\n".join([*lines, "```", "", f"# {name}", "", f"https://rustsec.org/advisories/{name}", ""])
+    link = f"https://rustsec.org/advisories/{name}"
+    return "\n".join([*lines, "```", "", f"# {name}", "", link, ""])
 
 
 def main(folder: pathlib.Path) -> None:
@@ -44,18 +45,20 @@ def main(folder: pathlib.Path) -> None:
     if missing := unread(known["crates"]):
         sys.exit(
             "error: deploy/advisories.toml: the advisories of these crates were not read: "
-            f"{', '.join(missing)}; read crates/NAME of https://github.com/rustsec/advisory-db, add what is "
-            "there, and add the names to `crates`"
+            f"{', '.join(missing)}; read crates/NAME of https://github.com/rustsec/advisory-db, "
+            "add what is there, and add the names to `crates`"
         )
     for advisory in known["advisory"]:
         place = folder / "crates" / advisory["package"]
         place.mkdir(parents=True, exist_ok=True)
         (place / f"{advisory['id']}.md").write_text(front_matter(advisory))
-    git = ["git", "-C", str(folder), "-c", "user.name=crumple", "-c", "user.email=crumple@localhost"]
+    author = ["-c", "user.name=crumple", "-c", "user.email=crumple@localhost"]
+    git = ["git", "-C", str(folder), *author]
     subprocess.run([*git, "init", "--quiet"], check=True)
     subprocess.run([*git, "add", "--all"], check=True)
     subprocess.run([*git, "commit", "--quiet", "--message", "Known faults"], check=True)
-    print(f"{len(known['advisory'])} advisories for {len(known['crates'])} crates, until {known['until']}")
+    advisories, crates = (len(known[key]) for key in ("advisory", "crates"))
+    print(f"{advisories} advisories for {crates} crates, until {known['until']}")
 
 
 if __name__ == "__main__":

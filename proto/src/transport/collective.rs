@@ -95,8 +95,8 @@ impl MaxReduction {
     }
 }
 
-/// Returns the rounds of a sum in which worker `me` (0-based) takes part, as one bit each. The lowest bit of `me` is the round in which it sends its sum to the worker without
-/// this bit.
+/// Returns the rounds of a sum in which worker `me` (0-based) takes part, as one bit each. The
+/// lowest bit of `me` is the round in which it sends its sum to the worker without this bit.
 fn rounds_of_sum(me: usize, workers: usize) -> Vec<usize> {
     let levels = (0..MaxReduction::hops(workers)).map(|level| 1 << level);
     levels.take_while(|bit| me & (bit - 1) == 0).collect()

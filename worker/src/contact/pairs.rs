@@ -66,8 +66,8 @@ pub struct PairTable {
     moment_weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
     /// True if pairs are weighted by areas, see [`Pair::area`].
     pub by_area: bool,
-    /// For each pair and role, the index of its node in `touched`, or [`NOT_LOCAL`] if the pair does
-    /// not act on a local node there.
+    /// For each pair and role, the index of its node in `touched`, or [`NOT_LOCAL`] if the pair
+    /// does not act on a local node there.
     slots: Vec<[u32; MAX_PAIR_NODES]>,
     schedule: schedule::SweepSchedule,
     activity: activity::Activity,

@@ -28,10 +28,10 @@ pub(super) const LAW: LawRow = LawRow {
             range: None,
             meaning: "Iteration for coupled pairs. `split` updates all pairs from the same state, \
                       with nodal masses split among their pairs and with momentum (Nesterov); \
-                      workers exchange one message per sweep. `gauss_seidel` updates one pair after \
-                      the other, in an order that does not depend on the workers: fewer sweeps, but \
-                      many messages where contact is dense. `auto` (default): `split` if the step \
-                      before had 300 pairs or more, else `gauss_seidel` \
+                      workers exchange one message per sweep. `gauss_seidel` updates one pair \
+                      after the other, in an order that does not depend on the workers: fewer \
+                      sweeps, but many messages where contact is dense. `auto` (default): `split` \
+                      if the step before had 300 pairs or more, else `gauss_seidel` \
                       (`cases/bench/RESULTS.md`).",
         },
         SWEEPS,
@@ -42,11 +42,11 @@ pub(super) const LAW: LawRow = LawRow {
         form: Form::Whole,
         otherwise: DefaultValue::Whole(100),
         range: None,
-        meaning: "Largest number of accelerated sweeps in a step; 0 for none. They follow the \
-                  plain sweeps, or the sweeps with momentum, if these leave more than 1e-4 of the velocity that a force has to \
-                  change. This happens with layers of less than a hundredth of the mass of their \
-                  neighbours. With `sweeps = 1` none follow. See `cases/studies/README.md`, \
-                  sandwich.",
+        meaning: "Largest number of accelerated sweeps in a step; 0 for none. They follow if the \
+                  plain sweeps leave more than 1e-4 of the velocity that a force has to change, \
+                  or sweeps with momentum more than 1e-5. This happens with layers of less than \
+                  a hundredth of the mass of their neighbours. With `sweeps = 1` none follow. \
+                  See `cases/studies/README.md`, sandwich.",
     }],
     conflict: |_, _| None,
     build: |values, parts| {

@@ -31,8 +31,8 @@ pub struct Elasticity {
     pub is_dense: bool,
 }
 
-/// Number of pairs of a step, of all workers, from which on contact is dense. Then the messages of a
-/// sweep count, and laws may select another iteration.
+/// Number of pairs of a step, of all workers, from which on contact is dense. Then the messages
+/// of a sweep count, and laws may select another iteration.
 const DENSE: u64 = 300;
 
 /// Method that computes the forces of all pairs within a step. The pairs are coupled through
@@ -166,8 +166,8 @@ const SWEEPS: ParameterRow = ParameterRow {
     form: Form::Whole,
     otherwise: DefaultValue::Whole(20),
     range: Some(Range { wanted: "at least 1", fits: |n| n >= 1.0 }),
-    meaning: "Largest number of plain sweeps over all pairs in a step (Lagrange; four times as many \
-              with momentum), or of passes (kinematic; 1 in PRONTO3D).",
+    meaning: "Largest number of plain sweeps over all pairs in a step (Lagrange; four times as \
+              many with momentum), or of passes (kinematic; 1 in PRONTO3D).",
 };
 
 /// Key of laws that iterate.

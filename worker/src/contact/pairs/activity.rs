@@ -1,4 +1,4 @@
-//! Which pairs and nodes a sweep has to look at, if it updates all pairs from one state.
+//! Finds the pairs and nodes that a sweep has to look at, if it updates all pairs from one state.
 //!
 //! The force of a pair depends on the motion of its nodes only. So a sweep updates the pairs with a
 //! node on which another force has changed, and sums the forces of the nodes of changed pairs.
