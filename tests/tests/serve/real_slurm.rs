@@ -1,6 +1,9 @@
 //! A real Slurm, which `deploy/slurm_single_node.sh` starts. Its node takes one job at a time.
 
+use crate::torture::processes;
+use crumple_tests::program::send;
 use crumple_tests::service::{Service, bars, endless};
+use rustix::process::Signal;
 use serde_json::{Value, json};
 use std::fs;
 use std::process::Command;
@@ -90,6 +93,25 @@ fn jobs_go_through_a_real_slurm() {
     assert_eq!((job["attempt"].as_i64(), job["code"].as_i64()), (Some(2), Some(0)));
     let after = summary(&service, id);
     assert!(after["cycles"].as_i64() > before["cycles"].as_i64(), "{before} {after}");
+
+    // One that does not stop is killed by force: all its processes are stopped.
+    let deaf = service.submit(&by_slurm(endless()));
+    service.wait_for(deaf, "running");
+    service.wait("it answers", |service| {
+        (service.get(&format!("/api/jobs/{deaf}/progress")).status == 200).then_some(())
+    });
+    let folder = service.folder(deaf).canonicalize().unwrap();
+    let processes = || processes(&folder);
+    assert!(!processes().is_empty(), "it has processes");
+    processes().into_iter().for_each(|(pid, _)| send(pid, Signal::STOP));
+    order(&service, deaf, "stop", &json!({}));
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert_eq!(service.job(deaf)["state"], "running", "it does not stop");
+    order(&service, deaf, "stop?force=true", &json!({}));
+    let job = service.wait_for(deaf, "stopped");
+    assert!(job["reason"].as_str().unwrap().starts_with("killed"), "{job}");
+    service.wait("no process is left", |_| processes().is_empty().then_some(()));
+    step("a job that does not stop is killed");
 
     // The service still knows jobs that Slurm has forgotten, and does not run them again.
     service.wait("slurm forgets", |_| queue().is_empty().then_some(()));

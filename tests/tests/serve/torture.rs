@@ -104,7 +104,7 @@ fn submit(service: &Service, job: &Value, pause: Duration) -> JoinHandle<Option<
 }
 
 /// Returns the processes below a folder, with their command lines.
-fn processes(folder: &Path) -> Vec<(u32, String)> {
+pub(crate) fn processes(folder: &Path) -> Vec<(u32, String)> {
     let all = fs::read_dir("/proc").unwrap().flatten();
     let pids = all.filter_map(|entry| entry.file_name().to_string_lossy().parse::<u32>().ok());
     pids.filter_map(|pid| {
