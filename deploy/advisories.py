@@ -5,6 +5,7 @@
 Fails if Cargo.lock has crates whose advisories were not read.
 """
 
+import datetime
 import pathlib
 import subprocess
 import sys
@@ -58,6 +59,8 @@ def main(folder: pathlib.Path) -> None:
     subprocess.run([*git, "add", "--all"], check=True)
     subprocess.run([*git, "commit", "--quiet", "--message", "Known faults"], check=True)
     advisories, crates = (len(known[key]) for key in ("advisory", "crates"))
+    if (days := (datetime.date.today() - known["until"]).days) > 90:
+        print(f"warning: deploy/advisories.toml is {days} days old: read the list again")
     print(f"{advisories} advisories for {crates} crates, until {known['until']}")
 
 

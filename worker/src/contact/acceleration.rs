@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
 /// Largest number of earlier sweeps that are combined with one sweep. For five light layers,
-/// mass ratio 1 to 10,000, with split masses: 69 sweeps with 2, 27 with 5 and with 8
+/// mass ratio 1 to 10,000, with split masses and no momentum: 69 sweeps with 2, 27 with 5 and 8
 /// (`accelerated_sweeps_settle_whatever_the_masses`).
 const DEPTH: usize = 5;
 /// Smallest squared sine of a direction to the other directions. Below it the direction is

@@ -495,6 +495,8 @@ impl Contact {
             coupled,
             steps,
             accelerated,
+            // Force weights by mass do not show which node a node faces.
+            removes_redundant: !self.by_mass,
             momentum: &mut self.momentum,
         };
         let swept = sweeps.run(t)?;

@@ -2,12 +2,12 @@
 //! for contact Mazhar, Heyn, Negrut & Tasora 2015, algorithm 1).
 //!
 //! With split masses the update of all pairs from one state, `x = G(y)`, is a projected gradient
-//! step of length 1 in the metric of the pairs' own compliances, and 1 is below the inverse of
+//! step of length 1 in the metric of the pairs' own compliances, and 1 is not above the inverse of
 //! the Lipschitz constant. The next sweep starts from
 //!
 //! `y' = x + (k - 1) / (k + 2) (x - x_before)`, projected onto the friction cone.
 //!
-//! The momentum of a pair restarts, k = 0, where the step and the momentum point in opposite
+//! The momentum of a pair restarts, k = 1, where the step and the momentum point in opposite
 //! directions, `(y - x) . (x - x_before) > 0` (O'Donoghue & Candès 2015, sec. 3.2). They sum this
 //! product over all unknowns. Here each pair has its own product, so a sweep needs no global
 //! reduction: the forces of shared pairs are its only messages.
@@ -34,7 +34,7 @@ impl NesterovMomentum {
         self.count.resize(pairs.len(), 0);
     }
 
-    /// Ends the momentum of pair `i`: its force is accurate enough.
+    /// Ends the momentum of pair `i`: its force is accurate enough, or is not updated.
     pub fn stop(&mut self, i: usize, pair: &Pair) {
         (self.before[i], self.count[i]) = (pair.force, 0);
     }

@@ -183,7 +183,8 @@ impl PairTable {
                 }
             }
         }
-        // Two segments without contact area have no force and need no compliance.
+        // Two segments without contact area, and redundant pairs, have no force and need no
+        // compliance.
         let answers = |p: &Pair| p.is_owned && p.area > 0.0;
         for (i, (pair, crowd)) in self
             .pairs

@@ -32,6 +32,8 @@ pub struct ContactSolver<'a, S> {
     /// Largest number of accelerated sweeps if the plain sweeps do not converge, equal on all
     /// workers; 0 if no law converges.
     pub accelerated: usize,
+    /// True if one of two pairs that close the same gap gets no force.
+    pub removes_redundant: bool,
     /// Momentum of sweeps with split masses.
     pub momentum: &'a mut NesterovMomentum,
 }
@@ -104,7 +106,7 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
 
     /// Makes plain sweeps, at most the number that the laws allow.
     fn run_plain_sweeps(&mut self, t: &mut PairTable) -> Result<SolverOutcome, RankLost> {
-        if self.laws.converge() {
+        if self.laws.converge() && self.removes_redundant {
             t.remove_redundant_forces(self.around, |p| self.laws.of_interface(p).converges)?;
         }
         // With prediction and correction, the masses of edges are split: a slave edge can be in
@@ -264,9 +266,9 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     /// relative to the tolerance. Plain sweeps add momentum and update due pairs only.
     fn all_at_once(&mut self, t: &mut PairTable, some: Selection) -> f64 {
         let mut undone: f64 = 0.0;
-        let (due, is_last) = match some.stage {
-            Stage::Plain(sweep) => (t.take_due(), sweep + 1 == self.laws.sweeps()),
-            Stage::Accelerated => (t.own_pairs(), true),
+        let (due, sweep) = match some.stage {
+            Stage::Plain(sweep) => (t.take_due(), Some(sweep)),
+            Stage::Accelerated => (t.own_pairs(), None),
         };
         for i in due {
             let pair = &t.pairs[i as usize];
@@ -274,7 +276,9 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
                 self.momentum.stop(i as usize, pair);
                 continue;
             };
-            let has_momentum = !is_last && self.laws.of_interface(pair).converges;
+            let law = self.laws.of_interface(pair);
+            // The last sweep of a law leaves the force of the law.
+            let has_momentum = law.converges && sweep.is_some_and(|sweep| sweep + 1 < law.sweeps);
             let next =
                 if has_momentum { self.momentum.advance(i as usize, pair, force) } else { force };
             t.set_force(i, next);

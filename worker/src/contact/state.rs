@@ -15,8 +15,6 @@ pub struct ContactState {
     approach: f64,
     /// Marks of parts, see [`super::diagnostics::search_record`].
     parts: Vec<u8>,
-    /// Number of pairs of all workers in the last step; it selects the laws of the next one.
-    pairs: u64,
 }
 
 impl ContactState {
@@ -25,7 +23,7 @@ impl ContactState {
     /// # Errors
     /// They are not: the reason.
     pub fn fit(&self, parts: usize) -> Result<(), String> {
-        let counts = [self.searches, self.sweeps, self.capped_pairs, self.pairs];
+        let counts = [self.searches, self.sweeps, self.capped_pairs];
         if counts.into_iter().chain(self.unsettled).any(|count| count > MOST) {
             return Err("it has a number of contact searches or sweeps that is not possible".into());
         }
@@ -47,7 +45,6 @@ impl ContactState {
         self.capped_pairs += o.capped_pairs;
         self.penetration = self.penetration.max(o.penetration);
         self.approach = self.approach.max(o.approach);
-        self.pairs = self.pairs.max(o.pairs);
         self.parts.resize(self.parts.len().max(o.parts.len()), 0);
         self.parts.iter_mut().zip(&o.parts).for_each(|(a, b)| *a |= b);
     }
@@ -65,9 +62,9 @@ impl Contact {
             penetration,
             approach,
             record,
-            pairs,
-            // Equal on all workers, see `started`.
+            // Equal on all workers, see `common`.
             interface_started: _,
+            pairs: _,
             // Pair histories are saved with their nodes.
             histories: _,
             edges: _,
@@ -103,24 +100,25 @@ impl Contact {
             penetration: *penetration,
             approach: *approach,
             parts: record.of_parts(&surface.segments),
-            pairs: *pairs,
         }
     }
 
-    /// Returns the interfaces whose pairs were searched for in the last step, equal on all workers.
-    pub fn started(&self) -> &[bool] {
-        &self.interface_started
+    /// Returns the state of the last step that is equal on all workers: for each interface true if
+    /// its pairs were searched for, and the number of pairs, which selects the laws of the next
+    /// step.
+    pub fn common(&self) -> (&[bool], u64) {
+        (&self.interface_started, self.pairs)
     }
 
-    /// Sets the state, with the interfaces that had `started`. Call it after [`Contact::renew`].
-    pub fn restore(&mut self, state: ContactState, started: Vec<bool>) {
+    /// Sets the state, with that of [`Contact::common`]. Call it after [`Contact::renew`].
+    pub fn restore(&mut self, state: ContactState, (started, pairs): (Vec<bool>, u64)) {
         self.searches = state.searches;
         self.sweeps = state.sweeps;
         self.unsettled = state.unsettled;
         self.capped_pairs = state.capped_pairs;
         self.penetration = state.penetration;
         self.approach = state.approach;
-        self.pairs = state.pairs;
+        self.pairs = pairs;
         self.interface_started = started;
         self.record.restore(state.parts);
     }

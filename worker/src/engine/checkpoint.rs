@@ -39,8 +39,10 @@ pub struct CommonState {
     /// Limits of the step due to elements and to contact [time].
     limits: [f64; 2],
     slow_dt: f64,
-    /// See [`Contact::started`].
+    /// See [`Contact::common`].
     started: Vec<bool>,
+    /// See [`Contact::common`].
+    contact_pairs: u64,
     /// Number of renewals after erosion.
     erosions: u64,
 }
@@ -59,6 +61,9 @@ impl CommonState {
         }
         if self.limits.iter().chain([&self.slow_dt]).any(|dt| dt.is_nan() || *dt < 0.0) {
             return Err("its limit of the step is not a valid time".into());
+        }
+        if self.contact_pairs > MOST {
+            return Err("its number of contact pairs is impossible".into());
         }
         if self.erosions > MOST {
             return Err("its number of renewals is impossible".into());
@@ -174,14 +179,17 @@ impl Engine {
             limits: [f64; 2],
             slow_dt: f64,
             started: &'a [bool],
+            contact_pairs: u64,
             erosions: u64,
         }
+        let (started, contact_pairs) = contact.as_ref().map_or((&[][..], 0), Contact::common);
         let view = CheckpointView {
             clock,
             constraints: constraints.state(),
             limits: agreement.limits(),
             slow_dt: blocks.common_state(),
-            started: contact.as_ref().map_or(&[], Contact::started),
+            started,
+            contact_pairs,
             erosions: *erosions,
         };
         let traffic = comm.traffic();
@@ -268,7 +276,7 @@ impl Engine {
         }
         engine.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         if let Some(contact) = &mut engine.contact {
-            contact.restore(own.contact, common.started);
+            contact.restore(own.contact, (common.started, common.contact_pairs));
         }
         Ok(engine)
     }

@@ -255,7 +255,8 @@ struct PackedPair {
     contact_thickness: f64,
     force: V3,
     slave_mass: f64,
-    /// Bit 0: [`Pair::slave_is_fixed`]. Bit 1: a [`PackedLever`] follows.
+    /// Bit 0: [`Pair::slave_is_fixed`]. Bit 1: a [`PackedLever`] follows. Further bits:
+    /// [`Pair::interface`].
     flags: u64,
 }
 /// Number of roles of a pair in [`PackedPair`]. The other roles of two segments follow in
@@ -302,7 +303,9 @@ fn write(mail: &mut Mailbox, pair: &Pair, nodes: &Nodes) {
         contact_thickness: pair.contact_thickness,
         force: pair.force,
         slave_mass: pair.slave_mass,
-        flags: u64::from(pair.slave_is_fixed) | u64::from(pair.has_couple()) << 1,
+        flags: u64::from(pair.slave_is_fixed)
+            | u64::from(pair.has_couple()) << 1
+            | u64::from(pair.interface) << 2,
     });
     if pair.key.is_segment() {
         mail.push(PackedRest {
@@ -331,6 +334,7 @@ fn read(mail: &mut Mailbox, nodes: &Nodes) -> Pair {
         slave_mass: first.slave_mass,
         slave_sliding_mass: first.slave_mass,
         slave_is_fixed: first.flags & 1 != 0,
+        interface: (first.flags >> 2) as u16,
         ..Pair::new(first.key, first.segment, first.nodes.map(local))
     };
     if pair.key.is_segment() {

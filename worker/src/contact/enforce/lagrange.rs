@@ -31,7 +31,8 @@ pub(super) const LAW: LawRow = LawRow {
                       workers exchange one message per sweep. `gauss_seidel` updates one pair \
                       after the other, in an order that does not depend on the workers: fewer \
                       sweeps, but many messages where contact is dense. `auto` (default): `split` \
-                      if the step before had 300 pairs or more, else `gauss_seidel` \
+                      if the step before had 300 pairs or more and sweeps can be accelerated, else \
+                      `gauss_seidel` \
                       (`cases/bench/RESULTS.md`).",
         },
         SWEEPS,
@@ -87,7 +88,7 @@ const MOMENTUM_SWEEPS: usize = 4;
 /// penetration is the same. With 1e-3, bricks for which `split` has not converged push each
 /// other apart (A07).
 const COARSE: f64 = 1e-4;
-/// The same after sweeps with momentum. These are more, so few steps are left. With 1e-4, rows of
+/// The same after sweeps with momentum. With 1e-4, rows of
 /// three bodies of a tenth of the mass of their neighbours end with errors of 4e-5.
 const COARSE_WITH_MOMENTUM: f64 = 1e-5;
 
@@ -143,7 +144,7 @@ impl ContactLaw for Lagrange {
     fn refine(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<(V3, f64)> {
         let [soft_n, soft_t] = pair.compliance.map(|c| steps.dt_damped * c);
         if soft_n <= 0.0 {
-            return None; // both sides are fixed
+            return None; // both sides are fixed, or the pair is redundant
         }
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);

@@ -71,7 +71,9 @@ pub trait ContactLaw: Send + Sync {
     /// Returns true if sweeps converge to the exact force of every pair, so that more sweeps or
     /// accelerated sweeps come nearer to it. Passes of prediction and correction do not converge
     /// in this sense: if they stop early they have dissipated energy, and if they are
-    /// accelerated they create energy.
+    /// accelerated they create energy. Of two pairs that close the same gap, such a law gives a
+    /// force to one only (`pairs/redundant.rs`), and with [`Iteration::Split`] its sweeps have
+    /// momentum (`nesterov.rs`).
     fn converges(&self) -> bool {
         false
     }

@@ -69,6 +69,8 @@ impl PairTable {
     pub fn set_force(&mut self, i: u32, force: V3) {
         self.pairs[i as usize].force = force;
         self.activity.updated.push(i);
+        // It is not accurate enough yet, even if it did not change.
+        self.activity.is_due[i as usize] = true;
     }
 
     /// Sums the forces again on each node on which a force has changed. Calls `apply` with the

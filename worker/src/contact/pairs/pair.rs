@@ -104,7 +104,8 @@ pub struct Pair {
     /// Force weights of the nodes by role; they sum to 1 on each side.
     pub weight: [f64; MAX_PAIR_NODES],
     /// Weight of the pair when nodal masses are split among pairs. For two segments it is the
-    /// area of their contact, 0 while there is no contact. For other pairs it is the square of
+    /// area of their contact, 0 while there is no contact. It is 0 for redundant pairs
+    /// (`redundant.rs`). For other pairs it is the square of
     /// the contact thickness if the table can have pairs of two segments, else 1 [length^2].
     pub area: f64,
     /// Unit normal that points to the slave's side.
@@ -132,7 +133,7 @@ pub struct Pair {
     pub contact_thickness: f64,
     /// Lower of the wave speeds of the two sides [length/time].
     pub speed: f64,
-    /// Index of the interface; not sent to other workers.
+    /// Index of the interface.
     pub interface: u16,
     /// Coefficient of friction in this step; not sent to other workers.
     pub friction_coefficient: f64,

@@ -35,7 +35,8 @@ fn faced_node(pair: &Pair) -> Option<u32> {
 fn by_depth(a: &Pair, b: &Pair) -> Ordering {
     // Copies of pairs of other workers have no `gap`.
     let gap = |p: &Pair| -p.penetration - p.tolerated_gap;
-    let depth = |p: &Pair| (gap(p) / (RESOLUTION * p.contact_thickness)).round();
+    // Zero has one sign, so that the round-off of a closed gap decides nothing.
+    let depth = |p: &Pair| (gap(p) / (RESOLUTION * p.contact_thickness)).round() + 0.0;
     depth(a).total_cmp(&depth(b)).then(a.key.cmp(&b.key))
 }
 
@@ -62,14 +63,15 @@ impl PairTable {
         Ok(())
     }
 
-    /// Returns true if a deeper pair closes the same gap. Its owner and the owner of `pair` both
-    /// know both pairs, because each has the nodes of both.
+    /// Returns true if a deeper pair of the same interface closes the same gap. Its owner and the
+    /// owner of `pair` both know both pairs, because each pair acts on the slave of the other.
     fn has_deeper_twin(&self, pair: &Pair) -> bool {
         let Some(faced) = faced_node(pair) else { return false };
         let Ok(place) = self.touched.binary_search(&faced) else { return false };
         let is_twin = |&(q, role): &(u32, u8)| {
             let other = &self.pairs[q as usize];
             role == 0
+                && other.interface == pair.interface
                 && faced_node(other) == Some(pair.nodes[0])
                 && other.normal.dot(&pair.normal) < OPPOSITE
                 && by_depth(other, pair).is_lt()

@@ -36,18 +36,27 @@ fn one_of_two_pairs_of_facing_nodes_has_a_force() {
     }
 }
 
-/// The deeper pair of the two has the force: none penetrates farther than before, on a plate that
-/// is tilted by a tenth of the thickness.
+/// The deeper pair of the two has the force. The upper plate is warped, so that the gaps of the two
+/// pairs differ.
 #[test]
 fn the_deeper_pair_has_the_force() {
     for iteration in ["split", "gauss_seidel"] {
-        let mut scene = plates(0.0, [0.0, 0.0, 0.1 * THICK, 0.1 * THICK], iteration);
-        for _ in 0..200 {
-            scene.step();
-            let deepest = scene.pairs().iter().map(|p| p.penetration).fold(0.0, f64::max);
-            assert!(deepest < 1e-3 * THICK, "{iteration}: {deepest}");
+        // Corners go down by more than this in a step, so all pairs are closed.
+        let low = 1e-4 * THICK;
+        let mut scene = plates(0.02, [0.0, low, 0.0, low], iteration);
+        scene.step();
+        let pairs: Vec<Pair> = scene.pairs().iter().filter(|p| p.key.is_node()).copied().collect();
+        let mut compared = 0;
+        for p in &pairs {
+            let faced = p.nodes[1..5].iter().zip(&p.weight[1..5]).find(|(_, w)| **w > 0.7);
+            let twin = faced.and_then(|(n, _)| pairs.iter().find(|q| q.nodes[0] == *n));
+            let Some(twin) = twin.filter(|q| p.penetration > q.penetration + 2e-6 * THICK) else {
+                continue;
+            };
+            assert!(p.force.norm() > 0.0 && twin.force.norm() == 0.0, "{iteration}: {p:?}");
+            compared += 1;
         }
-        assert!((scene.momentum().z + 4.0).abs() < 1e-12, "{iteration}: round-off");
+        assert!(compared > 0, "{iteration}: {pairs:?}");
     }
 }
 

@@ -103,7 +103,7 @@ fn accelerated_sweeps_settle_whatever_the_masses() {
                 let plain = row_of(&law.clone().with("accelerated", 0), &masses).0;
                 eprintln!(
                     "{} {:?}, {light} of {ratio}: error {error:.1e} in {sweeps} sweeps, \
-                     {plain:.1e} in 20",
+                     {plain:.1e} without acceleration",
                     law.law, law.parameters
                 );
                 assert!(error < 1e-5, "{law:?}, {masses:?}: {error}");
@@ -147,10 +147,10 @@ fn sweeps_in_order_converge_by_the_known_spectral_radii() {
         // rho) / 2` with the radius rho of Jacobi, `cos(pi/n)` or `1 / (1 + mu/m)`. With momentum
         // the number of sweeps is in proportion to the root of its condition number.
         let condition = 2.0 / (1.0 - radius.sqrt());
-        let split = 3 * (1..).find(|&k| row_error("split", &masses, k) < 1e-6).unwrap();
+        let split = 4 * (1..).find(|&k| row_error("split", &masses, k) < 1e-6).unwrap();
         eprintln!("split: {split} sweeps, condition number {condition:.0}");
         let scaled = split as f64 / condition.sqrt();
-        assert!((6.0..18.0).contains(&scaled), "{masses:?}: {split} sweeps, {scaled}");
+        assert!((6.0..24.0).contains(&scaled), "{masses:?}: {split} sweeps, {scaled}");
     }
 }
 
