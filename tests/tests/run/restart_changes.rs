@@ -165,7 +165,7 @@ fn changes_that_are_not_possible_are_refused() {
     refused(&["restart.delete=[5]", "restart.rigid=[5]"], "also deleted");
     let moving = "restart.wall=[{point=[0,0,0], normal=[0,0,1], velocity=[0,0,1]}]";
     refused(&[moving], "prescribed motion");
-    refused(&["restart.velocity=[{parts=[], velocity=[0.0, 0.0, 1.0]}]"], "for no part");
+    refused(&["restart.velocity=[{parts=[], velocity=[0.0, 0.0, 1.0]}]"], "names no parts");
     let fresh = ["run", "cases/tumble", "--set", "restart.delete=[5]", "--no-report"];
     let said = run(crumple_with(&fresh)).with_code(2).said();
     assert!(said.contains("--resume"), "{said}");
