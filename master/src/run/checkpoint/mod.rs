@@ -369,7 +369,10 @@ impl Checkpoints {
             }
             Err(error) => {
                 (self.ordered, self.complained) = (false, false);
-                Err(self.unwritten(captured.cycle, &format!("the thread that writes cannot be started: {error}")))
+                Err(self.unwritten(
+                    captured.cycle,
+                    &format!("the thread that writes cannot be started: {error}"),
+                ))
             }
         }
     }

@@ -44,7 +44,7 @@ impl PairTable {
         a.is_due.extend(self.pairs.iter().map(|p| p.is_owned));
         a.is_changed.clear();
         a.is_changed.resize(self.touched.len(), false);
-        (a.always.clear(), a.copies.clear(), a.updated.clear());
+        [&mut a.always, &mut a.copies, &mut a.updated].into_iter().for_each(Vec::clear);
         for (i, pair) in (0..).zip(&self.pairs) {
             let only_moves = |r: usize| {
                 pair.nodes[r] != NOT_LOCAL && pair.shape[r] != 0.0 && pair.share(r) == 0.0
