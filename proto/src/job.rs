@@ -259,28 +259,17 @@ pub enum Precision {
 }
 
 /// Decomposition and redecomposition.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Parallel {
     /// Number of workers when they are threads; 0 for one per core. `--workers` and mpirun override
     /// it.
     pub workers: usize,
-    /// Width b of the buffer around each box face [length]; 0 for the median side of the elements,
-    /// at most four times the smallest side.
-    pub buffer: f64,
-    /// Limit of the imbalance, the maximum over mean step cost of the workers. The boxes are
-    /// recomputed if the imbalance stays above it.
-    pub imbalance: f64,
-    /// Smallest number of cycles between two repartitions. The first may come earlier.
-    pub low_every_at_least: u64,
-    /// Number of cycles between forced redecompositions of alternating kind, for tests; 0 for none.
-    pub force_every: u64,
-}
-
-impl Default for Parallel {
-    fn default() -> Self {
-        Self { workers: 0, buffer: 0.0, imbalance: 1.1, low_every_at_least: 200, force_every: 0 }
-    }
+    /// Settings of the decomposition, by key. The worker publishes the keys.
+    #[serde(flatten)]
+    #[schemars(skip)]
+    pub parameters: BTreeMap<String, Setting>,
 }
 
 /// Material: name of a law and its parameters.

@@ -425,6 +425,6 @@ fn elasticity(settings: &Settings) -> Elasticity {
         moduli,
         speeds,
         with_edges: with_edges(settings),
-        is_dense: false,
+        ..Elasticity::default()
     }
 }

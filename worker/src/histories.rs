@@ -94,7 +94,7 @@ impl ContactSums {
     ///
     /// # Errors
     /// They are not: the reason.
-    pub fn fit(&self, parts: usize, transducers: usize) -> Result<(), String> {
+    pub fn validate(&self, parts: usize, transducers: usize) -> Result<(), String> {
         let known = |pair: &[u32; 2]| pair.iter().all(|&part| (part as usize) < parts);
         if !self.0.between_parts.keys().all(known) {
             return Err("it has contact forces of a part that the job does not have".into());

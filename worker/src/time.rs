@@ -82,7 +82,7 @@ impl Clock {
     ///
     /// # Errors
     /// It does not, or it has a step that is no time: the reason.
-    pub fn fit(&self, captured: &Captured) -> Result<(), String> {
+    pub fn validate(&self, captured: &Captured) -> Result<(), String> {
         let Captured { cycle, time, rows, fields } = *captured;
         let same = self.cycle == cycle
             && self.time.to_bits() == time.to_bits()

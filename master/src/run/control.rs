@@ -315,7 +315,7 @@ impl Control<'_> {
             closings: _,
             states: _,
         } = self;
-        let (settings, parallel) = (&model.settings, &model.job.parallel);
+        let (settings, limits) = (&model.settings, &model.decomposition);
         MasterState {
             course: history.course.clone(),
             lengths: Tables::present(out),
@@ -328,8 +328,8 @@ impl Control<'_> {
             field_times: settings.field_times.clone(),
             end_time: settings.end_time,
             output: settings.output.clone(),
-            imbalance: parallel.imbalance,
-            low_every_at_least: parallel.low_every_at_least,
+            imbalance: limits.imbalance,
+            low_every_at_least: limits.low_every_at_least,
             steering: steering.done_without_stop(),
             planned: settings.planned.clone(),
         }

@@ -153,7 +153,7 @@ fn go_on(
         let stamp = compare::stamp(&model, sets);
         compare::changes(&manifest.stamp, &stamp)
             .map_err(|why| format!("{}: {why}", folder.display()))?;
-        let mut from = match candidates.take(&folder, &manifest, &stamp) {
+        let mut from = match candidates.resume_from(&folder, &manifest, &stamp) {
             Ok(from) => from,
             Err(why) => {
                 candidates.refuse(why);
@@ -162,7 +162,7 @@ fn go_on(
         };
         let changes = compare::adapt(&mut model, &stamp, &args.sets(), &mut from)
             .map_err(|why| format!("{}: {why}", folder.display()))?;
-        if let Err(why) = from.fit(&model) {
+        if let Err(why) = from.validate(&model) {
             candidates.refuse(why);
             continue;
         }

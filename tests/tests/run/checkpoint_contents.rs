@@ -133,7 +133,7 @@ fn mutated_contents_are_refused_or_are_states() {
         if which == 0 {
             let bad = mutated(&mut random, &known.master);
             let _ = MasterState::from_words(&bad, &known.manifest.captured)
-                .and_then(|state| state.fit(&known.model));
+                .and_then(|state| state.validate(&known.model));
             continue;
         }
         let (mut common, mut pieces) = (known.common.clone(), known.pieces.clone());

@@ -66,7 +66,7 @@ pub fn verify(
 pub fn read_common(words: &[u64], captured: &Captured) -> Result<CommonState, String> {
     let common: CommonState =
         wire::decode(words).ok_or("it is not the state that all workers share")?;
-    common.clock.fit(captured)?;
+    common.clock.validate(captured)?;
     Ok(common)
 }
 
@@ -89,7 +89,7 @@ impl<'a> Fit<'a> {
     /// # Errors
     /// It is not that of the job: the reason.
     pub fn add_common(&self, words: &[u64], captured: &Captured) -> Result<(), String> {
-        read_common(words, captured)?.fit(self.source.settings)
+        read_common(words, captured)?.validate(self.source.settings)
     }
 
     /// Checks the file of a worker.
@@ -98,7 +98,7 @@ impl<'a> Fit<'a> {
     /// It is not one of the job: the reason.
     pub fn add_piece(&mut self, words: &[u64]) -> Result<(), String> {
         let piece = CheckpointPiece::new(words)?;
-        piece.own.fit(self.source.settings)?;
+        piece.own.validate(self.source.settings)?;
         fit_columns(self.source.settings, &piece.share.elements, &mut self.columns)?;
         for (element, _) in &piece.share.elements {
             self.fit_element(element)?;

@@ -91,7 +91,7 @@ pub fn read_state(
     let words = read(folder, common)?;
     let other = || named(common, "it is not the state that all workers share".into());
     let read_common: CommonState = wire::decode(&words).ok_or_else(other)?;
-    read_common.fit(settings).map_err(|why| named(common, why))?;
+    read_common.validate(settings).map_err(|why| named(common, why))?;
     let mut state = ReadState {
         common: read_common,
         own: WorkerState::default(),
@@ -103,7 +103,7 @@ pub fn read_state(
         let piece = CheckpointPiece::new(&words).map_err(|why| named(record, why))?;
         piece
             .own
-            .fit(settings)
+            .validate(settings)
             .and_then(|()| fit::fit_columns(settings, &piece.share.elements, &mut known))
             .map_err(|why| named(record, why))?;
         piece.add_to(&mut state.share, &mut state.own);

@@ -31,7 +31,7 @@ impl ConstraintState {
     ///
     /// # Errors
     /// It has others: the reason.
-    pub fn fit(&self, settings: &Settings) -> Result<(), String> {
+    pub fn validate(&self, settings: &Settings) -> Result<(), String> {
         let (walls, jobs) = (self.walls.len(), settings.walls.len());
         if walls > jobs {
             return Err(format!("it has {walls} walls, and the job has {jobs}"));
@@ -40,8 +40,8 @@ impl ConstraintState {
         if let Some(wall) = self.walls.iter().zip(&settings.walls).position(is_other) {
             return Err(format!("rigid wall {wall} differs from that of the job"));
         }
-        self.bodies.fit(&settings.rigid)?;
-        self.ties.fit(&settings.ties)
+        self.bodies.validate(&settings.rigid)?;
+        self.ties.validate(&settings.ties)
     }
 }
 

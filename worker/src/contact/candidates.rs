@@ -28,7 +28,7 @@ pub struct PairBatch<'a> {
 impl<'a> PairBatch<'a> {
     /// Returns the batch of up to [`LANES`] items, with the last item repeated; `of` returns the
     /// candidate pair of an item.
-    pub fn of<T>(surface: &'a Surface, some: &[T], of: impl Fn(&T) -> CandidatePair) -> Self {
+    pub fn gather<T>(surface: &'a Surface, some: &[T], of: impl Fn(&T) -> CandidatePair) -> Self {
         let lane = |lane: usize| of(&some[lane.min(some.len() - 1)]);
         Self {
             slave: std::array::from_fn(|l| surface.slaves[lane(l).slave_index as usize]),

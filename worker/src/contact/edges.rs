@@ -332,7 +332,7 @@ impl Edges {
                 }
             }
         }
-        waiting.close(&due);
+        waiting.update_blocks(&due);
         (self.due, self.waiting) = (due, waiting);
     }
 

@@ -21,7 +21,7 @@ pub struct Nearest {
 
 impl Nearest {
     /// Returns the nearest point of a lane; `None` for a segment without area.
-    pub fn of<R: Real>(found: &Projection<R>, lane: usize) -> Option<Self> {
+    pub fn from_lane<R: Real>(found: &Projection<R>, lane: usize) -> Option<Self> {
         let vector = |of: kernels::Vector<R>| V3::from(of.0.map(|c| c.lane(lane)));
         is_in::<R>(found.found, lane).then(|| Self {
             shape: found.shape.map(|n| n.lane(lane)),
@@ -35,7 +35,7 @@ impl Nearest {
 /// Computes the nearest point of segment `q` (its third node repeated for a triangle) to `p`.
 /// Returns `None` for a segment without area.
 pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
-    Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
+    Nearest::from_lane(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
 /// Computes the nearest point of a line between two ends to `p`. Its normal is the direction

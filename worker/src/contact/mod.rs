@@ -270,7 +270,7 @@ impl Contact {
                     dt,
                 ))
             };
-            self.candidates.of(i).iter().filter_map(of_pair).fold(0.0, f64::max)
+            self.candidates.segments_of(i).iter().filter_map(of_pair).fold(0.0, f64::max)
         };
         let of_nodes = s.slaves.iter().enumerate().map(of_slave).fold(0.0, f64::max);
         of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
@@ -326,8 +326,8 @@ impl Contact {
         self.near_list.renew(
             (nodes, &self.surface, &spheres),
             (self.skin, step),
-            |i| self.candidates.of(i),
-            |i| self.histories.of(i),
+            |i| self.candidates.segments_of(i),
+            |i| self.histories.of_slave(i),
         );
         self.histories.forget_first();
         self.pick(nodes);
@@ -409,12 +409,12 @@ impl Contact {
         self.near_list.renew_slaves(
             (nodes, &self.surface),
             self.histories.with_first(),
-            |i| self.candidates.of(i),
-            |i| self.histories.of(i),
+            |i| self.candidates.segments_of(i),
+            |i| self.histories.of_slave(i),
         );
         self.histories.forget_first();
         let near = (&mut self.near_list, self.motion_since_near_list.path());
-        let history = |i: u32| self.histories.of(i as usize);
+        let history = |i: u32| self.histories.of_slave(i as usize);
         self.projected_pairs.project(nodes, &self.surface, near, history, dt);
         let all = &self.projected_pairs.all;
         let mut finds = Vec::new();

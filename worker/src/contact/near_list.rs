@@ -183,7 +183,7 @@ impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
     /// Examines all collected candidates and appends those that are near.
     pub fn finish(&mut self, near: &mut Vec<CandidatePair>) {
         for some in self.held.chunks(LANES) {
-            let four = PairBatch::of(self.surface, some, |s| s.0);
+            let four = PairBatch::gather(self.surface, some, |s| s.0);
             let (at, q) = (four.slaves(&self.nodes.x), four.corners(&self.nodes.x));
             let reach = Lane::new(std::array::from_fn(|lane| some[lane.min(some.len() - 1)].1));
             let (apart, outside) =

@@ -7,13 +7,13 @@
 //! schedule (`pairs/schedule.rs`) for changes within Gauss-Seidel sweeps.
 
 mod activity;
+mod history;
 mod pair;
 mod redundant;
 mod schedule;
 
-pub use pair::{
-    FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairHistory, PairKey, padded,
-};
+pub use history::PairHistory;
+pub use pair::{FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairKey, padded};
 
 use crate::contact::surface::NOT_LOCAL;
 use crate::contact::surroundings::VelocityConstraint;
@@ -99,6 +99,7 @@ impl PairTable {
         self.start.clear();
         self.roles.clear();
         self.signed_shares.clear();
+        self.activity.reset();
         self.slots.clear();
         self.slots.resize(self.pairs.len(), [NOT_LOCAL; MAX_PAIR_NODES]);
         for &(n, p, r) in &self.incidence {

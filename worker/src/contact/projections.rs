@@ -58,18 +58,18 @@ impl ProjectedPairs {
         for some in due.chunks(LANES) {
             self.retain_reached(nodes, surface, (near, path), some, &memory, dt);
         }
-        near.waiting.close(&due);
+        near.waiting.update_blocks(&due);
         self.due = due;
         self.all.clear();
         for some in self.reached.chunks(LANES) {
-            let four = PairBatch::of(surface, some, |s| s.0);
+            let four = PairBatch::gather(surface, some, |s| s.0);
             let found = project(four.slaves(&nodes.x), &four.corners(&nodes.x), four.triangles());
             for (lane, &(of, step)) in some.iter().enumerate() {
                 let segment = four.segment[lane];
                 let near = match surface.has_lines && segment.is_line() {
                     true => segment
                         .nearest(&V3::from(xyz(&nodes.x[four.slave[lane] as usize])), &nodes.x),
-                    false => Nearest::of(&found, lane),
+                    false => Nearest::from_lane(&found, lane),
                 };
                 self.all.extend(near.map(|near| ProjectedPair { of, step, near }));
             }
@@ -89,7 +89,7 @@ impl ProjectedPairs {
         memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
     ) {
-        let four = PairBatch::of(surface, some, |&i| near.list[i as usize]);
+        let four = PairBatch::gather(surface, some, |&i| near.list[i as usize]);
         let (at, q) = (four.slaves(&nodes.x), four.corners(&nodes.x));
         let v = four.slaves(&nodes.v_next);
         let apart = four.corners(&nodes.v_next).map(|of| (of - v).square());

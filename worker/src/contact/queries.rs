@@ -28,7 +28,7 @@ impl Contact {
     /// Returns the pair histories of each slave. Histories of edges are listed at all nodes of
     /// their pairs, those of segments at the segments' own nodes.
     pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &[PairHistory])> {
-        let of_slave = |(i, &slave)| (slave, self.histories.of(i));
+        let of_slave = |(i, &slave)| (slave, self.histories.of_slave(i));
         let of_nodes = self.surface.slaves.iter().enumerate().map(of_slave);
         let others = self.edges.pair_histories().chain(self.facets.pair_histories());
         of_nodes.chain(others.map(|(n, m)| (n, std::slice::from_ref(m))))

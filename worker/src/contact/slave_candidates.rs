@@ -32,7 +32,7 @@ impl SlaveCandidates {
 
     /// Returns the segments that the slave with index `i` could touch.
     #[inline]
-    pub fn of(&self, i: usize) -> &[u32] {
+    pub fn segments_of(&self, i: usize) -> &[u32] {
         &self.segments[self.start[i] as usize..self.start[i + 1] as usize]
     }
 

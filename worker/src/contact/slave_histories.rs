@@ -42,7 +42,7 @@ impl SlaveHistories {
 
     /// Returns the histories of the slave with index `i`.
     #[inline]
-    pub fn of(&self, i: usize) -> &[PairHistory] {
+    pub fn of_slave(&self, i: usize) -> &[PairHistory] {
         &self.all[self.start[i] as usize..self.start[i + 1] as usize]
     }
 

@@ -22,7 +22,7 @@ impl ContactState {
     ///
     /// # Errors
     /// They are not: the reason.
-    pub fn fit(&self, parts: usize) -> Result<(), String> {
+    pub fn validate(&self, parts: usize) -> Result<(), String> {
         let counts = [self.searches, self.sweeps, self.capped_pairs];
         if counts.into_iter().chain(self.unsettled).any(|count| count > MOST) {
             return Err("it has a number of contact searches or sweeps that is not possible".into());

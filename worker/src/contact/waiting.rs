@@ -64,7 +64,7 @@ impl Waiting {
     }
 
     /// Updates the blocks of the candidates that were due.
-    pub fn close(&mut self, due: &[u32]) {
+    pub fn update_blocks(&mut self, due: &[u32]) {
         for &i in due {
             let (least, until) = (&mut self.least[i as usize / BLOCK], self.until[i as usize]);
             *least = if until < *least { until } else { *least };
@@ -87,12 +87,12 @@ mod tests {
             // Every seventh candidate stays due, the others are due one after the other.
             let until = |i: u32| if i.is_multiple_of(7) { 0.0 } else { 1.0 + f64::from(i / 2) };
             due.iter().for_each(|&i| waiting.defer(i, until(i)));
-            waiting.close(&due);
+            waiting.update_blocks(&due);
             for path in [0.5, 1.0, 1.5, 40.0, 40.5, 1e3] {
                 waiting.find_due(path, &mut due);
                 let expected: Vec<u32> = (0..count as u32).filter(|&i| until(i) <= path).collect();
                 assert_eq!(due, expected, "{count} candidates at {path}");
-                waiting.close(&due);
+                waiting.update_blocks(&due);
             }
         }
     }

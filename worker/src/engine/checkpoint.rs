@@ -52,8 +52,8 @@ impl CommonState {
     ///
     /// # Errors
     /// It has others: the reason.
-    pub fn fit(&self, settings: &Settings) -> Result<(), String> {
-        self.constraints.fit(settings)?;
+    pub fn validate(&self, settings: &Settings) -> Result<(), String> {
+        self.constraints.validate(settings)?;
         let interfaces = settings.contact.as_ref().map_or(0, |contact| contact.each().count());
         if self.started.len() != interfaces {
             let count = self.started.len();
@@ -93,13 +93,13 @@ impl WorkerState {
     ///
     /// # Errors
     /// They are others: the reason.
-    pub fn fit(&self, settings: &Settings) -> Result<(), String> {
+    pub fn validate(&self, settings: &Settings) -> Result<(), String> {
         if self.wall_impulses.len() > settings.walls.len() {
             let (count, walls) = (self.wall_impulses.len(), settings.walls.len());
             return Err(format!("it has sums of {count} walls, and the job has {walls}"));
         }
-        self.contact.fit(settings.parts.len())?;
-        self.contact_sums.fit(settings.parts.len(), settings.histories.transducers.len())?;
+        self.contact.validate(settings.parts.len())?;
+        self.contact_sums.validate(settings.parts.len(), settings.histories.transducers.len())?;
         if self.seconds.iter().any(|s| !s.is_finite() || *s < 0.0) {
             return Err("its CPU time is not a valid time".into());
         }

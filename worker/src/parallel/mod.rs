@@ -3,6 +3,7 @@
 
 pub mod boxes;
 pub mod convergence;
+pub mod decomposition;
 pub mod ghosts;
 pub mod migrate;
 pub mod pair_exchange;

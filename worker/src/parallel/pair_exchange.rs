@@ -110,19 +110,7 @@ impl PairExchange {
         changed: bool,
     ) -> Result<bool, RankLost> {
         self.convergence.record_change(changed);
-        let Self { shared, convergence, mail } = self;
-        for with in &*shared {
-            mail.start();
-            convergence.write(mail);
-            with.sent.iter().for_each(|&i| mail.push(pairs[i as usize].force));
-            mail.send(comm, with.worker, Tag::Sweep)?;
-        }
-        for with in &*shared {
-            mail.receive(comm, with.worker, Tag::Sweep)?;
-            convergence.read(mail);
-            let forces = with.received.iter().zip(mail.rest::<V3>());
-            forces.for_each(|(&i, force)| pairs[i as usize].force = *force);
-        }
+        self.exchange(comm, pairs, true, |p| p.force, |p, force| p.force = force)?;
         self.convergence.end_round();
         Ok(self.convergence.has_converged())
     }
@@ -137,18 +125,7 @@ impl PairExchange {
         pairs: &mut [Pair],
         of: fn(&mut Pair) -> &mut V3,
     ) -> Result<(), RankLost> {
-        let Self { shared, mail, .. } = self;
-        for with in &*shared {
-            mail.start();
-            with.sent.iter().for_each(|&i| mail.push(*of(&mut pairs[i as usize])));
-            mail.send(comm, with.worker, Tag::Sweep)?;
-        }
-        for with in &*shared {
-            mail.receive(comm, with.worker, Tag::Sweep)?;
-            let vectors = with.received.iter().zip(mail.rest::<V3>());
-            vectors.for_each(|(&i, v)| *of(&mut pairs[i as usize]) = *v);
-        }
-        Ok(())
+        self.exchange(comm, pairs, false, |p| *of(p), |p, v| *of(p) = v)
     }
 
     /// Exchanges flags of shared pairs, by pair.
@@ -160,18 +137,7 @@ impl PairExchange {
         comm: &mut dyn Transport,
         flags: &mut [bool],
     ) -> Result<(), RankLost> {
-        let Self { shared, mail, .. } = self;
-        for with in &*shared {
-            mail.start();
-            with.sent.iter().for_each(|&i| mail.push(u64::from(flags[i as usize])));
-            mail.send(comm, with.worker, Tag::Sweep)?;
-        }
-        for with in &*shared {
-            mail.receive(comm, with.worker, Tag::Sweep)?;
-            let all = with.received.iter().zip(mail.rest::<u64>());
-            all.for_each(|(&i, &flag)| flags[i as usize] = flag != 0);
-        }
-        Ok(())
+        self.exchange(comm, flags, false, |f| u64::from(*f), |f, flag| *f = flag != 0)
     }
 
     /// Exchanges the phases of shared pairs in the schedule of a sweep, see
@@ -186,25 +152,44 @@ impl PairExchange {
         changed: bool,
     ) -> Result<bool, RankLost> {
         self.convergence.record_change(changed);
-        let Self { shared, convergence, mail } = self;
-        for with in &*shared {
-            mail.start();
-            convergence.write(mail);
-            with.sent.iter().for_each(|&i| mail.push(u64::from(phases[i as usize])));
-            mail.send(comm, with.worker, Tag::Sweep)?;
-        }
-        for with in &*shared {
-            mail.receive(comm, with.worker, Tag::Sweep)?;
-            convergence.read(mail);
-            let all = with.received.iter().zip(mail.rest::<u64>());
-            all.for_each(|(&i, &phase)| phases[i as usize] = phase as u32);
-        }
+        self.exchange(comm, phases, true, |p| u64::from(*p), |p, phase| *p = phase as u32)?;
         self.convergence.end_round();
         let are_final = self.convergence.has_converged();
         if are_final {
             self.convergence.restart(); // changes of forces follow
         }
         Ok(are_final)
+    }
+
+    /// Exchanges a value of shared pairs, by pair: `get` reads it, `set` stores that of a pair of
+    /// another worker. With `detects` the messages begin with the state of the detection of
+    /// convergence.
+    fn exchange<P, T: Pod>(
+        &mut self,
+        comm: &mut dyn Transport,
+        of_pairs: &mut [P],
+        detects: bool,
+        get: impl Fn(&mut P) -> T,
+        set: impl Fn(&mut P, T),
+    ) -> Result<(), RankLost> {
+        let Self { shared, convergence, mail } = self;
+        for with in &*shared {
+            mail.start();
+            if detects {
+                convergence.write(mail);
+            }
+            with.sent.iter().for_each(|&i| mail.push(get(&mut of_pairs[i as usize])));
+            mail.send(comm, with.worker, Tag::Sweep)?;
+        }
+        for with in &*shared {
+            mail.receive(comm, with.worker, Tag::Sweep)?;
+            if detects {
+                convergence.read(mail);
+            }
+            let values = with.received.iter().zip(mail.rest::<T>());
+            values.for_each(|(&i, value)| set(&mut of_pairs[i as usize], *value));
+        }
+        Ok(())
     }
 
     /// Sends the forces of the own shared pairs of a phase and receives those of other workers, as

@@ -4,9 +4,8 @@ use super::laws;
 use super::resolve::NumberChecks;
 use super::tree::{Entry, Node, NodeContent};
 use super::validate::nearest;
-use crumple_proto::job::{ContactInput, Interface, Job, Setting};
+use crumple_proto::job::{ContactInput, Interface, Job};
 use crumple_proto::problem::Problem;
-use crumple_worker::parameter::Form;
 
 /// Converts the list `[[contact]]` to `[contact]`, with the other entries of the list as its
 /// interfaces. Values keep their places.
@@ -148,16 +147,7 @@ fn check_one(
         numbers.findings.add(Problem::error(at(row.key), message, help));
     }
     for (row, _) in laws::contact_keys().into_iter().filter(|(row, _)| is_own(row.key)) {
-        match (contact.parameters.get(row.key), row.form, row.range) {
-            (Some(Setting::Word(word)), Form::Word(known), _) => {
-                numbers.word(&at(row.key), word, known);
-            }
-            (Some(value), _, Some(range)) => {
-                let value = value.number().unwrap_or(f64::NAN);
-                numbers.need((range.fits)(value), &at(row.key), value, range.wanted);
-            }
-            _ => {}
-        }
+        numbers.setting(path, row, contact.parameters.get(row.key));
     }
     let mut need = |right: bool, key: &str, value: f64, wanted: &str| {
         numbers.need(right || !is_own(key), &at(key), value, wanted);

@@ -55,6 +55,7 @@ use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
 use crumple_proto::tie::Tie;
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
+use crumple_worker::parallel::decomposition::BoxDecomposition;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, SourceFile};
 use std::collections::{BTreeMap, BTreeSet};
@@ -117,6 +118,7 @@ fn read_tree(
             let warnings =
                 findings.list.into_iter().map(|f| f.problem).chain(built.warnings).collect();
             let mut model = Model {
+                decomposition: BoxDecomposition::new(&built.job.parallel),
                 job: built.job,
                 mesh: built.mesh,
                 settings: built.settings,

@@ -8,6 +8,7 @@ use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::Quality;
+use crumple_worker::parallel::decomposition::BoxDecomposition;
 use std::path::PathBuf;
 
 /// A valid job: read, checked, with its mesh and all defaults.
@@ -18,6 +19,8 @@ pub struct Model {
     pub mesh: Mesh,
     /// Settings of every worker. `field_dir` is empty until the run sets it.
     pub settings: Settings,
+    /// Settings of the decomposition.
+    pub decomposition: BoxDecomposition,
     /// Initial state of the nodes, in the order of the mesh.
     pub nodes: NodeStart,
     /// Initial state of the elements, in the order of the mesh.

@@ -4,12 +4,14 @@ use super::validate::{JobProblems, nearest};
 use super::{contact, walls};
 use crate::features;
 use crumple_proto::histories::HistoryRequests;
-use crumple_proto::job::{ContactInput, Job, Part};
+use crumple_proto::job::{ContactInput, Job, Part, Setting};
 use crumple_proto::loads::ResolvedLoads;
 use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::steering::{MOST_FIELDS, OutputTimes};
 use crumple_worker::contact::beams;
+use crumple_worker::parallel::decomposition::BoxDecomposition;
+use crumple_worker::parameter::{Form, ParameterRow};
 use std::collections::{BTreeMap, HashMap};
 
 /// Checks everything of a job except its mesh. `workers_given` is true if the job sets the number
@@ -127,18 +129,9 @@ fn check_parallel(job: &Job, workers_given: bool, numbers: &mut NumberChecks<'_>
             help,
         ));
     }
-    numbers.need(
-        parallel.buffer >= 0.0,
-        "parallel.buffer",
-        parallel.buffer,
-        "0 (for the default) or above",
-    );
-    numbers.need(
-        parallel.imbalance >= 1.0,
-        "parallel.imbalance",
-        parallel.imbalance,
-        "at least 1; 1.1 is usual",
-    );
+    for row in BoxDecomposition::KEYS {
+        numbers.setting("parallel", row, parallel.parameters.get(row.key));
+    }
 }
 
 fn check_checkpoints(job: &Job, numbers: &mut NumberChecks<'_>) {
@@ -231,6 +224,20 @@ impl NumberChecks<'_> {
         }
     }
 
+    /// Reports an error if the value of a key of the table at `path` is not valid; `None` if it is
+    /// not given. The schema checks its type.
+    pub fn setting(&mut self, path: &str, row: &ParameterRow, value: Option<&Setting>) {
+        let path = format!("{path}.{}", row.key);
+        match (value, row.form, row.range) {
+            (Some(Setting::Word(word)), Form::Word(known), _) => self.word(&path, word, known),
+            (Some(value), _, Some(range)) => {
+                let value = value.number().unwrap_or(f64::NAN);
+                self.need((range.fits)(value), &path, value, range.wanted);
+            }
+            _ => {}
+        }
+    }
+
     /// Reports an error unless a word at a path is one of the `known` ones.
     pub fn word(&mut self, path: &str, word: &str, known: &[&str]) {
         if !known.contains(&word) {
@@ -256,6 +263,7 @@ pub fn settings(
     /// Largest buffer in smallest sides. With a larger one, workers would copy much of a fine
     /// zone in a coarse mesh.
     const COARSE: f64 = 4.0;
+    let decomposition = BoxDecomposition::new(&job.parallel);
     let (smallest, median) = sides.unwrap_or((0.0, 0.0));
     let mut order: Vec<usize> = (0..job.part.len()).collect();
     order.sort_by_key(|&i| job.part[i].id);
@@ -296,8 +304,8 @@ pub fn settings(
         subcycles: job.time.subcycles.max(1),
         contact,
         rotations: true,
-        buffer: or(job.parallel.buffer, median.min(COARSE * smallest)),
-        force_every: job.parallel.force_every,
+        buffer: or(decomposition.buffer, median.min(COARSE * smallest)),
+        force_every: decomposition.force_every,
     };
     (settings, order)
 }

@@ -3,12 +3,13 @@
 
 use crate::input::job::laws::{ElementKey, contact_keys, element_keys};
 use crumple_cases::GENERATORS;
-use crumple_proto::job::{ContactInput, Interface, Job, MaterialSpec, MeshSource, Part};
+use crumple_proto::job::{ContactInput, Interface, Job, MaterialSpec, MeshSource, Parallel, Part};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::ELEMENTS;
 use crumple_worker::fem::materials::{ELASTIC, LAWS};
+use crumple_worker::parallel::decomposition::BoxDecomposition;
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use schemars::JsonSchema;
 use serde_json::{Map, Value, json};
@@ -17,7 +18,7 @@ use serde_json::{Map, Value, json};
 const DRAFT: &str = "http://json-schema.org/draft-07/schema#";
 
 /// Returns the schema against which jobs are read: that of the types of a job, with the keys that
-/// contact laws and elements publish.
+/// contact laws, elements and the decomposition publish.
 pub fn job_schema() -> Value {
     let mut schema = Job::schema();
     for (row, laws) in contact_keys() {
@@ -25,6 +26,9 @@ pub fn job_schema() -> Value {
         let laws: Vec<String> = laws.into_iter().map(|law| format!("`{law}`")).collect();
         entry["description"] = format!("{} Used by {}.", row.meaning, laws.join(", ")).into();
         of_type::<ContactInput>(&mut schema)["properties"][row.key] = entry;
+    }
+    for row in BoxDecomposition::KEYS {
+        of_type::<Parallel>(&mut schema)["properties"][row.key] = of_key(row);
     }
     for key in element_keys() {
         of_type::<Part>(&mut schema)["properties"][key.key] = of_element_key(&key);

@@ -210,12 +210,12 @@ pub fn adapt(
     if !is_new("end_time") {
         settings.end_time = known.end_time;
     }
-    let parallel = &mut model.job.parallel;
+    let limits = &mut model.decomposition;
     if !is_new("parallel.imbalance") {
-        parallel.imbalance = known.imbalance;
+        limits.imbalance = known.imbalance;
     }
     if !is_new("parallel.low_every_at_least") {
-        parallel.low_every_at_least = known.low_every_at_least;
+        limits.low_every_at_least = known.low_every_at_least;
     }
     if !is_new("output") {
         settings.output = known.output.clone();

@@ -68,7 +68,7 @@ impl Copies {
     }
 
     /// Takes the copy of this cycle and `repeat`, which the workers have written.
-    pub fn take(&mut self, at: [u64; 2]) -> Option<(Captured, MasterState)> {
+    pub fn take_copy(&mut self, at: [u64; 2]) -> Option<(Captured, MasterState)> {
         let taken = self.complete.take_if(|(captured, repeat, _)| [captured.cycle, *repeat] == at);
         taken.map(|(captured, _, state)| (captured, state))
     }
@@ -87,10 +87,10 @@ mod tests {
         assert!(copies.add(1e-3));
         copies.set(Captured { cycle: 7, ..Captured::default() }, 0, MasterState::default());
         assert!(!copies.take_due(), "a copy took 1000 s");
-        assert!(copies.take([6, 0]).is_none());
-        assert!(copies.take([7, 1]).is_none(), "a later capture of its cycle");
-        assert_eq!(copies.take([7, 0]).unwrap().0.cycle, 7);
-        assert!(copies.take([7, 0]).is_none());
+        assert!(copies.take_copy([6, 0]).is_none());
+        assert!(copies.take_copy([7, 1]).is_none(), "a later capture of its cycle");
+        assert_eq!(copies.take_copy([7, 0]).unwrap().0.cycle, 7);
+        assert!(copies.take_copy([7, 0]).is_none());
         assert!(!Copies::new(None, 1).take_due());
     }
 }

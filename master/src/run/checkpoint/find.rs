@@ -164,7 +164,7 @@ impl Candidates {
     ///
     /// # Errors
     /// It cannot be used; the message names the file.
-    pub fn take(
+    pub fn resume_from(
         &self,
         folder: &Path,
         manifest: &Manifest,
@@ -198,7 +198,7 @@ impl Resumption {
     ///
     /// # Errors
     /// They are not; the message names the file.
-    pub fn fit(&self, model: &Model) -> Result<(), String> {
+    pub fn validate(&self, model: &Model) -> Result<(), String> {
         let (elements, nodes) = model.records();
         let source = InitialModel { settings: &model.settings, elements: &elements, nodes: &nodes };
         let deleted = &deleted(&self.manifest.stamp.job);
@@ -214,7 +214,7 @@ impl Resumption {
         }
         let named =
             |why| format!("{}: {why}", self.folder.join(&self.manifest.master.name).display());
-        self.master.fit(model).map_err(named)?;
+        self.master.validate(model).map_err(named)?;
         let expected = Expected { captured: *captured, elements: wanted };
         verify(&self.folder, common, pieces, source, expected)
     }

@@ -107,7 +107,7 @@ impl MasterState {
     ///
     /// # Errors
     /// It does not: the reason.
-    pub fn fit(&self, model: &Model) -> Result<(), String> {
+    pub fn validate(&self, model: &Model) -> Result<(), String> {
         let walls = model.job.wall.len() - model.job.restart.wall.len();
         if self.course.last.as_ref().is_some_and(|row| row.sum.wall_impulse.len() < walls) {
             return Err("its last row has fewer walls than the job".into());
@@ -328,7 +328,7 @@ impl Checkpoints {
     /// complete.
     pub fn add_saved(&mut self, saved: Saved) {
         let at = [saved.cycle, saved.repeat];
-        if let Some((captured, state)) = self.copies.take(at) {
+        if let Some((captured, state)) = self.copies.take_copy(at) {
             let (copies, repeat) = (self.workers, saved.repeat);
             let copied = Pending { captured, repeat, copies, ..Pending::default() };
             self.pending.insert(at, Pending { master: Some(state), ..copied });

@@ -150,11 +150,11 @@ fn new_trace(path: &Path, workers: usize) -> Result<TraceFile, RunError> {
 }
 
 fn new_balance(model: &Model, workers: usize, known: Option<&MasterState>) -> Balance {
-    let parallel = &model.job.parallel;
+    let all = &model.decomposition;
     let limits = BalanceLimits {
-        imbalance: parallel.imbalance,
-        low_every_at_least: parallel.low_every_at_least,
-        forced: parallel.force_every > 0,
+        imbalance: all.imbalance,
+        low_every_at_least: all.low_every_at_least,
+        forced: all.force_every > 0,
     };
     let mut balance = Balance::new(workers, limits);
     if let Some(known) = known {

@@ -70,7 +70,7 @@ impl Control<'_> {
             },
             thresholds: summary::RedecompositionThresholds {
                 margin: URGENT,
-                imbalance: job.parallel.imbalance,
+                imbalance: self.model.decomposition.imbalance,
             },
             classes: summary::classes(&closings),
             imbalance: summary::MeanMax { mean: balance.mean_imbalance(), max: balance.worst },

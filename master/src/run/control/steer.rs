@@ -245,15 +245,15 @@ impl Control<'_> {
 
     fn apply(&mut self, change: Change, at: &Steered) {
         self.model.settings.change(change, at);
-        let parallel = &mut self.model.job.parallel;
+        let limits = &mut self.model.decomposition;
         match change {
             Change::EndTime(end) => self.progress.set_end_time(end),
-            Change::Imbalance(imbalance) => parallel.imbalance = imbalance,
-            Change::LowEveryAtLeast(cycles) => parallel.low_every_at_least = cycles,
+            Change::Imbalance(imbalance) => limits.imbalance = imbalance,
+            Change::LowEveryAtLeast(cycles) => limits.low_every_at_least = cycles,
             Change::FieldInterval(_) | Change::HistoryInterval(_) => {}
         }
-        let parallel = &self.model.job.parallel;
-        self.balance.set_limits(parallel.imbalance, parallel.low_every_at_least);
+        let limits = &self.model.decomposition;
+        self.balance.set_limits(limits.imbalance, limits.low_every_at_least);
     }
 
     /// Prints a line, and sends it to clients.
@@ -268,13 +268,13 @@ impl Control<'_> {
     }
 
     fn status(&self) -> Status {
-        let (settings, parallel) = (&self.model.settings, &self.model.job.parallel);
+        let (settings, limits) = (&self.model.settings, &self.model.decomposition);
         let values = [
             settings.end_time,
             settings.output.field_interval,
             settings.history_interval,
-            parallel.imbalance,
-            parallel.low_every_at_least as f64,
+            limits.imbalance,
+            limits.low_every_at_least as f64,
         ];
         let state = match (self.stop_ordered, self.steering.paused) {
             (true, _) => "stopping",
@@ -325,7 +325,10 @@ impl Control<'_> {
             pairs: self.balance.pairs(),
             imbalance: finite(self.balance.mean_imbalance()),
             redecompositions: [self.balance.low, self.balance.high],
-            thresholds: Thresholds { margin: URGENT, imbalance: self.model.job.parallel.imbalance },
+            thresholds: Thresholds {
+                margin: URGENT,
+                imbalance: self.model.decomposition.imbalance,
+            },
             workers: self.balance.last.iter().map(worker).collect(),
         }
     }

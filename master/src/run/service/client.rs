@@ -60,7 +60,7 @@ impl Client {
             tokio::select! {
                 request = self.requests.next(), if self.pending.is_none() => match request {
                     None => return Ok(()),
-                    Some(Ok(text)) => self.take(&text).await?,
+                    Some(Ok(text)) => self.forward(&text).await?,
                     Some(Err(error)) => {
                         let why = match error {
                             LinesCodecError::MaxLineLengthExceeded => {
@@ -100,7 +100,7 @@ impl Client {
     }
 
     /// Passes a request on to the master.
-    async fn take(&mut self, text: &str) -> Result<(), Gone> {
+    async fn forward(&mut self, text: &str) -> Result<(), Gone> {
         let request = match Request::from_line(text) {
             Ok(request) => request,
             Err(why) => return self.refuse(&why).await,

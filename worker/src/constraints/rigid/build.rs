@@ -90,7 +90,7 @@ impl Bodies {
     ///
     /// # Errors
     /// They are not: the reason.
-    pub fn fit(&self, jobs: &[RigidBody]) -> Result<(), String> {
+    pub fn validate(&self, jobs: &[RigidBody]) -> Result<(), String> {
         let count = self.bodies.len();
         let lengths = [self.arms.len(), self.beyond.len(), self.share.len(), self.damped.len()];
         if count > jobs.len() || lengths.iter().any(|&length| length != count) {

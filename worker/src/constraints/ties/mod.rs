@@ -100,7 +100,7 @@ impl Ties {
     ///
     /// # Errors
     /// They are not: the reason.
-    pub fn fit(&self, jobs: &[Tie]) -> Result<(), String> {
+    pub fn validate(&self, jobs: &[Tie]) -> Result<(), String> {
         let known = |tie: &Tie| {
             jobs.binary_search_by_key(&tie.node, |j| j.node).is_ok_and(|i| jobs[i] == *tie)
         };

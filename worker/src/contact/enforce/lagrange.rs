@@ -32,8 +32,7 @@ pub(super) const LAW: LawRow = LawRow {
                       after the other, in an order that does not depend on the workers: fewer \
                       sweeps, but many messages where contact is dense. `auto` (default): `split` \
                       if the step before had 300 pairs or more and sweeps can be accelerated, else \
-                      `gauss_seidel` \
-                      (`cases/bench/RESULTS.md`).",
+                      `gauss_seidel` (`cases/bench/RESULTS.md`).",
         },
         SWEEPS,
         TOLERANCE,
@@ -88,8 +87,8 @@ const MOMENTUM_SWEEPS: usize = 4;
 /// penetration is the same. With 1e-3, bricks for which `split` has not converged push each
 /// other apart (A07).
 const COARSE: f64 = 1e-4;
-/// The same after sweeps with momentum. With 1e-4, rows of
-/// three bodies of a tenth of the mass of their neighbours end with errors of 4e-5.
+/// The same after sweeps with momentum. With 1e-4, rows of three bodies of a tenth of the mass of
+/// their neighbours end with errors of 4e-5 (`accelerated_sweeps_settle_whatever_the_masses`).
 const COARSE_WITH_MOMENTUM: f64 = 1e-5;
 
 /// Smallest residual of a force that drops to zero, as a multiple of the permitted residual.

@@ -27,12 +27,14 @@ pub struct Elasticity {
     pub speeds: Vec<f64>,
     /// See [`with_edges`](crate::contact::beams::with_edges).
     pub with_edges: bool,
-    /// True for the laws of steps with many pairs, see [`DENSE`].
+    /// True for the laws of steps with many pairs; [`LawSets::new`] sets it.
     pub is_dense: bool,
 }
 
 /// Number of pairs of a step, of all workers, from which on contact is dense. Then the messages
-/// of a sweep count, and laws may select another iteration.
+/// of a sweep count, and laws may select another iteration. The jeep frame has up to 32 pairs to
+/// 12 ms and the brick wall up to 1500; the limit between them is a choice
+/// (`cases/bench/RESULTS.md`, sweeps with momentum).
 const DENSE: u64 = 300;
 
 /// Method that computes the forces of all pairs within a step. The pairs are coupled through

@@ -23,7 +23,7 @@ use crate::nodes::Nodes;
 use crate::testing::Free;
 use crate::time::StepSizes;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
-use crumple_proto::job::ContactInput as ContactJob;
+use crumple_proto::job::ContactInput;
 use crumple_proto::partition::NodeRecord;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use std::sync::Arc;
@@ -48,23 +48,23 @@ fn held(x: [f64; 3]) -> NodeRecord {
 }
 
 /// Returns every law, in every form that a job can select.
-fn all_laws() -> Vec<(String, ContactJob)> {
+fn all_laws() -> Vec<(String, ContactInput)> {
     let lagrange = |iteration: &str| job("lagrange").with("iteration", iteration);
     let mut jobs = vec![lagrange("split"), lagrange("gauss_seidel"), job("kinematic")];
-    jobs.push(ContactJob { weighting: "mass".into(), ..lagrange("split") });
-    jobs.push(ContactJob { weighting: "mass".into(), ..job("kinematic") });
+    jobs.push(ContactInput { weighting: "mass".into(), ..lagrange("split") });
+    jobs.push(ContactInput { weighting: "mass".into(), ..job("kinematic") });
     jobs.extend(["soft", "stiffness"].map(|form| job("penalty").with("penalty_form", form)));
-    let name = |c: &ContactJob| format!("{} {} {:?}", c.law, c.weighting, c.parameters);
+    let name = |c: &ContactInput| format!("{} {} {:?}", c.law, c.weighting, c.parameters);
     jobs.into_iter().map(|c| (name(&c), c)).collect()
 }
 
-fn job(law: &str) -> ContactJob {
-    let of = ContactJob { law: law.into(), skin: 0.5, ..ContactJob::default() };
+fn job(law: &str) -> ContactInput {
+    let of = ContactInput { law: law.into(), skin: 0.5, ..ContactInput::default() };
     of.with("penalty_damping", 0.0)
 }
 
 /// Returns true if the penalty stiffness is that of the material.
-fn is_stiff(of: &ContactJob) -> bool {
+fn is_stiff(of: &ContactInput) -> bool {
     of.parameters.get("penalty_form") == Some(&"stiffness".into())
 }
 
@@ -82,7 +82,7 @@ struct Scene {
 
 impl Scene {
     fn new(
-        job: &ContactJob,
+        job: &ContactInput,
         points: &[NodeRecord],
         segments: &[[u32; 4]],
         slaves: &[u32],
@@ -93,7 +93,7 @@ impl Scene {
 
     /// Returns a scene with offsets of the segments [length].
     fn with_offsets(
-        job: &ContactJob,
+        job: &ContactInput,
         points: &[NodeRecord],
         segments: &[[u32; 4]],
         offsets: &[f64],
@@ -130,7 +130,7 @@ impl Scene {
                 moduli: vec![MODULUS],
                 speeds: vec![SPEED],
                 with_edges: job.edges,
-                is_dense: false,
+                ..Elasticity::default()
             },
         );
         contact.renew(surface, &nodes, |_| Vec::new());
@@ -175,7 +175,7 @@ impl Scene {
     }
 
     /// Runs steps in which nodes lose the fraction `loss` of their velocities.
-    fn settle(&mut self, steps: usize, loss: f64) {
+    fn run_damped(&mut self, steps: usize, loss: f64) {
         for _ in 0..steps {
             self.step();
             self.nodes.v.iter_mut().flatten().for_each(|v| *v *= 1.0 - loss);
@@ -288,7 +288,7 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
     let change = |weighting: &str, of: [f64; 4]| {
         let mut points = square(of);
         points.push(mass([0.5, -0.3, THICK], [0.0, 0.0, -10.0], 3.0));
-        let job = ContactJob { weighting: weighting.into(), ..job("lagrange") };
+        let job = ContactInput { weighting: weighting.into(), ..job("lagrange") };
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], 1e-3);
         let (p, l) = (scene.momentum(), scene.spin());
         scene.step();

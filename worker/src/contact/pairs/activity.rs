@@ -27,7 +27,12 @@ pub struct Activity {
 }
 
 impl Activity {
-    /// Returns true if sweeps use it.
+    /// Ends the sweeps of a step.
+    pub(super) fn reset(&mut self) {
+        self.is_due.clear();
+    }
+
+    /// Returns true if the sweeps of this step use it.
     pub(super) fn is_started(&self) -> bool {
         !self.is_due.is_empty()
     }

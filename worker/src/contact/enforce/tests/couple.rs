@@ -9,7 +9,7 @@ fn turning(node: NodeRecord, inertia: f64) -> NodeRecord {
 }
 
 /// Two plates that meet while they slide. All nodes are slaves of the segment of the other plate.
-fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], inertia: [f64; 2]) -> Scene {
+fn plates(of: &ContactInput, low: [f64; 4], high: [f64; 4], inertia: [f64; 2]) -> Scene {
     let v = V3::new(0.7, -0.2, 1.0);
     let lower = square(low)
         .into_iter()
@@ -37,11 +37,11 @@ fn energy(scene: &Scene) -> f64 {
 
 /// Laws whose shares act at the contact point. Shares by mass do not conserve angular momentum,
 /// with or without friction.
-fn fair_laws() -> impl Iterator<Item = (String, ContactJob)> {
+fn fair_laws() -> impl Iterator<Item = (String, ContactInput)> {
     all_laws()
         .into_iter()
         .filter(|(_, c)| c.weighting != "mass")
-        .map(|(n, c)| (n, ContactJob { friction: 0.3, ..c }))
+        .map(|(n, c)| (n, ContactInput { friction: 0.3, ..c }))
 }
 
 /// A29: friction conserves angular momentum to round-off, for rotations on either side. The
@@ -95,7 +95,7 @@ fn what_sticks_does_so_at_the_surface() {
     let (m, inertia, dt) = (1.5, 2e-3, 1e-3);
     let (node, turns) = (0.8, 3e-3);
     for of in [("lagrange", "split"), ("lagrange", "gauss_seidel"), ("kinematic", "split")] {
-        let job = ContactJob { friction: 2.0, ..job(of.0) };
+        let job = ContactInput { friction: 2.0, ..job(of.0) };
         let job = job.with("sweeps", 500).with("tolerance", 0.0);
         let job = job.with("partition", 1.0).with("iteration", of.1);
         let mut points: Vec<NodeRecord> =
@@ -151,7 +151,7 @@ fn a_pull_below_the_limit_is_held() {
 #[test]
 fn what_cannot_turn_or_rub_has_no_lever() {
     for (inertia, friction, turns) in [(0.0, 0.3, false), (0.01, 0.0, false), (0.01, 0.3, true)] {
-        let of = ContactJob { friction, ..job("lagrange") };
+        let of = ContactInput { friction, ..job("lagrange") };
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], [inertia; 2]);
         scene.step();
         assert!(
@@ -167,7 +167,7 @@ fn what_cannot_turn_or_rub_has_no_lever() {
 /// of the rim.
 #[test]
 fn the_rim_of_a_shell_takes_no_couple() {
-    let of = ContactJob { friction: 0.3, ..job("lagrange") };
+    let of = ContactInput { friction: 0.3, ..job("lagrange") };
     let upright = [[-0.3, 0.1, THICK], [0.4, 0.1, THICK], [0.4, 0.1, 1.0], [-0.3, 0.1, 1.0]];
     let mut points = square([1.0; 4]);
     points.extend(upright.map(|x| mass(x, [1.0, 0.0, -1.0], 1.0)));

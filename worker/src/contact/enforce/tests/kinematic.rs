@@ -2,13 +2,13 @@
 
 use super::*;
 
-fn kinematic(partition: f64) -> ContactJob {
+fn kinematic(partition: f64) -> ContactInput {
     job("kinematic").with("partition", partition)
 }
 
 /// Two plates that face each other. All nodes are slaves of the segment of the other plate. The
 /// lower plate has lower node ids.
-fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], v: V3) -> Scene {
+fn plates(of: &ContactInput, low: [f64; 4], high: [f64; 4], v: V3) -> Scene {
     let lower = square(low);
     let upper =
         square(high).into_iter().map(|p| mass([p.x[0], p.x[1], THICK], (-v).into(), p.mass));
@@ -22,7 +22,7 @@ fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], v: V3) -> Scene {
 #[test]
 fn every_law_keeps_momentum() {
     for (name, of) in all_laws() {
-        let of = ContactJob { friction: 0.3, ..of };
+        let of = ContactInput { friction: 0.3, ..of };
         let mut scene =
             plates(&of, [1.0, 3.0, 0.2, 5.0], [2.0, 0.5, 4.0, 1.0], V3::new(0.7, -0.2, 1.0));
         let (p, before) = (scene.momentum(), scene.energy());
@@ -167,7 +167,7 @@ fn pressed_plates_pass_the_load_once() {
         };
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], V3::zeros());
         (0..8).for_each(|i| scene.load[i].z = if i < 4 { load } else { -load });
-        scene.settle(600, 0.05);
+        scene.run_damped(600, 0.05);
         // Force on the nodes of the upper plate, from its own pairs and as reaction of the pairs
         // of the lower plate.
         let mut on_node = [0.0; 4];
@@ -221,7 +221,7 @@ fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
 
 /// A plate on a bed of fixed nodes. All nodes are slaves of the other side, and the middle node of
 /// the bed is higher by `bump`. `press` acts downwards and `pull` sideways on each corner.
-fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
+fn on_a_bed(of: &ContactInput, bump: f64, press: f64, pull: f64) -> Scene {
     let mut points: Vec<NodeRecord> = (0..25)
         .map(|i| {
             held([
@@ -250,10 +250,10 @@ fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
 #[test]
 fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
     for partition in [0.0, 0.5, 1.0] {
-        let of = ContactJob { friction: 0.5, ..kinematic(partition) };
+        let of = ContactInput { friction: 0.5, ..kinematic(partition) };
         let (press, pull, steps) = (500.0, 200.0, 1000);
         let mut scene = on_a_bed(&of, 0.0, press, pull);
-        scene.settle(200, 0.05);
+        scene.run_damped(200, 0.05);
         let start: Vec<f64> = (25..29).map(|i| scene.x(i).x).collect();
         (0..steps).for_each(|_| _ = scene.step());
         for p in scene.pairs() {
@@ -281,7 +281,7 @@ fn a_held_node_between_free_ones_takes_what_they_leave() {
     let bump = 0.5 * THICK;
     let mut scene = on_a_bed(&kinematic(0.5), bump, 500.0, 0.0);
     scene.load[25].z -= 100.0; // tips over the bump onto its own corner
-    scene.settle(2000, 0.05);
+    scene.run_damped(2000, 0.05);
     let corners: Vec<f64> = (25..29).map(|i| scene.x(i).z).collect();
     let middle = 0.25 * corners.iter().sum::<f64>();
     let borne = |held: bool| -> f64 {

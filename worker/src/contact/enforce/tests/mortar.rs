@@ -30,7 +30,7 @@ fn plate(n: usize, first: usize, at: impl Fn(f64, f64) -> f64, v: [f64; 3]) -> P
     Plate { points, segments, areas }
 }
 
-fn forms() -> [ContactJob; 2] {
+fn forms() -> [ContactInput; 2] {
     // E A / d of a segment is 1 / (n sqrt 2) here.
     let stiff = job("mortar").with("penalty_form", "stiffness").with("penalty_scale", 2e5);
     [job("mortar"), stiff]
@@ -38,7 +38,7 @@ fn forms() -> [ContactJob; 2] {
 
 /// Returns a scene of two plates, one above the other, and the area of each node.
 fn two(
-    of: &ContactJob,
+    of: &ContactInput,
     [below, above]: [usize; 2],
     at: impl Fn(f64, f64) -> f64,
     v: [f64; 3],
@@ -128,7 +128,7 @@ fn friction_slows_a_plate_over_many_segments() {
     let (mu, load, v) = (0.3, 2.0, 1.0);
     for of in forms() {
         let (mut scene, areas) =
-            two(&ContactJob { friction: mu, ..of.clone() }, [4, 1], |_, _| THICK, [0.0; 3]);
+            two(&ContactInput { friction: mu, ..of.clone() }, [4, 1], |_, _| THICK, [0.0; 3]);
         let first = areas.len() - 4;
         (0..first).for_each(|i| scene.nodes.inv_mass[i] = [0.0; 4]);
         for (i, area) in areas.iter().enumerate().skip(first) {
@@ -137,7 +137,7 @@ fn friction_slows_a_plate_over_many_segments() {
                 (0.31 * scene.nodes.x[i][0] - 0.55, 0.31 * scene.nodes.x[i][1]);
             scene.load[i].z = -load * area;
         }
-        scene.settle(100, 0.1);
+        scene.run_damped(100, 0.1);
         (first..areas.len()).for_each(|i| scene.nodes.v[i] = [v, 0.0, 0.0, 0.0]);
         let steps = 200;
         (0..steps).for_each(|_| _ = scene.step());

@@ -81,7 +81,7 @@ const PRELOAD: f64 = 0.01;
 /// Two rods of lumped masses, pressed together and at rest. Mass and stiffness per cell are 1, so
 /// that a free rod is stable up to dt = 1. The lower rod is four strings with a segment at the end,
 /// the upper rod is one string with the slave at the end.
-fn rods(of: &ContactJob, dt: f64) -> Scene {
+fn rods(of: &ContactInput, dt: f64) -> Scene {
     let along_z = |x: f64, y: f64, z: f64, m: f64| NodeRecord {
         fixed: 0b011,
         ..mass([x, y, z], [0.0; 3], m)
@@ -103,7 +103,7 @@ fn rods(of: &ContactJob, dt: f64) -> Scene {
     scene.springs.extend((slave..slave + CELLS).map(|i| (i, i + 1, 1.0, 1.0 + PRELOAD)));
     (0..4).for_each(|i| scene.load[i].z = 0.25 * PRELOAD);
     scene.load[slave + CELLS].z = -PRELOAD;
-    scene.settle(2000, 0.05);
+    scene.run_damped(2000, 0.05);
     // At these steps the residual of the Lagrange law is up to 2.5 % of the preload.
     let force = scene.pairs()[0].force.z;
     assert!((force / PRELOAD - 1.0).abs() < 0.03, "contact force {force}");
@@ -112,7 +112,7 @@ fn rods(of: &ContactJob, dt: f64) -> Scene {
 
 /// Returns the largest nodal velocity in 400 steps of `dt`, over the velocity of an initial kick to
 /// the touching end.
-fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
+fn growth(of: &ContactInput, dt: f64, kick: f64) -> f64 {
     // The present step bounds the stiffness; there is no previous one.
     let bounded = of.law == "penalty" && of.parameters.get("penalty_cap") != Some(&false.into());
     let mut scene = rods(of, if bounded { dt } else { 0.1 });
@@ -130,7 +130,7 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
     fastest / kick
 }
 
-fn stiff(beta: f64, cap: bool) -> ContactJob {
+fn stiff(beta: f64, cap: bool) -> ContactInput {
     // E A / d of the segment is 4 / (2 sqrt 2).
     let penalty_scale = beta / 2f64.sqrt();
     job("penalty")

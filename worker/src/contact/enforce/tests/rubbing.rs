@@ -4,10 +4,10 @@ use super::*;
 
 /// A long fixed plate, and a mass on it that is pressed down with force N.
 fn pressed(friction: f64, law: &str, velocity: f64, pull: f64, press: f64) -> Scene {
-    plate(&ContactJob { friction, ..job(law) }, velocity, pull, press)
+    plate(&ContactInput { friction, ..job(law) }, velocity, pull, press)
 }
 
-fn plate(of: &ContactJob, velocity: f64, pull: f64, press: f64) -> Scene {
+fn plate(of: &ContactInput, velocity: f64, pull: f64, press: f64) -> Scene {
     let rows = 40;
     let mut points: Vec<NodeRecord> = (0..=rows)
         .flat_map(|i| [-1.0, 1.0].map(|y| held([0.5 * i as f64 - 1.0, y, 0.0])))
@@ -81,7 +81,7 @@ fn slows_holds_and_lets_go(law: &str) {
 fn coulomb_friction_of_the_penalty_law() {
     let (mu, n, m, v) = (0.3, 50.0, 2.0, 10.0);
     let damped = |damping: f64| {
-        ContactJob { friction: mu, ..job("penalty") }.with("penalty_damping", damping)
+        ContactInput { friction: mu, ..job("penalty") }.with("penalty_damping", damping)
     };
     let expected = v - mu * n / m;
     for damping in [0.1, 0.0] {
@@ -108,7 +108,7 @@ fn friction_of_a_penalty_acts_from_the_first_step_of_a_touch() {
     let mu = 0.3;
     for damping in [0.0, 0.1] {
         for phase in 0..20 {
-            let of = ContactJob { friction: mu, ..job("penalty") };
+            let of = ContactInput { friction: mu, ..job("penalty") };
             let of = of.with("penalty_damping", damping);
             let mut scene = plate(&of, 3.0, 0.0, 0.0);
             let block = scene.nodes.len() - 1;
@@ -145,10 +145,10 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         // Lagrange: so large that its residual, 1e-4 of the thickness per step, is 0.25 % of mu N.
         // Penalty: so small that the penetration is a third of the thickness.
         let n = if of.law == "penalty" { 2e3 / mu } else { 8e3 / mu };
-        let mut scene = plate(&ContactJob { friction: mu, ..of.clone() }, 0.0, 0.0, n);
+        let mut scene = plate(&ContactInput { friction: mu, ..of.clone() }, 0.0, 0.0, n);
         let block = scene.nodes.len() - 1;
         scene.nodes.x[block][0] = 9.0; // midway
-        scene.settle(400, 0.1);
+        scene.run_damped(400, 0.1);
         let dt = scene.steps.dt;
         let (mut dissipated, mut expected, mut means) = (0.0, 0.0, Vec::new());
         let mut widest = (f64::INFINITY, f64::NEG_INFINITY);

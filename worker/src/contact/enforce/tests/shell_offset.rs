@@ -32,13 +32,13 @@ fn touching([low, high]: [Side; 2]) -> f64 {
     THICK + low.height() - high.height()
 }
 
-fn with_offsets(of: &ContactJob) -> ContactJob {
-    ContactJob { shell_offset: true, ..of.clone() }
+fn with_offsets(of: &ContactInput) -> ContactInput {
+    ContactInput { shell_offset: true, ..of.clone() }
 }
 
 /// Returns two squares, the upper one smaller and with a velocity, at a distance `apart` of their
 /// nodes.
-fn plates(of: &ContactJob, sides: [Side; 2], apart: f64, v: [f64; 3]) -> Scene {
+fn plates(of: &ContactInput, sides: [Side; 2], apart: f64, v: [f64; 3]) -> Scene {
     let upper = square([1.0; 4]).into_iter().map(|p| {
         let [x, y, _] = p.x;
         NodeRecord { inertia: 0.01, ..mass([0.5 * x + 0.1, 0.5 * y, apart], v, 1.0) }
@@ -50,7 +50,7 @@ fn plates(of: &ContactJob, sides: [Side; 2], apart: f64, v: [f64; 3]) -> Scene {
     Scene::with_offsets(of, &points, &segments, &offsets, &[0, 1, 2, 3, 4, 5, 6, 7], 1e-3)
 }
 
-fn laws() -> Vec<(String, ContactJob)> {
+fn laws() -> Vec<(String, ContactInput)> {
     let mut laws = all_laws();
     laws.push(("mortar".into(), job("mortar")));
     laws.into_iter().map(|(name, of)| (name, with_offsets(&of))).collect()
@@ -74,7 +74,7 @@ fn plates_touch_at_their_middle_surfaces_for_all_signs_and_normals() {
             let mut open = plates(&of, sides, touching(sides) + 0.05 * THICK, [0.0; 3]);
             open.step();
             assert!(open.pairs().is_empty(), "{label}: pairs at a gap above the active one");
-            let plain = ContactJob { shell_offset: false, ..of.clone() };
+            let plain = ContactInput { shell_offset: false, ..of.clone() };
             let mut scene = plates(&plain, sides, THICK - depth, [0.0; 3]);
             scene.step();
             assert!(
@@ -88,7 +88,7 @@ fn plates_touch_at_their_middle_surfaces_for_all_signs_and_normals() {
 
 /// Runs a plate that flies at another one. Returns the scene at the end and the smallest distance
 /// of the plates.
-fn fly(of: &ContactJob, sides: [Side; 2], apart: f64) -> (Scene, f64) {
+fn fly(of: &ContactInput, sides: [Side; 2], apart: f64) -> (Scene, f64) {
     let mut scene = plates(of, sides, apart, [0.4, 0.1, -2.0]);
     let (mut nearest, mut touched) = (f64::INFINITY, false);
     for _ in 0..60 {
@@ -115,7 +115,7 @@ fn plates_that_fly_at_each_other_stop_at_their_middle_surfaces() {
         for sides in combinations() {
             for friction in [0.0, 0.3] {
                 let label = format!("{name} {sides:?} friction {friction}");
-                let of = ContactJob { friction, ..of.clone() };
+                let of = ContactInput { friction, ..of.clone() };
                 let start = touching(sides) + 0.5 * THICK;
                 let before = plates(&of, sides, start, [0.4, 0.1, -2.0]);
                 let (scene, nearest) = fly(&of, sides, start);

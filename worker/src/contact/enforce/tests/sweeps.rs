@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn lagrange(iteration: &str, sweeps: i64) -> ContactJob {
+fn lagrange(iteration: &str, sweeps: i64) -> ContactInput {
     job("lagrange")
         .with("iteration", iteration)
         .with("sweeps", sweeps)
@@ -55,7 +55,7 @@ fn row_error(iteration: &str, masses: &[f64], sweeps: i64) -> f64 {
 }
 
 /// Returns the same error for any law, and the number of sweeps.
-fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
+fn row_of(job: &ContactInput, masses: &[f64]) -> (f64, u64) {
     // Residual gaps of the law are small against the displacement of a step at this speed.
     let (v, dt) = (1e6, 1e-3);
     let (mut points, mut segments, mut slaves) = (Vec::new(), Vec::new(), Vec::new());
