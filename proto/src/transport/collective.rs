@@ -1,40 +1,122 @@
 //! Collective operations of the workers over any transport. The master takes no part.
 
-use super::{RankLost, Tag, Transport, words_of};
+use super::{Mailbox, RankLost, Tag, Transport, words_of};
 use bytemuck::Pod;
 
-/// Sends `parcels[w]` to every other worker w and returns the items that each of them sent here.
-/// Worker w is rank w + 1; the entry of this worker is returned unchanged.
+/// Sends `parcels[w]` to every other worker w for which it is not empty, and returns the items
+/// that each of them sent here. Worker w is rank w + 1; the entry of this worker is returned
+/// unchanged.
+/// Each worker first learns who sends to it (Attaway et al. 1998, figure 5), unless all to all
+/// takes no more messages.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn exchange_all<T: Pod>(
     comm: &mut dyn Transport,
+    parcels: Vec<Vec<T>>,
+) -> Result<Vec<Vec<T>>, RankLost> {
+    let workers = comm.size() - 1;
+    let sends: Vec<bool> = match is_dense(workers) {
+        true => vec![true; workers],
+        false => parcels.iter().map(|parcel| !parcel.is_empty()).collect(),
+    };
+    let receives = if is_dense(workers) { sends.clone() } else { transpose(comm, &sends)? };
+    exchange(comm, parcels, &sends, &receives)
+}
+
+/// Sends `parcels[w]` to every other worker w with `partners[w]`, and returns the items that each
+/// of them sent here. Two workers are partners of each other or both are not; then neither sends.
+/// The entry of this worker is returned unchanged.
+///
+/// # Errors
+/// A worker is gone.
+pub fn exchange_with<T: Pod>(
+    comm: &mut dyn Transport,
+    parcels: Vec<Vec<T>>,
+    partners: &[bool],
+) -> Result<Vec<Vec<T>>, RankLost> {
+    exchange(comm, parcels, partners, partners)
+}
+
+fn exchange<T: Pod>(
+    comm: &mut dyn Transport,
     mut parcels: Vec<Vec<T>>,
+    sends: &[bool],
+    receives: &[bool],
 ) -> Result<Vec<Vec<T>>, RankLost> {
     const { assert!(words_of::<T>() > 0) };
     let me = comm.rank() - 1;
-    let others = |parcels: &[Vec<T>]| (0..parcels.len()).filter(move |&w| w != me);
-    for w in others(&parcels) {
+    let others = || (0..sends.len()).filter(move |&w| w != me);
+    for w in others().filter(|&w| sends[w]) {
         comm.send(w + 1, Tag::Renewal, bytemuck::cast_slice(&parcels[w]))?;
     }
     let mut words = Vec::new();
-    for w in others(&parcels) {
-        comm.recv(w + 1, Tag::Renewal, &mut words)?;
+    for w in others() {
         parcels[w].clear();
-        parcels[w].extend_from_slice(bytemuck::cast_slice(&words));
+        if receives[w] {
+            comm.recv(w + 1, Tag::Renewal, &mut words)?;
+            parcels[w].extend_from_slice(bytemuck::cast_slice(&words));
+        }
     }
     Ok(parcels)
 }
 
-/// Sends the same items to every other worker, and returns the items of all workers, this one
-/// included.
+/// Returns true if a message from each worker to each other one takes no more messages than the
+/// rounds that find out who sends.
+fn is_dense(workers: usize) -> bool {
+    workers <= MaxReduction::hops(workers) as usize + 1
+}
+
+/// Returns for each worker w whether its flag of this worker is set; `flags[w]` is the flag of this
+/// worker for w. In ceil(log2 P) rounds each worker sends half of the flags that it has (index
+/// algorithm of Bruck et al. 1997, IEEE Trans. Parallel Distrib. Syst. 8, section 3).
+fn transpose(comm: &mut dyn Transport, flags: &[bool]) -> Result<Vec<bool>, RankLost> {
+    let (workers, me) = (flags.len(), comm.rank() - 1);
+    // Flag i is for the worker i places after its present holder.
+    let mut held: Vec<bool> = (0..workers).map(|i| flags[(me + i) % workers]).collect();
+    let mut words = Vec::new();
+    let mut hop = 1;
+    while hop < workers {
+        let moved = || (0..workers).filter(|i| i & hop != 0);
+        let mut out = vec![0_u64; moved().count().div_ceil(64)];
+        let set = moved().enumerate().filter(|&(_, i)| held[i]);
+        set.for_each(|(bit, _)| out[bit / 64] |= 1 << (bit % 64));
+        comm.send((me + hop) % workers + 1, Tag::Renewal, &out)?;
+        comm.recv((me + workers - hop) % workers + 1, Tag::Renewal, &mut words)?;
+        for (bit, i) in moved().enumerate() {
+            held[i] = words[bit / 64] >> (bit % 64) & 1 == 1;
+        }
+        hop *= 2;
+    }
+    Ok((0..workers).map(|w| held[(me + workers - w) % workers]).collect())
+}
+
+/// Returns the items of all workers, this one included. In ceil(log2 P) rounds each worker passes
+/// on the items that it has (concatenation algorithm of Bruck et al. 1997).
 ///
 /// # Errors
 /// A worker is gone.
 pub fn gather_all<T: Pod>(comm: &mut dyn Transport, mine: Vec<T>) -> Result<Vec<Vec<T>>, RankLost> {
-    let workers = comm.size() - 1;
-    exchange_all(comm, vec![mine; workers])
+    const { assert!(words_of::<T>() > 0) };
+    let (workers, me) = (comm.size() - 1, comm.rank() - 1);
+    // List i is that of the worker i places after this one.
+    let mut held: Vec<Vec<T>> = vec![mine];
+    while held.len() < workers {
+        let hop = held.len();
+        let mut mail = Mailbox::default();
+        for list in &held[..hop.min(workers - hop)] {
+            mail.push(list.len() as u64);
+            mail.extend(list);
+        }
+        mail.send(comm, (me + workers - hop) % workers, Tag::Renewal)?;
+        mail.receive(comm, (me + hop) % workers, Tag::Renewal)?;
+        while !mail.is_read() {
+            let count = mail.take::<u64>() as usize;
+            held.push(mail.take_many(count).to_vec());
+        }
+    }
+    held.rotate_right(me);
+    Ok(held)
 }
 
 /// Maximum over all workers that begins early and finishes late, so that it overlaps
@@ -151,6 +233,71 @@ mod tests {
         threads.into_iter().map(|t| t.join().unwrap()).collect()
     }
 
+    /// Workers send parcels of any length, some of them empty, to workers that they choose.
+    #[test]
+    fn parcels_arrive_and_empty_ones_are_not_sent() {
+        for workers in 1..=9 {
+            let all = on_all(workers, |end| {
+                let (workers, me) = (end.size() - 1, end.rank() - 1);
+                let parcel = |to| vec![(10 * me + to) as u64; sent(me, to)];
+                let arrived = exchange_all(end, (0..workers).map(parcel).collect()).unwrap();
+                (arrived, end.traffic().messages as usize)
+            });
+            for (me, (arrived, messages)) in all.into_iter().enumerate() {
+                for (from, parcel) in arrived.iter().enumerate() {
+                    assert_eq!(*parcel, vec![(10 * from + me) as u64; sent(from, me)]);
+                }
+                let others = (0..workers).filter(|&to| to != me);
+                let wanted = match workers {
+                    1..=3 => workers - 1,
+                    _ => {
+                        let rounds = MaxReduction::hops(workers) as usize;
+                        rounds + others.filter(|&to| sent(me, to) > 0).count()
+                    }
+                };
+                assert_eq!(messages, wanted, "{me} of {workers}");
+            }
+        }
+
+        fn sent(from: usize, to: usize) -> usize {
+            (3 * from + 5 * to) % 4
+        }
+    }
+
+    #[test]
+    fn partners_exchange_parcels_and_others_nothing() {
+        let all = on_all(5, |end| {
+            let me = end.rank() - 1;
+            let partners = std::array::from_fn::<_, 5, _>(|w| (w + me) % 2 == 1);
+            let arrived = exchange_with(end, vec![vec![me as u64]; 5], &partners).unwrap();
+            (arrived, end.traffic().messages)
+        });
+        for (me, (arrived, messages)) in all.into_iter().enumerate() {
+            let partner = |w: usize| (w + me) % 2 == 1;
+            for (w, parcel) in arrived.iter().enumerate() {
+                let is_known = w == me || partner(w);
+                assert_eq!(*parcel, if is_known { vec![w as u64] } else { vec![] });
+            }
+            assert_eq!(messages as usize, (0..5).filter(|&w| partner(w)).count());
+        }
+    }
+
+    #[test]
+    fn every_worker_gets_the_lists_of_all_in_few_messages() {
+        for workers in 1..=9 {
+            let all = on_all(workers, |end| {
+                let me = end.rank() - 1;
+                let lists = gather_all(end, vec![[me as u64, 7]; me % 3]).unwrap();
+                (lists, end.traffic().messages as u32)
+            });
+            let wanted: Vec<_> = (0..workers).map(|w| vec![[w as u64, 7]; w % 3]).collect();
+            for (lists, messages) in all {
+                assert_eq!(lists, wanted, "{workers} workers");
+                assert_eq!(messages, MaxReduction::hops(workers), "{workers} workers");
+            }
+        }
+    }
+
     #[test]
     fn every_worker_gets_the_maximum_for_any_number_of_workers() {
         for workers in 1..=7 {
@@ -170,10 +317,14 @@ mod tests {
             let all = on_all(workers, |end| {
                 let mut values = [end.rank() as i64, -1, i64::MAX];
                 sum_all(end, Tag::Settled, &mut values).unwrap();
-                values
+                (values, end.traffic().messages)
             });
             let n = workers as i64;
-            assert_eq!(all, vec![[n * (n + 1) / 2, -n, i64::MAX.wrapping_mul(n)]; workers]);
+            let sums = [n * (n + 1) / 2, -n, i64::MAX.wrapping_mul(n)];
+            for (me, (values, messages)) in all.into_iter().enumerate() {
+                assert_eq!(values, sums, "{workers} workers");
+                assert_eq!(messages as usize, messages_of_sum(me, workers), "{me} of {workers}");
+            }
         }
     }
 }

@@ -13,7 +13,9 @@ mod rest;
 pub mod threads;
 mod wait;
 
-pub use collective::{MaxReduction, exchange_all, gather_all, messages_of_sum, sum_all};
+pub use collective::{
+    MaxReduction, exchange_all, exchange_with, gather_all, messages_of_sum, sum_all,
+};
 pub use mailbox::{Mailbox, words_of};
 use std::time::Duration;
 

@@ -11,7 +11,7 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, OwnSection, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
-use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all};
+use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, exchange_with};
 use std::collections::{BTreeMap, HashMap};
 
 /// Element in a message, followed by `columns` numbers: history and energies.
@@ -290,7 +290,12 @@ fn gather_memories(
         all.entry(id).or_default().extend(list);
     }
     let me = comm.rank() - 1;
-    let parcels = exchange_all(comm, parcels.into_iter().map(Mailbox::into_words).collect())?;
+    let mut partners = vec![false; parcels.len()];
+    for link in &local.halo.links {
+        partners[link.worker] = link.shares_nodes;
+    }
+    let parcels = parcels.into_iter().map(Mailbox::into_words).collect();
+    let parcels = exchange_with(comm, parcels, &partners)?;
     for (_, words) in parcels.into_iter().enumerate().filter(|(w, _)| *w != me) {
         let mut mail = Mailbox::from_words(words);
         while !mail.is_read() {

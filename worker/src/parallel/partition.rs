@@ -19,7 +19,9 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
-use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, gather_all};
+use crumple_proto::transport::{
+    Mailbox, RankLost, Transport, exchange_all, exchange_with, gather_all,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Data of one worker, as distributed at the start or migrated.
@@ -217,7 +219,9 @@ fn find_shared(
             .map(|i| nodes.id[i])
             .collect()
     };
-    let others = exchange_all(comm, bounds.iter().map(offered).collect())?;
+    let is_near = |b: &Aabb| b.intersects(&bounds[me]);
+    let near: Vec<bool> = bounds.iter().map(is_near).collect();
+    let others = exchange_with(comm, bounds.iter().map(offered).collect(), &near)?;
     let common = |w: &Vec<NodeId>| w.iter().filter_map(|&id| nodes.local_index(id)).collect();
     Ok(others
         .iter()
@@ -273,7 +277,8 @@ fn link_element_forces(
             ..GhostLink::default()
         });
     }
-    let others = exchange_all(comm, parcels)?;
+    let sharing: Vec<bool> = shared.iter().map(|list| !list.is_empty()).collect();
+    let others = exchange_with(comm, parcels, &sharing)?;
     let mut foreign = Vec::new();
     let mut widths = Vec::new();
     for (link, theirs) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
@@ -336,19 +341,28 @@ fn copy_ghosts(
     let me = nodes.me as usize;
     let slave_boxes = exchange_bounds(comm, &seeking(settings, surface, nodes))?;
     set_reaches(halo, me, (&slave_boxes, held_bounds), (settings.buffer, grow));
-    let offer = |(w, b): (usize, &Aabb)| match w == me || b.is_empty() {
-        true => (Vec::new(), Vec::new()),
-        false => segments_near(nodes, surface, &b.grown(grow)),
+    // A worker may get ghosts from another one that gets none from it.
+    let reaches = |a: usize, b: usize| slave_boxes[a].grown(grow).intersects(&held_bounds[b]);
+    let partners: Vec<bool> =
+        (0..slave_boxes.len()).map(|w| reaches(me, w) || reaches(w, me)).collect();
+    let offer = |(w, b): (usize, &Aabb)| match w != me && reaches(w, me) {
+        true => segments_near(nodes, surface, &b.grown(grow)).into_words(),
+        false => Vec::new(),
     };
-    let (segments, corners): (Vec<Vec<WireSegment>>, Vec<Vec<WireNode>>) =
-        slave_boxes.iter().enumerate().map(offer).unzip();
-    let segments = exchange_all(comm, segments)?;
-    let mut copies: Vec<WireNode> = exchange_all(comm, corners)?.concat();
+    let offers = slave_boxes.iter().enumerate().map(offer).collect();
+    let mut segments: Vec<WireSegment> = Vec::new();
+    let mut copies: Vec<WireNode> = Vec::new();
+    for words in exchange_with(comm, offers, &partners)?.into_iter().filter(|w| !w.is_empty()) {
+        let mut mail = Mailbox::from_words(words);
+        let count = mail.take::<u64>() as usize;
+        segments.extend(mail.take_many::<WireSegment>(count));
+        copies.extend(mail.rest::<WireNode>());
+    }
     copies.retain(|c| nodes.local_index(c.record.id).is_none());
     copies.sort_unstable_by_key(|c| c.record.id);
     copies.dedup_by_key(|c| c.record.id);
     copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
-    add_segments(nodes, surface, &segments.concat());
+    add_segments(nodes, surface, &segments);
     request_states(comm, nodes, halo, &copies, held_bounds.len())?;
     let own = slave_boxes[me];
     Ok(if own.is_empty() { Aabb::EMPTY } else { own.grown(grow) })
@@ -375,8 +389,9 @@ fn set_reaches(
     }
 }
 
-/// Returns the segments that reach into a box, and their nodes.
-fn segments_near(nodes: &Nodes, surface: &Surface, b: &Aabb) -> (Vec<WireSegment>, Vec<WireNode>) {
+/// Returns a message with the segments that reach into a box: their number, the segments, their
+/// nodes.
+fn segments_near(nodes: &Nodes, surface: &Surface, b: &Aabb) -> Mailbox {
     let near = surface.segments.iter().filter(|s| b.intersects(&s.bounds(&nodes.x, 0.0)));
     let pack = |s: &Segment| WireSegment {
         id: s.id,
@@ -397,7 +412,11 @@ fn segments_near(nodes: &Nodes, surface: &Surface, b: &Aabb) -> (Vec<WireSegment
         record: nodes.record(i as usize),
         owner: u64::from(nodes.owner[i as usize]),
     };
-    (packed, corners.iter().map(node).collect())
+    let mut mail = Mailbox::default();
+    mail.push(packed.len() as u64);
+    mail.extend(&packed);
+    mail.extend(&corners.iter().map(node).collect::<Vec<_>>());
+    mail
 }
 
 /// Adds the segments of other workers to the surface.
@@ -458,6 +477,10 @@ fn send_users(
         with.for_each(|&i| users[i as usize].push(link.worker as u32));
     }
     let mut parcels = vec![Mailbox::default(); comm.size() - 1];
+    let mut partners: Vec<bool> = shared.iter().map(|list| !list.is_empty()).collect();
+    for link in &halo.links {
+        partners[link.worker] |= !link.export.is_empty() || !link.import.is_empty();
+    }
     for (i, list) in users.iter_mut().enumerate() {
         list.sort_unstable();
         list.dedup();
@@ -469,7 +492,8 @@ fn send_users(
             others.for_each(|&u| mail.push(u64::from(u)));
         }
     }
-    let parcels = exchange_all(comm, parcels.into_iter().map(Mailbox::into_words).collect())?;
+    let parcels = parcels.into_iter().map(Mailbox::into_words).collect();
+    let parcels = exchange_with(comm, parcels, &partners)?;
     for (from, words) in parcels.into_iter().enumerate().filter(|(w, _)| *w != me as usize) {
         let mut mail = Mailbox::from_words(words);
         while !mail.is_read() {
