@@ -3,7 +3,7 @@
 By symmetry a cell has one displacement u at its inner radius and one at its outer radius. Its mean
 strains are those of one point. Four assumptions for the strain that varies over the cell:
 (a) none,
-(b) the strain of the hourglass modes in worker/src/fem/elements/hexahedron/hourglass.rs (assumed
+(b) the strain of the hourglass modes in worker/fem/src/elements/hexahedron/hourglass.rs (assumed
     strain), with E/(1-nu^2),
 (c) the same with shear only, 2 G in both directions,
 (d) the strain at 2 points on the radius of a displacement that is linear along it, deviator only.

@@ -1,7 +1,7 @@
 """A15, A16: frequencies of beams and plates on square cells, as eigenvalues.
 
 The system is assembled and solved without time steps. The cells are those of
-worker/src/fem/elements/stabilised_quad.rs for a square: one point, bending and shear stabilised.
+worker/fem/src/elements/stabilised_quad.rs for a square: one point, bending and shear stabilised.
 The effect of the mass on a frequency has two parts:
   section  masses at the nodes, rotational inertia of the section (t^2/12 per mass): this is the
            error of the mesh and of lumped masses

@@ -7,11 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder of each crate and its name in paths. Inner folders stand first.
-const CRATES: [(&str, &str); 7] = [
+const CRATES: [(&str, &str); 10] = [
     ("tests/verification/src/", "crumple_verification"),
     ("tests/src/", "crumple_tests"),
     ("master/program/src/", "crumple_program"),
     ("master/src/", "crumple"),
+    ("worker/math/src/", "crumple_math"),
+    ("worker/fem/src/", "crumple_fem"),
+    ("worker/contact/src/", "crumple_contact"),
     ("worker/src/", "crumple_worker"),
     ("proto/src/", "crumple_proto"),
     ("cases/src/", "crumple_cases"),

@@ -17,31 +17,25 @@
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records,
 //!   files; [`timer`], [`trace`]: time by phase, time line of a worker
 
-#[macro_use]
-mod stateless;
-
 pub mod checkpoint;
 pub mod constraints;
-pub mod contact;
 pub mod coupling;
 pub mod curve;
 pub mod energy;
 pub mod engine;
 pub mod erosion;
-pub mod fem;
 pub mod histories;
 pub mod loads;
-pub mod math;
-pub mod nodes;
 pub mod output;
 pub mod parallel;
-pub mod parameter;
-pub mod registry;
 pub mod serve;
 pub mod step;
-#[cfg(test)]
-mod testing;
-pub mod time;
 pub mod timer;
 pub mod trace;
 pub mod vtu;
+
+pub use crumple_contact as contact;
+pub use crumple_fem as fem;
+pub use crumple_fem::{nodes, parameter, registry, time, work};
+pub use crumple_math as math;
+use crumple_math::stateless;

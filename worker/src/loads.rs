@@ -5,12 +5,13 @@
 //! velocities before and after, as in the ledger.
 
 use crate::curve::Curve;
-use crate::energy::{Work, WorkSum};
 use crate::fem::blocks::{Blocks, Portion};
 use crate::math::row::{Row, row};
 use crate::nodes::Nodes;
+use crate::stateless;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
+use crate::work::{Work, WorkSum};
 use crumple_proto::loads::{Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 

@@ -4,7 +4,6 @@
 //! the phase in its row.
 
 use crate::coupling::ContactCoupling;
-use crate::energy::CARRY_EVERY;
 use crate::engine::{Engine, StepConsensus};
 use crate::erosion;
 use crate::fem::blocks::Portion;
@@ -13,6 +12,7 @@ use crate::math::rigid_motion::RigidMotion;
 use crate::parallel::reduction::{Limits, StepContribution};
 use crate::time::ElementSet;
 use crate::time::StepSizes;
+use crate::work::CARRY_EVERY;
 use crumple_proto::report::{PHASES, Phase};
 use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;

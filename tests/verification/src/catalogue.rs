@@ -274,7 +274,7 @@ pub const CATALOGUE: &[Entry] = &[
         "C15",
         "Over-constraint by several pairs",
         &[contact::SANDWICH, stacks::STACK, stacks::CORNER, contact::CRADLE],
-        "(d) has unit tests in worker/src/contact/enforce/tests.rs",
+        "(d) has unit tests in worker/contact/src/enforce/tests.rs",
     ),
     entry("C16", "Numbering of a shell in shear", &[elements::NUMBERING], ""),
     entry(

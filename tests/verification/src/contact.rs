@@ -37,7 +37,7 @@ const SWEEPS: &str = "the default of 20 sweeps is too few for a mass ratio of 1 
                       the approach over many steps, and overshoot";
 
 /// Fraction of the contact thickness that sweeps may leave of a gap in a step
-/// (`worker/src/contact/enforce/mod.rs`).
+/// (`worker/contact/src/enforce/mod.rs`).
 const LEFT_OPEN: f64 = 1e-10;
 const AT_REST: &str = "0, except for 1e-10 of the thickness per step, at which sweeps stop";
 

@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn states_have_the_names_of_their_fields() {
-        let all = of_workers(&crate::testing::settings(), []);
+        let all = of_workers(&crumple_fem::testing::settings(), []);
         assert!(all["Clock"].contains(&"cycle: U64".to_string()), "{:?}", all["Clock"]);
         for name in ["Body", "Tie", "Ledger", "WallSurface"] {
             assert!(!all[name].is_empty(), "{name}");

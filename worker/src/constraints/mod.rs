@@ -22,10 +22,11 @@ pub mod walls;
 
 use crate::contact::Contact;
 use crate::contact::surroundings::Exclusions;
-use crate::energy::{Ledger, WorkSum};
+use crate::energy::Ledger;
 use crate::math::row::Row;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
+use crate::work::WorkSum;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
 use crumple_proto::transport::{RankLost, Transport};

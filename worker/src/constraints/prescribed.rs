@@ -8,10 +8,11 @@
 use crate::constraints::ties::Ties;
 use crate::contact::Contact;
 use crate::curve::Curve;
-use crate::energy::{Work, WorkSum};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
+use crate::stateless;
 use crate::time::StepSizes;
+use crate::work::{Work, WorkSum};
 use crumple_proto::loads::{MotionForm, PrescribedMotion, ResolvedLoads};
 use nalgebra::Rotation3;
 

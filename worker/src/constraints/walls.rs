@@ -12,10 +12,10 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::energy::{Work, WorkSum};
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
+use crate::work::{Work, WorkSum};
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::each_value;
 use crumple_proto::ids::NodeId;

@@ -4,6 +4,7 @@ use crate::fem::blocks::Blocks;
 use crate::math::rigid_motion::RigidMotion;
 use crate::math::row::{row, xyz};
 use crate::nodes::Nodes;
+use crate::stateless;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;

@@ -11,6 +11,7 @@ use crate::math::row::V3;
 use crate::nodes::Nodes;
 use crate::parallel::convergence::ConvergenceDetector;
 use crate::parallel::ghosts::Ghosts;
+use crate::stateless;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, words_of};

@@ -1,5 +1,5 @@
 //! Finds slow elements, which are computed in the first cycle of an outer step only
-//! (`worker/src/fem/assembly.rs`, [`Settings::subcycles`]).
+//! (`worker/fem/src/assembly.rs`, [`Settings::subcycles`]).
 //!
 //! Slow elements are stable at the outer step and do not touch the small elements that control
 //! the step: layers of neighbours are between them. Fast motion that could resonate with the slow

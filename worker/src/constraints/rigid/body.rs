@@ -9,8 +9,8 @@
 //! rotation is exact.
 
 use crate::constraints::prescribed::MotionCurve;
-use crate::energy::Work;
 use crate::math::row::V3;
+use crate::work::Work;
 use crumple_proto::loads::MotionForm;
 use crumple_proto::rigid::RigidBody;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};

@@ -1,0 +1,167 @@
+//! Bounds of stabilising forces in plastic shells, and drilling. They act in the modes that the
+//! integration points do not see.
+//!
+//! A square of side a and flow stress sig is fully plastic in the modes of the stabilising forces
+//! at
+//! ```text
+//! membrane Q_m = sig t a/4,   bending Q_b = Q_m t/4,   twist Q_t = sig t^2/(2 sqrt 3)
+//! drilling of a node Q_d = sig t^2 a/16
+//! ```
+//! (stress of one sign on either side of the middle; Q_t is twice the plastic twisting moment; Q_d
+//! is a quarter of the plastic moment of a side). Each formulation limits its forces to fractions
+//! of these.
+
+use super::quad::DRILLING as DRILLING_MODES;
+use super::section::Section;
+use crate::materials::PointReal;
+use crumple_math::lanes::Real;
+
+/// Largest drilling moment of a node in a plastic part, as a fraction of [`Capacity::drilling`].
+const DRILLING_BOUND: f64 = 0.01;
+/// 8/sqrt 3: Q_t over `sig t^2/16`.
+const TWIST: f64 = 4.618_802_153_517_006;
+
+/// Mode of a stabilising force.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Mode {
+    /// Rates of gam vx and gam vy.
+    Membrane,
+    /// Rates of gam tx and gam ty.
+    Bending,
+    /// Rate of gam vz.
+    Twist,
+}
+
+/// Bounds of the `M` stabilising forces and of the drilling moments of a formulation.
+pub struct Bounds<const M: usize> {
+    /// Mode of each stabilising force.
+    pub modes: [Mode; M],
+    /// Largest stabilising force as a fraction of the capacity in its mode.
+    pub strength: f64,
+}
+
+/// Bounds of a formulation that limits its drilling moments alone.
+pub const DRILLING: Bounds<0> = Bounds { modes: [], strength: 0.0 };
+
+/// Limit forces of a fully plastic element in the modes of stabilising forces.
+struct Capacity<R> {
+    /// [force].
+    membrane: R,
+    /// [force length].
+    bending: R,
+    /// [force].
+    twist: R,
+    /// Limit of a node about the normal [force length].
+    drilling: R,
+}
+
+impl<R: Real> Capacity<R> {
+    /// Computes the capacity from flow stress [force/length^2], thickness [length] and area
+    /// [length^2].
+    #[inline(always)]
+    fn new(flow_stress: R, thickness: R, area: R) -> Self {
+        let quarter = R::splat(0.25) * thickness;
+        let per_length = quarter * flow_stress;
+        let membrane = per_length * area.sqrt();
+        let bending = quarter * membrane;
+        let twist = R::splat(TWIST) * quarter * per_length;
+        Self { membrane, bending, twist, drilling: bending }
+    }
+
+    /// Computes the squares of all members, which needs no root.
+    #[inline(always)]
+    fn squares(flow_stress: f64, thickness: R, area: R) -> Self {
+        let quarter = R::splat(0.25) * thickness;
+        let per_length = R::splat(flow_stress) * quarter;
+        let (quarter2, per_length2) = (quarter * quarter, per_length * per_length);
+        let membrane = per_length2 * area;
+        let bending = quarter2 * membrane;
+        let twist = R::splat(TWIST * TWIST) * quarter2 * per_length2;
+        Self { membrane, bending, twist, drilling: bending }
+    }
+
+    #[inline(always)]
+    fn in_mode(&self, mode: Mode) -> R {
+        match mode {
+            Mode::Membrane => self.membrane,
+            Mode::Bending => self.bending,
+            Mode::Twist => self.twist,
+        }
+    }
+}
+
+impl<const M: usize> Bounds<M> {
+    /// Limits stabilising forces and drilling moments of plastic elements. `columns` are those of
+    /// the section. Flow stress and roots are computed only in groups with an element that is
+    /// beyond its capacity at the initial yield stress, which is the least flow stress.
+    #[inline(always)]
+    pub fn apply<R: PointReal, const N: usize>(
+        &self,
+        (section, columns): (&Section, &[R]),
+        (stabilising, drill): (&mut [R], &mut [R]),
+        thickness: R,
+        area: R,
+    ) {
+        let Some(yield_stress) = section.least_flow_stress() else { return };
+        let squares = Capacity::squares(yield_stress, thickness, area);
+        let exceeds = |force: R, square: R, fraction: f64| {
+            (force * force).gt(R::splat(fraction * fraction) * square)
+        };
+        let mut moment = drill[0].abs();
+        for other in &drill[1..DRILLING_MODES] {
+            moment = Real::max(moment, other.abs());
+        }
+        let mut beyond = exceeds(moment, squares.drilling, DRILLING_BOUND);
+        for (&force, &mode) in stabilising[..M].iter().zip(&self.modes) {
+            beyond = R::either(beyond, exceeds(force, squares.in_mode(mode), self.strength));
+        }
+        if R::any(beyond) {
+            let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
+            let capacity = Capacity::new(flow_stress, thickness, area);
+            self.limit(&capacity, (stabilising, drill), beyond);
+        }
+    }
+
+    /// Limits the forces of the lanes `beyond`. The others keep their bits, so that an element does
+    /// not depend on its neighbours in a group.
+    #[cold]
+    #[inline(never)]
+    fn limit<R: Real>(
+        &self,
+        capacity: &Capacity<R>,
+        (stabilising, drill): (&mut [R], &mut [R]),
+        beyond: R::Mask,
+    ) {
+        let limited = |value: R, bound: R| {
+            R::select(beyond, Real::max(Real::min(value, bound), -bound), value)
+        };
+        for (force, &mode) in stabilising.iter_mut().zip(&self.modes) {
+            *force = limited(*force, R::splat(self.strength) * capacity.in_mode(mode));
+        }
+        for moment in drill {
+            *moment = limited(*moment, R::splat(DRILLING_BOUND) * capacity.drilling);
+        }
+    }
+}
+
+/// Updates the drilling moments by the increments `ahead` of the drilling modes.
+#[inline(always)]
+pub fn drill<R: Real>(moments: &mut [R], stiff: R, ahead: &[R]) {
+    for c in 0..ahead.len() {
+        // The first two modes have the weight one half, the other two one quarter.
+        let stiff = if c < 2 { stiff } else { R::splat(0.5) * stiff };
+        moments[c] = stiff.mul_add(ahead[c], moments[c]);
+    }
+}
+
+/// Returns `energy` plus the work of forces on increments.
+#[inline(always)]
+pub fn work<R: Real>(forces: &[R], increments: &[R], energy: R) -> R {
+    forces.iter().zip(increments).fold(energy, |sum, (&f, &u)| f.mul_add(u, sum))
+}
+
+/// Returns the coefficient of [`drill`] for a stiffness of `alpha G t A/4` per node.
+#[inline(always)]
+pub fn drilling_stiffness<R: Real>(section: &Section, alpha: f64, thickness: R, area: R) -> R {
+    R::splat(0.125 * alpha * section.elastic.shear_modulus()) * thickness * area
+}

@@ -1,0 +1,412 @@
+//! Element formulations. Each formulation has one file and one row in [`ELEMENTS`].
+//!
+//! Elements are computed in groups: lane l of every vector belongs to element l of the group.
+
+mod beam;
+mod belytschko_tsay;
+mod bounds;
+mod c0_triangle;
+mod fully_integrated_quad;
+mod hexahedron;
+#[cfg(test)]
+mod inverted_tests;
+mod kinematics;
+#[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
+mod offset_tests;
+mod parameters;
+mod pass;
+#[cfg(test)]
+mod plate_tests;
+#[cfg(test)]
+mod precision_tests;
+mod quad;
+mod section;
+mod shell;
+#[cfg(test)]
+mod shell_benchmarks;
+mod sides;
+#[cfg(test)]
+pub(crate) mod solid_testing;
+mod spring;
+mod stabilised_quad;
+#[cfg(test)]
+mod statics;
+#[cfg(test)]
+mod stretched_tests;
+#[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
+mod unstrained_tests;
+
+pub use parameters::HourglassForm;
+pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
+pub use section::LARGEST_OFFSET;
+
+use crate::columns::ElementState;
+use crate::materials::{self, PlaneStress, Solid, unknown_name};
+use crate::parameter::{ParameterRow, Values};
+use crumple_math::lanes::Real;
+use crumple_proto::job::Part;
+use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use pass::{GroupCorners, ShellGroups, SolidGroups, Totals};
+
+/// Output fields of an element.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElementFields {
+    /// Largest effective plastic strain over the thickness.
+    pub plastic_strain: f64,
+    /// Global stress at mid-surface: xx, yy, zz, xy, yz, zx [force/length^2].
+    pub stress: [f64; 6],
+    /// Largest von Mises stress over the thickness [force/length^2].
+    pub von_mises: f64,
+    /// Current thickness [length], zero for solids.
+    pub thickness: f64,
+    /// True if the law has failed at every point: the element carries no force any more.
+    pub failed: bool,
+}
+
+/// Elements of one part and one shape. An implementation holds parameters only; the state is in the
+/// history columns.
+pub trait Element: Send + Sync {
+    /// History columns per element.
+    fn columns(&self) -> usize;
+
+    /// Returns the names of the history columns, in their order. A checkpoint has them: a program
+    /// with others refuses it.
+    fn names(&self) -> Vec<String>;
+
+    /// Returns true if the kernels exist in single and double precision; otherwise they are in
+    /// double.
+    fn any_precision(&self) -> bool {
+        false
+    }
+
+    /// Stores an offset for each element, instead of one for the whole part. Shells only.
+    fn store_offsets(&mut self) {}
+
+    /// Sets the nonzero entries in the history of a new element. `own` are the values of a shell
+    /// that replace those of its part, here and below.
+    fn start(&self, _history: &mut [f64], _own: OwnSection) {}
+
+    /// Stores in the history of a new element the shape that determines its mass. `x` are the
+    /// coordinates of its slots at the start.
+    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: OwnSection) {}
+
+    /// Orients a new beam with this history: its second axis points towards the vector `towards`.
+    fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
+
+    /// Returns the mass [mass] and the rotational inertia [mass length^2] that one element
+    /// contributes to each of its corners. `x` are the coordinates of its slots.
+    fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64);
+
+    /// Computes internal forces at the coordinates x(t), after it updates the stress from t - dt to
+    /// t with the mid-step velocities.
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals;
+
+    /// Returns true if an element with this history has no force and remains without stress as long
+    /// as its nodes have one velocity and do not rotate (at rest, or in uniform motion). Elements
+    /// for which this is never true are always computed.
+    fn is_unstrained(&self, _history: ElementState<'_>) -> bool {
+        false
+    }
+
+    /// Returns the stable step of one element at the density of its material, before the safety
+    /// factor [time]. It is NaN if the element is inverted or not finite. `x` are the coordinates
+    /// of its slots.
+    fn stable_dt(&self, x: &[[f64; 3]], own: OwnSection) -> f64;
+
+    /// Returns the stable step of an element with this history, which keeps the mass of the start
+    /// [time].
+    fn stable_dt_now(&self, _history: ElementState<'_>, x: &[[f64; 3]]) -> f64 {
+        self.stable_dt(x, OwnSection::default())
+    }
+
+    /// Returns the fraction of its stable step for which an element is stable alone, without
+    /// neighbours of its kind.
+    fn single_element_step(&self) -> f64 {
+        1.0
+    }
+
+    /// Returns the stiffness and damping of a spring or damper. It has no mass; the masses of its
+    /// nodes determine its stable step.
+    fn discrete(&self) -> Option<Discrete> {
+        None
+    }
+
+    /// Returns true if the law of the element with this history has failed at every point, or if
+    /// the element was inverted and its part deletes such elements. A failed element has no force,
+    /// does not limit the step and is never reported as trouble.
+    fn failed(&self, history: ElementState<'_>) -> bool;
+
+    /// Returns true if the element has failed because it was inverted.
+    fn is_deleted(&self, _history: ElementState<'_>) -> bool {
+        false
+    }
+
+    /// Returns true if the element can fail.
+    fn can_fail(&self) -> bool;
+
+    /// Returns the fields of the element with this history at the slot coordinates `x`.
+    fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields;
+}
+
+/// A spring or damper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Discrete {
+    /// Largest change of its force with its elongation [force/length].
+    pub stiffness: f64,
+    /// Largest change of its force with the rate of its elongation [force time/length].
+    pub damping: f64,
+    /// True if the force acts along the line between the nodes.
+    pub along_line: bool,
+}
+
+impl Discrete {
+    /// Returns the stable step between nodes whose inverse masses have the sum `softness` [1/mass],
+    /// before the safety factor [time].
+    pub fn stable_dt(&self, softness: f64) -> f64 {
+        let (k, c) = (self.stiffness * softness, self.damping * softness);
+        4.0 / (c + (c * c + 4.0 * k).sqrt())
+    }
+
+    /// Returns the fraction of the masses at its ends for which the stable step is `dt`; `softness`
+    /// is as in [`Self::stable_dt`].
+    pub fn require(&self, softness: f64, dt: f64) -> f64 {
+        softness * dt * (0.25 * self.stiffness * dt + 0.5 * self.damping)
+    }
+}
+
+/// Returns the four slots of a shell.
+///
+/// # Panics
+/// If there are fewer than four slots. Callers pass all slots of a shell.
+fn four(x: &[[f64; 3]]) -> &[[f64; 3]; 4] {
+    x.first_chunk().expect("a shell has four slots")
+}
+
+/// An element, or all problems of its part.
+pub type ElementResult = Result<Box<dyn Element>, Vec<Problem>>;
+
+/// A row of [`ELEMENTS`].
+pub struct ElementEntry {
+    /// Name in jobs.
+    pub name: &'static str,
+    /// Description in one line.
+    pub meaning: &'static str,
+    /// Shape that the formulation is for.
+    pub shape: Shape,
+    /// Its keys in `[[part]]`, besides those of all parts. Each table may be that of another
+    /// formulation too.
+    pub parameters: [&'static [ParameterRow]; 2],
+    /// Returns its keys that have no effect with these values, each with the reason.
+    pub idle: fn(&Values<'_>) -> &'static [(&'static str, &'static str)],
+    /// Checks the other keys of the part that the formulation uses; paths of problems are relative
+    /// to the part.
+    pub build: Constructor,
+}
+
+impl ElementEntry {
+    /// Returns all its keys.
+    pub fn keys(&self) -> impl Iterator<Item = &'static ParameterRow> + use<> {
+        self.parameters.into_iter().flatten()
+    }
+
+    /// Returns its values in a part.
+    pub fn values<'a>(&self, part: &'a Part) -> Values<'a> {
+        Values::new(self.parameters, &part.parameters)
+    }
+}
+
+/// Constructor of a formulation, with a law for its state of stress.
+#[derive(Clone, Copy)]
+pub enum Constructor {
+    /// With a law in plane stress.
+    Shell(fn(&Part, &Values<'_>, Box<dyn PlaneStress>) -> ElementResult),
+    /// With a law in three dimensions.
+    Solid(fn(&Part, &Values<'_>, Box<dyn Solid>) -> ElementResult),
+    /// Without a law.
+    Discrete(fn(&Part) -> ElementResult),
+}
+
+/// All formulations. The first one of each shape is the default of parts that name none. For quads
+/// the default is `stabilised_quad`: in folds it is nearer to converged crush forces than
+/// `belytschko_tsay` on every mesh, at the same cost of the run (`cases/studies/README.md`, crush).
+pub const ELEMENTS: &[ElementEntry] = &[
+    stabilised_quad::ROW,
+    belytschko_tsay::ROW,
+    fully_integrated_quad::ROW,
+    c0_triangle::ROW,
+    hexahedron::ROW,
+    beam::ROW,
+    spring::ROW,
+];
+
+/// Builds the element for a part's elements of one shape, or returns all problems of the part and
+/// its material. Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
+///
+/// Quads and hexahedra use the formulation of the part; each other shape has only one.
+pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> ElementResult {
+    let part = &settings.parts[part_index];
+    let mut problems = Vec::new();
+    let mut note = |prefix: String, found: Vec<Problem>| {
+        problems.extend(
+            found
+                .into_iter()
+                .map(|problem| Problem { path: format!("{prefix}.{}", problem.path), ..problem }),
+        );
+    };
+
+    let materials = &settings.materials;
+    let index = materials.iter().position(|material| material.name == part.material);
+    let row = row_for(part, shape);
+    let lawless = matches!(row.as_ref().map(|row| row.build), Ok(Constructor::Discrete(_)));
+    if index.is_none() && !lawless {
+        let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
+        let what =
+            format!("part {}: there is no material '{}'", section::label(part), part.material);
+        note(
+            format!("part.{part_index}"),
+            vec![unknown_name("material", what, &part.material, &names)],
+        );
+    }
+    // The part is checked even if its material is wrong, so that one check reports all problems.
+    let mut stand_in = index.is_none() && !lawless;
+    let mut law_problems = |found: Vec<Problem>| {
+        stand_in = true;
+        note(format!("material.{}", index.unwrap_or(0)), found);
+    };
+    let material = index.map(|index| &materials[index]);
+    let built = match row {
+        Ok(row) => with_values(row, part, |values| match row.build {
+            Constructor::Discrete(build) => build(part),
+            Constructor::Shell(build) => {
+                let law =
+                    material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
+                build(part, values, law.unwrap_or_else(materials::placeholder_law))
+            }
+            Constructor::Solid(build) => {
+                let law = material
+                    .and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
+                build(part, values, law.unwrap_or_else(materials::solid_placeholder_law))
+            }
+        }),
+        Err(problem) => {
+            if let Some(found) = material.and_then(|m| materials::build(m).err()) {
+                law_problems(found);
+            }
+            Err(vec![problem])
+        }
+    };
+    match built.map_err(|found| note(format!("part.{part_index}"), found)) {
+        Ok(mut element) if !stand_in => {
+            if settings.with_own_offsets.contains(&(part_index as u32)) {
+                element.store_offsets();
+            }
+            Ok(element)
+        }
+        _ => Err(problems),
+    }
+}
+
+/// Checks the values of a part by the table of its formulation, and builds the element. Defaults
+/// take the place of faulty values, so that one check reports all problems.
+fn with_values(
+    row: &ElementEntry,
+    part: &Part,
+    build: impl FnOnce(&Values<'_>) -> ElementResult,
+) -> ElementResult {
+    let owner = format!("part {}", section::label(part));
+    let values = row.values(part);
+    let missing = |row: &ParameterRow| {
+        let message = format!("{owner} has no `{}`", row.key);
+        Problem::error(row.key, message, format!("add it: {}", row.meaning))
+    };
+    let missing: Vec<Problem> = values.missing().map(missing).collect();
+    let faults = values.faults(&owner);
+    let mut given = part.parameters.clone();
+    faults.iter().for_each(|fault| drop(given.remove(&fault.path)));
+    let usable = Values::new(row.parameters, &given);
+    if usable.missing().next().is_some() {
+        return Err([missing, faults].concat());
+    }
+    match build(&usable) {
+        Ok(element) if faults.is_empty() => Ok(element),
+        Ok(_) => Err(faults),
+        Err(found) => Err([found, faults].concat()),
+    }
+}
+
+/// Returns the row of the formulation that a part's elements of a shape get, if there is one.
+pub fn formulation(part: &Part, shape: Shape) -> Option<&'static ElementEntry> {
+    row_for(part, shape).ok()
+}
+
+/// Returns the number of integration points through the thickness of a part: 1 if it has no
+/// shells.
+pub fn points_of(part: &Part) -> usize {
+    let shells = formulation(part, Shape::Quad4).filter(|_| part.thickness > 0.0);
+    shells.map_or(1, |row| row.values(part).whole("points"))
+}
+
+/// The formulation that a part wants for a shape: the first of the shape if it does not say.
+fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> {
+    if part.spring.is_some() && shape != Shape::Line2 {
+        let what =
+            format!("part {}: it has [part.spring] and other elements", section::label(part));
+        return Err(Problem::error(
+            "spring",
+            what,
+            "remove [part.spring], or move the other elements to another part",
+        ));
+    }
+    if part.beam.is_some() && shape != Shape::Beam2 {
+        let what = format!("part {}: it has [part.beam] and other elements", section::label(part));
+        return Err(Problem::error(
+            "beam",
+            what,
+            "remove [part.beam], or move the other elements to another part",
+        ));
+    }
+    let of_shape = |row: &&ElementEntry| row.shape == shape;
+    let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
+    let row =
+        ELEMENTS.iter().filter(of_shape).find(|row| wanted.is_none_or(|name| row.name == name));
+    row.ok_or_else(|| {
+        let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
+        let (corners, name) = (shape.corners(), wanted.unwrap_or_default());
+        let what =
+            format!("part {}: there is no {corners}-node element '{name}'", section::label(part));
+        unknown_name("element", what, name, &names)
+    })
+}
+
+/// Returns the column of a point that has this history column of its law, if the law has it. The
+/// columns of the law begin at `first`.
+fn law_column(history: &[&str], name: &str, first: usize) -> Option<usize> {
+    history.iter().position(|&column| column == name).map(|column| first + column)
+}
+
+/// Sets the lanes that have failed to zero.
+#[inline(always)]
+fn zero_failed<R: Real>(failed: R::Mask, values: &mut [R]) {
+    values.iter_mut().for_each(|value| *value = R::select(failed, R::zero(), *value));
+}
+
+/// Runs `$call` with the constant `$n` set to the number of points, so that the compiler unrolls
+/// loops over the thickness.
+macro_rules! with_points {
+    ($points:expr, $n:ident => $call:expr) => {
+        with_points!($points, $n => $call; 1 2 3 4 5 6 7 8 9 10)
+    };
+    ($points:expr, $n:ident => $call:expr; $($value:literal)*) => {
+        match $points {
+            $($value => { const $n: usize = $value; $call })*
+            points => unreachable!("a section of {points} points was built"),
+        }
+    };
+}
+use with_points;

@@ -1,0 +1,118 @@
+//! Keys of `[[part]]` that several formulations use. A formulation publishes its keys in its row
+//! of `ELEMENTS`.
+
+use crate::materials::MAX_POINTS;
+use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
+
+/// Hourglass control of one-point elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HourglassForm {
+    /// Elastic resistance against the accumulated deformation of the mode.
+    Stiffness,
+    /// Resistance against the rate of the mode.
+    Viscous,
+    /// Solids only: strains assumed for the modes, so that bending is correct without a
+    /// coefficient.
+    AssumedStrain,
+}
+
+const STIFFNESS: &str = "stiffness";
+const VISCOUS: &str = "viscous";
+const ASSUMED_STRAIN: &str = "assumed_strain";
+
+impl HourglassForm {
+    /// Forms of shells, as in a job.
+    pub const OF_SHELLS: &[&str] = &[STIFFNESS, VISCOUS];
+    /// Forms of solids, as in a job.
+    pub const OF_SOLIDS: &[&str] = &[STIFFNESS, VISCOUS, ASSUMED_STRAIN];
+
+    /// Returns its word in a job.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Stiffness => STIFFNESS,
+            Self::Viscous => VISCOUS,
+            Self::AssumedStrain => ASSUMED_STRAIN,
+        }
+    }
+
+    /// Returns the form with this word in a job.
+    ///
+    /// # Panics
+    /// On another word: the table of the element has rejected it.
+    pub(super) fn from_word(word: &str) -> Self {
+        match word {
+            STIFFNESS => Self::Stiffness,
+            VISCOUS => Self::Viscous,
+            ASSUMED_STRAIN => Self::AssumedStrain,
+            _ => panic!("no hourglass form {word}"),
+        }
+    }
+}
+
+/// Keys of all shells.
+pub(super) const OF_SHELLS: &[ParameterRow] = &[
+    ParameterRow {
+        key: "points",
+        form: Form::Whole,
+        otherwise: DefaultValue::Whole(5),
+        range: Some(Range {
+            wanted: "from 1 to 10",
+            fits: |n| (1.0..=MAX_POINTS as f64).contains(&n),
+        }),
+        meaning: "Number of integration points through the thickness, 1 to 10; see \
+                  `cases/studies/README.md`, plate-points, beam-shells and panel.",
+    },
+    ParameterRow {
+        key: "inverted",
+        form: Form::Word(&["stop", DELETE]),
+        otherwise: DefaultValue::Word("stop"),
+        range: None,
+        meaning: "Treatment of an inverted shell, which has no area or is strained by more than a \
+                  half in one step. `stop` ends the run and names the shell. `delete` lets it fail \
+                  as at a failure strain: its forces are zero from then on, and it leaves the \
+                  contact surface. The work done on it stays in the internal energy, and a warning \
+                  names it. In both cases, coordinates or forces that are not finite end the run. \
+                  So does a step below `time.dt_min_ratio` times the first.",
+    },
+    ParameterRow {
+        key: "thinning",
+        form: Form::Flag,
+        otherwise: DefaultValue::Flag(false),
+        range: None,
+        meaning: "Update the thickness by the strain through it (`cases/studies/README.md`, \
+                  panel).",
+    },
+    ParameterRow {
+        key: "drilling",
+        form: Form::Number,
+        otherwise: DefaultValue::Number(0.01),
+        range: Some(Range {
+            wanted: "from 0 to 1 (0.01 is usual)",
+            fits: |alpha| (0.0..=1.0).contains(&alpha),
+        }),
+        meaning: "Drilling stiffness as a fraction of the shear stiffness G h A / 4 \
+                  (`cases/studies/README.md`, twist and twist-thin). In quads with a plastic law, \
+                  its moments of a node are bounded by 1/400 of the plastic moment of a side.",
+    },
+];
+
+const DELETE: &str = "delete";
+
+/// Returns true if inverted shells fail instead of ending the run.
+pub(super) fn deletes_inverted(values: &Values<'_>) -> bool {
+    values.word("inverted") == DELETE
+}
+
+/// Returns the row of the hourglass coefficient of a shell.
+pub(super) const fn coefficient_of_shell(meaning: &'static str) -> ParameterRow {
+    ParameterRow {
+        key: "hourglass_coefficient",
+        form: Form::Number,
+        otherwise: DefaultValue::Number(0.03),
+        range: Some(Range {
+            wanted: "from 0 to 1 (0.01 to 0.1 is usual)",
+            fits: |r| (0.0..=1.0).contains(&r),
+        }),
+        meaning,
+    }
+}

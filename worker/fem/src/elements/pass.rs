@@ -1,0 +1,343 @@
+//! Pass over the elements of a block: groups of elements, the call of the kernel for each, and the
+//! minima over all.
+
+use crate::columns::{HistoryColumnsMut, HistoryStorage};
+use crate::materials::PointLanes;
+use crate::nodes::NodeView;
+use crumple_math::lanes::{LANES, LANES32, Lane, Real};
+use std::ops::Range;
+
+/// Element nodal forces. The slot is `(group * lanes + lane) * slots + corner`, with
+/// [`Shape::slots`](crumple_proto::mesh::Shape::slots) slots per element; the components are x, y,
+/// z, padding.
+pub struct ElementNodalForces<'a> {
+    /// Internal force on the corner, to be subtracted from the external force of the node [force].
+    pub force: &'a mut [[f64; 4]],
+    /// Internal moment on the corner [force length]. Solids have none and do not write it.
+    pub moment: &'a mut [[f64; 4]],
+}
+
+/// Minima over the elements of a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct PassTotals {
+    /// Smallest stable step of the elements passed, before the safety factor [time].
+    pub stable_dt: f64,
+    /// First element of the pass that is inverted, is not finite, or has a strain increment of more
+    /// than one half in one step.
+    pub trouble: Option<usize>,
+}
+
+impl PassTotals {
+    /// Totals of no elements.
+    pub const NONE: Self = Self { stable_dt: f64::INFINITY, trouble: None };
+
+    /// Adds the totals of another pass.
+    pub fn add(&mut self, o: &Self) {
+        self.stable_dt = self.stable_dt.min(o.stable_dt);
+        self.trouble = self.trouble.or(o.trouble);
+    }
+}
+
+/// Returns the places of an element's internal energy, and of its hourglass and drilling energy, in
+/// [`ElementPass::energies`] for groups of this number of lanes.
+pub fn energy_places(index: usize, lanes: usize) -> [usize; 2] {
+    let first = index / lanes * 2 * lanes + index % lanes;
+    [first, first + lanes]
+}
+
+/// Local nodes of a group of W elements with C slots, per corner and lane. Padding lanes repeat the
+/// last real element.
+pub type GroupNodes<const C: usize, const W: usize = LANES> = [[u32; W]; C];
+
+/// Corner forces or moments of a group of W elements with C slots: rows x, y, z, padding by element
+/// and slot.
+pub(super) type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
+
+/// Groups of a block that a pass computes, with their data.
+pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
+    /// Groups to compute.
+    pub range: Range<usize>,
+    /// Number of real elements of the block. The rest of the last group is padding.
+    pub count: usize,
+    /// Local nodes of the whole block: one row per slot in each group.
+    pub groups: &'a [u32],
+    /// History of the whole block.
+    pub history: H,
+    /// Marks of the groups of the whole block whose elements are unstrained, see
+    /// [`Element::is_unstrained`](super::Element::is_unstrained). A pass clears a mark if the nodes
+    /// no longer have one velocity.
+    pub unstrained: &'a mut [bool],
+    /// Nodal columns.
+    pub nodes: NodeView<'a>,
+    /// Last step [time].
+    pub dt: f64,
+    /// Element nodal forces of the whole block.
+    pub out: ElementNodalForces<'a>,
+    /// Energies of the whole block so far, to which the pass adds: for each group W internal
+    /// energies, then W hourglass and drilling energies. Each element has its own sum in ascending
+    /// time, which does not depend on the other elements of its worker [energy].
+    pub energies: &'a mut [f64],
+}
+
+/// Results of a kernel for a group, in addition to the forces.
+pub(super) struct Totals<R: Real> {
+    /// Stable step [time].
+    pub stable_dt: R,
+    /// Increases of internal energy, and of hourglass and drilling energy [energy].
+    pub internal: R,
+    pub hourglass: R,
+    /// Lanes whose element is finite, is not inverted, and has strain increments within the limit.
+    pub sound: R::Mask,
+}
+
+impl<R: Real> Totals<R> {
+    /// Returns the totals of elements without forces.
+    #[inline(always)]
+    pub(super) fn inactive(stable_dt: R, sound: R::Mask) -> Self {
+        Self { stable_dt, internal: R::zero(), hourglass: R::zero(), sound }
+    }
+
+    /// Removes failed elements from the totals: they add no energy, do not limit the step and are
+    /// never reported as trouble.
+    #[inline(always)]
+    pub(super) fn zero_failed(&mut self, failed: R::Mask) {
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
+}
+
+/// Returns true if a group is unstrained and remains so in this step; otherwise clears its mark.
+#[inline(always)]
+fn stays_unstrained<const C: usize, const W: usize>(
+    unstrained: &mut bool,
+    group: &GroupNodes<C, W>,
+    nodes: &NodeView<'_>,
+    turning: bool,
+) -> bool {
+    if *unstrained {
+        *unstrained = has_uniform_velocity(group, nodes.v) && !(turning && turn(group, nodes.w));
+    }
+    *unstrained
+}
+
+/// Returns true if the nodes of each element of a group have the same velocity. It is not inlined,
+/// as strained groups do not need it and the kernel in the same loop needs the registers.
+#[inline(never)]
+fn has_uniform_velocity<const C: usize, const W: usize>(
+    group: &GroupNodes<C, W>,
+    v: &[[f64; 4]],
+) -> bool {
+    group[1..].iter().all(|nodes| {
+        nodes.iter().zip(&group[0]).all(|(&i, &first)| v[i as usize] == v[first as usize])
+    })
+}
+
+/// Returns true if a node of a group has a rotational velocity.
+#[inline(never)]
+fn turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]) -> bool {
+    group.iter().flatten().any(|&i| w[i as usize] != [0.0; 4])
+}
+
+/// Kernel for groups of shells, for any type of lanes.
+pub(super) trait ShellGroups {
+    /// Computes the corner forces and moments of a group from its connectivity and history.
+    fn group<L: PointLanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L>;
+
+    /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
+    /// zero.
+    fn forceless<L: PointLanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L>;
+}
+
+/// Kernel for groups of eight-node solids, for any type of lanes.
+pub(super) trait SolidGroups {
+    /// Computes the corner forces of a group from its connectivity and history.
+    fn group<L: PointLanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        force: &mut GroupCorners<8, W>,
+    ) -> Totals<L>;
+
+    /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
+    /// zero.
+    fn forceless<L: PointLanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+    ) -> Totals<L>;
+}
+
+impl<'a> ElementPass<'a> {
+    /// Calls `kernel` for each group of shells with `columns` history columns per element, and sums
+    /// up the totals.
+    #[inline(always)]
+    pub(super) fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        match history {
+            HistoryStorage::Double(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
+                    .shells_in::<LANES>(columns, kernel)
+            }
+            HistoryStorage::Single(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
+                    .shells_in::<LANES32>(columns, kernel)
+            }
+        }
+    }
+
+    /// Calls `kernel` for each group of eight-node solids, as [`Self::shells`] does for shells.
+    #[inline(always)]
+    pub(super) fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        match history {
+            HistoryStorage::Double(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
+                    .solids_in::<LANES>(columns, kernel)
+            }
+            HistoryStorage::Single(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
+                    .solids_in::<LANES32>(columns, kernel)
+            }
+        }
+    }
+
+    /// Returns the pass with its history in double precision, for elements that have no other
+    /// precision.
+    ///
+    /// # Panics
+    /// If the block stores its columns in single precision.
+    pub(super) fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let HistoryStorage::Double(history) = history else {
+            panic!("this element exists in double precision only")
+        };
+        ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
+    }
+}
+
+impl<L> ElementPass<'_, &mut [L]> {
+    #[inline(always)]
+    fn shells_in<const W: usize>(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals
+    where
+        L: PointLanes<W>,
+    {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let corners = range.start * W..range.end * W;
+        let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
+        let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
+        let each = groups
+            .iter()
+            .zip(states)
+            .zip(&mut unstrained[range.clone()])
+            .zip(force.iter_mut().zip(moment));
+        let respond = |(((group, state), unstrained), (force, moment)): (
+            ((&_, &mut [L]), &mut bool),
+            (&mut _, &mut _),
+        )| {
+            if stays_unstrained(unstrained, group, &nodes, true) {
+                (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
+                return kernel.forceless(group, &nodes, state);
+            }
+            kernel.group(group, &nodes, state, dt, [force, moment])
+        };
+        total(range, count, energies, each.map(respond))
+    }
+
+    #[inline(always)]
+    fn solids_in<const W: usize>(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals
+    where
+        L: PointLanes<W>,
+    {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let force =
+            out.force.as_chunks_mut::<8>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<8>().0[range.clone()];
+        let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force);
+        let respond = |(((group, state), unstrained), force): (((&_, _), &mut bool), &mut _)| {
+            if stays_unstrained(unstrained, group, &nodes, false) {
+                *force = [[[0.0; 4]; 8]; W];
+                return kernel.forceless(group, &nodes, state);
+            }
+            kernel.group(group, &nodes, state, dt, force)
+        };
+        total(range, count, energies, each.map(respond))
+    }
+}
+
+/// Adds the energies of the groups in `range` to those of their elements, and returns the minima.
+#[inline(always)]
+fn total<L: PointLanes<W>, const W: usize>(
+    range: Range<usize>,
+    count: usize,
+    energies: &mut [f64],
+    groups: impl Iterator<Item = Totals<L>>,
+) -> PassTotals {
+    let mut minima = GroupMinima::<L, W>::new();
+    let sums = &mut energies.as_chunks_mut::<W>().0.as_chunks_mut::<2>().0[range.clone()];
+    range.zip(groups).zip(sums).for_each(|((index, totals), [internal, hourglass])| {
+        let more = (totals.internal.to_array(), totals.hourglass.to_array());
+        for lane in 0..W {
+            internal[lane] += more.0[lane];
+            hourglass[lane] += more.1[lane];
+        }
+        minima.include(index, count, &totals);
+    });
+    minima.finish()
+}
+
+/// Minima over groups, lane by lane.
+struct GroupMinima<L, const W: usize> {
+    stable_dt: L,
+    trouble: Option<usize>,
+}
+
+/// Factor on a stable step in single precision, so that round-off does not make a step longer. The
+/// error is largest where the squared frequency has the root of a difference of equal numbers, as
+/// for squares at nu = 0: `sqrt(3 * 2^-24)` of the squared frequency, and half as much of the step.
+const SHORT_STEP: f64 = 1.0 - 1.0 / 4096.0;
+
+impl<L: PointLanes<W>, const W: usize> GroupMinima<L, W> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { stable_dt: L::splat(f64::INFINITY), trouble: None }
+    }
+
+    #[inline(always)]
+    fn include(&mut self, index: usize, count: usize, totals: &Totals<L>) {
+        // Padding repeats a real element, so its stable step and its soundness are valid.
+        self.stable_dt = Real::min(totals.stable_dt, self.stable_dt);
+        let sound = L::select(totals.sound, L::zero(), L::splat(1.0));
+        if L::any(sound.gt(L::zero())) && self.trouble.is_none() {
+            let lane = sound.to_array().iter().position(|&l| l > 0.0).unwrap_or(0);
+            self.trouble = Some((index * W + lane).min(count - 1));
+        }
+    }
+
+    fn finish(self) -> PassTotals {
+        let stable_dt = self.stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min);
+        PassTotals {
+            stable_dt: if L::SHORT { SHORT_STEP * stable_dt } else { stable_dt },
+            trouble: self.trouble,
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! Discrete springs and dampers between two nodes.
+//!
+//! With the elongation s since the start and its rate r at the last mid-step, the force is
+//! `F = f(s) + g(r)` along the unit vector e from the first node to the second, or along a fixed
+//! direction. Its work follows from the forces at both ends of a step and the velocity between
+//! them, so that the energy balance is that of the central differences.
+//!
+//! Stable step (Belytschko, Liu & Moran 2000, sec. 6.2, with damping delayed by half a step):
+//! between masses with the sum mu of their inverses the amplification polynomial
+//! `z^2 - (2 - k mu dt^2 - c mu dt) z + 1 - c mu dt` has its roots within the unit circle as long
+//! as `k mu dt^2 + 2 c mu dt <= 4`. The stiffness across a stretched spring, F / L, is below the
+//! largest k as long as f(0) = 0.
+
+use super::{
+    Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
+    PassTotals, energy_places, section,
+};
+use crate::columns::ElementState;
+use crumple_math::lanes::LANES;
+use crumple_math::row::{V3, xyz};
+use crumple_proto::job::Part;
+use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::problem::Problem;
+
+/// The row of this element.
+pub const ROW: ElementEntry = ElementEntry {
+    name: "spring",
+    shape: Shape::Line2,
+    meaning: "Spring and damper between two nodes, along their line or a fixed direction.",
+    parameters: [&[], &[]],
+    idle: |_| &[],
+    build: Constructor::Discrete(build),
+};
+
+/// Columns: 1 if it has started, else 0; length at the start [length]; force on the second corner
+/// [force].
+const STARTED: usize = 0;
+const LENGTH: usize = 1;
+const FORCE: usize = 2;
+const COLUMNS: usize = 5;
+/// Number of corners.
+const ENDS: usize = 2;
+
+/// Parameters of springs.
+pub struct Spring {
+    elongation: PiecewiseLinear,
+    rate: PiecewiseLinear,
+    direction: Option<V3>,
+}
+
+/// A piecewise linear function, extrapolated beyond its ends.
+struct PiecewiseLinear(Vec<[f64; 2]>);
+
+impl PiecewiseLinear {
+    /// Builds the function from its points, or through the origin with a slope if there are no
+    /// points.
+    fn new(points: &[[f64; 2]], slope: f64) -> Self {
+        if points.is_empty() { Self(vec![[0.0, 0.0], [1.0, slope]]) } else { Self(points.to_vec()) }
+    }
+
+    fn slope(&self, piece: usize) -> f64 {
+        let [[x0, y0], [x1, y1]] = [self.0[piece], self.0[piece + 1]];
+        (y1 - y0) / (x1 - x0)
+    }
+
+    fn value(&self, x: f64) -> f64 {
+        let piece = self.0[1..self.0.len() - 1].partition_point(|p| p[0] <= x);
+        self.0[piece][1] + self.slope(piece) * (x - self.0[piece][0])
+    }
+
+    fn steepest(&self) -> f64 {
+        (0..self.0.len() - 1).map(|piece| self.slope(piece).abs()).fold(0.0, f64::max)
+    }
+
+    /// Returns the error in the points, if any.
+    fn fault(points: &[[f64; 2]]) -> Option<String> {
+        match points.windows(2).find(|p| p[1][0] <= p[0][0]) {
+            Some(p) => Some(format!("does not ascend from {:?} to {:?}", p[0][0], p[1][0])),
+            None if points.len() == 1 => Some("has one point only".into()),
+            None => None,
+        }
+    }
+}
+
+fn build(part: &Part) -> ElementResult {
+    let mut problems = Vec::new();
+    let mut say = |key: &str, what: String, help: &str| {
+        problems.push(Problem::error(key, format!("part {}: {what}", section::label(part)), help));
+    };
+    let Some(spring) = &part.spring else {
+        say(
+            "spring",
+            "it has springs but no [part.spring]".into(),
+            "add it, with stiffness or damping",
+        );
+        return Err(problems);
+    };
+    if !part.material.is_empty() {
+        say("material", "a part of springs has no material".into(), "remove it");
+    }
+    if part.element.is_some() {
+        say("element", "a part of springs has one formulation".into(), "remove `element`");
+    }
+    for (key, value) in [("stiffness", spring.stiffness), ("damping", spring.damping)] {
+        if value < 0.0 {
+            say(&format!("spring.{key}"), format!("{key} is {value}"), "it has to be 0 or above");
+        }
+    }
+    let both = |number: f64, points: &[[f64; 2]]| number != 0.0 && !points.is_empty();
+    let lines = [
+        ("force_elongation", "stiffness", spring.stiffness, &spring.force_elongation),
+        ("force_rate", "damping", spring.damping, &spring.force_rate),
+    ];
+    for (key, other, number, points) in lines {
+        if both(number, points) {
+            say(
+                &format!("spring.{key}"),
+                format!("a spring has both {key} and {other}"),
+                "give one of them",
+            );
+        }
+        if let Some(fault) = PiecewiseLinear::fault(points) {
+            let help = "give at least two points with ascending first numbers";
+            say(&format!("spring.{key}"), format!("{key} {fault}"), help);
+        }
+    }
+    if spring.stiffness == 0.0 && spring.damping == 0.0 && lines.iter().all(|l| l.3.is_empty()) {
+        say(
+            "spring",
+            "its springs carry no force".into(),
+            "give stiffness, damping or a table of forces",
+        );
+    }
+    let direction = spring.direction.map(|d| V3::from(d).try_normalize(0.0));
+    if direction == Some(None) {
+        say(
+            "spring.direction",
+            "the direction of its springs is zero".into(),
+            "give a direction such as [0, 0, 1]",
+        );
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    Ok(Box::new(Spring {
+        elongation: PiecewiseLinear::new(&spring.force_elongation, spring.stiffness),
+        rate: PiecewiseLinear::new(&spring.force_rate, spring.damping),
+        direction: direction.flatten(),
+    }))
+}
+
+impl Spring {
+    /// Returns the length between two points, and the unit vector along which it is measured.
+    fn measure(&self, between: &V3) -> (f64, V3) {
+        match self.direction {
+            Some(along) => (along.dot(between), along),
+            None => (between.norm(), between.try_normalize(0.0).unwrap_or_default()),
+        }
+    }
+}
+
+impl Element for Spring {
+    fn columns(&self) -> usize {
+        COLUMNS
+    }
+
+    fn names(&self) -> Vec<String> {
+        ["started", "length", "force x", "force y", "force z"].map(String::from).to_vec()
+    }
+
+    fn corner_mass(&self, _: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
+        (0.0, 0.0)
+    }
+
+    /// Elements are computed one by one, since a scene has few.
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
+        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
+            pass.double();
+        let groups = groups.as_chunks::<LANES>().0;
+        let mut totals = PassTotals::NONE;
+        for i in range.start * LANES..(range.end * LANES).min(count) {
+            let (group, lane) = (i / LANES, i % LANES);
+            let [internal, _] = energy_places(i, LANES);
+            let columns = &mut history[group * COLUMNS..(group + 1) * COLUMNS];
+            let mut state: [f64; COLUMNS] = std::array::from_fn(|k| columns[k].as_array()[lane]);
+            let ends = [0, 1].map(|c| groups[group * ENDS + c][lane] as usize);
+            let [x, v] = [nodes.x, nodes.v]
+                .map(|rows| V3::from(xyz(&rows[ends[1]])) - V3::from(xyz(&rows[ends[0]])));
+            let (length, along) = self.measure(&x);
+            if state[STARTED] == 0.0 {
+                (state[STARTED], state[LENGTH]) = (1.0, length);
+            }
+            let force =
+                self.elongation.value(length - state[LENGTH]) + self.rate.value(along.dot(&v));
+            let force = along * force;
+            for c in 0..3 {
+                let before = std::mem::replace(&mut state[FORCE + c], force[c]);
+                energies[internal] += 0.5 * (before + force[c]) * v[c] * dt;
+            }
+            columns.iter_mut().zip(state).for_each(|(column, s)| column.as_mut_array()[lane] = s);
+            let slot = i * ENDS;
+            for c in 0..3 {
+                (out.force[slot][c], out.force[slot + 1][c]) = (-force[c], force[c]);
+            }
+            if !force.iter().all(|f| f.is_finite()) && totals.trouble.is_none() {
+                totals.trouble = Some(i);
+            }
+        }
+        totals
+    }
+
+    fn stable_dt(&self, _: &[[f64; 3]], _: OwnSection) -> f64 {
+        f64::INFINITY
+    }
+
+    fn discrete(&self) -> Option<Discrete> {
+        let (stiffness, damping) = (self.elongation.steepest(), self.rate.steepest());
+        Some(Discrete { stiffness, damping, along_line: self.direction.is_none() })
+    }
+
+    fn failed(&self, _: ElementState<'_>) -> bool {
+        false
+    }
+
+    fn can_fail(&self) -> bool {
+        false
+    }
+
+    fn fields(&self, _: ElementState<'_>, _: &[[f64; 3]]) -> ElementFields {
+        ElementFields::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_go_on_beyond_their_ends() {
+        let line = PiecewiseLinear::new(&[[-1.0, -3.0], [0.0, 0.0], [2.0, 1.0]], 0.0);
+        let at = [-2.0, -1.0, -0.5, 0.0, 1.0, 2.0, 4.0].map(|x| line.value(x));
+        assert_eq!(at, [-6.0, -3.0, -1.5, 0.0, 0.5, 1.0, 2.0]);
+        assert_eq!((line.steepest(), PiecewiseLinear::new(&[], 7.0).value(-2.0)), (3.0, -14.0));
+    }
+
+    /// Checks the amplification polynomial: at the stable step a mode grows at most linearly, just
+    /// above it without bound.
+    #[test]
+    fn the_stable_step_is_where_a_mode_begins_to_grow() {
+        for (stiffness, damping) in [(3.0, 0.0), (0.0, 0.7), (3.0, 0.7), (3.0, 20.0)] {
+            let mu = 1.0 / 2.0 + 1.0 / 5.0;
+            let limit = Discrete { stiffness, damping, along_line: true }.stable_dt(mu);
+            let largest = |dt: f64| {
+                let (mut x, mut v, mut most) = (1.0f64, 1.0f64, 0.0f64);
+                for _ in 0..4000 {
+                    v -= dt * mu * (stiffness * x + damping * v);
+                    x += dt * v;
+                    most = most.max(x.abs());
+                }
+                most
+            };
+            assert!(
+                largest(0.999 * limit) < 1e3,
+                "{stiffness} {damping}: {}",
+                largest(0.999 * limit)
+            );
+            assert!(
+                largest(1.01 * limit) > 1e6,
+                "{stiffness} {damping}: {}",
+                largest(1.01 * limit)
+            );
+        }
+        let nothing = Discrete { stiffness: 0.0, damping: 0.0, along_line: true };
+        assert_eq!(nothing.stable_dt(1.0), f64::INFINITY);
+    }
+}

@@ -1,0 +1,437 @@
+//! Helpers for element tests: parts and materials in a line, a mesh with its columns, a minimal
+//! explicit solver.
+
+use super::{
+    Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block, energy_places,
+};
+use crate::columns::HistoryColumns;
+use crate::materials::LAWS;
+use crate::nodes::NodeView;
+use crumple_proto::job::{Part, Precision};
+use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::partition::{Material, Param, Settings};
+use std::collections::BTreeMap;
+
+/// Returns a part with the usual options.
+pub fn part(thickness: f64) -> Part {
+    Part {
+        id: 1,
+        name: String::new(),
+        material: "sheet".into(),
+        spring: None,
+        beam: None,
+        thickness,
+        offset: 0.0,
+        contact_thickness: None,
+        contact_thickness_scale: 1.0,
+        element: None,
+        skin: false,
+        parameters: BTreeMap::new(),
+    }
+}
+
+/// Elastic constants and yield stress of [`steel`] [force/length^2].
+pub const E: f64 = 210.0;
+pub const NU: f64 = 0.3;
+pub const YIELD: f64 = 0.25;
+/// Both precisions.
+pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
+
+/// Formulations, with true for triangles.
+pub const FORMULATIONS: [(&str, bool); 4] = [
+    ("belytschko_tsay", false),
+    ("stabilised_quad", false),
+    ("fully_integrated_quad", false),
+    ("c0_triangle", true),
+];
+
+/// Formulations of quads.
+pub const QUADS: [&str; 3] = [FORMULATIONS[0].0, FORMULATIONS[1].0, FORMULATIONS[2].0];
+
+/// Returns a part of one formulation with the usual options.
+pub fn part_of(element: &str, thickness: f64) -> Part {
+    Part { element: Some(element.into()), ..part(thickness) }
+}
+
+/// Returns a material from its law and numbers.
+pub fn material(law: &str, density: f64, numbers: &[(&str, f64)]) -> Material {
+    let parameters =
+        numbers.iter().map(|&(key, value)| (key.to_string(), Param::Number(value))).collect();
+    Material { name: "sheet".into(), law: law.into(), density, parameters }
+}
+
+/// Returns sheet steel with a law, and these parameters in addition to the elastic ones.
+pub fn steel(law: &str, more: &[(&str, Param)]) -> Material {
+    let mut m = material(law, 7.85e-6, &[("youngs_modulus", E), ("poisson", NU)]);
+    m.parameters.extend(more.iter().map(|(key, value)| (key.to_string(), value.clone())));
+    m
+}
+
+/// Returns all laws, with all options that use powers, logarithms and exponentials.
+pub fn laws() -> Vec<Material> {
+    let number = Param::Number;
+    let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
+    let rate = Param::List(vec![0.04, 5.0]);
+    let damage = Param::List(vec![0.05, 3.44, -2.12, 0.002, 0.61]);
+    let johnson_cook = [
+        ("a", number(0.79)),
+        ("b", number(0.51)),
+        ("n", number(0.26)),
+        ("c", number(0.014)),
+        ("reference_rate", number(1e-3)),
+        ("m", number(1.03)),
+        ("melting_temperature", number(1793.0)),
+        ("reference_temperature", number(293.0)),
+        ("specific_heat", number(477.0)),
+        ("damage", damage),
+    ];
+    let all = vec![
+        steel("elastic", &[]),
+        steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
+        steel(
+            "j2",
+            &[("hardening", table), ("cowper_symonds", rate), ("failure_strain", number(0.3))],
+        ),
+        steel("johnson_cook", &johnson_cook),
+    ];
+    assert!(
+        LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)),
+        "a law is missing in this list"
+    );
+    all
+}
+
+/// Returns an elastic material.
+pub fn elastic(e: f64, nu: f64, rho: f64) -> Material {
+    material("elastic", rho, &[("youngs_modulus", e), ("poisson", nu)])
+}
+
+/// Returns the settings of a job that has one part of one material.
+pub fn settings(part: Part, material: Material) -> Settings {
+    let (materials, parts) = (vec![material], vec![part]);
+    Settings { materials, parts, ..crate::testing::settings() }
+}
+
+/// Elements of one part with C slots each, with their nodes, columns and corner forces. Solids have
+/// no moments.
+pub struct Patch<const C: usize = 4> {
+    pub element: Box<dyn Element>,
+    pub x: Vec<[f64; 4]>,
+    pub v: Vec<[f64; 4]>,
+    pub w: Vec<[f64; 4]>,
+    pub cells: Vec<[u32; C]>,
+    pub groups: Vec<u32>,
+    pub history: HistoryColumns,
+    pub unstrained: Vec<bool>,
+    pub force: Vec<[f64; 4]>,
+    pub moment: Vec<[f64; 4]>,
+}
+
+/// Result of a pass, with the energies that it added, summed over elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed {
+    pub stable_dt: f64,
+    pub internal: f64,
+    pub hourglass: f64,
+    pub trouble: Option<usize>,
+}
+
+/// Runs a pass over a block with `count` elements in this number of `places`, which include
+/// padding, in groups of `lanes`.
+pub fn passed(
+    (count, places, lanes): (usize, usize, usize),
+    pass: impl FnOnce(&mut [f64]) -> PassTotals,
+) -> Passed {
+    let mut energies = vec![0.0; 2 * places];
+    let PassTotals { stable_dt, trouble } = pass(&mut energies);
+    let [mut internal, mut hourglass] = [0.0; 2];
+    for i in 0..count {
+        let places = energy_places(i, lanes);
+        internal += energies[places[0]];
+        hourglass += energies[places[1]];
+    }
+    Passed { stable_dt, internal, hourglass, trouble }
+}
+
+/// Returns the connectivity in groups, and the columns of new elements.
+pub fn lay<const C: usize>(
+    element: &dyn Element,
+    precision: Precision,
+    cells: &[[u32; C]],
+) -> (Vec<u32>, HistoryColumns) {
+    let mut columns = HistoryColumns::new(precision, cells.len(), element.columns());
+    let (lanes, mut fresh) = (columns.lanes(), vec![0.0; element.columns()]);
+    element.start(&mut fresh, OwnSection::default());
+    let mut groups = Vec::new();
+    for first in (0..cells.len()).step_by(lanes) {
+        let of = |lane: usize| cells[(first + lane).min(cells.len() - 1)];
+        (0..C).for_each(|corner| groups.extend((0..lanes).map(|lane| of(lane)[corner])));
+        (0..lanes).for_each(|lane| columns.set(first + lane, &fresh));
+    }
+    (groups, columns)
+}
+
+impl<const C: usize> Patch<C> {
+    pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], cells: &[[u32; C]]) -> Self {
+        Self::in_precision(Precision::Double, part, material, nodes, cells)
+    }
+
+    pub fn in_precision(
+        precision: Precision,
+        part: Part,
+        material: Material,
+        nodes: &[[f64; 3]],
+        cells: &[[u32; C]],
+    ) -> Self {
+        let shape = match cells[0][..] {
+            [_, _, c, d] if c == d => Shape::Tri3,
+            [_, _, _, _] => Shape::Quad4,
+            _ => Shape::Hex8,
+        };
+        // Tests that name no formulation use the simplest one.
+        let part = match (&part.element, shape) {
+            (None, Shape::Quad4) => Part { element: Some("belytschko_tsay".into()), ..part },
+            _ => part,
+        };
+        let element =
+            build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
+        let (groups, mut history) = lay(&*element, precision, cells);
+        for place in 0..groups.len() / C {
+            let corners = cells[place.min(cells.len() - 1)].map(|n| nodes[n as usize]);
+            let mut state = history.element(place).to_vec();
+            element.measure(&mut state, &corners, OwnSection::default());
+            history.set(place, &state);
+        }
+        let still = vec![[0.0; 4]; nodes.len()];
+        let corners = vec![[0.0; 4]; groups.len()];
+        let mut patch = Self {
+            unstrained: vec![false; groups.len() / (C * history.lanes())],
+            element,
+            x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
+            v: still.clone(),
+            w: still,
+            cells: cells.to_vec(),
+            groups,
+            history,
+            moment: if shape == Shape::Hex8 { Vec::new() } else { corners.clone() },
+            force: corners,
+        };
+        if shape == Shape::Hex8 {
+            patch.forces(0.0); // the first pass stores the volume at the start
+        }
+        patch
+    }
+
+    /// Moves nodes with their velocities, then computes the forces.
+    pub fn step(&mut self, dt: f64) -> Passed {
+        for (x, v) in self.x.iter_mut().zip(&self.v) {
+            (0..3).for_each(|i| x[i] += dt * v[i]);
+        }
+        self.forces(dt)
+    }
+
+    /// Computes the forces at the present positions of the nodes.
+    pub fn forces(&mut self, dt: f64) -> Passed {
+        let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
+        let out = ElementNodalForces { force: &mut self.force, moment: &mut self.moment };
+        let lanes = self.history.lanes();
+        passed((self.cells.len(), self.groups.len() / C, lanes), |energies| {
+            self.element.forces(ElementPass {
+                range: 0..self.groups.len() / (C * self.history.lanes()),
+                count: self.cells.len(),
+                groups: &self.groups,
+                history: self.history.as_mut(),
+                unstrained: &mut self.unstrained,
+                nodes,
+                dt,
+                out,
+                energies,
+            })
+        })
+    }
+
+    /// Sets velocities that move every node to `target` in a step; rotational ones as given.
+    pub fn aim(&mut self, dt: f64, target: impl Fn([f64; 3]) -> [f64; 3], spin: [f64; 3]) {
+        for ((x, v), w) in self.x.iter().zip(&mut self.v).zip(&mut self.w) {
+            let to = target([x[0], x[1], x[2]]);
+            (0..3).for_each(|i| v[i] = (to[i] - x[i]) / dt);
+            w[..3].copy_from_slice(&spin);
+        }
+    }
+
+    /// Moves every node to `target` in a step of 1.
+    pub fn go(&mut self, target: impl Fn([f64; 3]) -> [f64; 3]) -> Passed {
+        self.aim(1.0, target, [0.0; 3]);
+        self.step(1.0)
+    }
+
+    pub fn corners(&self, element: usize) -> [[f64; 3]; C] {
+        self.cells[element].map(|node| std::array::from_fn(|i| self.x[node as usize][i]))
+    }
+
+    pub fn fields(&self, element: usize) -> ElementFields {
+        self.element.fields(self.history.element(element), &self.corners(element))
+    }
+
+    /// Returns corner force and moment of an element.
+    pub fn corner(&self, element: usize, corner: usize) -> ([f64; 3], [f64; 3]) {
+        let slot = element * C + corner;
+        let three = |row: &[f64; 4]| [row[0], row[1], row[2]];
+        (three(&self.force[slot]), self.moment.get(slot).map_or([0.0; 3], three))
+    }
+
+    /// Returns the forces and moments of the elements on the nodes.
+    pub fn nodal(&self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+        let (mut force, mut moment) = (vec![[0.0; 3]; self.x.len()], vec![[0.0; 3]; self.x.len()]);
+        for (e, cell) in self.cells.iter().enumerate() {
+            for (c, &node) in cell.iter().enumerate() {
+                let (f, m) = self.corner(e, c);
+                (0..3).for_each(|i| force[node as usize][i] += f[i]);
+                (0..3).for_each(|i| moment[node as usize][i] += m[i]);
+            }
+        }
+        (force, moment)
+    }
+
+    /// Returns the largest magnitude of any corner force and of any corner moment.
+    pub fn largest(&self) -> (f64, f64) {
+        let largest =
+            |rows: &[[f64; 4]]| rows.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+        (largest(&self.force), largest(&self.moment))
+    }
+
+    /// Returns the sum of corner forces, and of moments about the origin, over all real elements.
+    pub fn sums(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        let (forces, moments) = self.nodal();
+        for ((f, m), x) in forces.iter().zip(&moments).zip(&self.x) {
+            let arm =
+                [x[1] * f[2] - x[2] * f[1], x[2] * f[0] - x[0] * f[2], x[0] * f[1] - x[1] * f[0]];
+            for i in 0..3 {
+                force[i] += f[i];
+                moment[i] += m[i] + arm[i];
+            }
+        }
+        (force, moment)
+    }
+
+    /// Returns the power of corner forces at the nodal velocities.
+    pub fn power(&self) -> f64 {
+        let (force, moment) = self.nodal();
+        let of_node = |i: usize| {
+            (0..3).map(|c| force[i][c] * self.v[i][c] + moment[i][c] * self.w[i][c]).sum::<f64>()
+        };
+        (0..self.x.len()).map(of_node).sum()
+    }
+
+    /// Returns nodal mass and inertia.
+    pub fn masses(&self) -> Vec<(f64, f64)> {
+        let mut masses = vec![(0.0, 0.0); self.x.len()];
+        for (e, cell) in self.cells.iter().enumerate() {
+            let (mass, inertia) = self.element.corner_mass(&self.corners(e), OwnSection::default());
+            let corners = if C == 4 && cell[2] == cell[3] { 3 } else { C };
+            for &node in &cell[..corners] {
+                masses[node as usize].0 += mass;
+                masses[node as usize].1 += inertia;
+            }
+        }
+        masses
+    }
+
+    /// Returns the stable step of the mesh's elements.
+    pub fn stable_dt(&self) -> f64 {
+        (0..self.cells.len())
+            .map(|e| self.element.stable_dt(&self.corners(e), OwnSection::default()))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Advances one explicit step: `load` adds to nodal forces, `fix` clears prescribed velocities.
+    pub fn explicit(
+        &mut self,
+        dt: f64,
+        masses: &[(f64, f64)],
+        load: impl Fn(usize) -> [f64; 3],
+        fix: impl Fn(usize, &mut [f64; 4], &mut [f64; 4]),
+    ) -> Passed {
+        let (force, moment) = self.nodal();
+        for (node, &(mass, inertia)) in masses.iter().enumerate() {
+            let load = load(node);
+            for i in 0..3 {
+                self.v[node][i] += dt * (load[i] - force[node][i]) / mass;
+                if inertia > 0.0 {
+                    self.w[node][i] -= dt * moment[node][i] / inertia;
+                }
+            }
+            fix(node, &mut self.v[node], &mut self.w[node]);
+        }
+        self.step(dt)
+    }
+}
+
+/// Returns nodes and quads of a rectangle of `nx` by `ny` elements; node `j (nx + 1) + i`.
+pub fn grid(nx: usize, ny: usize, width: f64, height: f64) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
+    let at =
+        |i: usize, j: usize| [width * i as f64 / nx as f64, height * j as f64 / ny as f64, 0.0];
+    let nodes = (0..=ny).flat_map(|j| (0..=nx).map(move |i| at(i, j))).collect();
+    let id = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
+    let quad = |i: usize, j: usize| [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+    let quads = (0..ny).flat_map(|j| (0..nx).map(move |i| quad(i, j))).collect();
+    (nodes, quads)
+}
+
+/// Returns quads cut into triangles along alternate diagonals.
+pub fn triangles(quads: &[[u32; 4]]) -> Vec<[u32; 4]> {
+    let cut = |(index, q): (usize, &[u32; 4])| {
+        let [a, b, c, d] = *q;
+        if index % 2 == 0 { [[a, b, c, c], [a, c, d, d]] } else { [[a, b, d, d], [b, c, d, d]] }
+    };
+    quads.iter().enumerate().flat_map(cut).collect()
+}
+
+/// Returns shells of every formulation.
+pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4] {
+    let (nodes, quads) = grid(5, 3, 5.0, 3.0);
+    let mut noise = Noise(5);
+    let moved = |x: &[f64; 3]| {
+        std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next())
+    };
+    let nodes: Vec<[f64; 3]> = nodes.iter().map(moved).collect();
+    let base = part(0.3).with("thinning", true).with("warping", true);
+    let of = |name: &str| Part { element: Some(name.into()), ..base.clone() };
+    [
+        Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, of("stabilised_quad"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, of("fully_integrated_quad"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, base.clone(), steel.clone(), &nodes, &triangles(&quads)),
+    ]
+}
+
+/// Numbers between -1 and 1, equal in every run.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Returns `x` rotated by the length of `angle` about its direction (Rodrigues).
+pub fn rotate(angle: [f64; 3], x: [f64; 3]) -> [f64; 3] {
+    let phi = angle.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let k = angle.map(|c| c / phi);
+    let dot: f64 = (0..3).map(|i| k[i] * x[i]).sum();
+    let cross = [k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0]];
+    let (sin, cos) = phi.sin_cos();
+    std::array::from_fn(|i| x[i] * cos + cross[i] * sin + k[i] * dot * (1.0 - cos))
+}
+
+/// Panics with the reason for the tolerance if the value differs by more than it.
+#[track_caller]
+pub fn assert_close(value: f64, wanted: f64, tolerance: f64, why: &str) {
+    let off = (value - wanted).abs();
+    assert!(
+        off <= tolerance,
+        "{value} for {wanted}: off by {off:e}, allowed {tolerance:e} ({why})"
+    );
+}

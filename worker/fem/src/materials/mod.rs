@@ -1,0 +1,284 @@
+//! Material laws. Each law is one file and one row in [`LAWS`].
+//!
+//! A law sees only integration points: stress, history and strain increments in; stress and
+//! history out; all in axes that rotate with the material. Rotation, thickness and integration
+//! belong to the element.
+
+mod elastic;
+mod j2;
+mod johnson_cook;
+mod parameters;
+pub mod plasticity;
+
+pub use crate::parameter::{DefaultValue, Form, ParameterRow};
+pub use parameters::Parameters;
+pub(crate) use parameters::unknown_name;
+
+use crate::registry::{Named, Registry};
+use crumple_math::lanes::{Lane, Lane32, Lanes, Real};
+use crumple_proto::partition::Material;
+use crumple_proto::problem::Problem;
+use plasticity::Plasticity;
+
+/// Largest number of integration points through the thickness.
+pub const MAX_POINTS: usize = 10;
+
+/// Elastic constants of a law, for the stable step, shear, hourglass and drilling forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus E [force/length^2].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Mass density [mass/length^3].
+    pub density: f64,
+}
+
+impl Elastic {
+    /// Returns the shear modulus G [force/length^2].
+    pub fn shear_modulus(&self) -> f64 {
+        0.5 * self.youngs_modulus / (1.0 + self.poisson)
+    }
+
+    /// Returns the first Lame constant lambda [force/length^2].
+    pub fn lame(&self) -> f64 {
+        self.youngs_modulus * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
+    }
+
+    /// Returns the bulk modulus K [force/length^2].
+    pub fn bulk_modulus(&self) -> f64 {
+        self.youngs_modulus / (3.0 * (1.0 - 2.0 * self.poisson))
+    }
+
+    /// Returns the speed of the dilatational wave, `sqrt((lambda + 2 G)/rho)` [length/time].
+    pub fn dilatational_wave_speed(&self) -> f64 {
+        ((self.lame() + 2.0 * self.shear_modulus()) / self.density).sqrt()
+    }
+
+    /// Returns the speed of the longitudinal wave in a plate, `sqrt(E/(rho (1-nu^2)))`
+    /// [length/time].
+    pub fn plate_wave_speed(&self) -> f64 {
+        (self.youngs_modulus / (self.density * (1.0 - self.poisson * self.poisson))).sqrt()
+    }
+
+    /// Returns the plane-stress stiffness [force/length^2]: of a direct strain for its own
+    /// stress, of a direct strain for the other direct stress, and of engineering shear.
+    pub fn plane_stress(&self) -> [f64; 3] {
+        let c11 = self.youngs_modulus / (1.0 - self.poisson * self.poisson);
+        [c11, self.poisson * c11, self.shear_modulus()]
+    }
+
+    /// Returns the factor k in `eps_z = k d(sig_x + sig_y) - (eps_x + eps_y)` [length^2/force].
+    /// It holds if plastic flow is isochoric: the elastic volumetric strain is `(1-2nu)/E` times
+    /// the sum of stresses.
+    pub fn thinning(&self) -> f64 {
+        (1.0 - 2.0 * self.poisson) / self.youngs_modulus
+    }
+}
+
+/// The integration points of a group of shell elements, as a law sees them.
+pub struct Points<'a, R> {
+    /// For each point, stress xx, yy, xy [force/length^2], then the history columns of the law.
+    /// Updated in place.
+    pub state: &'a mut [R],
+    /// For each point, the strain increment xx, yy, and twice xy.
+    pub strain: &'a [[R; 3]],
+    /// For each point, the increment of the strain through the thickness. Output.
+    pub thickness_strain: &'a mut [R],
+}
+
+/// A law in plane stress.
+///
+/// The result of each lane must not depend on other lanes, bit for bit. With zero state and zero
+/// strain increment the state must stay zero, whatever the time: unstrained elements skip the
+/// law.
+pub trait PlaneStress: Send + Sync {
+    /// Returns the names of the history columns per point. All start at zero.
+    fn history(&self) -> &'static [&'static str];
+
+    /// Returns the elastic constants and the density.
+    fn elastic(&self) -> Elastic;
+
+    /// Returns the yield stress at zero plastic strain [force/length^2]; infinite if the law has
+    /// no plastic flow.
+    fn initial_yield_stress(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Returns the law itself if its yield stress depends on the strain rate.
+    fn rate_dependent(&self) -> Option<&Plasticity> {
+        None
+    }
+
+    /// Updates stress and history over a step `dt` [time] at all points of a group, at most
+    /// [`MAX_POINTS`].
+    fn update(&self, points: Points<'_, Lane>, dt: f64);
+
+    /// Updates in single precision, by the same code.
+    fn update_short(&self, points: Points<'_, Lane32>, dt: f64);
+
+    /// Updates one element, by the same code.
+    fn update_one(&self, points: Points<'_, f64>, dt: f64);
+}
+
+/// The integration point of a group of solid elements, as a law sees it.
+pub struct SolidPoint<'a, R> {
+    /// Stress xx, yy, zz, xy, yz, zx [force/length^2], then the history columns of the law.
+    /// Updated in place.
+    pub state: &'a mut [R],
+    /// Strain increment xx, yy, zz, and twice xy, yz, zx.
+    pub strain: &'a [R; 6],
+}
+
+/// A law in three dimensions.
+///
+/// The result of each lane must not depend on other lanes, bit for bit. With zero state and zero
+/// strain increment the state must stay zero, whatever the time: unstrained elements skip the
+/// law.
+pub trait Solid: Send + Sync {
+    /// Returns the names of the history columns. All start at zero.
+    fn history(&self) -> &'static [&'static str];
+
+    /// Returns the elastic constants and the density.
+    fn elastic(&self) -> Elastic;
+
+    /// Updates stress and history over a step `dt` [time] of a group. Returns the norm of the
+    /// deviator after plastic flow over that of the elastic trial; one without plastic flow.
+    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane;
+
+    /// Updates in single precision, by the same code.
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32;
+
+    /// Updates one element, by the same code.
+    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64;
+}
+
+/// A scalar for which laws have an entry point, so that element kernels can be generic over it.
+pub trait PointReal: Real {
+    /// Calls the entry point of a plane-stress law for this scalar.
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64);
+    /// Calls the entry point of a solid law for this scalar.
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self;
+}
+
+/// Lanes for which laws have an entry point.
+pub trait PointLanes<const W: usize>: Lanes<W> + PointReal {}
+
+impl<L: Lanes<W> + PointReal, const W: usize> PointLanes<W> for L {}
+
+impl PointReal for Lane {
+    #[inline(always)]
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
+        law.update(points, dt);
+    }
+    #[inline(always)]
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
+        law.update(point, dt)
+    }
+}
+
+impl PointReal for Lane32 {
+    #[inline(always)]
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
+        law.update_short(points, dt);
+    }
+    #[inline(always)]
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
+        law.update_short(point, dt)
+    }
+}
+
+impl PointReal for f64 {
+    #[inline(always)]
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
+        law.update_one(points, dt);
+    }
+    #[inline(always)]
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
+        law.update_one(point, dt)
+    }
+}
+
+/// A law in plane stress, or all problems of its material.
+pub type LawResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
+/// A law in three dimensions, or all problems of its material.
+pub type SolidLawResult = Result<Box<dyn Solid>, Vec<Problem>>;
+
+/// Parameters of all laws.
+pub const ELASTIC: &[ParameterRow] = &[
+    ParameterRow {
+        key: "youngs_modulus",
+        form: Form::Number,
+        otherwise: DefaultValue::Needed,
+        range: None,
+        meaning: "Young's modulus [force/length^2].",
+    },
+    ParameterRow {
+        key: "poisson",
+        form: Form::Number,
+        otherwise: DefaultValue::Needed,
+        range: None,
+        meaning: "Poisson's ratio; below 0.5 for solids.",
+    },
+];
+
+/// A row of [`LAWS`]. Both functions read the same parameters. They return all problems, with
+/// paths relative to the material.
+pub struct Law {
+    /// Name in jobs.
+    pub name: &'static str,
+    /// Meaning, in one line.
+    pub meaning: &'static str,
+    /// Its parameters, without [`ELASTIC`].
+    pub parameters: &'static [ParameterRow],
+    /// Builds the law for shells.
+    pub build: fn(&Material) -> LawResult,
+    /// Builds the law for solids.
+    pub solid: fn(&Material) -> SolidLawResult,
+}
+
+impl Named for Law {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
+/// All laws.
+pub static LAWS: Registry<Law> = Registry::new(&[elastic::LAW, j2::LAW, johnson_cook::LAW]);
+
+/// Builds the law of a shell's material. Returns all problems of the material if there are any,
+/// with paths relative to it.
+pub fn build(material: &Material) -> LawResult {
+    (row_of(material)?.build)(material)
+}
+
+/// Builds the law of a solid's material. Returns all problems of the material if there are any,
+/// with paths relative to it.
+pub fn build_solid(material: &Material) -> SolidLawResult {
+    (row_of(material)?.solid)(material)
+}
+
+fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
+    LAWS.iter().find(|law| law.name == material.law).ok_or_else(|| {
+        let names: Vec<_> = LAWS.iter().map(|law| law.name).collect();
+        let what = format!("material '{}': there is no law '{}'", material.name, material.law);
+        vec![unknown_name("law", what, &material.law, &names)]
+    })
+}
+
+#[cfg(test)]
+#[path = "table_tests.rs"]
+mod table_tests;
+
+/// Constants of the law that checks a part when its own law cannot be built.
+const PLACEHOLDER: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };
+
+/// Returns a law that checks a part of shells when its own law cannot be built.
+pub(crate) fn placeholder_law() -> Box<dyn PlaneStress> {
+    elastic::law(PLACEHOLDER)
+}
+
+/// Returns a law that checks a part of solids when its own law cannot be built.
+pub(crate) fn solid_placeholder_law() -> Box<dyn Solid> {
+    elastic::solid_law(PLACEHOLDER)
+}

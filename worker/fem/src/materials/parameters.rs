@@ -1,0 +1,206 @@
+//! Reads the parameters of a law and collects all problems of a material at once.
+
+use super::{Elastic, LawResult, PlaneStress, Solid, SolidLawResult};
+use crumple_proto::partition::{Material, Param};
+use crumple_proto::problem::Problem;
+
+/// A material's table while it is read. Parameters that were requested are known; the others are
+/// not.
+pub struct Parameters<'a> {
+    material: &'a Material,
+    known: Vec<&'static str>,
+    problems: Vec<Problem>,
+}
+
+impl<'a> Parameters<'a> {
+    /// Creates a reader without requested parameters.
+    pub fn new(material: &'a Material) -> Self {
+        Self { material, known: Vec::new(), problems: Vec::new() }
+    }
+
+    /// Records a problem of `key`.
+    pub fn wrong(&mut self, key: &str, what: impl std::fmt::Display, help: impl Into<String>) {
+        let message = format!("material '{}': {key} {what}", self.material.name);
+        self.problems.push(Problem::error(key, message, help));
+    }
+
+    /// Returns the parameter as written, if it is given.
+    pub fn get(&mut self, key: &'static str) -> Option<&'a Param> {
+        self.known.push(key);
+        self.material.parameters.get(key)
+    }
+
+    /// Returns true if the material has this parameter.
+    pub fn given(&self, key: &str) -> bool {
+        self.material.parameters.contains_key(key)
+    }
+
+    /// Returns an optional number. `wanted` describes in words which values `fits` accepts.
+    pub fn optional(
+        &mut self,
+        key: &'static str,
+        wanted: &str,
+        fits: impl Fn(f64) -> bool,
+    ) -> Option<f64> {
+        match self.get(key)? {
+            Param::Number(value) if value.is_finite() && fits(*value) => Some(*value),
+            Param::Number(value) => {
+                self.wrong(key, format_args!("is {value}"), format!("it has to be {wanted}"));
+                None
+            }
+            _ => {
+                self.wrong(key, "is a list", format!("give one number, {wanted}"));
+                None
+            }
+        }
+    }
+
+    /// Returns a required number. The value returned for a missing or wrong one is never used,
+    /// since [`Self::finish`] then fails.
+    pub fn required(&mut self, key: &'static str, wanted: &str, fits: impl Fn(f64) -> bool) -> f64 {
+        let value = self.optional(key, wanted, fits);
+        if !self.given(key) {
+            let law = &self.material.law;
+            self.wrong(key, "is missing", format!("law '{law}' needs it: a number, {wanted}"));
+        }
+        value.unwrap_or(1.0)
+    }
+
+    /// Returns `youngs_modulus`, `poisson` and the density.
+    pub fn elastic(&mut self) -> Elastic {
+        let density = self.material.density;
+        if !(density.is_finite() && density > 0.0) {
+            self.wrong("density", format_args!("is {density}"), "it has to be above 0");
+        }
+        Elastic {
+            youngs_modulus: self.required("youngs_modulus", "above 0", |e| e > 0.0),
+            poisson: self
+                .required("poisson", "above -1 and at most 0.5", |nu| nu > -1.0 && nu <= 0.5),
+            density,
+        }
+    }
+
+    /// Returns the elastic constants of a solid, whose bulk modulus must be finite.
+    pub fn solid_elastic(&mut self) -> Elastic {
+        let elastic = self.elastic();
+        if elastic.poisson == 0.5 {
+            let help = "a solid needs a finite bulk modulus: use 0.49 or 0.499 for a nearly \
+                        incompressible one";
+            self.wrong("poisson", "is 0.5", help);
+        }
+        elastic
+    }
+
+    /// Builds a law in plane stress from its elastic constants and the result of `read`.
+    pub fn shell_law<L>(
+        mut self,
+        read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
+    ) -> LawResult
+    where
+        L: PlaneStress + 'static,
+    {
+        let elastic = self.elastic();
+        Ok(Box::new(read(self, elastic)?))
+    }
+
+    /// Builds a law in three dimensions from its elastic constants and the result of `read`.
+    pub fn solid_law<L>(
+        mut self,
+        read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
+    ) -> SolidLawResult
+    where
+        L: Solid + 'static,
+    {
+        let elastic = self.solid_elastic();
+        Ok(Box::new(read(self, elastic)?))
+    }
+
+    /// Returns all problems, including parameters that no law requested.
+    pub fn finish(mut self) -> Result<(), Vec<Problem>> {
+        for key in self.material.parameters.keys() {
+            if !self.known.contains(&key.as_str()) {
+                let Material { name, law, .. } = self.material;
+                let what = format!("material '{name}': law '{law}' has no parameter '{key}'");
+                self.problems.push(unknown_name(key, what, key, &self.known));
+            }
+        }
+        if self.problems.is_empty() { Ok(()) } else { Err(self.problems) }
+    }
+}
+
+/// Returns the problem of an unknown name, with the nearest known name and all known names.
+pub(crate) fn unknown_name(path: &str, what: String, name: &str, known: &[&str]) -> Problem {
+    let list = known.join(", ");
+    let help = match nearest(name, known) {
+        Some(near) => format!("did you mean '{near}'? known: {list}"),
+        None => format!("known: {list}"),
+    };
+    Problem::error(path, what, help)
+}
+
+/// Returns the known name nearest to `name`, if it is near enough to be a typing error.
+pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let limit = name.chars().count().div_ceil(2);
+    let distances = known.iter().map(|&other| (edits(name, other), other));
+    distances
+        .min_by_key(|&(distance, _)| distance)
+        .filter(|&(distance, _)| distance <= limit)
+        .map(|(_, other)| other)
+}
+
+/// Returns the smallest number of single-letter insertions, deletions and replacements that
+/// change `a` into `b` (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &cb) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(ca != cb);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_finds_its_name_and_nonsense_does_not() {
+        let known = ["youngs_modulus", "poisson", "yield_stress"];
+        assert_eq!(nearest("young_modulus", &known), Some("youngs_modulus"));
+        assert_eq!(nearest("possion", &known), Some("poisson"));
+        assert_eq!(nearest("xyzzy", &known), None);
+    }
+
+    #[test]
+    fn all_errors_are_reported_at_once() {
+        let parameters = [
+            ("young_modulus".to_string(), Param::Number(210.0)),
+            ("poisson".to_string(), Param::Number(0.7)),
+            ("yield_stress".to_string(), Param::List(vec![1.0])),
+        ];
+        let (name, law) = ("steel".to_string(), "j2".to_string());
+        let material = Material { name, law, density: -1.0, parameters: parameters.into() };
+        let problems = crate::materials::build(&material).err().expect("all parameters are wrong");
+        let paths: Vec<_> = problems.iter().map(|problem| problem.path.as_str()).collect();
+        assert_eq!(
+            paths,
+            ["density", "youngs_modulus", "poisson", "yield_stress", "young_modulus"]
+        );
+        assert!(problems[4].help.contains("'youngs_modulus'"), "{}", problems[4].help);
+        assert!(problems.iter().all(|problem| problem.message.contains("'steel'")));
+
+        let material = Material { law: "j3".into(), ..material };
+        let problems = crate::materials::build(&material).err().expect("no such law");
+        assert!(
+            problems[0].help.contains("'j2'") && problems[0].help.contains("elastic"),
+            "{}",
+            problems[0].help
+        );
+    }
+}
