@@ -5,6 +5,7 @@ mod checkpoint;
 mod contact;
 mod loads;
 mod output;
+mod require;
 mod restart;
 mod rigid;
 mod setting;
@@ -17,6 +18,7 @@ pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
 pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
+pub use require::{ElementReduction, Quantity, Requirement, RowReduction};
 pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
 pub use setting::Setting;
@@ -107,6 +109,9 @@ pub struct Job {
     /// Prescribed motions of node sets and rigid bodies.
     #[serde(default)]
     pub motion: Vec<MotionInput>,
+    /// Requirements on the results.
+    #[serde(default)]
+    pub require: Vec<Requirement>,
     /// Contact. Without this table there is no contact, only rigid walls. It may be written as a
     /// list `[[contact]]`: the first entry is this table, each further entry is a
     /// `[[contact.interface]]`.

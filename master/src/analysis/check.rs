@@ -7,6 +7,7 @@ use crate::input::check::{describe, figure};
 use crate::input::confine;
 use crate::input::findings::Findings;
 use crate::input::job::{self, Model, Report};
+use crate::results::requirements;
 use crate::stdout;
 
 /// Runs `crumple check`: prints the description to standard output, or all problems to standard
@@ -22,6 +23,7 @@ pub fn run(args: &CheckArgs) -> u8 {
         let model = job::read(&args.job.job, &args.job.options.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         let workers = model.workers(args.job.options.workers, cores)?;
+        requirements::check_names(&model)?;
         let (costs, memory_mb) = cost::describe(&model, workers);
         let text = describe(&model) + &costs;
         Ok((model, text, memory_mb))

@@ -2,14 +2,16 @@
 
 use crate::input::connectivity::{ConnectedPiece, pieces};
 use crate::results::steering::SteeringRecord;
-use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED};
+use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED, UNMET};
 use crumple_proto::job::{Job, Part, WallInput};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{FinalReport, PHASES, PartRecord};
 use crumple_worker::fem::elements::points_of;
+use crumple_worker::vtu;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// End of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -25,7 +27,7 @@ pub enum RunEnd {
 }
 
 impl RunEnd {
-    /// Returns the exit code of a run that ended in this way.
+    /// Returns the exit code of a run that ended in this way and meets its requirements.
     pub fn exit_code(self) -> u8 {
         match self {
             Self::Completed => COMPLETED,
@@ -372,8 +374,62 @@ pub struct Summary {
     pub checkpoints: CheckpointSummary,
     /// Rows of histories that are lost because a file was removed.
     pub lost: Vec<String>,
+    /// Requirements of the job, if the run is complete.
+    pub requirements: Vec<RequirementResult>,
     /// blake3 hash of the state; see [`state_digest`].
     pub state_digest: String,
+}
+
+impl Summary {
+    /// Returns the exit code of the run.
+    pub fn exit_code(&self) -> u8 {
+        let is_met = self.requirements.iter().all(|one| one.is_met);
+        if is_met { self.status.exit_code() } else { UNMET }
+    }
+
+    /// Writes the file as a whole.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+        let text = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
+        vtu::write_whole(path, |out| out.write_all(text.as_bytes()))
+    }
+}
+
+/// A requirement, and the value that the run has.
+#[derive(Clone, Debug, Serialize)]
+pub struct RequirementResult {
+    /// Name of the requirement.
+    pub name: String,
+    /// Value; none if it cannot be read from the results.
+    pub value: Option<f64>,
+    /// Largest value that meets the requirement.
+    pub below: Option<f64>,
+    /// Smallest value that meets the requirement.
+    pub above: Option<f64>,
+    /// True if the value meets the requirement.
+    pub is_met: bool,
+    /// Why there is no value; empty if there is one.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub why: String,
+}
+
+impl RequirementResult {
+    /// Returns the requirement as a line for the log.
+    pub fn line(&self) -> String {
+        let verdict = if self.is_met { "PASS" } else { "FAIL" };
+        let limit = |word: &str, limit: Option<f64>| limit.map(|l| format!("{word} {l}"));
+        let limits: Vec<String> = [limit("below", self.below), limit("above", self.above)]
+            .into_iter()
+            .flatten()
+            .collect();
+        let value = match self.value {
+            Some(value) => format!("{value:.6e}"),
+            None => self.why.clone(),
+        };
+        format!("{verdict}  {}: {value} (required: {})", self.name, limits.join(", "))
+    }
 }
 
 /// Returns the blake3 hash (hex) of the little-endian f64 bits of position, velocity and

@@ -176,7 +176,7 @@ pub fn run(
     let ended = control.conclude(stop);
     control.viewing.end();
     match &ended {
-        Ok(summary) => control.steering.end(summary.status.exit_code(), &summary.reason),
+        Ok(summary) => control.steering.end(summary.exit_code(), &summary.reason),
         Err(error) => control.steering.end(error.exit_code(), &error.to_string()),
     }
     ended

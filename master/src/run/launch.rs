@@ -5,7 +5,7 @@ use crate::cli::RunArgs;
 use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::results::summary::{RunEnd, Summary};
-use crate::results::{d3plot, exodus, fields, report, steering, vtkhdf};
+use crate::results::{d3plot, exodus, fields, report, requirements, steering, vtkhdf};
 use crate::run::attempt::{self, Attempt};
 use crate::run::checkpoint::manifest::{Manifest, Stamp};
 use crate::run::checkpoint::{compare, find};
@@ -211,6 +211,7 @@ fn read_job(
         known.iter().flat_map(|stamp| stamp.set.clone()).chain(args.sets()).collect();
     let mut model = job::read(&file.unwrap_or_default(), &sets)?;
     let workers = workers(&model)?;
+    requirements::check_names(&model)?;
     if let Ok(patience) = model.job.checkpoint.patience() {
         disk::set_patience(patience);
     }
@@ -413,7 +414,7 @@ fn conclude(args: &RunArgs, model: &Model, summary: &Summary, out: &Path) -> u8 
     if summary.status == RunEnd::Stopped && !args.quiet && find::newest_cycle(out).is_some() {
         say!("continue with: crumple run --resume {}", out.display());
     }
-    summary.status.exit_code()
+    summary.exit_code()
 }
 
 /// Names the last state of a run that has failed, and the command that continues from it.
@@ -444,8 +445,11 @@ fn name_last_state(out: &Path, summary: &Summary) {
 }
 
 fn print_summary(s: &Summary, out: &Path) {
-    let ending =
-        if s.status == RunEnd::Failed { "ERROR TERMINATION" } else { "NORMAL TERMINATION" };
+    let ending = match s.status {
+        RunEnd::Completed => "NORMAL TERMINATION",
+        RunEnd::Stopped => "STOPPED BEFORE THE END",
+        RunEnd::Failed => "ERROR TERMINATION",
+    };
     say!("{ending}: {:?}, {}", s.status, s.reason);
     say!(
         "time {:.6e} after {} cycles, dt first {:.3e} min {:.3e}",
@@ -484,6 +488,7 @@ fn print_summary(s: &Summary, out: &Path) {
     let shares: Vec<_> =
         phases.iter().map(|(name, p)| format!("{name} {:.1} %", share(p.mean))).collect();
     say!("share of phases: {}", shares.join(", "));
+    s.requirements.iter().for_each(|one| say!("{}", one.line()));
     say!("state_digest {}", s.state_digest);
     say!(
         "results in {}; open {} in ParaView",

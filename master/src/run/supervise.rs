@@ -9,7 +9,7 @@ use crate::run::checkpoint::manifest::{MANIFEST, Manifest};
 use crate::run::service::Service;
 use crate::run::service::signals::{Manner, StopFlag};
 use crumple_proto::disk::watched;
-use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, WORKER_LOST};
+use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, UNMET, WORKER_LOST};
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
@@ -138,12 +138,17 @@ impl<'a> Supervised<'a> {
         if let Some(code) = code_of_run.filter(|code| ENDED.contains(code)) {
             return Ok(End::Code(code));
         }
-        // A launcher that was interrupted has its own code. The summary has the end of the run.
-        let stopped = |(written, text): (SystemTime, String)| {
-            Some(written) != before && text.contains("\"status\": \"stopped\"")
-        };
-        if summary_of(&self.out).is_some_and(stopped) {
-            return Ok(End::Code(STOPPED));
+        // A launcher that was interrupted has its own code, often that of a requirement that is not
+        // met. The summary has the end of the run.
+        if let Some((written, text)) = summary_of(&self.out)
+            && Some(written) != before
+        {
+            if text.contains("\"status\": \"stopped\"") {
+                return Ok(End::Code(STOPPED));
+            }
+            if text.contains("\"is_met\": false") {
+                return Ok(End::Code(UNMET));
+            }
         }
         let how = match (code, status.signal()) {
             (Some(code), _) => format!("exit code {code}"),

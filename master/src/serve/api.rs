@@ -62,9 +62,9 @@ impl JobState {
 
     /// Returns the state of a run that ended with an exit code.
     pub fn of_code(code: u8) -> Self {
-        use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED};
+        use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, FAILED, STOPPED, UNMET};
         match code {
-            COMPLETED => Self::Completed,
+            COMPLETED | UNMET => Self::Completed,
             BAD_INPUT => Self::Refused,
             FAILED => Self::Failed,
             STOPPED => Self::Stopped,

@@ -482,7 +482,11 @@ fn code_of_summary(folder: &JobFolder, attempt: u32) -> Option<u8> {
     if written < modified(folder.attempt(attempt))? {
         return None;
     }
-    match summary(folder)?["status"].as_str()? {
+    let summary = summary(folder)?;
+    let requirements = summary["requirements"].as_array().into_iter().flatten();
+    let is_unmet = requirements.into_iter().any(|one| one["is_met"] == false);
+    match summary["status"].as_str()? {
+        "completed" if is_unmet => Some(crumple_proto::exit_code::UNMET),
         "completed" => Some(crumple_proto::exit_code::COMPLETED),
         "stopped" => Some(STOPPED),
         "failed" => Some(crumple_proto::exit_code::FAILED),

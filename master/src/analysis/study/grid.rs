@@ -1,8 +1,8 @@
 //! Points of a study: every combination of its settings. Each is checked as a job before any run.
 
-use super::quantity::RunResults;
 use super::spec::{Measure, Reference, Study, flatten};
 use crate::input::job::{self, Model};
+use crate::results::quantity::{self, RunResults};
 use std::collections::HashMap;
 use std::path::Path;
 use toml::Value;
@@ -83,10 +83,14 @@ impl StudyPlan {
         wrong.extend(refused.iter().map(Refused::text));
         if let Some(blank) = &keys.blank {
             let of = |m: &Measure| {
-                m.quantity.unknown(blank).map(|why| format!("measure `{}`: {why}", m.name))
+                quantity::unknown_name(&m.quantity, blank)
+                    .map(|why| format!("measure `{}`: {why}", m.name))
             };
             wrong.extend(study.measure.iter().filter_map(of));
-            wrong.extend(study.cost.quantity.unknown(blank).map(|why| format!("cost: {why}")));
+            wrong.extend(
+                quantity::unknown_name(&study.cost.quantity, blank)
+                    .map(|why| format!("cost: {why}")),
+            );
         }
         let mut reference = Vec::new();
         for measure in &study.measure {

@@ -4,14 +4,11 @@
 //! - [`spec`]: the study file and its errors
 //! - [`grid`]: the points of the grid
 //! - [`runs`]: each point as a separate process; finished points are not repeated
-//! - [`quantity`], [`probe`]: numbers from the results of a run
 //! - [`results`]: errors, costs, the Pareto front, `results.csv`
 //! - [`chart`]: the charts
 
 pub mod chart;
 pub mod grid;
-pub mod probe;
-pub mod quantity;
 pub mod results;
 pub mod runs;
 pub mod spec;

@@ -1,9 +1,9 @@
 //! Results of the points of a study: values, errors, costs, the Pareto front, `results.csv`.
 
 use super::grid::{StudyPlan, StudySetting, plain};
-use super::quantity::RunResults;
 use super::runs::{self, PointOutcome};
 use super::spec::{Reference, Study};
+use crate::results::quantity::{self, RunResults};
 use std::path::Path;
 
 /// All points of the series.
@@ -68,7 +68,8 @@ impl PointTable {
                             measure.name, outcome.reason
                         ));
                     }
-                    Some(measure.quantity.value(&RunResults::load(&runs::folder(out, point))?)?)
+                    let run = RunResults::load(&runs::folder(out, point))?;
+                    Some(quantity::value(&measure.quantity, &run)?)
                 }
                 _ => None,
             });
@@ -80,8 +81,8 @@ impl PointTable {
             let outcome = runs::outcome(out, point).ok_or_else(|| format!("{label}: not run"))?;
             // A failed run may have written some of its results, or none.
             let run = RunResults::load(&runs::folder(out, point)).ok();
-            let value = |q: &super::quantity::Quantity| {
-                run.as_ref().and_then(|r| q.value(r).ok()).unwrap_or(f64::NAN)
+            let value = |q: &crumple_proto::job::Quantity| {
+                run.as_ref().and_then(|r| quantity::value(q, r).ok()).unwrap_or(f64::NAN)
             };
             let values: Vec<f64> = study.measure.iter().map(|m| value(&m.quantity)).collect();
             let error = |m: usize| {

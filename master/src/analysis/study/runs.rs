@@ -2,8 +2,8 @@
 //! are those of the point alone.
 
 use super::grid::{Point, StudyPlan};
-use super::quantity::RunResults;
 use super::spec::Study;
+use crate::results::quantity::{self, RunResults};
 use crate::run::service::signals::StopFlag;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
@@ -152,6 +152,8 @@ fn one(
         Waited::Late => (-1, format!("not finished after {wall_s:.0} s of wall time")),
         Waited::Ended(status) => match status.code() {
             Some(STOPPED) => return Ok(None),
+            // Studies measure; requirements are for single runs.
+            Some(UNMET) => (0, reason(&folder, &words, 0)),
             Some(code) => (code, reason(&folder, &words, code)),
             None => (-1, format!("{status}; see {}", words.display())),
         },
@@ -160,12 +162,10 @@ fn one(
         // A measure with an unknown name must fail at the first point, not after the last.
         let run = RunResults::load(&folder)?;
         for measure in &study.measure {
-            measure
-                .quantity
-                .value(&run)
+            quantity::value(&measure.quantity, &run)
                 .map_err(|why| format!("measure `{}`: {why}", measure.name))?;
         }
-        study.cost.quantity.value(&run).map_err(|why| format!("cost: {why}"))?;
+        quantity::value(&study.cost.quantity, &run).map_err(|why| format!("cost: {why}"))?;
     }
     let outcome = PointOutcome { code, reason, wall_s, settings: point.sets.clone() };
     let text = serde_json::to_string_pretty(&outcome).map_err(|error| error.to_string())?;

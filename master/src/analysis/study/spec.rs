@@ -1,6 +1,6 @@
 //! The study file in TOML, and its checks before any run.
 
-use super::quantity::Quantity;
+use crumple_proto::job::Quantity;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};

@@ -24,6 +24,7 @@ mod mesh;
 mod model;
 mod numbering;
 pub mod report;
+mod requirements;
 mod resolve;
 mod restart;
 mod rigid;

@@ -144,7 +144,12 @@ impl Model {
         };
         match path {
             "" => Err(Report::from_problem(problem)),
-            _ => Err(Report { problems: vec![self.show(&problem)] }),
+            _ => Err(self.report(&[problem])),
         }
+    }
+
+    /// Returns a report of problems, with their lines in the job.
+    pub fn report(&self, problems: &[Problem]) -> Report {
+        Report { problems: problems.iter().map(|problem| self.show(problem)).collect() }
     }
 }

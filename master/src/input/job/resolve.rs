@@ -1,7 +1,7 @@
 //! The numbers of a job: range checks and defaults.
 
 use super::validate::{JobProblems, nearest};
-use super::{contact, walls};
+use super::{contact, requirements, walls};
 use crate::features;
 use crumple_proto::histories::HistoryRequests;
 use crumple_proto::job::{ContactInput, Job, Part, Setting};
@@ -26,6 +26,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut JobProblems) {
     parts_and_materials(job, numbers.findings);
     loads(job, &mut NumberChecks { findings });
     walls::check(job, findings);
+    requirements::check(job, findings);
     if let Some(contact) = &job.contact {
         contact::check(contact, job, &mut NumberChecks { findings });
     }

@@ -29,7 +29,7 @@ Editors know these keys too, see [the README](../README.md#job-files-in-an-edito
 /// Returns the whole page.
 pub fn page() -> String {
     let schema = schema();
-    let mut page = Page { schema: &schema, text: INTRODUCTION.to_string() };
+    let mut page = Page { schema: &schema, text: INTRODUCTION.to_string(), open: Vec::new() };
     page.table("", &schema);
     page.text
 }
@@ -37,6 +37,8 @@ pub fn page() -> String {
 struct Page<'s> {
     schema: &'s Value,
     text: String,
+    /// Types whose tables are being written. A table may have itself as a subtable.
+    open: Vec<String>,
 }
 
 impl Page<'_> {
@@ -79,7 +81,11 @@ impl Page<'_> {
                 self.generators();
                 continue;
             }
+            self.open.extend(self.type_name(property).map(String::from));
             self.table(&heading, &inner);
+            if self.type_name(property).is_some() {
+                self.open.pop();
+            }
             match key.as_str() {
                 "material" => self.laws(),
                 "part" => self.elements(),
@@ -91,6 +97,9 @@ impl Page<'_> {
 
     /// Returns the table that a property holds, and true if it may appear several times.
     fn inner<'a>(&'a self, property: &'a Value) -> Option<(&'a Value, bool)> {
+        if self.type_name(property).is_some_and(|name| self.open.iter().any(|open| open == name)) {
+            return None;
+        }
         let resolved = self.resolve(property);
         if resolved["type"] == "array" {
             let items = self.resolve(&resolved["items"]);
@@ -101,6 +110,13 @@ impl Page<'_> {
         }
         let free = resolved["type"] == "object" && resolved["additionalProperties"] == true;
         (free || resolved["properties"].is_object()).then_some((resolved, false))
+    }
+
+    /// Returns the name of the type of a property, of its items or of its choices.
+    fn type_name<'a>(&'a self, property: &'a Value) -> Option<&'a str> {
+        let choices = property["anyOf"].as_array().into_iter().flatten();
+        let all = [property, &property["items"]].into_iter().chain(choices);
+        all.filter_map(|one| one["$ref"].as_str()).find_map(|r| r.strip_prefix("#/$defs/"))
     }
 
     fn resolve<'a>(&'a self, schema: &'a Value) -> &'a Value {
@@ -147,6 +163,7 @@ impl Page<'_> {
             "integer" => "whole number".into(),
             "string" => "text".into(),
             "boolean" => "true or false".into(),
+            "object" if resolved["properties"].is_object() => "table".into(),
             "object" => format!("table of: {}", self.form(&resolved["additionalProperties"])),
             "array" => {
                 let items = match self.form(&resolved["items"]).as_str() {

@@ -15,12 +15,13 @@ use serde_json::Value;
 use std::collections::HashSet;
 
 /// Keys that may change, with all keys below them.
-const FREE: [&str; 10] = [
+const FREE: [&str; 11] = [
     "title",
     "end_time",
     "output",
     "parallel",
     "checkpoint",
+    "require",
     "restart",
     "time.max_cycles",
     "time.damping",

@@ -1,10 +1,10 @@
 //! The end of a run: its summary.
 
 use super::{Control, RunError};
+use crate::results::requirements;
 use crate::results::summary::{self, RunEnd, Summary};
 use crate::run::balance::URGENT;
 use crumple_proto::report::FinalReport;
-use crumple_worker::vtu;
 
 impl Control<'_> {
     /// Writes the summary after all final reports have arrived.
@@ -15,11 +15,15 @@ impl Control<'_> {
             .and_then(|()| self.history.check_files())
             .map_err(missing)?;
         self.watch_files();
-        let summary = self.summary();
+        let mut summary = self.summary();
         let path = self.out.join("summary.json");
-        let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
-        vtu::write_whole(&path, |out| out.write_all(text.as_bytes()))
-            .map_err(|error| RunError::Output { path, error })?;
+        let unwritten = |error| RunError::Output { path: path.clone(), error };
+        summary.write(&path).map_err(unwritten)?;
+        if summary.status == RunEnd::Completed && !self.model.job.require.is_empty() {
+            // Quantities are read from the files of the run, this one among them.
+            summary.requirements = requirements::judge(&self.model.job.require, &self.out);
+            summary.write(&path).map_err(unwritten)?;
+        }
         Ok(summary)
     }
 
@@ -83,6 +87,7 @@ impl Control<'_> {
             steering: self.steering.records(),
             checkpoints: self.checkpoints.summary,
             lost: self.history.lost.clone(),
+            requirements: Vec::new(),
             state_digest: summary::state_digest(&mut self.states),
         }
     }

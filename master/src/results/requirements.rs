@@ -1,0 +1,55 @@
+//! Requirements of a job: their names are checked before the run, their values after it.
+
+use super::quantity::{self, RunResults};
+use crate::input::job::{Model, Report};
+use crate::results::summary::RequirementResult;
+use crumple_proto::job::Requirement;
+use crumple_proto::problem::Problem;
+use std::path::Path;
+
+/// Checks the names of quantities; [`crate::input::job`] checks the rest.
+///
+/// # Errors
+/// No run of the job has them.
+pub fn check_names(model: &Model) -> Result<(), Report> {
+    if model.job.require.is_empty() {
+        return Ok(());
+    }
+    let blank = RunResults::blank(model);
+    let problem = |(index, one): (usize, &Requirement)| {
+        let why = quantity::unknown_name(&one.quantity, &blank)?;
+        let path = format!("require.{index}.quantity");
+        let message = format!("requirement `{}`: no run has this quantity", one.name);
+        Some(Problem::error(path, message, why))
+    };
+    let problems: Vec<Problem> = model.job.require.iter().enumerate().filter_map(problem).collect();
+    if problems.is_empty() { Ok(()) } else { Err(model.report(&problems)) }
+}
+
+/// Returns the requirements of a job with the values of a completed run, whose files are in `out`.
+pub fn judge(requirements: &[Requirement], out: &Path) -> Vec<RequirementResult> {
+    if requirements.is_empty() {
+        return Vec::new();
+    }
+    let results = RunResults::load(out);
+    let judge_one = |one: &Requirement| {
+        let value = match &results {
+            Ok(results) => quantity::value(&one.quantity, results),
+            Err(why) => Err(why.clone()),
+        };
+        let is_met = value.as_ref().is_ok_and(|value| one.is_met_by(*value));
+        RequirementResult {
+            name: one.name.clone(),
+            is_met,
+            below: one.below,
+            above: one.above,
+            why: match &value {
+                Ok(value) if value.is_nan() => "the results do not have the value".into(),
+                Ok(_) => String::new(),
+                Err(why) => why.clone(),
+            },
+            value: value.ok().filter(|value| !value.is_nan()),
+        }
+    };
+    requirements.iter().map(judge_one).collect()
+}

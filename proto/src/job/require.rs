@@ -1,0 +1,169 @@
+//! Numbers from the results of a run, and requirements on them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A requirement on the results. If the run completes and does not meet it, the exit code is 1.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Requirement {
+    /// Name in the results, such as `peak force`.
+    pub name: String,
+    /// Number that is compared with the limits.
+    pub quantity: Quantity,
+    /// Largest value that meets the requirement, in the unit of the quantity.
+    #[serde(default)]
+    pub below: Option<f64>,
+    /// Smallest value that meets the requirement, in the unit of the quantity.
+    #[serde(default)]
+    pub above: Option<f64>,
+}
+
+impl Requirement {
+    /// Returns true if a value is within the limits. NaN is not.
+    pub fn is_met_by(&self, value: f64) -> bool {
+        self.below.is_none_or(|limit| value <= limit)
+            && self.above.is_none_or(|limit| value >= limit)
+            && !value.is_nan()
+    }
+}
+
+/// A number of a run. The source is one of `summary`, `history` and `field`; the value is
+/// `(source - minus) / over * scale`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Quantity {
+    /// Dotted path in `summary.json`, such as `energy.error_max` or `momentum.end.0`.
+    pub summary: Option<String>,
+    /// Column of `history.csv`, with or without its unit.
+    pub history: Option<String>,
+    /// Array of the field files, such as `velocity`: the mean over the elements of `part`.
+    pub field: Option<String>,
+    /// Component of the field: x, y, z, or xx, yy, zz, xy, yz, zx of a tensor. By default the
+    /// length of a vector.
+    pub component: Option<String>,
+    /// Id of the part whose elements are used; all parts by default.
+    pub part: Option<u32>,
+    /// Reduction of the elements to one number; the mean by default.
+    pub elements: Option<ElementReduction>,
+    /// Simulated time of the value [time]. History rows are interpolated; of fields the nearest
+    /// output step is used.
+    pub at: Option<f64>,
+    /// Reduction of the rows to one number; the last row by default.
+    pub stat: Option<RowReduction>,
+    /// Value of the column. The result is the time at which the column first crosses it,
+    /// interpolated between rows; NaN if it never does.
+    pub crossing: Option<f64>,
+    /// Time of the first row used [time].
+    pub from: Option<f64>,
+    /// Time of the last row used [time].
+    pub to: Option<f64>,
+    /// Quantity that is subtracted.
+    pub minus: Option<Box<Quantity>>,
+    /// Quantity by which the result is divided.
+    pub over: Option<Box<Quantity>>,
+    /// Factor of the result.
+    pub scale: Option<f64>,
+}
+
+/// Reduction of the elements of a part to one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ElementReduction {
+    /// Mean.
+    Mean,
+    /// Minimum.
+    Min,
+    /// Maximum.
+    Max,
+}
+
+/// Reduction of a column to one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RowReduction {
+    /// First row.
+    First,
+    /// Last row.
+    Last,
+    /// Minimum.
+    Min,
+    /// Maximum.
+    Max,
+    /// Mean over time by the trapezoidal rule.
+    Mean,
+    /// Slope of the least squares line [1/time].
+    Slope,
+    /// Largest magnitude over that of the first row.
+    Growth,
+}
+
+impl Quantity {
+    /// Creates a quantity from a path in the summary.
+    pub fn summary(path: &str) -> Self {
+        Self { summary: Some(path.into()), ..Self::default() }
+    }
+
+    /// Returns the error of the quantity as it is written, if any.
+    pub fn wrong(&self) -> Option<String> {
+        let sources = [self.summary.is_some(), self.history.is_some(), self.field.is_some()];
+        if sources.iter().filter(|s| **s).count() != 1 {
+            return Some(
+                "a quantity needs one of summary = \"...\", history = \"...\" and field = \"...\""
+                    .into(),
+            );
+        }
+        let ways = [self.at.is_some(), self.stat.is_some(), self.crossing.is_some()];
+        if ways.iter().filter(|w| **w).count() > 1 {
+            return Some("give one of `at`, `stat` and `crossing`".into());
+        }
+        let window = self.from.is_some() || self.to.is_some();
+        if self.history.is_none() && (self.stat.is_some() || self.crossing.is_some() || window) {
+            return Some("`stat`, `crossing`, `from` and `to` belong to history = \"...\"".into());
+        }
+        if self.summary.is_some() && self.at.is_some() {
+            return Some("summary.json has no times; `at` belongs to history and field".into());
+        }
+        if self.field.is_none()
+            && (self.component.is_some() || self.part.is_some() || self.elements.is_some())
+        {
+            return Some("`component`, `part` and `elements` belong to field = \"...\"".into());
+        }
+        [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contradictions_are_found_before_anything_runs() {
+        for text in [
+            "at = 1.0",
+            "summary = \"a\"\nhistory = \"b\"",
+            "summary = \"a\"\nat = 1.0",
+            "history = \"a\"\nat = 1.0\nstat = \"max\"",
+            "history = \"a\"\npart = 1",
+            "summary = \"a\"\nfrom = 1.0",
+            "summary = \"a\"\nminus = { at = 1.0 }",
+        ] {
+            assert!(toml::from_str::<Quantity>(text).unwrap().wrong().is_some(), "{text}");
+        }
+        assert_eq!(Quantity::summary("cycles").wrong(), None);
+    }
+
+    #[test]
+    fn a_value_meets_both_limits_or_not_at_all() {
+        let of = |below, above| Requirement {
+            name: "force".into(),
+            quantity: Quantity::summary("a"),
+            below,
+            above,
+        };
+        assert!(of(Some(2.0), Some(1.0)).is_met_by(1.5));
+        assert!(of(Some(2.0), None).is_met_by(2.0) && of(None, Some(2.0)).is_met_by(2.0));
+        assert!(!of(Some(2.0), None).is_met_by(2.1) && !of(None, Some(2.0)).is_met_by(1.9));
+        assert!(!of(Some(2.0), None).is_met_by(f64::NAN));
+    }
+}
