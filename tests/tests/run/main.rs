@@ -9,6 +9,7 @@ mod hostile_disks;
 mod jeep_frame;
 mod numbering;
 mod precision;
+mod requirements;
 mod restart_changes;
 mod steps;
 mod subcycles;

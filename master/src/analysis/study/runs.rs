@@ -5,6 +5,7 @@ use super::grid::{Point, StudyPlan};
 use super::spec::Study;
 use crate::results::quantity::{self, RunResults};
 use crate::run::service::signals::StopFlag;
+use crumple_proto::exit_code::UNMET;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashSet, VecDeque};
@@ -153,7 +154,7 @@ fn one(
         Waited::Ended(status) => match status.code() {
             Some(STOPPED) => return Ok(None),
             // Studies measure; requirements are for single runs.
-            Some(UNMET) => (0, reason(&folder, &words, 0)),
+            Some(code) if code == i32::from(UNMET) => (0, reason(&folder, &words, 0)),
             Some(code) => (code, reason(&folder, &words, code)),
             None => (-1, format!("{status}; see {}", words.display())),
         },
