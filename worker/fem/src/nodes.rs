@@ -118,6 +118,7 @@ impl Nodes {
     }
 
     /// Recomputes the inverse mass and inertia of node `i`.
+    #[inline]
     pub fn invert_mass(&mut self, i: usize) {
         let inverse = |m: f64| if m > 0.0 { 1.0 / m } else { 0.0 };
         let free = |bit: usize, a: f64| if self.fixed[i] >> bit & 1 == 1 { 0.0 } else { a };
@@ -239,11 +240,13 @@ impl Nodes {
 
     /// Returns the view of slow elements at the start of an outer step: mean velocities of the
     /// previous outer step.
+    #[inline]
     pub fn mean_view(&self) -> NodeView<'_> {
         NodeView { x: &self.x[..self.local_count], v: &self.mean_v, w: &self.mean_w }
     }
 
     /// Returns the view of elements: coordinates and velocities.
+    #[inline]
     pub fn view(&self) -> NodeView<'_> {
         NodeView { x: &self.x, v: &self.v, w: &self.w }
     }
@@ -273,12 +276,14 @@ impl Nodes {
     }
 
     /// Returns the number of local and ghost nodes.
+    #[inline]
     pub fn len(&self) -> usize {
         self.id.len()
     }
 
     /// Returns the mass of node `i` in contact [mass]. The mass of a tied node is at its masters;
     /// in contact the node still has it.
+    #[inline]
     pub fn contact_mass(&self, i: usize) -> f64 {
         let [x, y, z, _] = self.inv_mass[i];
         let inverse = x.max(y).max(z);
@@ -286,21 +291,25 @@ impl Nodes {
     }
 
     /// Returns true if this worker owns node `i`.
+    #[inline]
     pub fn is_owned(&self, i: usize) -> bool {
         i < self.local_count && self.owner[i] == self.me
     }
 
     /// Returns true if there are no nodes.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
     /// Returns the index of a local node.
+    #[inline]
     pub fn local_index(&self, id: NodeId) -> Option<u32> {
         self.id[..self.local_count].binary_search(&id).ok().map(|i| i as u32)
     }
 
     /// Returns the index of a local or ghost node.
+    #[inline]
     pub fn index_of(&self, id: NodeId) -> Option<u32> {
         let exterior = || {
             self.id[self.local_count..]

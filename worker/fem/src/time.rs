@@ -24,6 +24,7 @@ pub struct StepSizes {
 impl StepSizes {
     /// Returns the impulse of a force over the change of momentum that it causes under damping,
     /// `dt_velocity / dt_damped`.
+    #[inline]
     pub fn given(&self) -> f64 {
         self.dt_velocity / self.dt_damped
     }
@@ -109,11 +110,13 @@ impl Clock {
     }
 
     /// Returns true if an outer step begins: slow elements are computed, and the step may change.
+    #[inline]
     pub fn starts_outer_step(&self, settings: &Settings) -> bool {
         self.cycle.is_multiple_of(settings.subcycles)
     }
 
     /// Returns the elements that the present cycle computes.
+    #[inline]
     pub fn element_set(&self, settings: &Settings) -> ElementSet {
         if self.starts_outer_step(settings) { ElementSet::All } else { ElementSet::Fast }
     }
@@ -175,12 +178,14 @@ impl Clock {
     }
 
     /// Returns the time from the last to the next mid-step [time].
+    #[inline]
     pub fn mid(&self) -> f64 {
         0.5 * (self.last_dt + self.dt)
     }
 
     /// Returns the step sizes around the present time. `damping` is proportional to mass
     /// [1/time]. Velocities start at time 0, half a step before the first mid-step.
+    #[inline]
     pub fn steps(&self, damping: f64) -> StepSizes {
         let mid = self.mid();
         StepSizes {
@@ -200,6 +205,7 @@ impl Clock {
     }
 
     /// Returns true if the run is over.
+    #[inline]
     pub fn is_over(&self, settings: &Settings) -> bool {
         let out_of_cycles = settings.max_cycles > 0 && self.cycle >= settings.max_cycles;
         out_of_cycles || self.time >= settings.end_time * (1.0 - SLACK)

@@ -20,16 +20,19 @@ pub struct Work {
 impl Work {
     /// Returns the work of one component of an impulse [mass length/time] between velocities
     /// `before` and `after` [length/time].
+    #[inline]
     pub fn from_impulse(impulse: f64, before: f64, after: f64) -> Self {
         Self { before: 0.5 * impulse * before, after: 0.5 * impulse * after }
     }
 
     /// Returns the work of an impulse with three components.
+    #[inline]
     pub fn from_impulses(impulse: &Row, before: &Row, after: &Row) -> Self {
         (0..3).map(|c| Self::from_impulse(impulse[c], before[c], after[c])).sum()
     }
 
     /// Returns the sum of both halves [energy].
+    #[inline]
     pub fn total(&self) -> f64 {
         self.before + self.after
     }
@@ -37,6 +40,7 @@ impl Work {
 
 impl Add for Work {
     type Output = Self;
+    #[inline]
     fn add(self, b: Self) -> Self {
         Self { before: self.before + b.before, after: self.after + b.after }
     }
@@ -44,12 +48,14 @@ impl Add for Work {
 
 impl Mul<f64> for Work {
     type Output = Self;
+    #[inline]
     fn mul(self, a: f64) -> Self {
         Self { before: self.before * a, after: self.after * a }
     }
 }
 
 impl Sum for Work {
+    #[inline]
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
         all.fold(Self::default(), Add::add)
     }
@@ -70,6 +76,7 @@ pub struct WorkSum {
 
 impl WorkSum {
     /// Adds the work of one node, pair or body in the present step.
+    #[inline]
     pub fn add(&mut self, work: Work) {
         self.total.add(work.total());
         self.ahead.add(work.after);
@@ -96,6 +103,7 @@ impl WorkSum {
     }
 
     /// Returns the work of all steps [energy].
+    #[inline]
     pub fn total(&self) -> f64 {
         self.total.value()
     }

@@ -36,6 +36,7 @@ pub struct RigidMotion {
 
 impl RigidMotion {
     /// Returns the motion without rotation and translation.
+    #[inline]
     pub fn none() -> Self {
         Self {
             rotation: Matrix3::identity(),
@@ -46,6 +47,7 @@ impl RigidMotion {
     }
 
     /// Returns the position of the point `p` after the motion [length].
+    #[inline]
     pub fn carried(&self, p: V3) -> V3 {
         self.rotation * p + self.translation
     }
@@ -164,6 +166,7 @@ impl MotionTracker {
     }
 }
 
+#[inline]
 fn vec3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }

@@ -11,6 +11,7 @@ pub struct VectorRange {
 
 impl Default for VectorRange {
     /// Returns the range of the empty set.
+    #[inline]
     fn default() -> Self {
         Self { low: Lane::splat(f64::INFINITY), high: Lane::splat(f64::NEG_INFINITY) }
     }
@@ -41,16 +42,19 @@ impl VectorRange {
     }
 
     /// Returns the range of both sets.
+    #[inline]
     fn joined(&self, other: &Self) -> Self {
         Self { low: Real::min(self.low, other.low), high: Real::max(self.high, other.high) }
     }
 
     /// Returns the smallest and the largest components; infinite for the empty set.
+    #[inline]
     pub fn bounds(&self) -> [[f64; 4]; 2] {
         [self.low.to_array(), self.high.to_array()]
     }
 
     /// Returns an upper bound of the length of the difference of any two vectors in the set.
+    #[inline]
     pub fn diameter(&self) -> f64 {
         let [low, high] = self.bounds();
         let size = |c: usize| (high[c] - low[c]).max(0.0);
