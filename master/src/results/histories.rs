@@ -54,75 +54,8 @@ impl HistoryFiles {
     ) -> Result<Self, Unwritten> {
         remove_old_files(tables)?;
         let (settings, asked) = (&model.settings, &model.settings.histories);
-        let u = Labels::from_units(&model.job.units);
-        let open =
-            |name: &str, columns: FileColumns<'_>| tables.open(name, columns.header(&u.time));
-        let (length, force, momentum) = (u.length.as_str(), u.force.as_str(), u.momentum.as_str());
-        let (mass, energy) = (u.mass.as_str(), u.energy.as_str());
-        let of_parts = asked.parts.then(|| {
-            let scalars =
-                [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)];
-            open(
-                NAMES[0],
-                FileColumns {
-                    words: &["part", "name"],
-                    scalars: &scalars,
-                    vectors: &[("momentum", momentum)],
-                },
-            )
-        });
-        let of_walls = (model.job.output.walls && !settings.walls.is_empty()).then(|| {
-            let vectors = [("impulse", momentum), ("mean force", force), ("displacement", length)];
-            open(
-                NAMES[1],
-                FileColumns { words: &["wall"], vectors: &vectors, ..FileColumns::default() },
-            )
-        });
-        let of_contacts = asked.contacts.then(|| {
-            let parts = open(
-                NAMES[2],
-                FileColumns {
-                    words: &["part", "name"],
-                    vectors: &[("force", force)],
-                    ..FileColumns::default()
-                },
-            )?;
-            let pairs = FileColumns {
-                words: &["on part", "from part"],
-                vectors: &[("force", force)],
-                ..FileColumns::default()
-            };
-            Ok::<_, Unwritten>((parts, open(NAMES[3], pairs)?))
-        });
-        let of_nodes = (!asked.nodes.is_empty()).then(|| {
-            let vectors = [
-                ("displacement", length),
-                ("velocity", &u.velocity),
-                ("acceleration", &u.acceleration),
-            ];
-            let place = ["x", "y", "z"].map(|axis| (axis, length));
-            open(
-                NAMES[4],
-                FileColumns { words: &["nodes", "id"], scalars: &place, vectors: &vectors },
-            )
-        });
-        let of_sections = (!asked.sections.is_empty()).then(|| {
-            let vectors = [("force", force), ("moment", &u.moment), ("middle", length)];
-            open(
-                NAMES[5],
-                FileColumns { words: &["section"], vectors: &vectors, ..FileColumns::default() },
-            )
-        });
-        let of_transducers = (!asked.transducers.is_empty()).then(|| {
-            open(
-                NAMES[6],
-                FileColumns {
-                    words: &["transducer"],
-                    vectors: &[("force", force)],
-                    ..FileColumns::default()
-                },
-            )
-        });
+        let files = FileOpener { tables, units: Labels::from_units(&model.job.units) };
+        let with_walls = model.job.output.walls && !settings.walls.is_empty();
         let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
         let touching = (0..settings.parts.len() as u32)
             .filter(|&i| touches(settings.parts[i as usize].id))
@@ -133,12 +66,14 @@ impl HistoryFiles {
             groups: asked.nodes.iter().map(|g| (g.name.clone(), by_label(&g.nodes))).collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
-            of_parts: of_parts.transpose()?,
-            of_walls: of_walls.transpose()?,
-            of_contacts: of_contacts.transpose()?,
-            of_nodes: of_nodes.transpose()?,
-            of_sections: of_sections.transpose()?,
-            of_transducers: of_transducers.transpose()?,
+            of_parts: asked.parts.then(|| files.parts()).transpose()?,
+            of_walls: with_walls.then(|| files.walls()).transpose()?,
+            of_contacts: asked.contacts.then(|| files.contacts()).transpose()?,
+            of_nodes: (!asked.nodes.is_empty()).then(|| files.nodes()).transpose()?,
+            of_sections: (!asked.sections.is_empty()).then(|| files.sections()).transpose()?,
+            of_transducers: (!asked.transducers.is_empty())
+                .then(|| files.transducers())
+                .transpose()?,
             touching,
             last_walls: {
                 let (time, mut impulses) =
@@ -244,6 +179,77 @@ impl HistoryFiles {
             table.flush()?;
         }
         Ok(())
+    }
+}
+
+/// Opens the files, each with its columns and their units.
+struct FileOpener<'a> {
+    tables: Tables<'a>,
+    units: Labels,
+}
+
+impl FileOpener<'_> {
+    fn open(&self, name: &str, columns: FileColumns<'_>) -> Result<CsvTable, Unwritten> {
+        self.tables.open(name, columns.header(&self.units.time))
+    }
+
+    fn parts(&self) -> Result<CsvTable, Unwritten> {
+        let (mass, energy) = (self.units.mass.as_str(), self.units.energy.as_str());
+        let scalars =
+            [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)];
+        let columns = FileColumns {
+            words: &["part", "name"],
+            scalars: &scalars,
+            vectors: &[("momentum", &self.units.momentum)],
+        };
+        self.open(NAMES[0], columns)
+    }
+
+    fn walls(&self) -> Result<CsvTable, Unwritten> {
+        let Labels { momentum, force, length, .. } = &self.units;
+        let vectors: [(&str, &str); 3] =
+            [("impulse", momentum), ("mean force", force), ("displacement", length)];
+        self.open(
+            NAMES[1],
+            FileColumns { words: &["wall"], vectors: &vectors, ..FileColumns::default() },
+        )
+    }
+
+    fn contacts(&self) -> Result<(CsvTable, CsvTable), Unwritten> {
+        let open = |name: &str, words: &[&str]| {
+            let vectors: [(&str, &str); 1] = [("force", &self.units.force)];
+            self.open(name, FileColumns { words, vectors: &vectors, ..FileColumns::default() })
+        };
+        Ok((open(NAMES[2], &["part", "name"])?, open(NAMES[3], &["on part", "from part"])?))
+    }
+
+    fn nodes(&self) -> Result<CsvTable, Unwritten> {
+        let Labels { length, velocity, acceleration, .. } = &self.units;
+        let vectors: [(&str, &str); 3] =
+            [("displacement", length), ("velocity", velocity), ("acceleration", acceleration)];
+        let place = ["x", "y", "z"].map(|axis| (axis, length.as_str()));
+        self.open(
+            NAMES[4],
+            FileColumns { words: &["nodes", "id"], scalars: &place, vectors: &vectors },
+        )
+    }
+
+    fn sections(&self) -> Result<CsvTable, Unwritten> {
+        let Labels { force, moment, length, .. } = &self.units;
+        let vectors: [(&str, &str); 3] = [("force", force), ("moment", moment), ("middle", length)];
+        self.open(
+            NAMES[5],
+            FileColumns { words: &["section"], vectors: &vectors, ..FileColumns::default() },
+        )
+    }
+
+    fn transducers(&self) -> Result<CsvTable, Unwritten> {
+        let columns = FileColumns {
+            words: &["transducer"],
+            vectors: &[("force", &self.units.force)],
+            ..FileColumns::default()
+        };
+        self.open(NAMES[6], columns)
     }
 }
 

@@ -1,12 +1,11 @@
 //! Contact of beams as lines: with each other, with edges of shells and solids, and with faces.
 //! Closed forms, and the same bits on any number of workers. Units mm, ms, kg.
 
-use crumple::input::job::{self, Model};
-use crumple_tests::{run_alone, run_side_by_side};
+use crumple::input::job::Model;
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::{Elastic, Scene};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
-use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Length of a beam and its radius [mm].
 const LENGTH: f64 = 100.0;
@@ -14,114 +13,69 @@ pub(super) const RADIUS: f64 = 2.0;
 pub(super) const RHO: f64 = 7.85e-6;
 const LAWS: [&str; 3] = ["lagrange", "kinematic", "penalty"];
 
-/// Builder of a mesh.
-#[derive(Default)]
-pub(super) struct Rows {
-    nodes: String,
-    beams: String,
-    shells: String,
-    solids: String,
-    node: usize,
-    element: usize,
+/// Returns a scene without bodies. Parts 1 and 2 have beams, part 3 shells, part 4 solids.
+pub(super) fn lines(end_time: f64) -> Scene {
+    let mut scene = Scene::new(end_time).in_units("mm, ms, kg");
+    scene.elastic("steel", Elastic { e: 207.0, nu: 0.3, rho: RHO });
+    for part in [1, 2] {
+        scene.add(&format!(
+            "[[part]]\nid = {part}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\n\
+             radius = {RADIUS:?}"
+        ));
+    }
+    scene.part(3, "steel", THICKNESS, "");
+    scene.solid_part(4, "steel", "");
+    scene
 }
 
-impl Rows {
-    fn node(&mut self, x: [f64; 3]) -> usize {
-        self.node += 1;
-        writeln!(self.nodes, "[{}, {:?}, {:?}, {:?}],", self.node, x[0], x[1], x[2]).unwrap();
-        self.node
-    }
+/// Adds a row of `n` beams of a part between two points; returns its nodes.
+pub(super) fn bar(
+    scene: &mut Scene,
+    part: u32,
+    n: usize,
+    from: [f64; 3],
+    to: [f64; 3],
+) -> Vec<u32> {
+    let at = |i: usize| [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * i as f64 / n as f64);
+    let nodes: Vec<u32> = (0..=n).map(|i| scene.node(at(i))).collect();
+    beams(scene, part, &nodes);
+    nodes
+}
 
-    /// Adds a row of `n` beams of a part between two points; returns its nodes.
-    pub(super) fn bar(&mut self, part: u32, n: usize, from: [f64; 3], to: [f64; 3]) -> Vec<usize> {
-        let at = |i: usize| [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * i as f64 / n as f64);
-        let nodes: Vec<usize> = (0..=n).map(|i| self.node(at(i))).collect();
-        self.beams(part, &nodes);
-        nodes
-    }
+/// Adds gravity downwards [mm/ms^2].
+pub(super) fn gravity(scene: &mut Scene, g: f64) {
+    scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]", -g));
+}
 
-    /// Adds beams from node to node.
-    fn beams(&mut self, part: u32, nodes: &[usize]) {
-        // The direction of the second axis has no effect on tubes.
-        let third = self.node([310.0, 470.0, 590.0]);
-        for pair in nodes.windows(2) {
-            self.element += 1;
-            writeln!(self.beams, "[{}, {part}, {}, {}, {third}],", self.element, pair[0], pair[1])
-                .unwrap();
-        }
-    }
+/// Holds a track and starts the rigid body `rider` of part 2, which does not turn, along x.
+pub(super) fn ride(scene: &mut Scene, track: &[u32], rider: &[u32], velocity: f64) {
+    scene.add("[[rigid]]\nname = \"rider\"\nparts = [2]\nfixed = [\"rx\", \"ry\", \"rz\"]");
+    scene.time("dt_max = 1e-3");
+    scene.fix(track, "x y z rx ry rz");
+    scene.start(rider, [velocity, 0.0, 0.0], [0.0; 3]);
+}
 
-    /// Adds a grid of quads over a rectangle; `at` maps fractions of its sides to positions.
-    /// Returns its nodes.
-    fn sheet(
-        &mut self,
-        part: u32,
-        [n, m]: [usize; 2],
-        at: impl Fn(f64, f64) -> [f64; 3],
-    ) -> Vec<usize> {
-        let mut nodes = Vec::new();
-        for i in 0..=n {
-            for j in 0..=m {
-                nodes.push(self.node(at(i as f64 / n as f64, j as f64 / m as f64)));
-            }
-        }
-        for i in 0..n {
-            for j in 0..m {
-                let [a, b] = [nodes[(m + 1) * i + j], nodes[(m + 1) * (i + 1) + j]];
-                self.element += 1;
-                writeln!(
-                    self.shells,
-                    "[{}, {part}, {a}, {b}, {}, {}],",
-                    self.element,
-                    b + 1,
-                    a + 1
-                )
-                .unwrap();
-            }
-        }
-        nodes
-    }
+/// Returns the model of a scene with these keys of contact.
+pub(super) fn in_contact(scene: &Scene, keys: &str) -> Model {
+    let mut scene = scene.clone();
+    scene.add(&format!("[contact]\n{keys}"));
+    model_of(&scene.text("Lines in contact"), &[])
+}
 
-    /// Returns the job with node sets and the further keys `rest`. Parts 1 and 2 have beams,
-    /// part 3 shells, part 4 solids.
-    pub(super) fn model(&self, end_time: f64, sets: &[(&str, &[usize])], rest: &str) -> Model {
-        let list = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        let sets: Vec<String> =
-            sets.iter().map(|(name, ids)| format!("{name} = [{}]", list(ids))).collect();
-        let tube = |id: u32| {
-            format!(
-                "[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\n\
-                 radius = {RADIUS:?}\n"
-            )
-        };
-        let text = format!(
-            "end_time = {end_time:?}\n[mesh]\nnodes = [{}]\nbeams = [{}]\nshells = [{}]\n\
-             solids = [{}]\n\
-             node_sets = {{ {} }}\n[output]\nfield_interval = -1.0\n[[material]]\n\
-             name = \"steel\"\nlaw = \"elastic\"\n\
-             density = {RHO:?}\nyoungs_modulus = 207.0\npoisson = 0.3\n{}{}\
-             [[part]]\nid = 3\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\n[[part]]\nid = 4\n\
-             material = \"steel\"\n{rest}",
-            self.nodes,
-            self.beams,
-            self.shells,
-            self.solids,
-            sets.join(", "),
-            tube(1),
-            tube(2),
-        );
-        job::read_text(PathBuf::from("lines.toml"), text, &[])
-            .unwrap_or_else(|report| panic!("{report}"))
-    }
+/// Adds beams from node to node.
+fn beams(scene: &mut Scene, part: u32, nodes: &[u32]) {
+    // The direction of the second axis has no effect on tubes.
+    let third = scene.node([310.0, 470.0, 590.0]);
+    nodes.windows(2).for_each(|pair| scene.beam(part, [pair[0], pair[1], third]));
 }
 
 /// Thickness of shells [mm].
 const THICKNESS: f64 = 1.0;
 
 /// Returns the position and velocity of the node with this id.
-pub(super) fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
+pub(super) fn at(e: &Engine, id: u32) -> ([f64; 3], [f64; 3]) {
     let n = (0..e.nodes.local_count)
-        .find(|&n| e.nodes.id[n].label() == id as u64)
+        .find(|&n| e.nodes.id[n].label() == u64::from(id))
         .expect("a node of the mesh");
     ([0, 1, 2].map(|c| e.nodes.x[n][c]), [0, 1, 2].map(|c| e.nodes.v[n][c]))
 }
@@ -137,17 +91,15 @@ fn momenta(e: &Engine) -> [f64; 6] {
 /// separated or joined, and the change of the momenta.
 fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
     const CELLS: usize = 11; // no node at the crossing
-    let mut rows = Rows::default();
+    let mut scene = lines(1.5);
     let z = RADIUS + 0.5;
     let along = |s: f64| LENGTH * (s - 0.5) - off;
-    let above = rows.bar(1, CELLS, [along(0.0), 0.0, z], [along(1.0), 0.0, z]);
-    let below = rows.bar(2, CELLS, [0.0, along(0.0), -z], [0.0, along(1.0), -z]);
-    let rest = format!(
-        "[[rigid]]\nname = \"above\"\nparts = [1]\n[[rigid]]\nname = \"below\"\nparts = [2]\n\
-         [time]\ndt_max = 2e-3\n\
-         [[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -1.0]\n[contact]\n{law}\n"
-    );
-    let model = rows.model(1.5, &[("above", &above)], &rest);
+    let above = bar(&mut scene, 1, CELLS, [along(0.0), 0.0, z], [along(1.0), 0.0, z]);
+    let below = bar(&mut scene, 2, CELLS, [0.0, along(0.0), -z], [0.0, along(1.0), -z]);
+    scene.add("[[rigid]]\nname = \"above\"\nparts = [1]\n[[rigid]]\nname = \"below\"\nparts = [2]");
+    scene.time("dt_max = 2e-3");
+    scene.start(&above, [0.0, 0.0, -1.0], [0.0; 3]);
+    let model = in_contact(&scene, law);
     let (mut start, mut change, mut touched) = (None, 0.0f64, false);
     let end = run_alone(&model, |e| {
         let now = momenta(e);
@@ -161,7 +113,7 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
         touched |= e.contact.as_ref().is_some_and(|c| c.owned_table().any(|p| p.key.is_edge()));
     });
     assert!(touched, "{law}: there are edge pairs");
-    let mean = |ids: &[usize]| {
+    let mean = |ids: &[u32]| {
         let weight = |k: usize| if k == 0 || k == CELLS { 0.5 } else { 1.0 };
         ids.iter().enumerate().map(|(k, &id)| weight(k) * at(&end, id).1[2]).sum::<f64>()
             / CELLS as f64
@@ -200,16 +152,14 @@ fn crossed_rigid_beams_take_over_the_closed_form() {
 #[test]
 fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
     for law in LAWS {
-        let mut rows = Rows::default();
+        let mut scene = lines(1.0);
         let z = RADIUS + 0.1;
-        let above = rows.bar(1, 10, [-50.0, 1.0, z], [50.0, 1.0, z]);
-        rows.bar(2, 11, [2.0, -50.0, -z], [2.0, 50.0, -z]);
-        let rest = format!(
-            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -5.0]\n[contact]\n\
-             law = \"{law}\"\n"
-        );
+        let above = bar(&mut scene, 1, 10, [-50.0, 1.0, z], [50.0, 1.0, z]);
+        bar(&mut scene, 2, 11, [2.0, -50.0, -z], [2.0, 50.0, -z]);
+        scene.start(&above, [0.0, 0.0, -5.0], [0.0; 3]);
+        let model = in_contact(&scene, &format!("law = \"{law}\""));
         let (mut nearest, mut initial, mut worst) = (f64::INFINITY, 0.0f64, 0.0f64);
-        let end = run_alone(&rows.model(1.0, &[("above", &above)], &rest), |e| {
+        let end = run_alone(&model, |e| {
             // Node 6 of one beam and the nodes near y = 1 of the other.
             let low = at(e, above[5]).0[2];
             let high = 0.5 * (at(e, above[10] + 2 + 5).0[2] + at(e, above[10] + 2 + 6).0[2]);
@@ -233,18 +183,16 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
 fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
     let (v, d) = (1.0, 20.0);
     for law in LAWS {
-        let mut rows = Rows::default();
+        let mut scene = lines(3.0);
         let z = RADIUS + 0.5 * THICKNESS + 0.2;
-        let bar = rows.bar(1, 11, [0.0, d - 50.0, z], [0.0, d + 50.0, z]);
-        let sheet = rows.sheet(3, [3, 2], |x, y| [30.0 * (x - 0.5), 0.0, -20.0 * y]);
-        let rest = format!(
-            "[[rigid]]\nname = \"bar\"\nparts = [1]\n[time]\ndt_max = 1e-3\n[[fix]]\n\
-             nodes = \"sheet\"\ndofs = [\"x\", \"y\", \"z\"]\n\
-             [[initial_velocity]]\nnodes = \"bar\"\nvelocity = [0.0, 0.0, {:?}]\n[contact]\n\
-             law = \"{law}\"\npenalty_damping = 0.0\n",
-            -v
-        );
-        let model = rows.model(3.0, &[("bar", &bar), ("sheet", &sheet)], &rest);
+        let bar = bar(&mut scene, 1, 11, [0.0, d - 50.0, z], [0.0, d + 50.0, z]);
+        let sheet = scene.grid(3, [3, 2], |x, y| [30.0 * (x - 0.5), 0.0, -20.0 * y]);
+        scene.add("[[rigid]]\nname = \"bar\"\nparts = [1]");
+        scene.time("dt_max = 1e-3");
+        scene.fix(sheet.all(), "x y z");
+        scene.start(&bar, [0.0, 0.0, -v], [0.0; 3]);
+        let law_keys = format!("law = \"{law}\"\npenalty_damping = 0.0");
+        let model = in_contact(&scene, &law_keys);
         let mut least = f64::INFINITY;
         let end = run_alone(&model, |e| {
             let [[_, y0, z0], [_, y1, z1]] = [bar[0], bar[11]].map(|n| at(e, n).0);
@@ -273,16 +221,14 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
 #[test]
 fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
     for law in LAWS {
-        let mut rows = Rows::default();
+        let mut scene = lines(8.0);
         let z = RADIUS + 0.5 * THICKNESS;
-        let bar = rows.bar(1, 5, [-35.0, 3.0, z + 0.1], [35.0, 5.0, z + 0.1]);
-        let sheet = rows.sheet(3, [7, 6], |x, y| [90.0 * (x - 0.5), 70.0 * (y - 0.5), 0.0]);
-        let rest = format!(
-            "[time]\ndamping = 2.0\n[[fix]]\nnodes = \"sheet\"\n\
-             dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-             [[gravity]]\nacceleration = [0.0, 0.0, -0.5]\n[contact]\nlaw = \"{law}\"\n"
-        );
-        let end = run_alone(&rows.model(8.0, &[("sheet", &sheet)], &rest), |_| {});
+        let bar = bar(&mut scene, 1, 5, [-35.0, 3.0, z + 0.1], [35.0, 5.0, z + 0.1]);
+        let sheet = scene.grid(3, [7, 6], |x, y| [90.0 * (x - 0.5), 70.0 * (y - 0.5), 0.0]);
+        scene.time("damping = 2.0");
+        scene.fix(sheet.all(), "x y z rx ry rz");
+        gravity(&mut scene, 0.5);
+        let end = run_alone(&in_contact(&scene, &format!("law = \"{law}\"")), |_| {});
         for &n in &bar {
             let (x, v) = at(&end, n);
             // The penalty spring is compressed by about g dt^2/0.35.
@@ -306,12 +252,12 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
     let (cos, sin) = ((1.0f64 / 3.0).sqrt(), (2.0f64 / 3.0).sqrt());
     let depth = (RADIUS - rho * cos) / sin;
     for law in LAWS {
-        let mut rows = Rows::default();
+        let mut scene = lines(12.0);
         let mut held = Vec::new();
         for k in 0..3 {
             let (s, c) = (f64::from(k) * 120f64.to_radians()).sin_cos();
             let end = |along: f64| [rho * c - along * s, rho * s + along * c, 0.0];
-            held.extend(rows.bar(1, 3, end(-24.0), end(24.0)));
+            held.extend(bar(&mut scene, 1, 3, end(-24.0), end(24.0)));
         }
         // Edges of the cube rise from its corner in the planes through the axis and the middles
         // of the beams.
@@ -326,22 +272,17 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
             })
         };
         let around = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let cube: Vec<usize> = [0.0, 1.0]
-            .iter()
-            .flat_map(|&up| around.map(|[a, b]| [a, b, up]))
-            .map(|k| rows.node(corner(k)))
-            .collect();
-        rows.element += 1;
-        let ids: Vec<String> = cube.iter().map(usize::to_string).collect();
-        writeln!(rows.solids, "[{}, 4, {}],", rows.element, ids.join(", ")).unwrap();
-        let rest = format!(
-            "[time]\ndamping = 1.0\n[[fix]]\nnodes = \"held\"\n\
-             dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-             [[gravity]]\nacceleration = [0.0, 0.0, -0.05]\n[contact]\nlaw = \"{law}\"\n\
-             friction = 0.3\n"
-        );
+        let cube: [u32; 8] = std::array::from_fn(|k| {
+            let [a, b] = around[k % 4];
+            scene.node(corner([a, b, (k / 4) as f64]))
+        });
+        scene.solid(4, cube);
+        scene.time("damping = 1.0");
+        scene.fix(&held, "x y z rx ry rz");
+        gravity(&mut scene, 0.05);
+        let model = in_contact(&scene, &format!("law = \"{law}\"\nfriction = 0.3"));
         let mut lowest = f64::INFINITY;
-        let end = run_alone(&rows.model(12.0, &[("held", &held)], &rest), |e| {
+        let end = run_alone(&model, |e| {
             lowest = lowest.min(at(e, cube[0]).0[2]);
         });
         let (x, v) = at(&end, cube[0]);
@@ -361,29 +302,25 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
 #[test]
 fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
     for law in LAWS {
-        let mut rows = Rows::default();
+        let mut scene = lines(10.0);
         // Bent down by 6 degrees at each joint.
         let (mut x, mut z) = (-60.0, 0.0);
-        let track: Vec<usize> = (0..=12)
+        let track: Vec<u32> = (0..=12)
             .map(|i| {
-                let id = rows.node([x, 0.0, z]);
+                let id = scene.node([x, 0.0, z]);
                 let slope = (6.0 * (f64::from(i) - 6.0)).to_radians();
                 (x, z) = (x + 10.0 * slope.cos(), z - 10.0 * slope.sin());
                 id
             })
             .collect();
-        rows.beams(1, &track);
+        beams(&mut scene, 1, &track);
         let middle = 2.0 * RADIUS
             + 10.0 * (0..6).map(|i| (6.0 * (6.0 - f64::from(i))).to_radians().sin()).sum::<f64>();
-        let rider = rows.bar(2, 3, [-5.0, -15.0, middle + 0.05], [-5.0, 15.0, middle + 0.05]);
-        let rest = format!(
-            "[[rigid]]\nname = \"rider\"\nparts = [2]\nfixed = [\"rx\", \"ry\", \"rz\"]\n[time]\n\
-             dt_max = 1e-3\n\
-             [[fix]]\nnodes = \"track\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-             [[initial_velocity]]\nnodes = \"rider\"\nvelocity = [3.0, 0.0, 0.0]\n\
-             [[gravity]]\nacceleration = [0.0, 0.0, -0.2]\n[contact]\nlaw = \"{law}\"\n"
-        );
-        let model = rows.model(10.0, &[("track", &track), ("rider", &rider)], &rest);
+        let ends = [-15.0, 15.0].map(|y| [-5.0, y, middle + 0.05]);
+        let rider = bar(&mut scene, 2, 3, ends[0], ends[1]);
+        ride(&mut scene, &track, &rider, 3.0);
+        gravity(&mut scene, 0.2);
+        let model = in_contact(&scene, &format!("law = \"{law}\""));
         let (mut least, mut start, mut most) = (f64::INFINITY, None, 0.0f64);
         let end = run_alone(&model, |e| {
             let (p, v) = at(e, rider[1]);
@@ -401,48 +338,42 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
 /// Returns a job with a pile of loose beams, sheets and a bar of solids in two layers, which
 /// falls, slides and turns; one beam breaks.
 fn pile(contact: &str) -> Model {
-    let mut rows = Rows::default();
+    let mut scene = lines(1.0);
     let mut upper = Vec::new();
     for k in 0..4 {
         let y = 14.0 * f64::from(k) - 20.0;
-        upper.extend(rows.bar(1, 9, [-45.0, y, 2.2], [40.0, y + 6.0, 2.4]));
+        upper.extend(bar(&mut scene, 1, 9, [-45.0, y, 2.2], [40.0, y + 6.0, 2.4]));
     }
     for k in 0..4 {
         let x = 17.0 * f64::from(k) - 26.0;
-        rows.bar(2, 8, [x, -40.0, -2.2], [x - 7.0, 42.0, -2.1]);
+        bar(&mut scene, 2, 8, [x, -40.0, -2.2], [x - 7.0, 42.0, -2.1]);
     }
-    let sheet = rows.sheet(3, [9, 7], |x, y| [100.0 * (x - 0.5), 90.0 * (y - 0.5), -5.2]);
-    let lid = rows.sheet(3, [5, 4], |x, y| [61.0 * (x - 0.4), 43.0 * (y - 0.5), 5.4]);
-    upper.extend(&lid);
+    let sheet = scene.grid(3, [9, 7], |x, y| [100.0 * (x - 0.5), 90.0 * (y - 0.5), -5.2]);
+    let lid = scene.grid(3, [5, 4], |x, y| [61.0 * (x - 0.4), 43.0 * (y - 0.5), 5.4]);
+    upper.extend(lid.all());
     // Ribs along edges of both sheets, and a post under the lid's corner.
     let ribs = [(&sheet, 8, 3), (&sheet, 8, 5), (&lid, 5, 2)];
-    let ribs = ribs
-        .map(|(of, step, from)| of.iter().copied().skip(from).step_by(step).collect::<Vec<_>>());
-    ribs.iter().for_each(|rib| rows.beams(2, rib));
-    let below = rows.node([61.0 * -0.4, 43.0 * -0.5, 3.0]);
-    rows.beams(1, &[lid[0], below]);
+    for (of, step, from) in ribs {
+        let rib: Vec<u32> = of.all().iter().copied().skip(from).step_by(step).collect();
+        beams(&mut scene, 2, &rib);
+    }
+    let below = scene.node([61.0 * -0.4, 43.0 * -0.5, 3.0]);
+    beams(&mut scene, 1, &[lid.at(0, 0), below]);
     upper.push(below);
-    let mut nodes = Vec::new();
-    for i in 0..=5 {
-        for [y, z] in [[0.0, 6.2], [4.0, 10.2], [0.0, 14.2], [-4.0, 10.2]] {
-            nodes.push(rows.node([10.0 * f64::from(i) - 22.0, y, z]));
-        }
-    }
-    for i in 0..5 {
-        rows.element += 1;
-        let at = |k: usize| nodes[4 * i + k].to_string();
-        let corners: Vec<String> = (0..8).map(at).collect();
-        writeln!(rows.solids, "[{}, 4, {}],", rows.element, corners.join(", ")).unwrap();
-    }
+    let nodes: Vec<u32> = (0..=5)
+        .flat_map(|i| {
+            [[0.0, 6.2], [4.0, 10.2], [0.0, 14.2], [-4.0, 10.2]]
+                .map(|[y, z]| [10.0 * f64::from(i) - 22.0, y, z])
+        })
+        .map(|at| scene.node(at))
+        .collect();
+    (0..5).for_each(|i| scene.solid(4, std::array::from_fn(|k| nodes[4 * i + k])));
     upper.extend(&nodes);
-    let rest = format!(
-        "[[initial_velocity]]\nnodes = \"upper\"\nvelocity = [9.0, 5.0, -6.0]\n[[gravity]]\n\
-         acceleration = [0.0, 0.0, -20.0]\n\
-         [[fix]]\nnodes = \"rim\"\ndofs = [\"x\", \"y\", \"z\"]\n[contact]\nfriction = 0.2\n\
-         {contact}\n"
-    );
-    let rim: Vec<usize> = sheet.iter().copied().filter(|n| (n - sheet[0]) % 8 == 0).collect();
-    rows.model(1.0, &[("upper", &upper), ("rim", &rim)], &rest)
+    let rim: Vec<u32> = (0..=9).map(|i| sheet.at(i, 0)).collect();
+    scene.start(&upper, [9.0, 5.0, -6.0], [0.0; 3]);
+    scene.fix(&rim, "x y z");
+    gravity(&mut scene, 20.0);
+    in_contact(&scene, &format!("friction = 0.2\n{contact}"))
 }
 
 #[test]
@@ -487,14 +418,11 @@ fn beams_are_out_of_contact_where_the_job_says_so() {
         ("beams = false\n[[contact.interface]]\nparts = [1, 2]\nbeams = true", false),
         ("[[contact.interface]]\nparts = [1]\nagainst = [2]\nlaw = \"none\"", true),
     ] {
-        let mut rows = Rows::default();
-        let above = rows.bar(1, 6, [-50.0, 1.0, 3.0], [50.0, 1.0, 3.0]);
-        let below = rows.bar(2, 7, [2.0, -50.0, -3.0], [2.0, 50.0, -3.0]);
-        let rest = format!(
-            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -10.0]\n[contact]\n\
-             {contact}\n"
-        );
-        let end = run_alone(&rows.model(1.0, &[("above", &above)], &rest), |_| {});
+        let mut scene = lines(1.0);
+        let above = bar(&mut scene, 1, 6, [-50.0, 1.0, 3.0], [50.0, 1.0, 3.0]);
+        let below = bar(&mut scene, 2, 7, [2.0, -50.0, -3.0], [2.0, 50.0, -3.0]);
+        scene.start(&above, [0.0, 0.0, -10.0], [0.0; 3]);
+        let end = run_alone(&in_contact(&scene, contact), |_| {});
         let through = at(&end, above[3]).0[2] < at(&end, below[3]).0[2];
         assert_eq!(through, passes, "{contact}");
     }
@@ -503,17 +431,17 @@ fn beams_are_out_of_contact_where_the_job_says_so() {
 /// A beam that fails releases the bodies that lie on it.
 #[test]
 fn broken_beams_leave_the_contact() {
-    let mut rows = Rows::default();
-    let above = rows.bar(1, 6, [-50.0, 1.0, 2.1], [50.0, 1.0, 2.1]);
-    let below = rows.bar(2, 1, [2.0, -50.0, -2.1], [2.0, 50.0, -2.1]);
-    let rest = "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -4.0]\n\
-                [[motion]]\nnodes = \"far\"\ndofs = [\"y\"]\nvelocity = [0.0, 4.0, 0.0]\n\
-                [[fix]]\nnodes = \"near\"\ndofs = [\"x\", \"y\", \"z\"]\n[[fix]]\nnodes = \"far\"\n\
-                dofs = [\"x\", \"z\"]\n[contact]\n";
-    let sets: [(&str, &[usize]); 3] =
-        [("above", &above), ("near", &below[..1]), ("far", &below[1..])];
+    let mut scene = lines(2.0);
+    let above = bar(&mut scene, 1, 6, [-50.0, 1.0, 2.1], [50.0, 1.0, 2.1]);
+    let below = bar(&mut scene, 2, 1, [2.0, -50.0, -2.1], [2.0, 50.0, -2.1]);
+    scene.start(&above, [0.0, 0.0, -4.0], [0.0; 3]);
+    let far = scene.set(&below[1..]);
+    scene
+        .add(&format!("[[motion]]\nnodes = \"{far}\"\ndofs = [\"y\"]\nvelocity = [0.0, 4.0, 0.0]"));
+    scene.fix(&below[..1], "x y z");
+    scene.fix(&below[1..], "x z");
     let ends = ["", "\n[part.beam.weld]\nnormal = 1.0"].map(|weld| {
-        let mut model = rows.model(2.0, &sets, rest);
+        let mut model = in_contact(&scene, "");
         let weak = model
             .settings
             .parts

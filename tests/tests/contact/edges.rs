@@ -1,25 +1,12 @@
 //! Contact between edges, of shells and of solids: the same bits whichever workers own the
 //! edges.
 
-use crumple::input::job::{self, Model};
-use crumple_tests::{run_alone, run_side_by_side};
-use std::fmt::Write;
-use std::path::PathBuf;
+use crumple::input::job::Model;
+use crumple_tests::{model_of, run_alone, run_side_by_side};
+use crumple_verification::scene::{Elastic, Scene};
 
 /// Distance below the edges of the lower layer from which its nodes are held [mm].
 const FLOOR: f64 = 4.0;
-
-/// Nodes and elements of a mesh.
-#[derive(Default)]
-struct Bodies {
-    nodes: String,
-    shells: String,
-    solids: String,
-    upper: Vec<usize>,
-    floor: Vec<usize>,
-    node: usize,
-    element: usize,
-}
 
 /// Position of a body: a point, its length along a direction in the plane, and true if it is in
 /// the upper layer [mm].
@@ -30,158 +17,79 @@ struct Place {
     above: bool,
 }
 
-impl Bodies {
-    fn node(&mut self, p: &Place, along: f64, across: f64, up: f64) {
-        let (sin, cos) = p.angle.to_radians().sin_cos();
-        self.node += 1;
-        let z = if p.above { up } else { -up };
-        let (x, y) = (p.at[0] + cos * along - sin * across, p.at[1] + sin * along + cos * across);
-        writeln!(self.nodes, "[{}, {x:?}, {y:?}, {:?}],", self.node, p.at[2] + z).unwrap();
-        if p.above {
-            self.upper.push(self.node);
-        } else if up > FLOOR {
-            self.floor.push(self.node);
-        }
+impl Place {
+    /// Returns the position after `i` of `cells` along the body, at a point of its profile: across
+    /// and away from the other layer.
+    fn point(&self, i: usize, cells: usize, [across, up]: [f64; 2]) -> [f64; 3] {
+        let along = self.length * (i as f64 / cells as f64 - 0.5);
+        let (sin, cos) = self.angle.to_radians().sin_cos();
+        let z = if self.above { up } else { -up };
+        let [x, y, middle] = self.at;
+        [x + cos * along - sin * across, y + sin * along + cos * across, middle + z]
     }
 
-    /// Adds an upright strip of shells, 4 mm high, its free edge towards the other layer.
-    fn strip(&mut self, p: &Place, cells: usize) {
-        let first = self.node + 1;
-        for i in 0..=cells {
-            let along = p.length * (i as f64 / cells as f64 - 0.5);
-            self.node(p, along, 0.0, 0.6);
-            self.node(p, along, 0.0, 4.6);
-        }
-        for i in 0..cells {
-            self.element += 1;
-            let n = first + 2 * i;
-            let part = if p.above { 1 } else { 2 };
-            writeln!(
-                self.shells,
-                "[{}, {part}, {n}, {}, {}, {}],",
-                self.element,
-                n + 2,
-                n + 3,
-                n + 1
-            )
-            .unwrap();
-        }
+    /// Returns the part of this layer.
+    fn part(&self, [above, below]: [u32; 2]) -> u32 {
+        if self.above { above } else { below }
     }
+}
 
-    /// Adds a sheet of shells that is bent along its middle, 5 mm high, its ridge towards the
-    /// other layer.
-    fn roof(&mut self, p: &Place, cells: usize) {
-        let first = self.node + 1;
-        for i in 0..=cells {
-            let along = p.length * (i as f64 / cells as f64 - 0.5);
-            for across in [-5.0f64, -2.5, 0.0, 2.5, 5.0] {
-                self.node(p, along, across, 0.6 + across.abs());
-            }
-        }
-        for i in 0..cells {
-            for j in 0..4 {
-                self.element += 1;
-                let n = first + 5 * i + j;
-                let part = if p.above { 1 } else { 2 };
-                writeln!(
-                    self.shells,
-                    "[{}, {part}, {n}, {}, {}, {}],",
-                    self.element,
-                    n + 5,
-                    n + 6,
-                    n + 1
-                )
-                .unwrap();
-            }
-        }
-    }
+/// Upright strip of shells, 4 mm high, its free edge towards the other layer.
+const STRIP: [[f64; 2]; 2] = [[0.0, 0.6], [0.0, 4.6]];
+/// Sheet of shells that is bent along its middle, 5 mm high, its ridge towards the other layer.
+const ROOF: [[f64; 2]; 5] = [[-5.0, 5.6], [-2.5, 3.1], [0.0, 0.6], [2.5, 3.1], [5.0, 5.6]];
 
-    /// Adds a bar of cubes, 4 mm wide, that stands on an edge, its lowest or highest.
-    fn bar(&mut self, p: &Place, cells: usize) {
-        let (first, d) = (self.node + 1, 8f64.sqrt());
-        for i in 0..=cells {
-            let along = p.length * (i as f64 / cells as f64 - 0.5);
-            for (across, up) in [(0.0, 0.1), (d, 0.1 + d), (0.0, 0.1 + 2.0 * d), (-d, 0.1 + d)] {
-                self.node(p, along, across, up);
-            }
-        }
-        for i in 0..cells {
-            self.element += 1;
-            let n = first + 4 * i;
-            // A reflection of the axes across and up reverses the order of the corners.
-            let around = if p.above { [0, 1, 2, 3] } else { [0, 3, 2, 1] };
-            let corners = around.map(|k| n + k).into_iter().chain(around.map(|k| n + 4 + k));
-            let corners: Vec<String> = corners.map(|c| c.to_string()).collect();
-            let part = if p.above { 3 } else { 4 };
-            writeln!(self.solids, "[{}, {part}, {}],", self.element, corners.join(", ")).unwrap();
-        }
+/// Adds a sheet of shells with this profile.
+fn sheet(scene: &mut Scene, p: &Place, cells: usize, profile: &[[f64; 2]]) {
+    let across = profile.len() - 1;
+    scene.lattice(p.part([1, 2]), [cells, across], |i, j| p.point(i, cells, profile[j]));
+}
+
+/// Adds a bar of cubes, 4 mm wide, that stands on an edge, its lowest or highest.
+fn bar(scene: &mut Scene, p: &Place, cells: usize) {
+    let d = 8f64.sqrt();
+    let profile = [[0.0, 0.1], [d, 0.1 + d], [0.0, 0.1 + 2.0 * d], [-d, 0.1 + d]];
+    let rows: Vec<[u32; 4]> =
+        (0..=cells).map(|i| profile.map(|at| scene.node(p.point(i, cells, at)))).collect();
+    // A reflection of the axes across and up reverses the order of the corners.
+    let around = if p.above { [0, 1, 2, 3] } else { [0, 3, 2, 1] };
+    for pair in rows.windows(2) {
+        let corner = |k: usize| pair[k / 4][around[k % 4]];
+        scene.solid(p.part([3, 4]), std::array::from_fn(corner));
     }
 }
 
 /// Returns a job with strips, bars and bent sheets in two layers. The upper layer falls and
 /// slides over the lower one, from edge to edge, also across workers.
 fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
-    let mut bodies = Bodies::default();
+    let mut scene = Scene::new(1.0).in_units("mm, ms, kg");
     for (above, angle) in [(true, 0.0), (false, 70.0)] {
         for k in [-1.9, -0.9, 0.1, 1.2, 2.1] {
             let at = if above { [0.0, 12.0 * k, 0.0] } else { [12.0 * k, 0.0, 0.0] };
-            bodies.strip(&Place { at, length: 70.0, angle, above }, cells);
+            sheet(&mut scene, &Place { at, length: 70.0, angle, above }, cells, &STRIP);
         }
     }
     for (above, angle) in [(true, 5.0), (false, 80.0)] {
-        bodies.bar(&Place { at: [1.0, 60.0, 0.0], length: 50.0, angle, above }, 11);
+        bar(&mut scene, &Place { at: [1.0, 60.0, 0.0], length: 50.0, angle, above }, 11);
     }
     for (above, angle, sides) in [(true, 0.0, [-6.0, 7.0]), (false, 75.0, [-7.0, 6.0])] {
         for side in sides {
             let at = if above { [0.0, side - 60.0, 0.0] } else { [side, -60.0, 0.0] };
-            bodies.roof(&Place { at, length: 40.0, angle, above }, 9);
+            sheet(&mut scene, &Place { at, length: 40.0, angle, above }, 9, &ROOF);
         }
     }
-    let set = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    let parts = |ids: [u32; 2], more: &str| {
-        ids.map(|i| format!("[[part]]\nid = {i}\nmaterial = \"steel\"\n{more}\n")).concat()
+    let nodes = |scene: &Scene, of: fn(f64) -> bool| -> Vec<u32> {
+        (1..=scene.count()).filter(|&n| of(scene.at(n)[2])).collect()
     };
-    let text = format!(
-        r#"
-        title = "Strips, bars and roofs across each other"
-        units = "mm, ms, kg"
-        end_time = 1.0
-        [mesh]
-        nodes = [{}]
-        shells = [{}]
-        solids = [{}]
-        node_sets = {{ upper = [{}], floor = [{}] }}
-        [[material]]
-        name = "steel"
-        law = "elastic"
-        density = 7.85e-6
-        youngs_modulus = 200.0
-        poisson = 0.3
-        {}
-        {}
-        [[initial_velocity]]
-        nodes = "upper"
-        velocity = {velocity:?}
-        [[gravity]]
-        acceleration = [0.0, 0.0, {:?}]
-        [[fix]]
-        nodes = "floor"
-        dofs = ["x", "y", "z"]
-        [contact]
-        friction = 0.2
-        {contact}
-        "#,
-        bodies.nodes,
-        bodies.shells,
-        bodies.solids,
-        set(&bodies.upper),
-        set(&bodies.floor),
-        parts([1, 2], "thickness = 1.0\npoints = 2"),
-        parts([3, 4], ""),
-        -weight,
-    );
-    job::read_text(PathBuf::from("grid.toml"), text, &[])
-        .unwrap_or_else(|report| panic!("{report}"))
+    let (upper, floor) = (nodes(&scene, |z| z > 0.0), nodes(&scene, |z| z < -FLOOR));
+    scene.elastic("steel", Elastic { e: 200.0, nu: 0.3, rho: 7.85e-6 });
+    (1..=2).for_each(|part| scene.part(part, "steel", 1.0, "points = 2"));
+    (3..=4).for_each(|part| scene.solid_part(part, "steel", ""));
+    scene.start(&upper, velocity, [0.0; 3]);
+    scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]", -weight));
+    scene.fix(&floor, "x y z");
+    scene.add(&format!("[contact]\nfriction = 0.2\n{contact}"));
+    model_of(&scene.text("Strips, bars and roofs across each other"), &[])
 }
 
 const LAWS: [&str; 5] = [

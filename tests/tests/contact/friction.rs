@@ -1,11 +1,11 @@
 //! Friction that depends on the contact pressure: a largest shear stress, and coefficients by
 //! pressure and speed. Closed forms, and the same bits on any number of workers. Units mm, ms, kg.
 
-use crate::beam_contact::{RADIUS, RHO, Rows, at};
+use crate::beam_contact::{RADIUS, RHO, at, bar, gravity, in_contact, lines, ride};
 use crumple::input::job::{self, Model};
 use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
+use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
-use std::fmt::Write;
 
 const LAWS: [&str; 4] = ["lagrange", "kinematic", "penalty", "mortar"];
 
@@ -53,36 +53,15 @@ fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
 /// Returns the job of `cases/slide` on one large fixed facet: only nodes of the block touch, and
 /// their areas are known.
 fn on_one_facet() -> String {
-    let mut text =
-        "end_time = 1.5\n[mesh]\nnodes = [[101, -60.0, -40.0, 0.0], [102, 60.0, -40.0, 0.0], [103, \
-                    60.0, 40.0, 0.0], \
-                    [104, -60.0, 40.0, 0.0],"
-            .to_string();
-    for n in 0..18 {
-        let at = [10.0 * (n % 3) as f64, 10.0 * (n / 3 % 3) as f64, 1.0 + 10.0 * (n / 9) as f64];
-        write!(text, "[{}, {:?}, {:?}, {:?}],", n + 1, at[0] - 30.0, at[1] - 10.0, at[2]).unwrap();
-    }
-    text += "]\nshells = [[100, 1, 101, 102, 103, 104]]\nsolids = [";
-    for (e, first) in [1, 2, 4, 5].into_iter().enumerate() {
-        let face = [first, first + 1, first + 4, first + 3];
-        let [a, b, c, d] = face;
-        write!(
-            text,
-            "[{}, 2, {a}, {b}, {c}, {d}, {}, {}, {}, {}],",
-            e + 1,
-            a + 9,
-            b + 9,
-            c + 9,
-            d + 9
-        )
-        .unwrap();
-    }
-    text += "]\n[mesh.node_sets]\nbase = [101, 102, 103, 104]\n\
-             block = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, \
-             18]\ntop = [10, 11, 12, 13, 14, 15, 16, 17, 18]\n";
+    let mut scene = Scene::default();
+    let block =
+        scene.block(2, [2, 2, 1], |u| [20.0 * u[0] - 30.0, 20.0 * u[1] - 10.0, 10.0 * u[2] + 1.0]);
+    let base = scene.grid(1, [1, 1], |u, v| [120.0 * u - 60.0, 80.0 * v - 40.0, 0.0]);
+    scene.set_named("base", base.all());
+    scene.set_named("block", block.all());
+    scene.set_named("top", &block.last(2));
     let job = std::fs::read_to_string(case("slide").join("job.toml")).unwrap();
-    text += &job[job.find("[output]").unwrap()..];
-    text
+    format!("end_time = 1.5\n{}{}", scene.mesh_text(), &job[job.find("[output]").unwrap()..])
 }
 
 /// The block slides on one large fixed facet: only its own nodes touch, and their areas are
@@ -222,20 +201,14 @@ fn friction_by_pressure_gives_the_same_bits_on_any_number_of_workers() {
 fn crossed(angle: f64, weight: f64, contact: &str) -> [f64; 3] {
     let end = 1.0;
     ["lagrange", "kinematic", "penalty"].map(|law| {
-        let mut rows = Rows::default();
-        let track = rows.bar(1, 1, [-40.0, 0.0, 0.0], [40.0, 0.0, 0.0]);
+        let mut scene = lines(end);
+        let track = bar(&mut scene, 1, 1, [-40.0, 0.0, 0.0], [40.0, 0.0, 0.0]);
         let (s, c) = angle.to_radians().sin_cos();
         let at_end = |x: f64| [x * c - 3.0, x * s, 2.0 * RADIUS];
-        let rider = rows.bar(2, 1, at_end(-15.0), at_end(15.0));
-        let rest = format!(
-            "[[rigid]]\nname = \"rider\"\nparts = [2]\nfixed = [\"rx\", \"ry\", \"rz\"]\n[time]\n\
-             dt_max = 1e-3\n\
-             [[fix]]\nnodes = \"track\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-             [[initial_velocity]]\nnodes = \"rider\"\nvelocity = [5.0, 0.0, 0.0]\n\
-             [[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[contact]\nlaw = \"{law}\"\n{contact}\n",
-            -weight
-        );
-        let model = rows.model(end, &[("track", &track), ("rider", &rider)], &rest);
+        let rider = bar(&mut scene, 2, 1, at_end(-15.0), at_end(15.0));
+        ride(&mut scene, &track, &rider, 5.0);
+        gravity(&mut scene, weight);
+        let model = in_contact(&scene, &format!("law = \"{law}\"\n{contact}"));
         let engine = run_alone(&model, |_| {});
         (5.0 - at(&engine, rider[0]).1[0]) / end / weight
     })

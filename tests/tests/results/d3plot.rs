@@ -4,6 +4,7 @@
 
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use crumple_tests::tools;
+use crumple_verification::scene::Scene;
 use std::fs;
 use std::process::Command;
 
@@ -80,27 +81,17 @@ fn solids_read_back() {
 /// elements are not in the order of the mesh.
 #[test]
 fn failed_elements_are_marked() {
-    let mut nodes: String = (0..10)
-        .map(|n| format!("[{}, {}.0, {}.0, 0.0], ", 2 * n + 3, 5 * (n / 2), 5 * (n % 2)))
-        .collect();
-    for n in 0..8 {
-        nodes += &format!(
-            "[{}, {}.0, {}.0, {}.0], ",
-            100 + n,
-            [0, 5, 5, 0][n % 4],
-            [0, 0, 5, 5][n % 4],
-            50 + 5 * (n / 4)
-        );
-    }
-    let shell = |i: usize| {
-        format!("[{}, 9, {}, {}, {}, {}], ", 20 - 2 * i, 4 * i + 3, 4 * i + 7, 4 * i + 9, 4 * i + 5)
-    };
-    let shells: String = (0..4).map(shell).collect();
+    let mut scene = Scene::default();
+    let strip = scene.lattice(9, [4, 1], |i, j| [5.0 * i as f64, 5.0 * j as f64, 0.0]);
+    scene.set_named("held", &strip.row(0));
+    scene.set_named("pulled", &strip.row(4));
+    scene.block(2, [1, 1, 1], |u| [5.0 * u[0], 5.0 * u[1], 50.0 + 5.0 * u[2]]);
+    scene.renumber(
+        |node| if node <= 10 { 2 * node + 1 } else { 89 + node },
+        |element| if element <= 4 { 22 - 2 * element } else { 7 },
+    );
     let text = format!(
-        "title = \"Torn strip\"\nunits = \"mm, ms, kg\"\nend_time = 0.3\n[mesh]\n\
-         nodes = [{nodes}]\nshells = [{shells}]\n\
-         solids = [[7, 2, 100, 101, 102, 103, 104, 105, 106, 107]]\n\
-         node_sets = {{ held = [3, 5], pulled = [19, 21] }}\n\
+        "title = \"Torn strip\"\nunits = \"mm, ms, kg\"\nend_time = 0.3\n{}\
          [[material]]\nname = \"weak\"\nlaw = \"j2\"\ndensity = 7.85e-6\nyoungs_modulus = 200.0\n\
          poisson = 0.3\n\
          yield_stress = 0.2\nfailure_strain = 0.05\n\
@@ -108,7 +99,8 @@ fn failed_elements_are_marked() {
          id = 2\nmaterial = \"weak\"\n\
          [[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\"]\n[[motion]]\nnodes = \"pulled\"\n\
          velocity = [20.0, 0.0, 0.0]\n\
-         [output]\nfield_interval = 0.05\n"
+         [output]\nfield_interval = 0.05\n",
+        scene.mesh_text()
     );
     let there = tempfile::tempdir().unwrap();
     let path = there.path().join("torn.toml");

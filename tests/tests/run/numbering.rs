@@ -6,7 +6,8 @@ use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::partition::NodeRecord;
 use crumple_tests::program::{Ended, crumple_with, run};
-use crumple_tests::{case, read, run_side_by_side};
+use crumple_tests::{case, model_of, read, run_side_by_side};
+use crumple_verification::scene::{Elastic, Scene};
 use std::collections::HashMap;
 use std::fs;
 
@@ -46,92 +47,55 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
 }
 
 /// Returns a job with colliding plates, a fin tied to one of them by its foot and to one node by
-/// its top, and a rigid plate on a spring. Indices in the mesh are in rows; `id` maps those of
-/// nodes to ids, `number` those of shells.
-fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> String {
-    let (mut nodes, mut shells) = (Vec::new(), Vec::new());
-    // Part, quads along both sides, and the position of node (i, j).
+/// its top, and a rigid plate on a spring. `node` maps the numbers of nodes, from 1, to ids,
+/// `shell` those of shells.
+fn joined(node: impl Fn(u32) -> u32, shell: impl Fn(u32) -> u32) -> String {
+    let mut scene = Scene::new(1.0).in_units("mm, ms, kg");
+    // Part, quads along both sides, and the position of node (i, j); rows go along i.
     type At = fn(f64, f64) -> [f64; 3];
-    let plates: [(usize, [usize; 2], At); 4] = [
+    let plates: [(u32, [usize; 2], At); 4] = [
         (1, [80, 80], |i, j| [1.25 * i, 1.25 * j, 0.0]),
         (2, [20, 20], |i, j| [2.0 * i + 45.37, 2.0 * j + 45.61, 1.3 + 0.02 * i + 0.013 * j]),
         (3, [10, 5], |i, j| [2.0 * i + 11.0, 20.5, 2.0 * j]),
         (4, [5, 5], |i, j| [2.0 * i + 110.0, 2.0 * j, 0.0]),
     ];
-    let firsts = plates.map(|(part, [a, b], at)| {
-        let first = nodes.len();
-        let node = |i: usize, j: usize| id(first + j * (a + 1) + i);
-        nodes.extend(
-            (0..=b)
-                .flat_map(|j| (0..=a).map(move |i| (i, j)))
-                .map(|(i, j)| (node(i, j), at(i as f64, j as f64))),
-        );
-        for (i, j) in (0..b).flat_map(|j| (0..a).map(move |i| (i, j))) {
-            let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]
-                .map(|n| n.to_string());
-            shells.push(format!("[{}, {part}, {}]", number(shells.len()), corners.join(", ")));
-        }
-        first
+    scene.elastic("steel", Elastic { e: 207.0, nu: 0.3, rho: 7.85e-6 });
+    let [large, falling, fin, end] = plates.map(|(part, [a, b], at)| {
+        scene.part(part, "steel", 1.0, "element = \"belytschko_tsay\"");
+        scene.lattice(part, [b, a], |j, i| at(i as f64, j as f64))
     });
-    let of = |range: std::ops::Range<usize>| {
-        range.map(&id).map(|n| n.to_string()).collect::<Vec<_>>().join(", ")
-    };
-    let nodes: Vec<String> =
-        nodes.iter().map(|(n, [x, y, z])| format!("[{n}, {x:?}, {y:?}, {z:?}]")).collect();
-    let part = |n: usize| {
-        format!(
-            "[[part]]\nid = {n}\nmaterial = \"steel\"\nelement = \"belytschko_tsay\"\n\
-             thickness = 1.0\n"
-        )
-    };
-    format!(
-        "end_time = 1.0\nunits = \"mm, ms, kg\"\n[mesh]\nnodes = [{}]\nshells = [{}]\n\
-         springs = [[9999, 5, {}, {}]]\n\
-         node_sets = {{ held = [{}], foot = [{}], top = [{}], falling = [{}], end = [{}] }}\n\
-         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
-         youngs_modulus = 207.0\npoisson = 0.3\n\
-         {}{}{}{}[[part]]\nid = 5\n[part.spring]\nstiffness = 0.5\n[[rigid]]\nname = \"end\"\n\
-         parts = [4]\n[[tie]]\nnodes = \"foot\"\nparts = [1]\n\
-         [[tie]]\nnodes = \"top\"\nnode = {}\n[[fix]]\nnodes = \"held\"\n\
-         dofs = [\"x\", \"y\", \"z\"]\n\
-         [[initial_velocity]]\nnodes = \"falling\"\nvelocity = [0.0, 0.0, -20.0]\n\
-         [[initial_velocity]]\nnodes = \"end\"\nvelocity = [30.0, 5.0, 0.0]\n",
-        nodes.join(",\n"),
-        shells.join(",\n"),
-        id(80),
-        id(firsts[3]),
-        of(0..81),
-        of(firsts[2]..firsts[2] + 11),
-        of(firsts[2] + 56..firsts[2] + 66),
-        of(firsts[1]..firsts[2]),
-        of(firsts[3]..nodes.len()),
-        part(1),
-        part(2),
-        part(3),
-        part(4),
-        id(firsts[2] + 55),
-    )
+    scene.spring(5, [large.at(0, 80), end.at(0, 0)]);
+    scene.set_named("foot", &fin.row(0));
+    scene.set_named("top", &fin.row(5)[1..]);
+    scene.add(&format!(
+        "[[part]]\nid = 5\n[part.spring]\nstiffness = 0.5\n\
+         [[rigid]]\nname = \"end\"\nparts = [4]\n\
+         [[tie]]\nnodes = \"foot\"\nparts = [1]\n\
+         [[tie]]\nnodes = \"top\"\nnode = {}",
+        node(fin.at(5, 0))
+    ));
+    scene.fix(&large.row(0), "x y z");
+    scene.start(falling.all(), [0.0, 0.0, -20.0], [0.0; 3]);
+    scene.start(end.all(), [30.0, 5.0, 0.0], [0.0; 3]);
+    scene.renumber(node, |n| if n <= SHELLS { shell(n) } else { 9999 });
+    scene.text("Joined plates")
 }
+
+const COUNT: u32 = 81 * 81 + 21 * 21 + 11 * 6 + 6 * 6;
+const SHELLS: u32 = 80 * 80 + 20 * 20 + 10 * 5 + 5 * 5;
 
 /// Shuffled ids compared with ids in rows: nodes differ by round-off, for a displacement of 1
 /// mm. In contact, ids determine the order of pairs and the choice between two faces at their
 /// common edge; the effect is 3e-6 mm here.
 #[test]
 fn contact_ties_springs_and_rigid_bodies_go_along() {
-    const COUNT: usize = 81 * 81 + 21 * 21 + 11 * 6 + 6 * 6;
-    const SHELLS: usize = 80 * 80 + 20 * 20 + 10 * 5 + 5 * 5;
     const CYCLES: u64 = 150;
-    let there = tempfile::tempdir().unwrap();
-    let job = |id: &dyn Fn(usize) -> usize, number: &dyn Fn(usize) -> usize, rest: &str| {
-        let path = there.path().join("job.toml");
-        fs::write(&path, joined(id, number) + rest).unwrap();
-        read(&path, &[])
-    };
-    let (scattered, number) =
-        (|place: usize| 1 + place * 1009 % COUNT, |place: usize| 1 + place * 1847 % SHELLS);
+    let number = |n: u32| n;
+    let node = |n: u32| 1 + (n - 1) * 1009 % COUNT;
+    let shell = |n: u32| 1 + (n - 1) * 1847 % SHELLS;
     for (rest, tolerance) in [("", 1e-9), ("[contact]\nfriction = 0.1\n", 1e-5)] {
         let models =
-            [job(&|place| 1 + place, &|place| 1 + place, rest), job(&scattered, &number, rest)];
+            [joined(number, number), joined(node, shell)].map(|text| model_of(&(text + rest), &[]));
         assert_eq!(models.each_ref().map(|model| model.renumbered.is_some()), [false, true]);
         let [of_rows, one] = models.each_ref().map(|model| run_side_by_side(model, 1, CYCLES, 0));
         let three = run_side_by_side(&models[1], 3, CYCLES, 40);
@@ -141,14 +105,11 @@ fn contact_ties_springs_and_rigid_bodies_go_along() {
             nodes.iter().map(|n| (n.id.label(), *n)).collect()
         };
         let [of_rows, one] = [of_rows, one].map(|trace| by_id(&trace.nodes));
-        assert_eq!([of_rows.len(), one.len()], [COUNT; 2]);
-        let apart = |(place, c): (usize, usize)| {
-            (of_rows[&(1 + place as u64)].x[c] - one[&(scattered(place) as u64)].x[c]).abs()
-        };
-        let most = (0..COUNT)
-            .flat_map(|place| [0, 1, 2].map(|c| (place, c)))
-            .map(apart)
-            .fold(0.0, f64::max);
+        assert_eq!([of_rows.len(), one.len()], [COUNT as usize; 2]);
+        let apart =
+            |(n, c): (u32, usize)| (of_rows[&n.into()].x[c] - one[&node(n).into()].x[c]).abs();
+        let most =
+            (1..=COUNT).flat_map(|n| [0, 1, 2].map(|c| (n, c))).map(apart).fold(0.0, f64::max);
         assert!(most < tolerance, "{most} mm, {rest}");
         let moved = one.values().map(|n| (n.x[2] - n.x0[2]).abs()).fold(0.0, f64::max);
         assert!(moved > 0.3, "{moved} mm");

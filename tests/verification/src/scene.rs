@@ -34,7 +34,8 @@ impl Elastic {
     }
 }
 
-/// Builder of a job; ids of nodes and elements count from 1.
+/// Builder of a job; ids of nodes and elements count from 1, until [`Scene::renumber`] changes
+/// them.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     end_time: f64,
@@ -52,6 +53,9 @@ pub struct Scene {
     time: String,
     /// Further lines of `[mesh]`.
     mesh: String,
+    /// Ids of the nodes and of the elements in the job; those missing here are their numbers.
+    node_ids: Vec<u32>,
+    element_ids: Vec<u32>,
 }
 
 /// Regular grid of nodes.
@@ -224,6 +228,15 @@ impl Scene {
         self.sets.push((name.to_string(), nodes.to_vec()));
     }
 
+    /// Gives all nodes and elements so far other ids in the job, by their numbers from 1. Elements
+    /// count from shells to springs.
+    pub fn renumber(&mut self, node: impl Fn(u32) -> u32, element: impl Fn(u32) -> u32) {
+        let kinds = [&self.shells, &self.solids, &self.beams, &self.springs];
+        let elements: usize = kinds.iter().map(|rows| rows.len()).sum();
+        self.node_ids = (1..=self.count()).map(node).collect();
+        self.element_ids = (1..=elements as u32).map(element).collect();
+    }
+
     /// Adds lines of a job file.
     pub fn add(&mut self, keys: &str) {
         self.keys.push_str(keys);
@@ -348,12 +361,16 @@ impl Scene {
 
     /// Returns the tables `[mesh]` and `[mesh.node_sets]` of the job file.
     pub fn mesh_text(&self) -> String {
+        let id_of = |ids: &[u32], number: u32| *ids.get(number as usize - 1).unwrap_or(&number);
+        let nodes_of = |numbers: &[u32]| -> Vec<u32> {
+            numbers.iter().map(|&n| id_of(&self.node_ids, n)).collect()
+        };
         let mut text = format!("[mesh]\n{}nodes = [\n", self.mesh);
         // Writing into a string cannot fail.
-        for (i, [x, y, z]) in self.nodes.iter().enumerate() {
-            let _ = writeln!(text, "[{}, {x:?}, {y:?}, {z:?}],", i + 1);
+        for (number, [x, y, z]) in (1..).zip(&self.nodes) {
+            let _ = writeln!(text, "[{}, {x:?}, {y:?}, {z:?}],", id_of(&self.node_ids, number));
         }
-        let mut id = 0;
+        let mut number = 0;
         for (kind, rows) in [
             ("shells", &self.shells),
             ("solids", &self.solids),
@@ -362,20 +379,22 @@ impl Scene {
         ] {
             let _ = write!(text, "]\n{kind} = [\n");
             for row in rows {
-                id += 1;
-                let row: Vec<String> = row.iter().map(u32::to_string).collect();
-                let _ = writeln!(text, "[{id}, {}],", row.join(", "));
+                number += 1;
+                let (id, part) = (id_of(&self.element_ids, number), row[0]);
+                let nodes: Vec<String> = nodes_of(&row[1..]).iter().map(u32::to_string).collect();
+                let _ = writeln!(text, "[{id}, {part}, {}],", nodes.join(", "));
             }
         }
         text.push_str("]\n");
         if !self.thicknesses.is_empty() {
-            let rows: Vec<String> =
-                self.thicknesses.iter().map(|(shell, t)| format!("[{shell}, {t:?}]")).collect();
+            let row =
+                |&(shell, t): &(u32, f64)| format!("[{}, {t:?}]", id_of(&self.element_ids, shell));
+            let rows: Vec<String> = self.thicknesses.iter().map(row).collect();
             let _ = writeln!(text, "thicknesses = [{}]", rows.join(", "));
         }
         text.push_str("[mesh.node_sets]\n");
         for (name, nodes) in &self.sets {
-            let _ = writeln!(text, "{name} = {nodes:?}");
+            let _ = writeln!(text, "{name} = {:?}", nodes_of(nodes));
         }
         text
     }
