@@ -95,6 +95,13 @@ pub enum Command {
         /// Folder of results.
         dir: PathBuf,
     },
+    /// Write a job for a mesh file of another program, and print what became of its content.
+    ///
+    /// Reads Gmsh MSH 4.1 and 2.2, Abaqus input, Nastran bulk data, VTK (XML and legacy), STL and
+    /// EXODUS II; the format is recognised by the content. The folder gets a copy of the file and a
+    /// job.toml with its parts, materials and sections. Values that the file does not have are
+    /// placeholders: the job lists them, and `crumple check` warns of each.
+    Import(ImportArgs),
     /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
     ExportDeck(ExportArgs),
     /// Write the fields of a run as a d3plot database, for post-processors that read it.
@@ -144,7 +151,8 @@ pub struct JobOptions {
     pub workers: Option<usize>,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     set: Vec<String>,
-    /// Ignore unsupported content of a deck instead of failing; summary.json lists it.
+    /// Ignore unsupported content of a deck or a mesh file instead of failing; summary.json lists
+    /// it.
     #[arg(long)]
     pub allow_unsupported: bool,
     /// Refuse to read files of the job outside this folder: meshes, decks and what they include.
@@ -355,6 +363,20 @@ pub struct ScaleArgs {
     /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     pub set: Vec<String>,
+}
+
+/// `crumple import`.
+#[derive(Args, Clone, Debug)]
+pub struct ImportArgs {
+    /// Mesh file.
+    pub file: PathBuf,
+    /// Folder for the job [default: the name of the file without its extension].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Leave out content that is not supported, such as elements of second order, instead of
+    /// failing.
+    #[arg(long)]
+    pub allow_unsupported: bool,
 }
 
 /// `crumple export-deck`.

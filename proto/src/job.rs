@@ -42,6 +42,11 @@ pub struct Job {
     pub units: String,
     /// Simulated time at which the run ends [time].
     pub end_time: f64,
+    /// Keys whose values are placeholders, such as `part.plate.thickness`: `crumple import` writes
+    /// them for values that a mesh file does not have. `crumple check` and `crumple run` warn of
+    /// each. Set the value, then remove the key from this list.
+    #[serde(default)]
+    pub placeholders: Vec<String>,
     /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
     /// `shells`, `solids`, `beams` or `springs`.
     pub mesh: MeshSource,
@@ -135,8 +140,10 @@ pub struct MeshSource {
     /// Name of a generator of the `cases` crate; its options are in `[scene]`.
     #[serde(default)]
     pub generator: Option<String>,
-    /// TOML file in the folder of the job, with `nodes`, `shells`, `solids`, `beams`, `springs` and
-    /// `node_sets` as below.
+    /// Mesh file in the folder of the job: Gmsh MSH, Abaqus input, Nastran bulk data, VTK (XML and
+    /// legacy), STL or EXODUS II, recognised by its content; or a TOML file with `nodes`, `shells`,
+    /// `solids`, `beams`, `springs` and `node_sets` as below. Its parts and node sets are listed by
+    /// `crumple import`, which writes a job for it.
     #[serde(default)]
     pub file: Option<String>,
     /// LS-DYNA keyword deck in the folder of the job: mesh, node sets, parts, materials and all
@@ -153,7 +160,8 @@ pub struct MeshSource {
     /// Keywords of the deck that are not read, such as `DEFORMABLE_TO_RIGID`.
     #[serde(default)]
     pub leave_out: Vec<String>,
-    /// Ignore unsupported content of the deck. Without it, unsupported content is an error.
+    /// Ignore unsupported content of the deck or the mesh file. Without it, unsupported content is
+    /// an error.
     #[serde(default)]
     pub allow_unsupported: bool,
     /// Nodes as `[id, x, y, z]` [length].
@@ -183,7 +191,8 @@ pub struct MeshSource {
     /// deck. A mesh file has its own list.
     #[serde(default)]
     pub offsets: Vec<[f64; 2]>,
-    /// Named sets of node ids. With a deck, they are added to its sets.
+    /// Named sets of node ids. With a deck or a mesh file of another program, they are added to its
+    /// sets.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
 }

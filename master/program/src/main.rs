@@ -21,6 +21,7 @@ fn main() -> ExitCode {
         Command::Advise { dir } => crumple::analysis::advise::run(&dir),
         Command::Bench(args) => crumple::analysis::bench::run(&args),
         Command::Report { dir } => crumple::results::report::run(&dir),
+        Command::Import(args) => crumple::input::mesh_file::import::run(&args),
         Command::ExportDeck(args) => crumple::input::deck::export::run(&args),
         Command::Scale(args) => crumple::analysis::scale::run(&args),
         Command::ExportD3plot { dir, file_size } => crumple::results::d3plot::run(&dir, file_size),

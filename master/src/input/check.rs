@@ -2,6 +2,7 @@
 
 use crate::input::job::Model;
 use crate::input::job::subcycles::{self, SubcycleClasses};
+use crate::input::mesh_file;
 use crumple_proto::job::{ContactInput, Part};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::beams;
@@ -56,6 +57,10 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
     shapes(model, out)?;
     loads(model, out)?;
     out.push_str(&mapping(model));
+    if !model.mesh_rows().is_empty() {
+        writeln!(out, "\nmesh file")?;
+        out.push_str(&mesh_file::table(model.mesh_rows()));
+    }
     writeln!(out)?;
     if model.warnings.is_empty() {
         return writeln!(out, "no warnings");
@@ -132,11 +137,14 @@ pub fn mapping(model: &Model) -> String {
             None => rows.push((entry.of.clone(), &entry.asked, &entry.used)),
         }
     }
-    if rows.is_empty() && model.unsupported.is_empty() {
+    // The content of a mesh file is in its own table.
+    let unsupported =
+        if model.mesh_rows().is_empty() { &model.unsupported[..] } else { Default::default() };
+    if rows.is_empty() && unsupported.is_empty() {
         return String::new();
     }
     let rows = rows.into_iter().map(|(of, asked, used)| format!("  {of}: {asked} -> {used}\n"));
-    let left_out = model.unsupported.iter().map(|what| format!("  left out: {what}\n"));
+    let left_out = unsupported.iter().map(|what| format!("  left out: {what}\n"));
     std::iter::once("\ndeck         asked -> used\n".to_string())
         .chain(rows)
         .chain(left_out)

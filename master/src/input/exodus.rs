@@ -369,7 +369,7 @@ impl ExodusReader<'_> {
 }
 
 /// Returns a point off the line between the ends of a beam, see [`read`].
-fn off_axis([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
+pub(super) fn off_axis([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
     let along: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
     let length = along.iter().map(|l| l * l).sum::<f64>().sqrt();
     let axis = if along[2].abs() > 0.866 * length { 0 } else { 2 };

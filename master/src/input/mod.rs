@@ -7,4 +7,5 @@ pub mod deck;
 pub mod exodus;
 pub mod findings;
 pub mod job;
+pub mod mesh_file;
 pub mod reference;

@@ -54,6 +54,27 @@ pub struct BeamInput {
     pub contact_radius: Option<f64>,
 }
 
+impl BeamInput {
+    /// Returns a section of this shape without sizes.
+    pub fn of(section: BeamSection) -> Self {
+        BeamInput {
+            section,
+            height: 0.0,
+            width: 0.0,
+            flange: 0.0,
+            web: 0.0,
+            radius: 0.0,
+            wall: 0.0,
+            area: 0.0,
+            second_moments: [0.0; 2],
+            torsion: 0.0,
+            shear_areas: [0.0; 2],
+            weld: None,
+            contact_radius: None,
+        }
+    }
+}
+
 /// Failure of a spot weld. It breaks when `(N/normal)^n + (V/shear)^m + (M/bending)^2 +
 /// (T/torsion)^2 >= 1`, with the tension N, the shear force V, the larger bending moment M of its
 /// ends and the torque T. From then on its forces are zero. With a limit of 0, its term is left

@@ -1,9 +1,12 @@
-//! Keyword decks: formats and problems, models, contacts, joints, arbitrary bytes, runs.
+//! Keyword decks: formats and problems, models, contacts, joints, arbitrary bytes, runs. Mesh files
+//! of other programs.
 
 mod base;
+mod broken_meshes;
 mod bytes;
 mod contacts;
 mod formats;
 mod joints;
+mod mesh_files;
 mod models;
 mod runs;

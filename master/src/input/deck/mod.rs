@@ -15,7 +15,7 @@ mod expression;
 mod fields;
 mod keywords;
 mod merge;
-mod number;
+pub(super) mod number;
 mod parameters;
 mod record;
 pub mod reference;

@@ -4,9 +4,10 @@ use super::report::SourceFile;
 use super::tree::{Node, Place};
 use super::validate::JobProblems;
 use super::{SourceFiles, mesh, validate};
-use crate::input::{confine, deck};
+use crate::input::{confine, deck, mesh_file};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,13 @@ pub(super) fn read_mesh(
     } else if !check_sources(given, count, findings) {
         return None;
     } else if let Some(file) = &given.file {
-        return read_mesh_file(&in_folder(file), sources, findings);
+        let file = in_folder(file);
+        if mesh_file::is_own_format(&file) {
+            return read_toml_mesh(given, &file, sources, findings);
+        }
+        let mut mesh = read_foreign_mesh(&file, given.allow_unsupported, sources, findings)?;
+        mesh.node_sets.extend(own_sets());
+        mesh::PlacedMesh::elsewhere(mesh, "mesh.file")
     } else if let Some(generator) = &given.generator {
         mesh::generate(generator, job, findings)?
     } else if let Some(exodus) = &given.exodus {
@@ -75,7 +82,6 @@ fn count_sources(given: &MeshSource) -> usize {
 /// Reports a job without a mesh or with several, and keys that its mesh cannot have. Returns false
 /// if there is an error.
 fn check_sources(given: &MeshSource, count: usize, findings: &mut JobProblems) -> bool {
-    let MeshSource { generator, file, node_sets, thicknesses, offsets, .. } = given;
     if count != 1 {
         let (message, one) = match count {
             0 => ("the job has no mesh", "give"),
@@ -88,28 +94,57 @@ fn check_sources(given: &MeshSource, count: usize, findings: &mut JobProblems) -
         findings.add(Problem::error("mesh", message, help));
         return false;
     }
-    if (generator.is_some() || file.is_some()) && !node_sets.is_empty() {
-        findings.add(Problem::error(
-            "mesh.node_sets",
-            "mesh.node_sets is for mesh.nodes, mesh.exodus or a deck only",
-            "remove them: a generator or a mesh file defines its own node sets",
-        ));
-        return false;
-    }
-    if file.is_some() && !(thicknesses.is_empty() && offsets.is_empty()) {
-        let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
-        let message = format!("{key} is not for a mesh file");
-        findings.add(Problem::error(key, message, "write them in the mesh file"));
-        return false;
-    }
-    true
+    given.generator.is_none() || check_own_sets(given, findings)
 }
 
-fn read_mesh_file(
+/// Reports node sets of a job whose mesh defines its own. Returns false if there is an error.
+fn check_own_sets(given: &MeshSource, findings: &mut JobProblems) -> bool {
+    if !given.node_sets.is_empty() {
+        findings.add(Problem::error(
+            "mesh.node_sets",
+            "mesh.node_sets is for mesh.nodes, meshes of other programs or a deck only",
+            "remove them: a generator or a mesh file in TOML defines its own node sets",
+        ));
+    }
+    given.node_sets.is_empty()
+}
+
+/// Reads a mesh file of another program. Reports errors and returns `None` if it is faulty.
+fn read_foreign_mesh(
+    file: &Path,
+    allowed: bool,
+    sources: &mut SourceFiles,
+    findings: &mut JobProblems,
+) -> Option<Mesh> {
+    match mesh_file::read(file, allowed) {
+        Ok(read) => {
+            sources.mesh_rows = read.rows;
+            read.warnings.into_iter().for_each(|warning| findings.add(warning));
+            Some(read.mesh.to_mesh())
+        }
+        Err(problems) => {
+            problems.into_iter().for_each(|problem| findings.add(problem));
+            None
+        }
+    }
+}
+
+fn read_toml_mesh(
+    given: &MeshSource,
     file: &Path,
     sources: &mut SourceFiles,
     findings: &mut JobProblems,
 ) -> Option<mesh::PlacedMesh> {
+    let MeshSource { thicknesses, offsets, .. } = given;
+    if !check_own_sets(given, findings) {
+        return None;
+    }
+    if !(thicknesses.is_empty() && offsets.is_empty()) {
+        let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
+        let message = format!("{key} is not for a mesh file in TOML");
+        findings.add(Problem::error(key, message, "write them in the mesh file"));
+        return None;
+    }
     let text = match load(file) {
         Ok(text) => text,
         Err(problem) => {

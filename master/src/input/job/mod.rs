@@ -23,6 +23,7 @@ mod loads;
 mod mesh;
 mod model;
 mod numbering;
+mod placeholders;
 pub mod report;
 mod requirements;
 mod resolve;
@@ -49,6 +50,7 @@ pub use units::fit as units_fit;
 pub use validate::nearest;
 
 use crate::input::deck;
+use crate::input::mesh_file::Fate;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
@@ -109,7 +111,8 @@ fn read_tree(
     sets: &[String],
     mut findings: JobProblems,
 ) -> Result<Model, Report> {
-    let mut sources = SourceFiles { job, mesh: None, deck: None, sets: sets.to_vec() };
+    let mut sources =
+        SourceFiles { job, mesh: None, mesh_rows: Vec::new(), deck: None, sets: sets.to_vec() };
     if findings.any_error() {
         return Err(Report::new(findings.list, &sources));
     }
@@ -210,12 +213,14 @@ fn build(
         }
         return None;
     }
-    let (mapping, unsupported) = match &mut deck {
+    let (mapping, mut unsupported) = match &mut deck {
         Some(deck) => (std::mem::take(&mut deck.mapping), std::mem::take(&mut deck.unsupported)),
         None => Default::default(),
     };
     let (tree, job) = read_keys(sources, sets, findings)?;
     let read = read_mesh(&job, path, deck, sources, findings);
+    let left_out = sources.mesh_rows.iter().filter(|row| row.fate == Fate::LeftOut);
+    unsupported.extend(left_out.map(|row| format!("{} {}", row.count, row.what)));
     let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
     resolve::check(&job, workers_given, findings);
     let mut checked = check_mesh(&job, read, findings);
@@ -235,7 +240,8 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
-    let warnings = warnings::of_model(&job, &mesh, &settings, &elements, &nodes);
+    let mut warnings = placeholders::check(&job);
+    warnings.extend(warnings::of_model(&job, &mesh, &settings, &elements, &nodes));
     Some(Built {
         quality: quality?,
         renumbered,

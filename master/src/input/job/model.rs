@@ -3,6 +3,7 @@
 use super::report::{Located, Report, SourceFiles};
 use super::{BuiltElements, ElementStart, NodeStart, Renumbered, state};
 use crate::input::deck;
+use crate::input::mesh_file::ImportRow;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
@@ -35,7 +36,7 @@ pub struct Model {
     pub warnings: Vec<Problem>,
     /// Requests of a deck, and the settings used for them.
     pub mapping: Vec<deck::Mapping>,
-    /// Content of a deck that is not supported and was ignored.
+    /// Content of a deck or a mesh file that is not supported and was ignored.
     pub unsupported: Vec<String>,
     /// The job file that was read.
     pub path: PathBuf,
@@ -46,6 +47,11 @@ impl Model {
     /// Returns a problem with its line in the job.
     pub fn show(&self, problem: &Problem) -> Located {
         self.sources.locate(problem)
+    }
+
+    /// Returns what became of the content of a mesh file of another program.
+    pub fn mesh_rows(&self) -> &[ImportRow] {
+        &self.sources.mesh_rows
     }
 
     /// Returns the records for the distribution: elements and nodes by ascending id.

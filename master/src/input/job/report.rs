@@ -2,6 +2,7 @@
 
 use super::tree::{Node, Place};
 use crate::input::deck;
+use crate::input::mesh_file::ImportRow;
 use crumple_proto::problem::{Problem, Severity};
 use std::fmt;
 
@@ -26,6 +27,8 @@ pub(crate) struct SourceFile {
 pub struct SourceFiles {
     pub(crate) job: SourceFile,
     pub(crate) mesh: Option<SourceFile>,
+    /// The table of the content of a mesh file of another program.
+    pub(crate) mesh_rows: Vec<ImportRow>,
     pub(crate) deck: Option<DeckSource>,
     pub(crate) sets: Vec<String>,
 }

@@ -1,0 +1,448 @@
+//! From parts and instances to one mesh with parts, sets and sections.
+
+use super::AbaqusModel;
+use super::blocks::AbaqusBlock;
+use super::scope::{MeshScope, ScopeElement, SectionBlock, add_ids, ids_of, number_of, set_name};
+use crate::input::mesh_file::boundary::{CellGroup, bounding};
+use crate::input::mesh_file::cells::Cell;
+use crate::input::mesh_file::content::FileNode;
+use crate::input::mesh_file::reading::{Fate, MeshReading};
+use crumple_proto::job::{BeamInput, BeamSection};
+use std::collections::{BTreeMap, HashMap};
+
+/// An instance of a part: its place in space, and what it defines itself.
+pub struct InstanceBlock {
+    name: String,
+    part: String,
+    shift: [f64; 3],
+    /// Two points of an axis, and an angle [degree].
+    turn: Option<[f64; 7]>,
+    place: crate::input::mesh_file::content::FilePlace,
+    pub own: MeshScope,
+}
+
+impl InstanceBlock {
+    /// Reads the place of an instance.
+    pub fn new(block: &AbaqusBlock, reading: &mut MeshReading) -> Self {
+        let of = |name: &str| block.value(name).unwrap_or_default().to_string();
+        let mut instance = InstanceBlock {
+            name: of("NAME"),
+            part: of("PART"),
+            shift: [0.0; 3],
+            turn: None,
+            place: block.place,
+            own: MeshScope::default(),
+        };
+        for (index, line) in block.data.iter().enumerate().take(2) {
+            let count = if index == 0 { 3 } else { 7 };
+            let mut numbers = [0.0; 7];
+            for (place, number) in numbers.iter_mut().enumerate().take(count) {
+                match number_of(line, place) {
+                    Ok(value) => *number = value.unwrap_or(0.0),
+                    Err(text) => {
+                        let message =
+                            format!("instance `{}`: `{text}` is no number", instance.name);
+                        let help = "write x, y, z, and in a second line the axis and its angle";
+                        reading.error("instance", line.place, message, help);
+                    }
+                }
+            }
+            match index {
+                0 => instance.shift.copy_from_slice(&numbers[..3]),
+                _ => instance.turn = Some(numbers),
+            }
+        }
+        instance
+    }
+
+    /// Returns the position of a point of its part.
+    fn position(&self, x: [f64; 3]) -> [f64; 3] {
+        let moved: [f64; 3] = std::array::from_fn(|c| x[c] + self.shift[c]);
+        let Some([ax, ay, az, bx, by, bz, degrees]) = self.turn else { return moved };
+        let (start, axis) = ([ax, ay, az], [bx - ax, by - ay, bz - az]);
+        let length = dot(axis, axis).sqrt();
+        if length == 0.0 {
+            return moved;
+        }
+        let k = axis.map(|c| c / length);
+        let r: [f64; 3] = std::array::from_fn(|c| moved[c] - start[c]);
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (across, along) = (cross(k, r), dot(k, r));
+        // Rodrigues' formula.
+        std::array::from_fn(|c| {
+            start[c] + r[c] * cos + across[c] * sin + k[c] * along * (1.0 - cos)
+        })
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// A scope at its place in the mesh.
+struct Placed<'a> {
+    scope: &'a MeshScope,
+    instance: Option<&'a InstanceBlock>,
+    /// Prefix of the names of sets.
+    prefix: String,
+    /// Number that is added to the ids of nodes and elements.
+    shift: u64,
+}
+
+impl Placed<'_> {
+    /// Returns a direction of its part in space.
+    fn turned(&self, axis: [f64; 3]) -> [f64; 3] {
+        let Some(instance) = self.instance else { return axis };
+        let (end, start) = (instance.position(axis), instance.position([0.0; 3]));
+        std::array::from_fn(|c| end[c] - start[c])
+    }
+}
+
+/// Adds everything to the mesh.
+pub fn assemble(model: AbaqusModel, reading: &mut MeshReading) {
+    let placed = placed(&model, reading);
+    let mut parts = PartTable::default();
+    for one in &placed {
+        add_nodes(one, reading);
+        parts.add_elements(one, reading);
+        for set in one.scope.node_sets.values().filter(|set| !set.internal) {
+            let name = format!("{}{}", one.prefix, set.name);
+            let second = format!("{name}_nodes");
+            reading.mesh.add_set(
+                &name,
+                &second,
+                set.ids.iter().map(|id| id.saturating_add(one.shift)),
+            );
+        }
+        for set in one.scope.element_sets.values().filter(|set| !set.internal) {
+            let name = format!("{}{}", one.prefix, set.name);
+            let second = format!("{name}_elements");
+            let nodes = one.scope.nodes_of(&set.ids);
+            reading.mesh.add_set(
+                &name,
+                &second,
+                nodes.iter().map(|id| id.saturating_add(one.shift)),
+            );
+        }
+    }
+    add_assembly_sets(&model, &placed, reading);
+}
+
+/// Returns all scopes with nodes or elements and their places.
+fn placed<'a>(model: &'a AbaqusModel, reading: &mut MeshReading) -> Vec<Placed<'a>> {
+    let mut found: Vec<(&MeshScope, Option<&InstanceBlock>, String)> = Vec::new();
+    found.push((&model.model, None, String::new()));
+    for instance in &model.instances {
+        let part = model.parts.iter().find(|p| p.name.eq_ignore_ascii_case(&instance.part));
+        match part {
+            Some(part) => found.push((part, Some(instance), instance.name.clone())),
+            None => {
+                let message =
+                    format!("instance `{}`: there is no part `{}`", instance.name, instance.part);
+                let help = "correct PART= of the instance, or add the part";
+                reading.error("instance", instance.place, message, help);
+            }
+        }
+        found.push((&instance.own, None, instance.name.clone()));
+    }
+    if model.instances.is_empty() {
+        found.extend(model.parts.iter().map(|part| (part, None, part.name.clone())));
+    }
+    found.retain(|(scope, ..)| !scope.nodes.is_empty() || !scope.elements.is_empty());
+    let several = found.len() > 1;
+    let mut next = 0;
+    let place = |(scope, instance, name): (&'a MeshScope, Option<&'a InstanceBlock>, String)| {
+        let largest = scope.nodes.iter().map(|n| n.id).chain(scope.elements.iter().map(|e| e.id));
+        let shift = next;
+        next += largest.max().unwrap_or(0).min(1 << 40);
+        let prefix = if several && !name.is_empty() { format!("{name}.") } else { String::new() };
+        Placed { scope, instance, prefix, shift }
+    };
+    found.into_iter().map(place).collect()
+}
+
+fn add_nodes(one: &Placed, reading: &mut MeshReading) {
+    for node in &one.scope.nodes {
+        let x = one.instance.map_or(node.x, |instance| instance.position(node.x));
+        let id = node.id.saturating_add(one.shift);
+        reading.mesh.nodes.push(FileNode { id, x, place: node.place });
+    }
+}
+
+/// Parts by the scope, section or set of elements that they come from.
+#[derive(Default)]
+struct PartTable {
+    known: BTreeMap<String, usize>,
+}
+
+impl PartTable {
+    /// Adds the elements of a scope: to the parts of their sections, or of their blocks.
+    fn add_elements(&mut self, one: &Placed, reading: &mut MeshReading) {
+        let scope = one.scope;
+        let of_section = sections_of(scope, reading);
+        let mut free: BTreeMap<&str, Vec<&ScopeElement>> = BTreeMap::new();
+        for element in scope.elements.iter().filter(|e| !of_section.contains_key(&e.id)) {
+            free.entry(&element.block).or_default().push(element);
+        }
+        let dropped = bounding_blocks(scope, &free, &of_section);
+        for (block, bounds) in free.keys().zip(&dropped) {
+            if *bounds {
+                let what = format!("elements of {block}");
+                let became = "only a node set: they have no section and bound others";
+                reading.row(Fate::Read, what, free[block].len(), became);
+            }
+        }
+        let dropped: Vec<&str> =
+            free.keys().zip(&dropped).filter(|(_, bounds)| **bounds).map(|(b, _)| *b).collect();
+        let has_beams = scope.sections.iter().any(|s| s.kind.starts_with("BEAM"));
+        let nodes = scope.nodes.iter().filter(|_| has_beams);
+        let at: HashMap<u64, [f64; 3]> = nodes.map(|node| (node.id, node.x)).collect();
+        for element in &scope.elements {
+            let section = of_section.get(&element.id).map(|&index| &scope.sections[index]);
+            if section.is_none() && dropped.contains(&element.block.as_str()) {
+                continue;
+            }
+            let part = self.part(one, element, section, reading);
+            let corners: Vec<u64> =
+                element.corners.iter().map(|id| id.saturating_add(one.shift)).collect();
+            let id = element.id.saturating_add(one.shift);
+            let before = reading.mesh.elements.len();
+            reading.add_element((id, part), element.cell, &corners, element.place);
+            if let (Some(added), Some(section)) = (reading.mesh.elements.get_mut(before), section) {
+                let axis = beam_axis(section, &at, element);
+                added.axis = axis.map(|axis| one.turned(axis));
+            }
+        }
+    }
+
+    /// Returns the part of an element.
+    fn part(
+        &mut self,
+        one: &Placed,
+        element: &ScopeElement,
+        section: Option<&SectionBlock>,
+        reading: &mut MeshReading,
+    ) -> usize {
+        let block = section.map_or(element.block.as_str(), |section| &section.elements);
+        let key = format!("{}/{}", one.scope.name, block.to_uppercase());
+        if let Some(&part) = self.known.get(&key) {
+            return part;
+        }
+        // Sets whose names begin with `_` were made by the program that wrote the file.
+        let name = match block.starts_with('_') && !one.scope.name.is_empty() {
+            true => one.scope.name.clone(),
+            false => block.to_string(),
+        };
+        let taken = reading.mesh.parts.iter().any(|part| part.name == name);
+        let id = reading.mesh.free_part_id();
+        let name = if taken { format!("{name}-{id}") } else { name };
+        let index = reading.mesh.part_with_id(id, &name);
+        let part = &mut reading.mesh.parts[index];
+        let listed = |set: &String| {
+            let found = one.scope.element_sets.get(set);
+            found.is_some_and(|found| found.ids.contains(&element.id))
+        };
+        part.rigid = element.rigid || one.scope.rigid.iter().any(listed);
+        if let Some(section) = section {
+            part.material.clone_from(&section.material);
+            match element.cell {
+                Cell::Line => part.beam = beam(section),
+                _ if section.kind.starts_with("S") || section.kind.starts_with("M") => {
+                    part.thickness = section.numbers.first().and_then(|row| row.first()).copied();
+                    part.thickness = part.thickness.filter(|&t| t > 0.0);
+                }
+                _ => {}
+            }
+            check_section(section, element.cell, part.beam.is_some(), part.thickness, reading);
+        }
+        self.known.insert(key, index);
+        index
+    }
+}
+
+/// Reports a section without the numbers that its elements need.
+fn check_section(
+    section: &SectionBlock,
+    cell: Cell,
+    beam: bool,
+    thickness: Option<f64>,
+    reading: &mut MeshReading,
+) {
+    let is_shell = matches!(cell, Cell::Quad | Cell::Triangle);
+    if is_shell && section.kind.contains("SHELL") && thickness.is_none() {
+        let message = format!("the section of `{}` has no thickness above 0", section.elements);
+        let help = "write the thickness in the first line after the keyword";
+        reading.error("thickness", section.place, message, help);
+    }
+    if cell == Cell::Line && !beam {
+        let message =
+            format!("the beam section {} of `{}` is not read", section.profile, section.elements);
+        let help = "RECT, CIRC, PIPE, symmetric I, general sections and areas of trusses are read; \
+                    part.beam is a placeholder in the job";
+        reading.warning(section.place, message, help);
+    }
+}
+
+/// Returns the index of the section of each element that has one.
+fn sections_of(scope: &MeshScope, reading: &mut MeshReading) -> HashMap<u64, usize> {
+    let mut found = HashMap::new();
+    for (index, section) in scope.sections.iter().enumerate() {
+        match scope.element_sets.get(&section.elements.to_uppercase()) {
+            Some(set) => {
+                for id in &set.ids {
+                    found.entry(*id).or_insert(index);
+                }
+            }
+            None => {
+                let message = format!("there is no element set `{}`", section.elements);
+                let help = "correct ELSET= of the section, or define the set";
+                reading.error("no set", section.place, message, help);
+            }
+        }
+        if let Some(material) = &section.material
+            && !reading.mesh.materials.iter().any(|m| m.name == *material)
+        {
+            let known =
+                reading.mesh.materials.iter().find(|m| m.name.eq_ignore_ascii_case(material));
+            match known.map(|m| m.name.clone()) {
+                // Names of Abaqus are the same in small and capital letters.
+                Some(name) => {
+                    let all = reading.mesh.materials.iter_mut().filter(|m| m.name == name);
+                    all.for_each(|m| m.name.clone_from(material));
+                }
+                None => {
+                    let message = format!("there is no material `{material}`");
+                    let help = "correct MATERIAL= of the section; the job has a placeholder";
+                    reading.warning(section.place, message, help);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Returns for each block of elements without a section whether it only bounds other elements.
+fn bounding_blocks(
+    scope: &MeshScope,
+    free: &BTreeMap<&str, Vec<&ScopeElement>>,
+    of_section: &HashMap<u64, usize>,
+) -> Vec<bool> {
+    let cells = |elements: &[&'_ ScopeElement]| -> usize {
+        elements.iter().map(|e| e.cell.dimension()).max().unwrap_or(3)
+    };
+    let mut groups: Vec<CellGroup> = free
+        .values()
+        .map(|elements| CellGroup {
+            dimension: cells(elements),
+            cells: elements.iter().map(|e| &e.corners[..]).collect(),
+        })
+        .collect();
+    for dimension in 2..=3 {
+        let own = scope
+            .elements
+            .iter()
+            .filter(|e| of_section.contains_key(&e.id) && e.cell.dimension() == dimension);
+        groups.push(CellGroup { dimension, cells: own.map(|e| &e.corners[..]).collect() });
+    }
+    let mut bounds = bounding(&groups);
+    bounds.truncate(free.len());
+    // Masses and springs are no part of the mesh, whatever they touch.
+    let no_mesh = |group: &CellGroup| group.dimension == 0;
+    bounds.iter().zip(&groups).map(|(&bounds, group)| bounds && !no_mesh(group)).collect()
+}
+
+/// Returns the section of beams; `None` if its profile is not read.
+fn beam(section: &SectionBlock) -> Option<BeamInput> {
+    let row = section.numbers.first()?;
+    let at = |index: usize| row.get(index).copied().unwrap_or(0.0);
+    let empty = BeamInput::of(BeamSection::General);
+    let beam = match (section.kind.as_str(), section.profile.as_str()) {
+        ("SOLID SECTION", _) => BeamInput { area: at(0), ..empty },
+        ("BEAM GENERAL SECTION", "" | "GENERAL") => {
+            BeamInput { area: at(0), second_moments: [at(1), at(3)], torsion: at(4), ..empty }
+        }
+        (_, "RECT") => {
+            BeamInput { height: at(0), width: at(1), ..BeamInput::of(BeamSection::Rectangle) }
+        }
+        (_, "CIRC") => BeamInput { radius: at(0), ..BeamInput::of(BeamSection::Tube) },
+        (_, "PIPE") => BeamInput { radius: at(0), wall: at(1), ..BeamInput::of(BeamSection::Tube) },
+        (_, "I") if at(2) == at(3) && at(4) == at(5) && at(0) * 2.0 == at(1) => BeamInput {
+            height: at(1),
+            width: at(2),
+            flange: at(4),
+            web: at(6),
+            ..BeamInput::of(BeamSection::I)
+        },
+        _ => return None,
+    };
+    let sizes = [beam.area, beam.height, beam.radius];
+    sizes.iter().any(|&size| size > 0.0).then_some(beam)
+}
+
+/// Returns the direction of the second axis of a beam. That of Abaqus is the first one, n1, and for
+/// an I, whose height is along it, n2 = t x n1.
+fn beam_axis(
+    section: &SectionBlock,
+    at: &HashMap<u64, [f64; 3]>,
+    element: &ScopeElement,
+) -> Option<[f64; 3]> {
+    if !section.kind.starts_with("BEAM") {
+        return None;
+    }
+    let row = section.numbers.get(1);
+    let given: [f64; 3] =
+        std::array::from_fn(|c| row.and_then(|r| r.get(c)).copied().unwrap_or(0.0));
+    let n1 = if dot(given, given) > 0.0 { given } else { [0.0, 0.0, -1.0] };
+    let (a, b) = (at.get(&element.corners[0])?, at.get(&element.corners[1])?);
+    let along: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
+    let n2 = cross(along, n1);
+    match dot(n2, n2) > 1e-12 * dot(along, along) * dot(n1, n1) {
+        true if section.profile == "I" => Some(n2),
+        true => Some(n1),
+        // A direction along the beam gives no axis.
+        false => None,
+    }
+}
+
+/// Adds the sets and surfaces of the assembly.
+fn add_assembly_sets(model: &AbaqusModel, placed: &[Placed], reading: &mut MeshReading) {
+    let mut elements = BTreeMap::new();
+    let mut sets: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+    for (instance, block) in &model.assembly {
+        let named = |one: &&Placed| {
+            let own = one.prefix.trim_end_matches('.').to_uppercase();
+            placed.len() == 1 || instance.as_deref().is_none_or(|name| own == name)
+        };
+        let Some(one) = placed.iter().find(named) else { continue };
+        let parameter = if block.keyword == "SURFACE" { "NAME" } else { block.keyword.as_str() };
+        let Some(name) = set_name(block, parameter, reading) else { continue };
+        let nodes: Vec<u64> = match block.keyword.as_str() {
+            "NSET" => ids_of(block, &one.scope.node_sets, reading),
+            "ELSET" => {
+                let mut known = one.scope.element_sets.clone();
+                known.extend(elements.clone());
+                let ids = ids_of(block, &known, reading);
+                add_ids(&mut elements, name, block.has("INTERNAL"), ids.iter().copied());
+                one.scope.nodes_of(&ids)
+            }
+            _ => {
+                let mut known = one.scope.element_sets.clone();
+                known.extend(elements.clone());
+                one.scope.nodes_of_surface(block, &known, reading)
+            }
+        };
+        if !block.has("INTERNAL") && !nodes.is_empty() {
+            // A set of several instances has a block for each.
+            let nodes = nodes.into_iter().map(|id| id.saturating_add(one.shift));
+            sets.entry(name.to_string()).or_default().extend(nodes);
+        }
+    }
+    for (name, nodes) in sets {
+        let second = format!("{name}_assembly");
+        reading.mesh.add_set(&name, &second, nodes);
+    }
+}

@@ -1,0 +1,366 @@
+//! Content of a part, an instance or a file without parts: nodes, elements, sets, sections.
+
+use super::blocks::{AbaqusBlock, DataLine};
+use super::elements::{cell_of, face, is_rigid};
+use crate::input::deck::number;
+use crate::input::mesh_file::cells::{Cell, CellUse};
+use crate::input::mesh_file::content::{FileNode, FilePlace};
+use crate::input::mesh_file::reading::MeshReading;
+use std::collections::{BTreeMap, HashMap};
+
+/// An element as it is in the file.
+pub struct ScopeElement {
+    pub id: u64,
+    pub cell: Cell,
+    /// Set of its block, or its type.
+    pub block: String,
+    pub rigid: bool,
+    pub corners: Vec<u64>,
+    pub place: FilePlace,
+}
+
+/// A set of nodes or elements.
+#[derive(Clone, Default)]
+pub struct NamedIds {
+    /// Name as it is written.
+    pub name: String,
+    pub ids: Vec<u64>,
+    /// True if the program that wrote the file made it for itself.
+    pub internal: bool,
+}
+
+/// A section of elements.
+pub struct SectionBlock {
+    /// Keyword.
+    pub kind: String,
+    /// Set of its elements.
+    pub elements: String,
+    pub material: Option<String>,
+    /// Value of `SECTION`, in capitals.
+    pub profile: String,
+    /// Numbers of its lines.
+    pub numbers: Vec<Vec<f64>>,
+    pub place: FilePlace,
+}
+
+/// A part, an instance, or a file without parts.
+#[derive(Default)]
+pub struct MeshScope {
+    /// Name; empty for a file without parts.
+    pub name: String,
+    pub nodes: Vec<FileNode>,
+    pub elements: Vec<ScopeElement>,
+    /// Sets by their name in capitals.
+    pub node_sets: BTreeMap<String, NamedIds>,
+    /// The same for elements.
+    pub element_sets: BTreeMap<String, NamedIds>,
+    pub sections: Vec<SectionBlock>,
+    /// Sets of elements that are rigid, in capitals.
+    pub rigid: Vec<String>,
+}
+
+/// How sets are written.
+const SET_HELP: &str = "give ids or names of sets, with commas between them; with GENERATE first, \
+                        last and step";
+
+impl MeshScope {
+    /// Reads a keyword that defines a part of a mesh. Returns false for all others.
+    pub fn read(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) -> bool {
+        match block.keyword.as_str() {
+            "NODE" => self.nodes(block, reading),
+            "ELEMENT" => self.elements(block, reading),
+            "NSET" => self.node_set(block, reading),
+            "ELSET" => self.element_set(block, reading),
+            "SURFACE" => self.surface(block, reading),
+            "SOLID SECTION"
+            | "SHELL SECTION"
+            | "SHELL GENERAL SECTION"
+            | "MEMBRANE SECTION"
+            | "BEAM SECTION"
+            | "BEAM GENERAL SECTION" => self.section(block, reading),
+            "RIGID BODY" => {
+                self.rigid.extend(block.value("ELSET").map(str::to_uppercase));
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    fn nodes(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
+        if block.value("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
+            let message = "coordinates are cylindrical or spherical";
+            let help = "export the nodes in rectangular coordinates";
+            reading.error("system", block.place, message, help);
+            return;
+        }
+        let first = self.nodes.len();
+        for line in &block.data {
+            let help = "write id, x, y, z";
+            let Some(id) = id_of(line, 0) else {
+                let message = format!("`{}` is no node id", field(line, 0));
+                reading.error("node", line.place, message, help);
+                continue;
+            };
+            let mut x = [0.0; 3];
+            for (axis, value) in x.iter_mut().enumerate() {
+                match number_of(line, axis + 1) {
+                    Ok(number) => *value = number.unwrap_or(0.0),
+                    Err(text) => {
+                        let message = format!("node {id}: `{text}` is no coordinate");
+                        reading.error("coordinate", line.place, message, help);
+                    }
+                }
+            }
+            self.nodes.push(FileNode { id, x, place: line.place });
+        }
+        if let Some(name) = block.value("NSET") {
+            let ids = self.nodes[first..].iter().map(|node| node.id).collect::<Vec<_>>();
+            add_ids(&mut self.node_sets, name, false, ids);
+        }
+    }
+
+    fn elements(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
+        let name = block.value("TYPE").unwrap_or_default().to_uppercase();
+        let Some((cell, width)) = cell_of(&name) else {
+            let message = match name.is_empty() {
+                true => "*ELEMENT has no TYPE".to_string(),
+                false => format!("elements of type {name} are not supported"),
+            };
+            let help = "these are read: S3, S4, S4R, C3D8, C3D8R, B31, T3D2 and their variants. \
+                        Use one of them, or remove the elements";
+            reading.unsupported("element type", block.place, message, help);
+            return;
+        };
+        let set = block.value("ELSET").filter(|set| !set.is_empty());
+        let first = self.elements.len();
+        let mut lines = block.data.iter();
+        while let Some(line) = lines.next() {
+            let mut fields: Vec<&str> = line.fields.iter().map(String::as_str).collect();
+            let mut open = line.open || width > 8;
+            while fields.len() < width + 1 && open {
+                let Some(next) = lines.next() else { break };
+                fields.extend(next.fields.iter().map(String::as_str));
+                open = next.open || width > 8;
+            }
+            let numbers: Option<Vec<u64>> = fields.iter().map(|f| f.parse().ok()).collect();
+            let Some((id, corners)) = numbers.as_deref().and_then(<[u64]>::split_first) else {
+                let message = format!("`{}` is no element", line.fields.join(", "));
+                let help = "write its id and its nodes, whole numbers with commas between them";
+                reading.error("element", line.place, message, help);
+                continue;
+            };
+            // A beam may have a third node for its direction.
+            if corners.len() < width || corners.len() > width + usize::from(cell == Cell::Line) {
+                let message =
+                    format!("element {id} of type {name} has {} nodes, not {width}", corners.len());
+                reading.error("width", line.place, message, "correct its nodes or its type");
+                continue;
+            }
+            self.elements.push(ScopeElement {
+                id: *id,
+                cell,
+                block: set.unwrap_or(&name).to_string(),
+                rigid: is_rigid(&name),
+                corners: corners[..width].to_vec(),
+                place: line.place,
+            });
+        }
+        if let Some(set) = set {
+            let ids = self.elements[first..].iter().map(|e| e.id).collect::<Vec<_>>();
+            add_ids(&mut self.element_sets, set, false, ids);
+        }
+    }
+
+    fn node_set(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
+        let mut ids = ids_of(block, &self.node_sets, reading);
+        if let Some(set) = block.value("ELSET") {
+            match self.element_sets.get(&set.to_uppercase()) {
+                Some(found) => ids.extend(self.nodes_of(&found.ids)),
+                None => {
+                    let message = format!("there is no element set `{set}`");
+                    reading.error("no set", block.place, message, "define it before this line");
+                }
+            }
+        }
+        if let Some(name) = set_name(block, "NSET", reading) {
+            add_ids(&mut self.node_sets, name, block.has("INTERNAL"), ids);
+        }
+    }
+
+    fn element_set(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
+        let ids = ids_of(block, &self.element_sets, reading);
+        if let Some(name) = set_name(block, "ELSET", reading) {
+            add_ids(&mut self.element_sets, name, block.has("INTERNAL"), ids);
+        }
+    }
+
+    fn surface(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
+        let nodes = self.nodes_of_surface(block, &self.element_sets, reading);
+        if let Some(name) = set_name(block, "NAME", reading) {
+            add_ids(&mut self.node_sets, name, false, nodes);
+        }
+    }
+
+    /// Returns the nodes of the faces of a surface.
+    pub fn nodes_of_surface(
+        &self,
+        block: &AbaqusBlock,
+        element_sets: &BTreeMap<String, NamedIds>,
+        reading: &mut MeshReading,
+    ) -> Vec<u64> {
+        let of_nodes = block.value("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("NODE"));
+        let by_id: HashMap<u64, &ScopeElement> = self.elements.iter().map(|e| (e.id, e)).collect();
+        let mut nodes = Vec::new();
+        for line in &block.data {
+            let (set, side) = (field(line, 0), field(line, 1));
+            let sets = if of_nodes { &self.node_sets } else { element_sets };
+            let ids = match (set.parse::<u64>(), sets.get(&set.to_uppercase())) {
+                (Ok(id), _) => vec![id],
+                (_, Some(found)) => found.ids.clone(),
+                _ => {
+                    let message = format!("surface: there is no set `{set}`");
+                    reading.error("no set", line.place, message, "define it before the surface");
+                    continue;
+                }
+            };
+            if of_nodes {
+                nodes.extend(ids);
+                continue;
+            }
+            let used = |e: &&&ScopeElement| matches!(e.cell.usage(), CellUse::Element(_));
+            for element in ids.iter().filter_map(|id| by_id.get(id)).filter(used) {
+                match face(element.cell, side) {
+                    Some(corners) => nodes.extend(corners.iter().map(|&c| element.corners[c])),
+                    // Without a side: all faces that no other element has.
+                    None if side.is_empty() => nodes.extend(&element.corners),
+                    None => {
+                        let message = format!("element {} has no face {side}", element.id);
+                        let help = "solids have S1 to S6, shells SPOS, SNEG and E1 to E4";
+                        reading.error("face", line.place, message, help);
+                    }
+                }
+            }
+        }
+        nodes
+    }
+
+    fn section(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
+        let Some(elements) = set_name(block, "ELSET", reading) else { return };
+        let mut numbers = Vec::new();
+        for line in &block.data {
+            // Fields that are no numbers name materials of layers and the like.
+            let row = (0..line.fields.len()).map(|i| number_of(line, i));
+            numbers.push(row.map(|n| n.ok().flatten().unwrap_or(0.0)).collect());
+        }
+        let of = |name: &str| block.value(name).map(String::from);
+        self.sections.push(SectionBlock {
+            kind: block.keyword.clone(),
+            elements: elements.to_string(),
+            material: of("MATERIAL"),
+            profile: of("SECTION").unwrap_or_default().to_uppercase(),
+            numbers,
+            place: block.place,
+        });
+        if block.has("COMPOSITE") {
+            let message = format!("the section of `{elements}` is a composite");
+            let help = "use a section of one material";
+            reading.unsupported("composite", block.place, message, help);
+        }
+        if block.has("OFFSET") {
+            let message = format!("the section of `{elements}` has an OFFSET");
+            let help = "set part.offset in the job";
+            reading.unsupported("offset", block.place, message, help);
+        }
+    }
+
+    /// Returns the nodes of elements.
+    pub fn nodes_of(&self, elements: &[u64]) -> Vec<u64> {
+        let wanted: std::collections::HashSet<&u64> = elements.iter().collect();
+        let own = self.elements.iter().filter(|e| wanted.contains(&e.id));
+        own.flat_map(|e| e.corners.iter().copied()).collect()
+    }
+}
+
+/// Returns a field of a line; empty if it is missing.
+pub fn field(line: &DataLine, index: usize) -> &str {
+    line.fields.get(index).map_or("", String::as_str)
+}
+
+fn id_of(line: &DataLine, index: usize) -> Option<u64> {
+    number::integer(field(line, index).as_bytes()).and_then(|id| u64::try_from(id).ok())
+}
+
+/// Returns a number, `None` if the field is empty.
+///
+/// # Errors
+/// The field is no number: its text.
+pub fn number_of(line: &DataLine, index: usize) -> Result<Option<f64>, &str> {
+    match field(line, index) {
+        "" => Ok(None),
+        text => number::real(text.as_bytes()).map(Some).ok_or(text),
+    }
+}
+
+/// Returns the name of a set that a parameter gives. Reports an error if it is missing.
+pub fn set_name<'b>(
+    block: &'b AbaqusBlock,
+    parameter: &str,
+    reading: &mut MeshReading,
+) -> Option<&'b str> {
+    let name = block.value(parameter).filter(|name| !name.is_empty());
+    if name.is_none() {
+        let message = format!("*{} has no parameter {parameter}", block.keyword);
+        reading.error("parameter", block.place, message, format!("write {parameter}=NAME"));
+    }
+    name
+}
+
+/// Adds ids to a set.
+pub fn add_ids(
+    sets: &mut BTreeMap<String, NamedIds>,
+    name: &str,
+    internal: bool,
+    ids: impl IntoIterator<Item = u64>,
+) {
+    let new = || NamedIds { name: name.into(), ids: Vec::new(), internal };
+    sets.entry(name.to_uppercase()).or_insert_with(new).ids.extend(ids);
+}
+
+/// Returns the ids of the lines of a set: numbers, names of sets, or ranges.
+pub fn ids_of(
+    block: &AbaqusBlock,
+    known: &BTreeMap<String, NamedIds>,
+    reading: &mut MeshReading,
+) -> Vec<u64> {
+    /// Largest number of ids of a range.
+    const LONGEST: u64 = 20_000_000;
+    let mut ids = Vec::new();
+    for line in &block.data {
+        if block.has("GENERATE") {
+            let step = if field(line, 2).is_empty() { Some(1) } else { id_of(line, 2) };
+            match (id_of(line, 0), id_of(line, 1), step) {
+                (Some(first), Some(last), Some(step))
+                    if step > 0 && first <= last && (last - first) / step < LONGEST =>
+                {
+                    ids.extend((first..=last).step_by(step as usize));
+                }
+                _ => {
+                    let message = format!("`{}` is no range", line.fields.join(", "));
+                    reading.error("range", line.place, message, SET_HELP);
+                }
+            }
+            continue;
+        }
+        for text in line.fields.iter().filter(|text| !text.is_empty()) {
+            match (text.parse::<u64>(), known.get(&text.to_uppercase())) {
+                (Ok(id), _) => ids.push(id),
+                (_, Some(set)) => ids.extend(&set.ids),
+                _ => {
+                    let message = format!("`{text}` is no id and no set that was defined before");
+                    reading.error("no set", line.place, message, SET_HELP);
+                }
+            }
+        }
+    }
+    ids
+}

@@ -1,0 +1,205 @@
+//! Content of a mesh file, the same for all formats.
+
+use crate::input::exodus::off_axis;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::BeamInput;
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Place in the files that are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FilePlace {
+    /// Number of the file; 0 for the one that the job names.
+    pub file: u32,
+    /// Line, from 1; 0 for the file as a whole.
+    pub line: u32,
+}
+
+/// Node of a file.
+#[derive(Clone, Copy, Debug)]
+pub struct FileNode {
+    /// Id.
+    pub id: u64,
+    /// Coordinates [length].
+    pub x: [f64; 3],
+    /// Its place.
+    pub place: FilePlace,
+}
+
+/// Element of a file.
+#[derive(Clone, Debug)]
+pub struct FileElement {
+    /// Id.
+    pub id: u64,
+    /// Index of its part.
+    pub part: usize,
+    /// Shape.
+    pub shape: Shape,
+    /// Ids of its corners.
+    pub corners: Vec<u64>,
+    /// Vector towards the second axis of a beam; `None` for the choice of [`off_axis`] [length].
+    pub axis: Option<[f64; 3]>,
+    /// Values of a shell that replace those of its part.
+    pub own: OwnSection,
+    /// Its place.
+    pub place: FilePlace,
+}
+
+/// Part of a file.
+#[derive(Clone, Debug, Default)]
+pub struct FilePart {
+    /// Id.
+    pub id: u32,
+    /// Name; empty without.
+    pub name: String,
+    /// Name of its material, if the file has it.
+    pub material: Option<String>,
+    /// Thickness of its shells, if the file has it [length].
+    pub thickness: Option<f64>,
+    /// Section of its beams, if the file has it.
+    pub beam: Option<BeamInput>,
+    /// True if it is rigid.
+    pub rigid: bool,
+}
+
+/// Elastic and plastic values of a material, as far as the file has them.
+#[derive(Clone, Debug, Default)]
+pub struct FileMaterial {
+    /// Name.
+    pub name: String,
+    /// Density [mass/length^3].
+    pub density: Option<f64>,
+    /// Young's modulus [force/length^2].
+    pub youngs_modulus: Option<f64>,
+    /// Poisson's ratio.
+    pub poisson: Option<f64>,
+    /// Plastic strain and yield stress [-, force/length^2]; empty for an elastic material.
+    pub hardening: Vec<[f64; 2]>,
+}
+
+/// Everything that is read from a file.
+#[derive(Clone, Debug, Default)]
+pub struct FileMesh {
+    /// Nodes in the order of the file.
+    pub nodes: Vec<FileNode>,
+    /// Elements in the order of the file.
+    pub elements: Vec<FileElement>,
+    /// Parts.
+    pub parts: Vec<FilePart>,
+    /// Node sets.
+    pub node_sets: BTreeMap<String, Vec<u64>>,
+    /// Materials.
+    pub materials: Vec<FileMaterial>,
+}
+
+impl FileMesh {
+    /// Creates it from a mesh whose parts have no other values.
+    pub fn from_mesh(mesh: &Mesh) -> Self {
+        let mut found = FileMesh::default();
+        let place = FilePlace::default();
+        found.nodes.extend(mesh.nodes.iter().map(|n| FileNode { id: n.id.0, x: n.x, place }));
+        for element in &mesh.elements {
+            let part = found.part_with_id(element.part, "");
+            let thickness = element.own.thickness;
+            let values = &mut found.parts[part];
+            values.thickness = values.thickness.or((thickness > 0.0).then_some(thickness));
+            let corners = element.corners().iter().map(|n| n.0).collect();
+            let (id, shape, own) = (element.id.0, element.shape, element.own);
+            found.elements.push(FileElement { id, part, shape, corners, axis: None, own, place });
+        }
+        for (name, ids) in &mesh.node_sets {
+            found.node_sets.insert(name.clone(), ids.iter().map(|n| n.0).collect());
+        }
+        found
+    }
+
+    /// Returns the index of the part with this id. Adds one with this name if there is none.
+    pub fn part_with_id(&mut self, id: u32, name: &str) -> usize {
+        if let Some(index) = self.parts.iter().position(|part| part.id == id) {
+            return index;
+        }
+        self.parts.push(FilePart { id, name: name.into(), ..FilePart::default() });
+        self.parts.len() - 1
+    }
+
+    /// Returns the smallest id of a part that is free, from 1.
+    pub fn free_part_id(&self) -> u32 {
+        let taken: HashSet<u32> = self.parts.iter().map(|part| part.id).collect();
+        (1..).find(|id| !taken.contains(id)).unwrap_or(u32::MAX)
+    }
+
+    /// Adds a node set. If its name is taken, it gets the second name.
+    pub fn add_set(&mut self, name: &str, second: &str, nodes: impl IntoIterator<Item = u64>) {
+        let name = if self.node_sets.contains_key(name) { second } else { name };
+        let set = self.node_sets.entry(name.into()).or_default();
+        set.extend(nodes);
+        set.sort_unstable();
+        set.dedup();
+    }
+
+    /// Removes the nodes that no element has, also from sets, and sets without nodes. Returns the
+    /// number of removed nodes and the names of the removed sets.
+    pub fn prune(&mut self) -> (usize, Vec<String>) {
+        let used: HashSet<u64> = self.elements.iter().flat_map(|e| &e.corners).copied().collect();
+        let before = self.nodes.len();
+        self.nodes.retain(|node| used.contains(&node.id));
+        let mut emptied = Vec::new();
+        self.node_sets.retain(|name, ids| {
+            ids.retain(|id| used.contains(id));
+            if ids.is_empty() {
+                emptied.push(name.clone());
+            }
+            !ids.is_empty()
+        });
+        (before - self.nodes.len(), emptied)
+    }
+
+    /// Adds the set of its nodes for each part whose name no set has; without a name, it is that of
+    /// `part_ID`.
+    pub fn add_sets_of_parts(&mut self) {
+        for index in 0..self.parts.len() {
+            let part = &self.parts[index];
+            let name = match part.name.is_empty() {
+                true => format!("part_{}", part.id),
+                false => part.name.clone(),
+            };
+            if self.node_sets.contains_key(&name) {
+                continue;
+            }
+            let own = self.elements.iter().filter(|e| e.part == index);
+            let nodes: Vec<u64> = own.flat_map(|e| e.corners.iter().copied()).collect();
+            if !nodes.is_empty() {
+                self.add_set(&name, &name, nodes);
+            }
+        }
+    }
+
+    /// Returns the mesh. Each beam gets a node that gives its second axis.
+    pub fn to_mesh(&self) -> Mesh {
+        let at: HashMap<u64, [f64; 3]> = self.nodes.iter().map(|n| (n.id, n.x)).collect();
+        let mut mesh = Mesh::default();
+        mesh.nodes.extend(self.nodes.iter().map(|n| MeshNode { id: NodeId(n.id), x: n.x }));
+        let mut free = self.nodes.iter().map(|n| n.id).max().unwrap_or(0).saturating_add(1);
+        for element in &self.elements {
+            let mut corners: Vec<NodeId> = element.corners.iter().copied().map(NodeId).collect();
+            if element.shape == Shape::Beam2
+                && let [Some(&a), Some(&b)] = [0, 1].map(|c| at.get(&element.corners[c]))
+            {
+                let x = match element.axis {
+                    Some(axis) => std::array::from_fn(|c| a[c] + axis[c]),
+                    None => off_axis([a, b]),
+                };
+                mesh.nodes.push(MeshNode { id: NodeId(free), x });
+                corners.push(NodeId(free));
+                free = free.saturating_add(1);
+            }
+            let part = self.parts[element.part].id;
+            let whole = MeshElement::new(ElemId(element.id), part, element.shape, &corners);
+            mesh.elements.push(MeshElement { own: element.own, ..whole });
+        }
+        for (name, ids) in &self.node_sets {
+            mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
+        }
+        mesh
+    }
+}

@@ -1,0 +1,241 @@
+//! Text of a job for a mesh file.
+
+use super::super::{FileMaterial, FileMesh, FilePart, ReadMesh};
+use crate::input::job::units_fit;
+use crumple_proto::job::{BeamInput, BeamSection};
+use crumple_proto::mesh::Shape;
+use std::fmt::Write as _;
+use toml::Value;
+
+/// Mesh file for which a job is written.
+pub struct ImportedJob<'a> {
+    /// Name of the job.
+    pub name: &'a str,
+    /// Name of the mesh file in the folder of the job.
+    pub file: &'a str,
+    /// The file.
+    pub read: &'a ReadMesh,
+    /// True if the job leaves out what is not supported.
+    pub allowed: bool,
+}
+
+/// Text of a job, and its keys whose values are placeholders.
+pub struct ImportedText {
+    /// Text of `job.toml`.
+    pub job: String,
+    /// Keys.
+    pub placeholders: Vec<String>,
+}
+
+/// Name of the material of parts for which the file has none.
+const NO_MATERIAL: &str = "placeholder";
+const POISSON: f64 = 0.3;
+
+/// Units with density and Young's modulus of mild steel.
+const UNITS: [(&str, f64, f64); 4] = [
+    ("mm, ms, kg", 7.85e-6, 207.0),
+    ("mm, s, t", 7.85e-9, 207e3),
+    ("m, s, kg", 7850.0, 207e9),
+    ("mm, ms, g", 7.85e-3, 207e3),
+];
+
+/// Returns the text of the job.
+pub fn write(job: &ImportedJob) -> ImportedText {
+    let mesh = &job.read.mesh;
+    let mut placeholders = vec!["end_time".to_string()];
+    let (units, density, modulus) = units(&mesh.materials);
+    let body = materials(mesh, (density, modulus), &mut placeholders)
+        + &parts(mesh, &mut placeholders)
+        + &rigid(mesh)
+        + &hints(mesh);
+    let mut out = format!(
+        "# Written by `crumple import` for a file of the format {}.\n# Set each value that \
+         `placeholders` names, then remove it from the list.\n",
+        job.read.format.name
+    );
+    let _ = writeln!(out, "title = {}", quoted(job.name));
+    let origin = match mesh.materials.is_empty() {
+        true => "the file has none: check that its lengths fit",
+        false => "the materials of the file fit: check them",
+    };
+    let _ = writeln!(out, "units = \"{units}\"            # {origin}");
+    let _ = writeln!(out, "end_time = 1.0");
+    let list: Vec<String> =
+        placeholders.iter().map(|key| format!("    {},\n", quoted(key))).collect();
+    let _ = writeln!(out, "placeholders = [\n{}]\n\n[mesh]", list.concat());
+    let _ = writeln!(out, "file = {}", quoted(job.file));
+    if job.allowed {
+        let _ = writeln!(out, "allow_unsupported = true");
+    }
+    for (name, ids) in &mesh.node_sets {
+        let _ = writeln!(out, "# node set {}: {} nodes", quoted(name), ids.len());
+    }
+    ImportedText { job: out + &body, placeholders }
+}
+
+fn quoted(text: &str) -> String {
+    Value::String(text.into()).to_string()
+}
+
+/// Returns units in which all materials are plausible, with density and modulus of steel.
+fn units(materials: &[FileMaterial]) -> (&'static str, f64, f64) {
+    let fits = |units: &str| {
+        let known = materials.iter().filter_map(|m| Some((m.density?, m.youngs_modulus?)));
+        known.into_iter().all(|(density, modulus)| units_fit(units, density, modulus))
+    };
+    UNITS.into_iter().find(|(units, ..)| fits(units)).unwrap_or(UNITS[0])
+}
+
+fn materials(mesh: &FileMesh, steel: (f64, f64), placeholders: &mut Vec<String>) -> String {
+    let mut out = String::new();
+    for material in &mesh.materials {
+        let _ = writeln!(out, "\n[[material]]\nname = {}", quoted(&material.name));
+        let law = if material.hardening.is_empty() { "elastic" } else { "j2" };
+        let _ = writeln!(out, "law = \"{law}\"");
+        for (key, value, otherwise) in [
+            ("density", material.density, steel.0),
+            ("youngs_modulus", material.youngs_modulus, steel.1),
+            ("poisson", material.poisson, POISSON),
+        ] {
+            let _ = writeln!(out, "{key} = {:?}", value.unwrap_or(otherwise));
+            if value.is_none() {
+                placeholders.push(format!("material.{}.{key}", material.name));
+            }
+        }
+        match &material.hardening[..] {
+            [] => {}
+            [[_, stress]] => {
+                let _ = writeln!(out, "yield_stress = {stress:?}");
+            }
+            rows => {
+                let _ = writeln!(out, "hardening = {rows:?}    # true stress over plastic strain");
+            }
+        }
+    }
+    if mesh.parts.iter().any(|part| material_of(part, mesh) == NO_MATERIAL) {
+        placeholders.push(format!("material.{NO_MATERIAL}"));
+        let _ = writeln!(
+            out,
+            "\n[[material]]\nname = \"{NO_MATERIAL}\"           # mild steel\nlaw = \"elastic\"\n\
+             density = {:?}\nyoungs_modulus = {:?}\npoisson = {POISSON:?}",
+            steel.0, steel.1
+        );
+    }
+    out
+}
+
+/// Returns the name of the material of a part; that of the placeholder if the file has none.
+fn material_of<'a>(part: &'a FilePart, mesh: &FileMesh) -> &'a str {
+    let given = part.material.as_deref();
+    let known = given.filter(|name| mesh.materials.iter().any(|m| m.name == *name));
+    known.unwrap_or(NO_MATERIAL)
+}
+
+fn parts(mesh: &FileMesh, placeholders: &mut Vec<String>) -> String {
+    let mut out = String::new();
+    let thickness = placeholder_thickness(mesh);
+    for (index, part) in mesh.parts.iter().enumerate() {
+        let count =
+            |shape| mesh.elements.iter().filter(|e| e.part == index && e.shape == shape).count();
+        let [quads, triangles, beams] = [Shape::Quad4, Shape::Tri3, Shape::Beam2].map(count);
+        let key = |rest: &str| match part.name.is_empty() {
+            true => format!("part.{}.{rest}", part.id),
+            false => format!("part.{}.{rest}", part.name),
+        };
+        let _ = writeln!(out, "\n[[part]]\nid = {}", part.id);
+        if !part.name.is_empty() {
+            let _ = writeln!(out, "name = {}", quoted(&part.name));
+        }
+        let _ = writeln!(out, "material = {}", quoted(material_of(part, mesh)));
+        if quads + triangles > 0 {
+            let _ = writeln!(out, "thickness = {:?}", part.thickness.unwrap_or(thickness));
+            if part.thickness.is_none() {
+                placeholders.push(key("thickness"));
+            }
+        }
+        if beams > 0 {
+            out += &beam_section(part.beam.as_ref(), thickness);
+            if part.beam.is_none() {
+                placeholders.push(key("beam"));
+            }
+        }
+    }
+    out
+}
+
+/// Returns a thickness for shells without one: a tenth of the mean side, rounded to one digit
+/// [length].
+fn placeholder_thickness(mesh: &FileMesh) -> f64 {
+    let at: std::collections::HashMap<u64, [f64; 3]> =
+        mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let sides = mesh.elements.iter().filter_map(|e| {
+        let [a, b] = [0, 1].map(|c| at.get(&e.corners[c]));
+        let (a, b) = (a?, b?);
+        Some((0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt())
+    });
+    let (sum, count) = sides.fold((0.0, 0.0), |(sum, count), side| (sum + side, count + 1.0));
+    let tenth = 0.1 * sum / f64::max(count, 1.0);
+    format!("{tenth:.0e}").parse().ok().filter(|&t: &f64| t > 0.0).unwrap_or(1.0)
+}
+
+fn beam_section(beam: Option<&BeamInput>, thickness: f64) -> String {
+    let Some(beam) = beam else {
+        return format!("[part.beam]\nsection = \"tube\"\nradius = {thickness:?}\n");
+    };
+    let (name, keys): (&str, Vec<(&str, f64)>) = match beam.section {
+        BeamSection::Rectangle => {
+            ("rectangle", vec![("height", beam.height), ("width", beam.width)])
+        }
+        BeamSection::Tube => ("tube", vec![("radius", beam.radius), ("wall", beam.wall)]),
+        BeamSection::I => (
+            "i",
+            vec![
+                ("height", beam.height),
+                ("width", beam.width),
+                ("flange", beam.flange),
+                ("web", beam.web),
+            ],
+        ),
+        BeamSection::General => ("general", vec![("area", beam.area), ("torsion", beam.torsion)]),
+    };
+    let mut out = format!("[part.beam]\nsection = \"{name}\"\n");
+    for (key, value) in keys {
+        let _ = writeln!(out, "{key} = {value:?}");
+    }
+    if beam.section == BeamSection::General {
+        let _ = writeln!(out, "second_moments = {:?}", beam.second_moments);
+    }
+    out
+}
+
+fn rigid(mesh: &FileMesh) -> String {
+    let mut out = String::new();
+    for part in mesh.parts.iter().filter(|part| part.rigid) {
+        let name =
+            if part.name.is_empty() { format!("part-{}", part.id) } else { part.name.clone() };
+        let _ = writeln!(out, "\n[[rigid]]\nname = {}\nparts = [{}]", quoted(&name), part.id);
+        let _ = writeln!(out, "# mass = 1.0                  # of the whole body");
+    }
+    out
+}
+
+/// Returns sections that most jobs need, as comments.
+fn hints(mesh: &FileMesh) -> String {
+    let mut sets = mesh.node_sets.keys().map(|name| quoted(name));
+    let first = sets.next().unwrap_or_else(|| quoted("SET"));
+    let second = sets.next().unwrap_or_else(|| first.clone());
+    format!(
+        "\n# Sections that most jobs need:\n\
+         #\n\
+         # [[fix]]\n\
+         # nodes = {first}\n\
+         # dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+         #\n\
+         # [[initial_velocity]]\n\
+         # nodes = {second}\n\
+         # velocity = [0.0, 0.0, -1.0]\n\
+         #\n\
+         # [contact]                       # all parts touch each other and themselves\n\
+         # friction = 0.2\n"
+    )
+}

@@ -1,0 +1,199 @@
+//! Cards of Nastran bulk data in the three formats: fields of 8 or 16 columns, or with commas.
+
+use crate::input::deck::number;
+use crate::input::mesh_file::content::FilePlace;
+use crate::input::mesh_file::reading::MeshReading;
+
+/// A card: its name, and its fields after the name.
+pub struct BulkCard {
+    /// Name in capitals, without the asterisk of wide fields.
+    pub name: String,
+    /// Fields of all its lines, eight for each pair of a wide or each other line.
+    pub fields: Vec<String>,
+    /// Its place.
+    pub place: FilePlace,
+}
+
+/// A field that cannot be read: its number, from 2 as in Nastran, and its text.
+pub struct FieldFault {
+    pub number: usize,
+    pub text: String,
+}
+
+impl BulkCard {
+    /// Returns the text of a field; the first one after the name has the index 0.
+    pub fn text(&self, index: usize) -> &str {
+        self.fields.get(index).map_or("", String::as_str)
+    }
+
+    /// Returns a whole number from 0; `None` if the field is blank.
+    ///
+    /// # Errors
+    /// The field is no such number.
+    pub fn id(&self, index: usize) -> Result<Option<u64>, FieldFault> {
+        match self.text(index) {
+            "" => Ok(None),
+            text => match number::integer(text.as_bytes()).and_then(|n| u64::try_from(n).ok()) {
+                Some(id) => Ok(Some(id)),
+                None => Err(self.fault(index)),
+            },
+        }
+    }
+
+    /// Returns a number; `None` if the field is blank.
+    ///
+    /// # Errors
+    /// The field is no number.
+    pub fn real(&self, index: usize) -> Result<Option<f64>, FieldFault> {
+        match self.text(index) {
+            "" => Ok(None),
+            text => match number::real(text.as_bytes()) {
+                Some(number) => Ok(Some(number)),
+                None => Err(self.fault(index)),
+            },
+        }
+    }
+
+    fn fault(&self, index: usize) -> FieldFault {
+        FieldFault { number: index + 2, text: self.text(index).to_string() }
+    }
+}
+
+/// Returns the cards of a file and of those that it includes, and names in its comments.
+pub fn cards(reading: &mut MeshReading, bytes: &[u8]) -> (Vec<BulkCard>, Vec<(u64, String)>) {
+    let mut found = CardList::default();
+    found.add_file(reading, bytes, 0);
+    (found.cards, found.names)
+}
+
+#[derive(Default)]
+struct CardList {
+    cards: Vec<BulkCard>,
+    /// Names of properties in comments of pre-processors.
+    names: Vec<(u64, String)>,
+    ended: bool,
+}
+
+impl CardList {
+    fn add_file(&mut self, reading: &mut MeshReading, bytes: &[u8], file: u32) {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        let is_begin = |line: &str| {
+            let words: Vec<String> =
+                line.split_whitespace().take(2).map(str::to_uppercase).collect();
+            words == ["BEGIN", "BULK"] || words.first().is_some_and(|w| w.starts_with("BEGIN,"))
+        };
+        let begin = text.lines().position(is_begin);
+        for (index, line) in text.lines().enumerate() {
+            let place = FilePlace { file, line: index as u32 + 1 };
+            if self.ended {
+                return;
+            }
+            if begin.is_some_and(|begin| index <= begin) {
+                continue;
+            }
+            if line.starts_with('$') {
+                self.names.extend(name_in_comment(line));
+                continue;
+            }
+            let line = line.split('$').next().unwrap_or_default().trim_end();
+            if !line.trim().is_empty() {
+                self.add_line(reading, line, place);
+            }
+        }
+    }
+
+    fn add_line(&mut self, reading: &mut MeshReading, line: &str, place: FilePlace) {
+        let upper = line.trim().to_uppercase();
+        if upper.starts_with("ENDDATA") {
+            self.ended = true;
+            return;
+        }
+        if upper.starts_with("INCLUDE") {
+            let name = line.trim()["INCLUDE".len()..].trim();
+            let name = name.trim_matches(|c| c == '\'' || c == '"');
+            if let Some((file, bytes)) = reading.include(name, place) {
+                self.add_file(reading, &bytes, file);
+            }
+            return;
+        }
+        let (head, fields) = split(line);
+        let name = head.trim().trim_end_matches('*').to_uppercase();
+        let continues = name.is_empty() || head.trim_start().starts_with(['+', '*']);
+        if !continues {
+            self.cards.push(BulkCard { name, fields, place });
+            return;
+        }
+        match self.cards.last_mut() {
+            Some(card) => card.fields.extend(fields),
+            None => {
+                let message = "the line continues a card, and there is none before it";
+                let help = "begin with a card, such as GRID; the file may be cut";
+                reading.error("continuation", place, message, help);
+            }
+        }
+    }
+}
+
+/// Returns name and fields of a line: always eight, or four for wide fields.
+fn split(line: &str) -> (String, Vec<String>) {
+    let line = line.replace('\t', "        ");
+    if line.contains(',') {
+        let mut words = line.split(',').map(|word| word.trim().to_string());
+        let head = words.next().unwrap_or_default();
+        let count = if head.contains('*') { 4 } else { 8 };
+        let mut fields: Vec<String> = words.take(count).collect();
+        // A mark of continuation stands in the ninth field, or is the last one.
+        if fields.last().is_some_and(|last| {
+            last.starts_with('+') && last.len() > 1 && number::real(last.as_bytes()).is_none()
+        }) {
+            fields.pop();
+        }
+        fields.resize(count, String::new());
+        return (head, fields);
+    }
+    let columns: Vec<char> = line.chars().collect();
+    let cut = |from: usize, width: usize| -> String {
+        let piece = columns.iter().skip(from).take(width).collect::<String>();
+        piece.trim().to_string()
+    };
+    let head = cut(0, 8);
+    let (count, width) = if head.contains('*') { (4, 16) } else { (8, 8) };
+    (head, (0..count).map(|i| cut(8 + i * width, width)).collect())
+}
+
+/// Returns id and name of a property that a comment of HyperMesh or Femap names.
+fn name_in_comment(line: &str) -> Option<(u64, String)> {
+    if let Some(rest) = line.strip_prefix("$HMNAME PROP") {
+        let (id, name) = rest.split_once('"')?;
+        return Some((id.trim().parse().ok()?, name.split('"').next()?.trim().to_string()));
+    }
+    let rest = line.strip_prefix("$ Femap")?.split("Property ").nth(1)?;
+    let (id, name) = rest.split_once(':')?;
+    Some((id.trim().parse().ok()?, name.trim().to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_all_formats_are_split_into_fields() {
+        let small = split("GRID           5        -.707107.70710680.0     ");
+        let free = split("GRID,5,,-.707107,.7071068,0.0");
+        let wide =
+            split("GRID*                  5                        -.707107        .7071068*");
+        assert_eq!(small.1[..5], ["5", "", "-.707107", ".7071068", "0.0"]);
+        assert_eq!(small.1[..5], free.1[..5]);
+        assert_eq!(wide.1, ["5", "", "-.707107", ".7071068"]);
+        assert_eq!(split("+       1       2").1[..2], ["1", "2"]);
+    }
+
+    #[test]
+    fn comments_name_properties() {
+        let found = name_in_comment("$HMNAME PROP                   3\"rail\" 4");
+        assert_eq!(found, Some((3, "rail".into())));
+        let found = name_in_comment("$ Femap with NX Nastran Property 2 : plate");
+        assert_eq!(found, Some((2, "plate".into())));
+        assert_eq!(name_in_comment("$HMNAME COMP 1\"a\""), None);
+    }
+}

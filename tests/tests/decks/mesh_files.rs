@@ -1,0 +1,264 @@
+//! Mesh files of other programs: formats, parts and sets, jobs that `crumple import` writes.
+
+use crumple::input::job;
+use crumple::input::mesh_file::{Fate, ReadMesh, read};
+use crumple_proto::mesh::Shape;
+use crumple_proto::problem::Severity;
+use crumple_tests::program::{crumple_with, root, run};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn meshes() -> PathBuf {
+    root().join("tests/meshes")
+}
+
+fn good(file: &str) -> ReadMesh {
+    let path = meshes().join(file);
+    read(&path, false).unwrap_or_else(|problems| panic!("{}: {problems:?}", path.display()))
+}
+
+/// Returns the numbers of nodes, elements and parts, and the names of the node sets.
+fn content(file: &str) -> (usize, usize, usize, Vec<String>) {
+    let mesh = good(file).mesh;
+    let sets = mesh.node_sets.keys().cloned().collect();
+    (mesh.nodes.len(), mesh.elements.len(), mesh.parts.len(), sets)
+}
+
+/// Files of other projects (tests/meshes/third-party) have the numbers of nodes and elements that
+/// these projects state, and those with cells that are not supported name them.
+#[test]
+fn files_of_other_projects_are_read() {
+    for (file, nodes, elements, parts) in [
+        ("meshio/insulated-2.2.msh", 67, 111, 2),
+        ("meshio/insulated-4.1.msh", 67, 111, 2),
+        ("meshio/element_elset.inp", 4, 2, 2),
+        ("meshio/wInclude_main.inp", 3, 2, 1),
+        ("meshio/06_color_scalars.vtk", 5, 2, 2),
+        ("meshio/gh-935.vtk", 6, 2, 1),
+        ("meshio/rbc_001.vtk", 500, 996, 1),
+        ("pyvista/hexbeam.vtk", 99, 40, 1),
+        ("vtkio/box.vtu", 8, 6, 1),
+        ("vtkio/cube_complex.vtk", 8, 6, 1),
+        ("vtkio/tri_attrib_binary.vtk", 3, 1, 1),
+        ("vtkio/hexahedron_ascii.vtu", 8, 1, 1),
+        ("vtkio/hexahedron_binary.vtu", 8, 1, 1),
+        ("vtkio/hexahedron_inline_binary.vtu", 8, 1, 1),
+        ("vtkio/hexahedron_zlib.vtu", 8, 1, 1),
+        ("vtkio/hexahedron_zlib_inline_binary.vtu", 8, 1, 1),
+        ("numpy-stl/Moon.stl", 60, 116, 1),
+        ("numpy-stl/dos.stl", 60, 116, 1),
+        ("numpy-stl/Star.stl", 36, 68, 1),
+        ("numpy-stl/Star-binary.stl", 36, 68, 1),
+    ] {
+        let found = content(&format!("third-party/{file}"));
+        assert_eq!((found.0, found.1, found.2), (nodes, elements, parts), "{file}");
+    }
+    for (file, wanted) in [
+        ("meshio/00_raw_binary.vtu", "162 elements of type tetrahedron with 4 nodes"),
+        ("meshio/02_raw_compressed.vtu", "162 elements of type tetrahedron with 4 nodes"),
+        ("meshio/02_structured.vtk", "the data set is a STRUCTURED_GRID"),
+        ("meshio/cylinder.fem", "18 elements of type pyramid with 5 nodes"),
+        ("vtkio/hexahedron_lz4.vtu", "data are compressed by vtkLZ4DataCompressor"),
+    ] {
+        let problems = read(&meshes().join("third-party").join(file), false).err().unwrap();
+        assert!(problems.iter().any(|p| p.message.contains(wanted)), "{file}: {problems:?}");
+        assert!(problems.iter().all(|p| !p.help.is_empty()), "{file}: {problems:?}");
+    }
+}
+
+/// The same mesh in all forms that Gmsh writes: a block of solids, a plate, and the top of the
+/// block, which is a group but no part. The coordinates and corners agree bit by bit in MSH.
+#[test]
+fn all_forms_of_one_mesh_agree() {
+    let first = good("made/block41.msh").mesh;
+    for file in ["block41-binary.msh", "block22.msh", "block22-binary.msh"] {
+        let other = good(&format!("made/{file}")).mesh;
+        let points = |mesh: &crumple::input::mesh_file::FileMesh| {
+            let mut points: Vec<_> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+            points.sort_by_key(|point| point.0);
+            points
+        };
+        assert_eq!(points(&first), points(&other), "{file}");
+        let corners = |mesh: &crumple::input::mesh_file::FileMesh| {
+            let part = |index: usize| mesh.parts[index].name.clone();
+            let of = mesh.elements.iter().map(|e| (e.corners.clone(), part(e.part)));
+            let mut corners: Vec<_> = of.collect();
+            corners.sort();
+            corners
+        };
+        assert_eq!(corners(&first), corners(&other), "{file}");
+        assert_eq!(first.node_sets, other.node_sets, "{file}");
+    }
+    assert_eq!(first.node_sets["top"].len(), 9);
+    for file in ["block.inp", "block.bdf", "block.vtk", "block-binary.vtk"] {
+        let found = content(&format!("made/{file}"));
+        assert_eq!((found.0, found.1, found.2), (36, 12, 2), "{file}");
+    }
+    let shapes = |file: &str| {
+        let mesh = good(file).mesh;
+        let solids = mesh.elements.iter().filter(|e| e.shape == Shape::Hex8).count();
+        (solids, mesh.elements.len() - solids)
+    };
+    assert_eq!(shapes("made/block.bdf"), (8, 4));
+    for file in ["block.stl", "block-binary.stl"] {
+        let found = content(&format!("made/{file}"));
+        assert_eq!((found.0, found.1, found.2), (18, 16, 1), "{file}");
+    }
+}
+
+/// Sections, materials, sets and places of instances of an Abaqus file, and a job that checks.
+#[test]
+fn an_abaqus_file_gives_a_whole_job() {
+    let read = good("broken/plate.inp");
+    let mesh = &read.mesh;
+    assert_eq!(
+        (mesh.parts[0].thickness, mesh.parts[0].material.as_deref()),
+        (Some(0.1), Some("Steel"))
+    );
+    let steel = &mesh.materials[0];
+    assert_eq!(
+        (steel.density, steel.youngs_modulus, steel.poisson),
+        (Some(7.85e-9), Some(207e3), Some(0.3))
+    );
+    assert_eq!(steel.hardening, [[0.0, 300.0], [0.5, 500.0]]);
+    // The instance is moved by 1 along z.
+    assert!(mesh.nodes.iter().all(|node| node.x[2] == 1.0));
+    assert_eq!(mesh.node_sets["rim"], [1, 2, 3]);
+    assert_eq!((&mesh.node_sets["corner"][..], mesh.node_sets["top"].len()), (&[1][..], 6));
+    assert!(read.rows.iter().any(|row| row.what == "*HEADING" && row.fate == Fate::Ignored));
+}
+
+/// Properties, beams with a direction, a bilinear material and supports of a Nastran file.
+#[test]
+fn a_nastran_file_gives_a_whole_job() {
+    let mesh = good("broken/plate.bdf").mesh;
+    let beam = mesh.elements.iter().find(|e| e.shape == Shape::Beam2).unwrap();
+    assert_eq!(beam.axis, Some([0.0, 0.0, 1.0]));
+    assert_eq!(mesh.parts[beam.part].beam.as_ref().unwrap().radius, 0.2);
+    assert_eq!(mesh.materials[0].hardening, [[0.0, 300.0], [1.0, 700.0]]);
+    assert_eq!(mesh.node_sets["spc_1"], [1, 2]);
+    let third = mesh.to_mesh();
+    // The node for the direction follows those of the file.
+    assert_eq!(third.nodes.last().unwrap().x, [2.0, 0.0, 1.0]);
+}
+
+/// A mesh with a wrong extension is read by its content, with a warning that names both formats.
+#[test]
+fn a_wrong_extension_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let plate = |name: &str| fs::read(meshes().join("broken").join(name)).unwrap();
+    for (content, name, wanted) in [
+        ("plate.bdf", "a.inp", ["Nastran bulk data", "`.inp` is for Abaqus input"]),
+        ("plate.inp", "a.bdf", ["Abaqus input", "`.bdf` is for Nastran bulk data"]),
+        ("plate.msh", "a.vtk", ["Gmsh MSH", "`.vtk` is for VTK legacy"]),
+        ("plate.vtk", "a.vtu", ["VTK legacy", "`.vtu` is for VTK XML"]),
+        ("plate.stl", "a.msh", ["STL", "`.msh` is for Gmsh MSH"]),
+        ("plate.vtu", "a.stl", ["VTK XML", "`.stl` is for STL"]),
+    ] {
+        let path = folder.path().join(name);
+        fs::write(&path, plate(content)).unwrap();
+        let found = read(&path, false).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let message = &found.warnings[0].message;
+        assert!(wanted.iter().all(|text| message.contains(text)), "{message}");
+    }
+    // Formats that are not read are named with the way out.
+    for (text, name, wanted) in [
+        ("*KEYWORD\n*END\n", "a.msh", "LS-DYNA keyword deck"),
+        ("#RADIOSS STARTER\n", "a.inp", "Radioss starter"),
+        ("ISO-10303-21;\nHEADER;\n", "a.msh", "STEP geometry"),
+        ("ply\nformat ascii 1.0\n", "a.stl", "PLY"),
+        ("Point(1) = {0, 0, 0};\n", "a.msh", "Gmsh geometry"),
+        ("hello\n", "a.msh", "is no file of the format Gmsh MSH"),
+        ("hello\n", "a.xyz", "is not known"),
+        ("", "a.inp", "is empty"),
+    ] {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        let problems = read(&path, false).err().unwrap();
+        assert!(problems[0].message.contains(wanted), "{name}: {problems:?}");
+        assert!(!problems[0].help.is_empty(), "{name}");
+    }
+    let problems = read(Path::new("/nowhere/a.msh"), false).err().unwrap();
+    assert!(problems[0].message.contains("there is no file"), "{problems:?}");
+}
+
+/// Elements that are not supported are an error with a cure; with `allowed` they are left out.
+#[test]
+fn unsupported_elements_are_refused_or_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.inp");
+    let text = fs::read_to_string(meshes().join("broken/plate.inp")).unwrap();
+    let more = "*Element, type=C3D4\n9, 1, 2, 5, 4\n*Element, type=MASS\n10, 1\n*Nset, nset=rim";
+    fs::write(&path, text.replace("*Nset, nset=rim", more)).unwrap();
+    let problems = read(&path, false).err().unwrap();
+    assert!(problems[0].message.contains("tetrahedron with 4 nodes"), "{problems:?}");
+    assert!(problems[0].help.contains("hexahedra") && problems[0].help.contains("--allow"));
+    let found = read(&path, true).unwrap_or_else(|problems| panic!("{problems:?}"));
+    assert_eq!((found.mesh.elements.len(), found.warnings.len()), (2, 1));
+    assert_eq!(found.warnings[0].severity, Severity::Warning);
+    let fate = |what: &str| found.rows.iter().find(|row| row.what == what).map(|row| row.fate);
+    assert_eq!(fate("tetrahedron with 4 nodes"), Some(Fate::LeftOut));
+    assert_eq!(fate("point mass"), Some(Fate::Ignored));
+}
+
+/// A job of `crumple import` can run as it is; its placeholders are warnings at their lines, and
+/// so is an entry of the list that names nothing.
+#[test]
+fn an_imported_job_runs_and_names_its_placeholders() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("plate");
+    let out = out.to_str().unwrap();
+    let import = |file: &str| run(crumple_with(&["import", file, "--out", out]));
+    let said = import("tests/meshes/made/block41.msh").with_code(0).said();
+    for wanted in ["Gmsh MSH", "part 2 (block)", "node set `top`", "bound others", "job.toml"] {
+        assert!(said.contains(wanted), "{wanted} is not in {said}");
+    }
+    let said = import("tests/meshes/made/block41.msh").with_code(2).said();
+    assert!(said.contains("job.toml exists") && said.contains("--out"), "{said}");
+    let said = run(crumple_with(&["check", out])).with_code(0).said();
+    for wanted in [
+        "`end_time` is a placeholder",
+        "`part.plate.thickness` is a placeholder",
+        "`material.placeholder` is a placeholder",
+        "mesh file",
+        "nothing moves",
+    ] {
+        assert!(said.contains(wanted), "{wanted} is not in {said}");
+    }
+    let set = ["--set", "time.max_cycles=2", "--set", "placeholders=[\"part.x.beam\"]"];
+    let results = folder.path().join("out");
+    let mut words = vec!["run", out, "--no-report", "--out", results.to_str().unwrap()];
+    words.extend(set);
+    let ended = run(crumple_with(&words)).with_code(0);
+    assert!(ended.said().contains("`part.x.beam` names no value"), "{}", ended.said());
+}
+
+/// The parts of a mesh file under a job: sets that the job adds, and a part that it lacks.
+#[test]
+fn a_job_names_a_mesh_file_as_any_other_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(meshes().join("broken/plate.msh"), folder.path().join("plate.msh")).unwrap();
+    let text = "end_time = 1.0\n[mesh]\nfile = \"plate.msh\"\n[mesh.node_sets]\none = [1]\n\
+                [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+                youngs_modulus = 207.0\npoisson = 0.3\n[[part]]\nid = 3\nmaterial = \"steel\"\n\
+                thickness = 0.1\n";
+    let check = |text: &str| {
+        let path = folder.path().join("job.toml");
+        fs::write(&path, text).unwrap();
+        job::read(&path, &[])
+    };
+    let model = check(text).unwrap_or_else(|report| panic!("{report}"));
+    let sets: Vec<_> = model.mesh.node_sets.keys().map(String::as_str).collect();
+    assert_eq!(sets, ["one", "plate", "rim"]);
+    let report = check(&text.replace("id = 3", "id = 4")).err().unwrap().to_string();
+    assert!(
+        report.contains("2 elements belong to part 3, which the job does not have"),
+        "{report}"
+    );
+    let report = check(&text.replace("plate.msh", "../plate.msh")).err().unwrap().to_string();
+    assert!(report.contains("there is no file"), "{report}");
+    // EXODUS files may be given by the same key.
+    fs::write(folder.path().join("plate.msh"), b"CDF\x01 no more").unwrap();
+    let report = check(text).err().unwrap().to_string();
+    assert!(report.contains("cannot be read as netCDF"), "{report}");
+}
