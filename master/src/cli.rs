@@ -20,8 +20,9 @@ pub struct Cli {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 completed; 2 bad input; 3 numerical failure (last good \
-state kept); 4 a worker was lost; 130 stopped by the user (state kept).";
+const EXIT_CODES: &str = "Exit codes: 0 completed; 1 completed, but a requirement of the job is \
+not met; 2 bad input; 3 numerical failure (last good state kept); 4 a worker was lost; 130 stopped \
+by the user (state kept).";
 
 /// Default size of the largest d3plot file [MB].
 pub const D3PLOT_FILE_SIZE: u64 = 256;

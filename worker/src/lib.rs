@@ -3,7 +3,7 @@
 //!
 //! - [`step`]: the time step, start there; [`serve`]: one worker from the first order to the last
 //!   report
-//! - [`engine`]: owns all parts of a worker; [`nodes`]: nodal columns
+//! - [`engine`]: owns all parts of a worker; [`nodes`]: nodal columns; [`work`]: work of impulses
 //! - [`fem`]: elements, materials, blocks of elements, assembly
 //! - [`contact`]: search, then enforcement
 //! - [`checkpoint`]: state on disk, and back from there; `stateless`: types without any

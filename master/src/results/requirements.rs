@@ -44,11 +44,11 @@ pub fn judge(requirements: &[Requirement], out: &Path) -> Vec<RequirementResult>
             below: one.below,
             above: one.above,
             why: match &value {
-                Ok(value) if value.is_nan() => "the results do not have the value".into(),
+                Ok(value) if !value.is_finite() => "the results do not have the value".into(),
                 Ok(_) => String::new(),
                 Err(why) => why.clone(),
             },
-            value: value.ok().filter(|value| !value.is_nan()),
+            value: value.ok().filter(|value| value.is_finite()),
         }
     };
     requirements.iter().map(judge_one).collect()

@@ -20,11 +20,11 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Returns true if a value is within the limits. NaN is not.
+    /// Returns true if a value is within the limits. Infinity and NaN are not.
     pub fn is_met_by(&self, value: f64) -> bool {
         self.below.is_none_or(|limit| value <= limit)
             && self.above.is_none_or(|limit| value >= limit)
-            && !value.is_nan()
+            && value.is_finite()
     }
 }
 
@@ -104,6 +104,12 @@ impl Quantity {
         Self { summary: Some(path.into()), ..Self::default() }
     }
 
+    /// Returns the ids of the parts that it names.
+    pub fn parts(&self) -> Vec<u32> {
+        let inner = [&self.minus, &self.over].into_iter().flatten().flat_map(|q| q.parts());
+        self.part.into_iter().chain(inner).collect()
+    }
+
     /// Returns the error of the quantity as it is written, if any.
     pub fn wrong(&self) -> Option<String> {
         let sources = [self.summary.is_some(), self.history.is_some(), self.field.is_some()];
@@ -165,5 +171,6 @@ mod tests {
         assert!(of(Some(2.0), None).is_met_by(2.0) && of(None, Some(2.0)).is_met_by(2.0));
         assert!(!of(Some(2.0), None).is_met_by(2.1) && !of(None, Some(2.0)).is_met_by(1.9));
         assert!(!of(Some(2.0), None).is_met_by(f64::NAN));
+        assert!(!of(None, Some(2.0)).is_met_by(f64::INFINITY), "a division by zero");
     }
 }

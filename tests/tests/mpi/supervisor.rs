@@ -104,6 +104,16 @@ fn a_run_continues_on_fewer_ranks_when_a_host_is_gone() {
     assert!(ended.said().contains("exit code 213"), "{}", ended.said());
 }
 
+/// A requirement that is not met is a result: under a launcher too the run is not repeated.
+#[test]
+fn a_run_that_misses_a_requirement_is_not_a_loss() {
+    let Some(()) = mpi_or_skip() else { return };
+    let require = "require=[{name=\"few cycles\", quantity={summary=\"cycles\"}, below=1}]";
+    let ended = run(supervised("mpirun -n 3", &["--set", require])).with_code(1);
+    assert!(ended.said().contains("FAIL  few cycles"), "{}", ended.said());
+    assert!(!ended.said().contains("was lost"), "{}", ended.said());
+}
+
 /// No progress between two losses, and no fewer workers to try: exit code 4, long before the last
 /// retry.
 #[test]

@@ -199,10 +199,16 @@ pub fn centre_of_record(e: &ElementRecord, place: impl Fn(NodeId) -> [f64; 3]) -
     std::array::from_fn(|c| e.nodes[..used].iter().map(|&n| place(n)[c]).sum::<f64>() / used as f64)
 }
 
-/// Sends the messages to the workers. Returns the partition that this worker receives.
-fn exchange(comm: &mut dyn Transport, parcels: Vec<Vec<u64>>) -> Result<PartitionData, RankLost> {
+/// Sends the messages that have elements to the workers. Returns the partition that this worker
+/// receives.
+fn exchange(
+    comm: &mut dyn Transport,
+    mut parcels: Vec<Vec<u64>>,
+) -> Result<PartitionData, RankLost> {
+    let of_none = Parcel::default().into_words();
+    parcels.iter_mut().filter(|words| **words == of_none).for_each(Vec::clear);
     let mut share = PartitionData::default();
-    for words in exchange_all(comm, parcels)? {
+    for words in exchange_all(comm, parcels)?.into_iter().filter(|words| !words.is_empty()) {
         unpack(words, &mut share).expect("workers send whole messages");
     }
     Ok(share)

@@ -77,9 +77,11 @@ impl Ties {
                 masters_out: own(&self.master_index, carriers),
                 ..Link::default()
             };
-            let words =
-                [link.slaves_out.len() as u32].into_iter().chain(link.slaves_out.iter().copied());
-            offered[w] = words.chain(link.masters_out.iter().copied()).map(u64::from).collect();
+            if !(link.slaves_out.is_empty() && link.masters_out.is_empty()) {
+                let count = [link.slaves_out.len() as u32];
+                let words = [&count[..], &link.slaves_out, &link.masters_out].concat();
+                offered[w] = words.into_iter().map(u64::from).collect();
+            }
             self.links.push(link);
         }
         let offered = exchange_all(comm, offered)?;
