@@ -19,12 +19,6 @@ pub fn check(job: &Job, findings: &mut JobProblems) {
             let help = "give each requirement its own name".into();
             add(".name", format!("two requirements have the name `{name}`"), help);
         }
-        for (key, limit) in [(".below", one.below), (".above", one.above)] {
-            if let Some(limit) = limit.filter(|limit| !limit.is_finite()) {
-                let message = format!("requirement `{name}`: the limit {limit} is not finite");
-                add(key, message, "give a number, or remove the key".into());
-            }
-        }
         for part in one.quantity.parts() {
             if !job.part.iter().any(|p| p.id == part) {
                 let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
