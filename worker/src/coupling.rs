@@ -2,8 +2,8 @@
 //! the traits of [`crate::contact::surroundings`] with the data that the engine owns.
 
 use crate::constraints::Constraints;
-use crate::contact::pairs::Pair;
-use crate::contact::surroundings::{NodalForces, Peers, VelocityConstraint};
+use crate::contact::pairs::{Pair, Peers};
+use crate::contact::surroundings::{NodalForces, VelocityConstraint};
 use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
 use crate::parallel::pair_exchange::PairExchange;

@@ -17,7 +17,7 @@
 
 use crate::enforce::within_cone;
 use crate::pairs::Pair;
-use crate::surroundings::Peers;
+use crate::pairs::Peers;
 use crumple_math::row::V3;
 use crumple_proto::exact_sum::{ExactSum, WORDS};
 use crumple_proto::transport::RankLost;

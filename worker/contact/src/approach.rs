@@ -7,7 +7,7 @@
 //! step after that. So everything that can be near by then counts. The rate depends on positions
 //! and velocities only, not on the search or on the number of workers. The candidates of a
 //! search must include everything within this distance ([`STEPS`]).
-use crate::local_search::REACH;
+use crate::reach::REACH;
 use crate::surface::Segment;
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{Row, V3, xyz};

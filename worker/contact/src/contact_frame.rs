@@ -2,8 +2,8 @@
 //! force and the distance along it.
 
 use crate::geometry::nearest;
-use crate::local_search::{BEHIND, OUTSIDE};
 use crate::pair_geometry::PairGeometry;
+use crate::reach::{BEHIND, OUTSIDE};
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{V3, xyz};
 

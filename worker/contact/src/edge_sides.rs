@@ -3,7 +3,7 @@
 
 use crate::folds::{Edge, EdgeTable, FoldWedge, Kind};
 use crate::geometry::EdgeProjection;
-use crate::local_search::{ACTIVE, BEHIND, OUTSIDE};
+use crate::reach::{ACTIVE, BEHIND, OUTSIDE};
 use crate::surface::Surface;
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::V3;

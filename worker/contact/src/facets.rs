@@ -19,9 +19,10 @@
 //! here is stored, not only of own pairs, as for edges.
 
 use crate::geometry::Sphere;
-use crate::local_search::{ACTIVE, BEHIND, REACH, moved, tolerated};
+use crate::local_search::{moved, tolerated};
 use crate::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::pairs::{Pair, PairHistory, PairKey};
+use crate::reach::{ACTIVE, BEHIND, REACH};
 use crate::search::Search;
 use crate::shell_offset;
 use crate::surface::{NOT_LOCAL, Segment, Surface};

@@ -4,7 +4,7 @@
 //! its two parts. If a node or an edge belongs to several parts, the pair belongs to the last of
 //! their interfaces.
 
-use crate::friction::FrictionTable;
+use crate::friction_table::FrictionTable;
 use crumple_proto::job::{ContactInput, Part};
 
 /// Entry for two parts that do not touch.

@@ -9,7 +9,7 @@
 //!    all pairs, including those of other workers (`pairs.rs`)
 //!
 //! Contact is serial and knows no constraint. What it needs from other workers and from the
-//! constraints on its nodes is stated in `surroundings.rs`.
+//! constraints on its nodes is stated in `pairs/peers.rs` and `surroundings.rs`.
 //!
 //! The normal forces of a pair act on one line, at any of its points. Friction acts on the
 //! surfaces, half a thickness away from the nodes. So it also rotates nodes, and their
@@ -27,6 +27,7 @@ pub mod enforce;
 mod facets;
 pub mod folds;
 mod friction;
+mod friction_table;
 pub mod geometry;
 pub mod interfaces;
 pub mod kernels;
@@ -38,6 +39,7 @@ mod pair_geometry;
 pub mod pairs;
 mod projections;
 mod queries;
+mod reach;
 mod resultants;
 pub mod search;
 pub mod shell_offset;
@@ -71,14 +73,14 @@ use geometry::Sphere;
 use interfaces::Interfaces;
 use near_list::NearList;
 use nesterov::NesterovMomentum;
-use pairs::{Pair, PairHistory, PairTable};
+use pairs::{Pair, PairHistory, PairTable, Peers};
 use projections::ProjectedPairs;
 use search::{SEARCHES, Search};
 use slave_candidates::SlaveCandidates;
 use slave_histories::SlaveHistories;
 use solver::ContactSolver;
 use surface::Surface;
-use surroundings::{Exclusions, Peers, VelocityConstraint};
+use surroundings::{Exclusions, VelocityConstraint};
 use travel::Travel;
 
 /// Automatic single-surface contact of one worker.
@@ -154,7 +156,7 @@ const FOLDS_EVERY: u64 = 64;
 /// global search covers the reach of the local search. It depends on the scales of segment and
 /// nodes [length]. [`Surface::shift_reach`] is added to it.
 pub fn search_reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
-    local_search::REACH * interfaces.most(segment_scale + largest_scale)
+    reach::REACH * interfaces.most(segment_scale + largest_scale)
 }
 
 impl Contact {
@@ -530,7 +532,8 @@ impl Contact {
                 && surface.interfaces.has_friction_by_pressure(p.interface)
         };
         let noted = |(q, p): (usize, &Pair)| {
-            let area = surface.area_of(p, &nodes.x, |n| t.bears(n, &p.normal));
+            let area =
+                surface.area_of((p.nodes[0], &p.normal), &nodes.x, |n| t.bears(n, &p.normal));
             (q, self.force_on(p.nodes[0]).dot(&p.normal), area)
         };
         let all: Vec<(usize, f64, f64)> =

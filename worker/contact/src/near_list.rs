@@ -11,8 +11,8 @@
 use crate::candidates::{CandidatePair, PairBatch};
 use crate::geometry::Sphere;
 use crate::kernels::{distance_bound, is_in, projects_outside};
-use crate::local_search::{has_history, reach, reach_of_old};
 use crate::pairs::PairHistory;
+use crate::reach::{has_history, reach, reach_of_old};
 use crate::surface::Surface;
 use crate::waiting::Waiting;
 use crumple_fem::nodes::Nodes;

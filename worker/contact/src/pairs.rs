@@ -9,11 +9,13 @@
 mod activity;
 mod history;
 mod pair;
+mod peers;
 mod redundant;
 mod schedule;
 
 pub use history::PairHistory;
 pub use pair::{FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairKey, padded};
+pub use peers::Peers;
 
 use crate::surface::NOT_LOCAL;
 use crate::surroundings::VelocityConstraint;

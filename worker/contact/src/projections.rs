@@ -4,9 +4,9 @@
 use crate::candidates::{CandidatePair, PairBatch};
 use crate::geometry::Nearest;
 use crate::kernels::{distance_bound, is_in, project, projects_outside};
-use crate::local_search::{has_history, reach, reach_of_old};
 use crate::near_list::NearList;
 use crate::pairs::PairHistory;
+use crate::reach::{has_history, reach, reach_of_old};
 use crate::surface::Surface;
 use crumple_fem::nodes::Nodes;
 use crumple_math::lanes::{LANES, Lane, Real};

@@ -3,10 +3,11 @@
 
 use crate::diagnostics::search_record::SearchRecord;
 use crate::geometry::Sphere;
+use crate::reach::reach_of_old;
 use crate::search::Search;
+use crate::search_reach;
 use crate::surface::{Segment, Surface};
 use crate::surroundings::Exclusions;
-use crate::{local_search, search_reach};
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{V3, xyz};
 
@@ -72,7 +73,7 @@ impl SlaveCandidates {
                 surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
             method(&boxes, &points, &mut |g, p| {
                 let (segment, slave) = (&surface.segments[g as usize], surface.slaves[p as usize]);
-                let reach = local_search::reach_of_old(surface, slave, segment) + skin;
+                let reach = reach_of_old(surface, slave, segment) + skin;
                 let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
                 let touches = || surface.interface(p as usize, segment).is_some();
                 let is_other =

@@ -5,8 +5,8 @@
 use crate::acceleration::{Acceleration, Forces};
 use crate::enforce::{ContactLaw, Iteration, Laws, demand};
 use crate::nesterov::NesterovMomentum;
-use crate::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
-use crate::surroundings::{NodalForces, Peers, VelocityConstraint};
+use crate::pairs::{NodalLoad, Pair, PairTable, Peers, accelerated_velocity};
+use crate::surroundings::{NodalForces, VelocityConstraint};
 use crumple_fem::nodes::Nodes;
 use crumple_fem::time::StepSizes;
 use crumple_math::row::{Row, V3};

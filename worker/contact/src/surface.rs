@@ -4,7 +4,6 @@
 use crate::beams;
 use crate::geometry::{Nearest, nearest, nearest_on_line};
 use crate::interfaces::Interfaces;
-use crate::pairs::Pair;
 use crumple_fem::blocks::LocalElement;
 use crumple_fem::nodes::Nodes;
 use crumple_math::lanes::Lane;
@@ -409,18 +408,23 @@ impl Surface {
         self.faces[run].iter().map(|&g| &self.segments[g as usize])
     }
 
-    /// Computes the area of the surface that belongs to the slave node of an own pair: a quarter
+    /// Computes the area of the surface that belongs to the slave node of a pair: a quarter
     /// of each quad around it, a third of each triangle and half of each beam, which is a strip as
     /// wide as its diameter [length^2]. Faces of solids count with their projection against the
     /// pair's normal. If some nodes of a segment carry no
     /// contact force, their fraction of the area is left out: the contact surface below ends
     /// within the segment.
-    pub fn area_of(&self, pair: &Pair, x: &[Row], bears: impl Fn(u32) -> bool) -> f64 {
+    pub fn area_of(
+        &self,
+        (slave, normal): (u32, &V3),
+        x: &[Row],
+        bears: impl Fn(u32) -> bool,
+    ) -> f64 {
         let of = |s: &Segment| {
             let [a, b, c, d] = s.corners(x);
             let area = (c - a).cross(&(d - b)) * 0.5;
             let seen = match (s.is_solid(), s.is_line()) {
-                (true, _) => (-area.dot(&pair.normal)).max(0.0),
+                (true, _) => (-area.dot(normal)).max(0.0),
                 (_, true) => 2.0 * s.half_thickness * (b - a).norm(),
                 _ => area.norm(),
             };
@@ -433,7 +437,7 @@ impl Surface {
                 (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
             seen * borne / (count * count)
         };
-        self.around(self.slaves.partition_point(|&s| s < pair.nodes[0])).map(of).sum()
+        self.around(self.slaves.partition_point(|&s| s < slave)).map(of).sum()
     }
 
     /// Returns the number of bytes in use, without spare capacity of lists.

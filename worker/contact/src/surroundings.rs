@@ -1,10 +1,6 @@
-//! The surroundings of contact: constraints on its nodes, and other workers.
-//!
-//! Contact knows neither. It states what it needs from them, and the caller implements these traits
-//! (`worker/src/coupling.rs`). So the contact iteration is serial: it works on the pairs of this
-//! worker and on copies of the pairs of other workers, as if there were one worker only.
+//! The surroundings of contact: constraints on its nodes. Contact does not know them. It states
+//! what it needs from them, and the caller implements these traits (`worker/src/coupling.rs`).
 
-use crate::pairs::Pair;
 use crumple_fem::nodes::Nodes;
 use crumple_fem::time::StepSizes;
 use crumple_math::row::{Row, V3};
@@ -64,60 +60,4 @@ pub trait VelocityConstraint {
         steps: StepSizes,
         changed: bool,
     ) -> Result<bool, RankLost>;
-}
-
-/// The other workers. A pair is shared if several workers know it; its owner sends the new values.
-pub trait Peers {
-    /// Returns true if some pairs are shared.
-    fn has_shared_pairs(&self) -> bool;
-    /// Exchanges the forces of shared pairs after a sweep. `changed` is true if the sweep has
-    /// changed the force of an own pair. Returns true if all workers that are connected by shared
-    /// pairs have converged.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn exchange_forces(&mut self, pairs: &mut [Pair], changed: bool) -> Result<bool, RankLost>;
-    /// Exchanges the forces of shared pairs within a sweep.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn exchange_intermediate_forces(&mut self, pairs: &mut [Pair]) -> Result<(), RankLost>;
-    /// Exchanges the predictor forces of shared pairs.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn exchange_predictor_forces(&mut self, pairs: &mut [Pair]) -> Result<(), RankLost>;
-    /// Exchanges flags of shared pairs, by pair.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn exchange_flags(&mut self, flags: &mut [bool]) -> Result<(), RankLost>;
-    /// Exchanges the phases of shared pairs, by pair. `changed` is true if an own pair has a new
-    /// phase. Returns true if no connected worker has changed one, so that the phases are final.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn exchange_phases(&mut self, phases: &mut [u32], changed: bool) -> Result<bool, RankLost>;
-    /// Sends the forces of the own shared pairs of a phase and receives those of other workers, in
-    /// the order in which they are to be applied: indices of pairs, with their forces.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn exchange_phase_forces(
-        &mut self,
-        pairs: &[Pair],
-        phases: &[u32],
-        phase: u32,
-        received: &mut Vec<(u32, V3)>,
-    ) -> Result<(), RankLost>;
-    /// Returns the maximum of a number over all workers.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn max(&mut self, value: f64) -> Result<f64, RankLost>;
-    /// Adds integers over all workers, one by one.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    fn sum(&mut self, values: &mut [i64]) -> Result<(), RankLost>;
 }

@@ -1,7 +1,7 @@
 //! Small models for the tests of this crate.
 
-use crate::pairs::Pair;
-use crate::surroundings::{Exclusions, NodalForces, Peers, VelocityConstraint};
+use crate::pairs::{Pair, Peers};
+use crate::surroundings::{Exclusions, NodalForces, VelocityConstraint};
 use crumple_fem::nodes::Nodes;
 use crumple_fem::time::StepSizes;
 use crumple_math::row::{Row, V3};

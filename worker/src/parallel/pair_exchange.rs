@@ -142,7 +142,7 @@ impl PairExchange {
     }
 
     /// Exchanges the phases of shared pairs in the schedule of a sweep, see
-    /// [`crate::contact::surroundings::Peers::exchange_phases`].
+    /// [`crate::contact::pairs::Peers::exchange_phases`].
     ///
     /// # Errors
     /// A worker is gone.

@@ -2,7 +2,8 @@
 //! penetrations, and shells and beams whose thickness in contact is reduced.
 
 use crate::geometry::nearest;
-use crate::local_search::{BEHIND, OUTSIDE, is_opposed};
+use crate::local_search::is_opposed;
+use crate::reach::{BEHIND, OUTSIDE};
 use crate::search::linked_cells;
 use crate::surface::{ContactParts, Segment, Surface};
 use crumple_fem::blocks::{Class, LocalElement};

@@ -7,9 +7,9 @@
 //! `cases/brick-wall`, and 34 % of the steps end with residuals above the tolerance. So only one
 //! of the two pairs, the deeper one, gets a force: 33 sweeps, and all residuals are small.
 
+use super::Peers;
 use super::{Pair, PairTable};
 use crate::surface::NOT_LOCAL;
-use crate::surroundings::Peers;
 use crumple_math::row::V3;
 use crumple_proto::transport::RankLost;
 use std::cmp::Ordering;

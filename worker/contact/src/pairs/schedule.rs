@@ -14,9 +14,9 @@
 //! update would give the same result as their last one are skipped. The result is bitwise equal to
 //! that of a single worker; phases only determine when a pair is computed.
 
+use super::Peers;
 use super::{MAX_PAIR_NODES, NodalLoad, Pair, PairTable};
 use crate::surface::NOT_LOCAL;
-use crate::surroundings::Peers;
 use crumple_math::row::V3;
 use crumple_proto::transport::RankLost;
 use std::ops::Range;
