@@ -21,7 +21,7 @@ struct AssemblySet {
     internal: bool,
 }
 
-/// Which ids a set has.
+/// Kind of the ids of a set.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum IdKind {
     Node,
