@@ -336,3 +336,36 @@ fn decoded(text: &[u8]) -> Option<Vec<u8>> {
     }
     Some(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    /// A block of 100 bytes is unpacked if its header states 100 bytes. If it states fewer, or more
+    /// than an array may have, the data are damaged.
+    #[test]
+    fn blocks_have_the_size_of_their_header() {
+        let document = Document::parse("<a/>").unwrap();
+        let file = XmlReader {
+            document: &document,
+            appended: None,
+            big_endian: false,
+            header: 4,
+            compressed: true,
+        };
+        let mut encoder =
+            flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+        encoder.write_all(&[7; 100]).unwrap();
+        let packed = encoder.finish().unwrap();
+        let unpacked = |size: u32| {
+            let numbers = [1, size, 0, packed.len() as u32];
+            let mut bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+            bytes.extend(&packed);
+            file.unpacked(&bytes)
+        };
+        assert_eq!(unpacked(100), Some(vec![7; 100]));
+        assert_eq!(unpacked(99), None);
+        assert_eq!(unpacked(u32::MAX), None);
+    }
+}
