@@ -16,13 +16,19 @@ fn folder() -> PathBuf {
     root().join("tests/meshes/broken")
 }
 
-/// Each file, and one of Gmsh in binary form.
+/// Each file, files in binary form, an assembly of instances, and one of several pieces.
 static TEXTS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
     let made = root().join("tests/meshes/made");
     let of = |folder: PathBuf, name: &'static str| (name, fs::read(folder.join(name)).unwrap());
     let mut texts: Vec<_> = FILES.iter().map(|name| of(folder(), name)).collect();
-    for name in ["block41-binary.msh", "block22-binary.msh", "block-binary.vtk", "block-binary.stl"]
-    {
+    for name in [
+        "block41-binary.msh",
+        "block22-binary.msh",
+        "block-binary.vtk",
+        "block-binary.stl",
+        "assembly.inp",
+        "pieces.vtu",
+    ] {
         texts.push(of(made.clone(), name));
     }
     let zlib = root().join("tests/meshes/third-party/vtkio");
@@ -117,7 +123,7 @@ proptest! {
     /// Any few changes of a good file give a mesh or errors with cures.
     #[test]
     fn changed_files_do_not_panic(
-        index in 0usize..12,
+        index in 0usize..14,
         changes in prop::collection::vec(change(), 1..6),
         allowed in any::<bool>(),
     ) {

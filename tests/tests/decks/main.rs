@@ -7,6 +7,7 @@ mod bytes;
 mod contacts;
 mod formats;
 mod joints;
+mod mesh_details;
 mod mesh_files;
 mod models;
 mod runs;

@@ -93,11 +93,16 @@ pub struct FileMesh {
 }
 
 impl FileMesh {
-    /// Creates it from a mesh whose parts have no other values.
+    /// Creates it from a mesh whose parts have no other values. The third nodes of beams are left
+    /// out: [`FileMesh::to_mesh`] makes them.
     pub fn from_mesh(mesh: &Mesh) -> Self {
         let mut found = FileMesh::default();
         let place = FilePlace::default();
-        found.nodes.extend(mesh.nodes.iter().map(|n| FileNode { id: n.id.0, x: n.x, place }));
+        let has_third = |e: &&MeshElement| e.shape == Shape::Beam2 && e.nodes[2] != e.nodes[1];
+        let beams = mesh.elements.iter().filter(has_third);
+        let third: HashSet<NodeId> = beams.map(|beam| beam.nodes[2]).collect();
+        let nodes = mesh.nodes.iter().filter(|node| !third.contains(&node.id));
+        found.nodes.extend(nodes.map(|n| FileNode { id: n.id.0, x: n.x, place }));
         for element in &mesh.elements {
             let part = found.part_with_id(element.part, "");
             let thickness = element.own.thickness;
@@ -154,21 +159,39 @@ impl FileMesh {
         (before - self.nodes.len(), emptied)
     }
 
+    /// Gives each part a name of its own: a name that an earlier part has gets the id of its part.
+    /// Returns the old name, the id and the new name of each such part.
+    pub fn make_names_unique(&mut self) -> Vec<(String, u32, String)> {
+        let mut taken: HashSet<String> = self.parts.iter().map(|part| part.name.clone()).collect();
+        let mut seen = HashSet::new();
+        let mut changed = Vec::new();
+        for part in self.parts.iter_mut().filter(|part| !part.name.is_empty()) {
+            if seen.insert(part.name.clone()) {
+                continue;
+            }
+            let mut name = format!("{}-{}", part.name, part.id);
+            while !taken.insert(name.clone()) {
+                name.push('+');
+            }
+            changed.push((std::mem::replace(&mut part.name, name.clone()), part.id, name));
+        }
+        changed
+    }
+
     /// Adds the set of its nodes for each part whose name no set has; without a name, it is that of
     /// `part_ID`.
     pub fn add_sets_of_parts(&mut self) {
-        for index in 0..self.parts.len() {
+        let mut nodes: Vec<Vec<u64>> = vec![Vec::new(); self.parts.len()];
+        for element in &self.elements {
+            nodes[element.part].extend(&element.corners);
+        }
+        for (index, nodes) in nodes.into_iter().enumerate() {
             let part = &self.parts[index];
             let name = match part.name.is_empty() {
                 true => format!("part_{}", part.id),
                 false => part.name.clone(),
             };
-            if self.node_sets.contains_key(&name) {
-                continue;
-            }
-            let own = self.elements.iter().filter(|e| e.part == index);
-            let nodes: Vec<u64> = own.flat_map(|e| e.corners.iter().copied()).collect();
-            if !nodes.is_empty() {
+            if !self.node_sets.contains_key(&name) && !nodes.is_empty() {
                 self.add_set(&name, &name, nodes);
             }
         }
@@ -201,5 +224,36 @@ impl FileMesh {
             mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
         }
         mesh
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The third node of a beam is made from its axis, so that it is no node of the file.
+    #[test]
+    fn third_nodes_of_beams_are_no_nodes_of_the_file() {
+        let at = |id, x| MeshNode { id: NodeId(id), x };
+        let nodes =
+            vec![at(1, [0.0; 3]), at(2, [1.0, 0.0, 0.0]), at(3, [0.0, 0.0, 1.0]), at(4, [9.0; 3])];
+        let beam = MeshElement::new(ElemId(1), 1, Shape::Beam2, &[1, 2, 3].map(NodeId));
+        let mesh = Mesh { nodes, elements: vec![beam], ..Mesh::default() };
+        let mut found = FileMesh::from_mesh(&mesh);
+        assert_eq!(found.nodes.iter().map(|n| n.id).collect::<Vec<_>>(), [1, 2, 4]);
+        assert_eq!(found.prune().0, 1);
+        assert_eq!(found.to_mesh().nodes.len(), 3);
+    }
+
+    /// The second part `a` has the id 2; its new name must not be that of the third part either.
+    #[test]
+    fn parts_of_one_name_get_their_ids() {
+        let mut mesh = FileMesh::default();
+        for (id, name) in [(1, "a"), (2, "a"), (3, "a-2"), (4, ""), (5, "")] {
+            mesh.part_with_id(id, name);
+        }
+        assert_eq!(mesh.make_names_unique(), [("a".into(), 2, "a-2+".into())]);
+        let names: Vec<&str> = mesh.parts.iter().map(|part| part.name.as_str()).collect();
+        assert_eq!(names, ["a", "a-2+", "a-2", "", ""]);
     }
 }

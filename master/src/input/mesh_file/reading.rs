@@ -5,11 +5,22 @@ use super::content::{FileElement, FileMesh, FilePlace};
 use crate::input::confine;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Maximum number of problems of one kind that are reported singly.
 const MOST: usize = 10;
+
+/// Maximum number of ids that sets get by ranges or from other sets.
+const MOST_IDS: usize = 50_000_000;
+
+/// Shapes of elements and their names in the table.
+const SHAPES: [(Shape, &str); 4] = [
+    (Shape::Quad4, "quads"),
+    (Shape::Tri3, "triangles"),
+    (Shape::Hex8, "solids"),
+    (Shape::Beam2, "beams"),
+];
 
 /// Fate of something in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +59,12 @@ pub struct MeshReading {
     problems: Vec<Problem>,
     counts: BTreeMap<&'static str, usize>,
     refused: BTreeMap<&'static str, (Cell, usize, FilePlace)>,
+    /// Properties of elements that are not supported: number of elements, the first one, the cure.
+    lacking: BTreeMap<&'static str, (usize, FilePlace, &'static str)>,
+    /// Number of ids that sets may still have.
+    room: usize,
+    /// The files without links and `..`.
+    canonical: HashSet<PathBuf>,
 }
 
 impl MeshReading {
@@ -61,7 +78,34 @@ impl MeshReading {
             problems: Vec::new(),
             counts: BTreeMap::new(),
             refused: BTreeMap::new(),
+            lacking: BTreeMap::new(),
+            room: MOST_IDS,
+            canonical: std::fs::canonicalize(path).into_iter().collect(),
         }
+    }
+
+    /// Counts ids that sets get by ranges or from other sets. Reports an error and returns false
+    /// if all sets together have too many.
+    pub fn has_room(&mut self, ids: usize, place: FilePlace) -> bool {
+        match self.room.checked_sub(ids) {
+            Some(room) => {
+                self.room = room;
+                true
+            }
+            None => {
+                let message = format!("the sets of the file have more than {MOST_IDS} ids");
+                let help = "shorten the range or correct the names of sets; remove sets that the \
+                            job does not need";
+                self.error("ids", place, message, help);
+                false
+            }
+        }
+    }
+
+    /// Counts an element with a property that is not supported. All of one property are reported
+    /// together.
+    pub fn lacks(&mut self, property: &'static str, place: FilePlace, cure: &'static str) {
+        self.lacking.entry(property).or_insert((0, place, cure)).0 += 1;
     }
 
     /// Returns `FILE:LINE` of a place.
@@ -168,7 +212,7 @@ impl MeshReading {
         });
     }
 
-    /// Reports cell types that are not supported.
+    /// Reports cell types and properties of elements that are not supported.
     fn report_refused(&mut self) {
         for (name, (cell, count, place)) in std::mem::take(&mut self.refused) {
             let CellUse::Refused(cure) = cell.usage() else { continue };
@@ -178,6 +222,14 @@ impl MeshReading {
             };
             self.unsupported(name, place, message, cure);
             self.row(Fate::LeftOut, name, count, cure);
+        }
+        for (property, (count, place, cure)) in std::mem::take(&mut self.lacking) {
+            let message = match count {
+                1 => format!("an element has {property}, which is not supported"),
+                n => format!("{n} elements have {property}, not supported; this is the first"),
+            };
+            self.unsupported(property, place, message, cure);
+            self.row(Fate::LeftOut, property, count, cure);
         }
     }
 
@@ -196,6 +248,10 @@ impl MeshReading {
             );
         }
         self.drop_empty_parts();
+        for (old, id, name) in self.mesh.make_names_unique() {
+            let became = format!("part {id} ({name}): another part has its name");
+            self.row(Fate::Read, format!("part {old}"), 1, became);
+        }
         let (lost, emptied) = self.mesh.prune();
         for name in emptied {
             self.row(Fate::Ignored, format!("node set {name}"), 1, "no element has its nodes");
@@ -237,18 +293,17 @@ impl MeshReading {
                 rows.push(ImportRow { what, count, fate: Fate::Read, became });
             }
         };
+        let mut counts = vec![[0; SHAPES.len()]; self.mesh.parts.len()];
+        for element in &self.mesh.elements {
+            let shape = SHAPES.iter().position(|(shape, _)| *shape == element.shape);
+            shape.into_iter().for_each(|shape| counts[element.part][shape] += 1);
+        }
         read("nodes".into(), self.mesh.nodes.len(), "nodes".into());
         for (index, part) in self.mesh.parts.iter().enumerate() {
-            for (shape, name) in [
-                (Shape::Quad4, "quads"),
-                (Shape::Tri3, "triangles"),
-                (Shape::Hex8, "solids"),
-                (Shape::Beam2, "beams"),
-            ] {
-                let own = self.mesh.elements.iter().filter(|e| e.part == index && e.shape == shape);
+            for ((_, name), count) in SHAPES.iter().zip(counts[index]) {
                 let called =
                     if part.name.is_empty() { String::new() } else { format!(" ({})", part.name) };
-                read(name.into(), own.count(), format!("part {}{called}", part.id));
+                read((*name).into(), count, format!("part {}{called}", part.id));
             }
         }
         for (name, ids) in &self.mesh.node_sets {
@@ -283,7 +338,7 @@ impl MeshReading {
 
     fn check_elements(&mut self) {
         let elements = std::mem::take(&mut self.mesh.elements);
-        let known: std::collections::HashSet<u64> = self.mesh.nodes.iter().map(|n| n.id).collect();
+        let known: HashSet<u64> = self.mesh.nodes.iter().map(|n| n.id).collect();
         let mut first: HashMap<u64, FilePlace> = HashMap::with_capacity(elements.len());
         for element in &elements {
             if let Some(before) = first.insert(element.id, element.place) {
@@ -313,7 +368,7 @@ impl MeshReading {
     }
 
     fn check_sets(&mut self) {
-        let known: std::collections::HashSet<u64> = self.mesh.nodes.iter().map(|n| n.id).collect();
+        let known: HashSet<u64> = self.mesh.nodes.iter().map(|n| n.id).collect();
         let mut wrong = Vec::new();
         for (name, ids) in &self.mesh.node_sets {
             let missing: Vec<u64> = ids.iter().copied().filter(|id| !known.contains(id)).collect();
@@ -344,7 +399,9 @@ impl MeshReading {
     pub fn include(&mut self, name: &str, place: FilePlace) -> Option<(u32, Vec<u8>)> {
         let from = self.files.get(place.file as usize).unwrap_or(&self.files[0]);
         let path = from.parent().unwrap_or(Path::new("")).join(name);
-        if self.files.contains(&path) {
+        // One file has many paths.
+        let canonical = confine::check(&path).and_then(|()| std::fs::canonicalize(&path));
+        if canonical.is_ok_and(|canonical| !self.canonical.insert(canonical)) {
             let help = "remove one of the two, or give each its own file";
             self.error("include", place, format!("`{name}` is included twice"), help);
             return None;

@@ -1,18 +1,19 @@
 //! From parts and instances to one mesh with parts, sets and sections.
 
 use super::AbaqusModel;
+use super::assembly_sets::AssemblySets;
 use super::blocks::AbaqusBlock;
-use super::scope::{MeshScope, ScopeElement, SectionBlock, add_ids, ids_of, number_of, set_name};
+use super::scope::{MeshScope, ScopeElement, SectionBlock, is_general, number_of};
 use crate::input::mesh_file::boundary::{CellGroup, bounding};
 use crate::input::mesh_file::cells::Cell;
 use crate::input::mesh_file::content::FileNode;
 use crate::input::mesh_file::reading::{Fate, MeshReading};
 use crumple_proto::job::{BeamInput, BeamSection};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// An instance of a part: its place in space, and what it defines itself.
 pub struct InstanceBlock {
-    name: String,
+    pub name: String,
     part: String,
     shift: [f64; 3],
     /// Two points of an axis, and an angle [degree].
@@ -84,9 +85,11 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// A scope at its place in the mesh.
-struct Placed<'a> {
-    scope: &'a MeshScope,
+pub struct Placed<'a> {
+    pub scope: &'a MeshScope,
     instance: Option<&'a InstanceBlock>,
+    /// Name of its instance or part; empty for the assembly and for a file without parts.
+    pub name: String,
     /// Prefix of the names of sets.
     prefix: String,
     /// Number that is added to the ids of nodes and elements.
@@ -94,6 +97,11 @@ struct Placed<'a> {
 }
 
 impl Placed<'_> {
+    /// Returns the id of one of its nodes or elements in the mesh.
+    pub fn id(&self, own: u64) -> u64 {
+        own.saturating_add(self.shift)
+    }
+
     /// Returns a direction of its part in space.
     fn turned(&self, axis: [f64; 3]) -> [f64; 3] {
         let Some(instance) = self.instance else { return axis };
@@ -105,31 +113,24 @@ impl Placed<'_> {
 /// Adds everything to the mesh.
 pub fn assemble(model: AbaqusModel, reading: &mut MeshReading) {
     let placed = placed(&model, reading);
-    let mut parts = PartTable::default();
-    for one in &placed {
+    let sets = AssemblySets::read(&model, &placed, reading);
+    let mut parts = PartTable { known: BTreeMap::new(), rigid: sets.rigid() };
+    for (index, one) in placed.iter().enumerate() {
         add_nodes(one, reading);
-        parts.add_elements(one, reading);
+        parts.add_elements(index, one, reading);
         for set in one.scope.node_sets.values().filter(|set| !set.internal) {
             let name = format!("{}{}", one.prefix, set.name);
             let second = format!("{name}_nodes");
-            reading.mesh.add_set(
-                &name,
-                &second,
-                set.ids.iter().map(|id| id.saturating_add(one.shift)),
-            );
+            reading.mesh.add_set(&name, &second, set.ids.iter().map(|id| one.id(*id)));
         }
         for set in one.scope.element_sets.values().filter(|set| !set.internal) {
             let name = format!("{}{}", one.prefix, set.name);
             let second = format!("{name}_elements");
             let nodes = one.scope.nodes_of(&set.ids);
-            reading.mesh.add_set(
-                &name,
-                &second,
-                nodes.iter().map(|id| id.saturating_add(one.shift)),
-            );
+            reading.mesh.add_set(&name, &second, nodes.iter().map(|id| one.id(*id)));
         }
     }
-    add_assembly_sets(&model, &placed, reading);
+    sets.add(reading);
 }
 
 /// Returns all scopes with nodes or elements and their places.
@@ -153,35 +154,47 @@ fn placed<'a>(model: &'a AbaqusModel, reading: &mut MeshReading) -> Vec<Placed<'
         found.extend(model.parts.iter().map(|part| (part, None, part.name.clone())));
     }
     found.retain(|(scope, ..)| !scope.nodes.is_empty() || !scope.elements.is_empty());
-    let several = found.len() > 1;
+    // Points and masses need no prefix, and do not change the ids of the scopes with a mesh.
+    found.sort_by_key(|(scope, _, name)| (!scope.has_mesh(), name.is_empty()));
+    let several = found.iter().filter(|(scope, ..)| scope.has_mesh()).count() > 1;
     let mut next = 0;
-    let place = |(scope, instance, name): (&'a MeshScope, Option<&'a InstanceBlock>, String)| {
+    let mut all = Vec::new();
+    for (index, (scope, instance, name)) in found.into_iter().enumerate() {
         let largest = scope.nodes.iter().map(|n| n.id).chain(scope.elements.iter().map(|e| e.id));
         let shift = next;
         next += largest.max().unwrap_or(0).min(1 << 40);
-        let prefix = if several && !name.is_empty() { format!("{name}.") } else { String::new() };
-        Placed { scope, instance, prefix, shift }
-    };
-    found.into_iter().map(place).collect()
+        let prefix = match name.is_empty() || index == 0 && !several {
+            true => String::new(),
+            false => format!("{name}."),
+        };
+        if shift > 0 {
+            let of = if name.is_empty() { "the assembly" } else { name.as_str() };
+            let became = format!("ids of the file plus {shift}");
+            reading.row(Fate::Read, format!("ids of {of}"), scope.nodes.len(), became);
+        }
+        all.push(Placed { scope, instance, name, prefix, shift });
+    }
+    all
 }
 
 fn add_nodes(one: &Placed, reading: &mut MeshReading) {
     for node in &one.scope.nodes {
         let x = one.instance.map_or(node.x, |instance| instance.position(node.x));
-        let id = node.id.saturating_add(one.shift);
+        let id = one.id(node.id);
         reading.mesh.nodes.push(FileNode { id, x, place: node.place });
     }
 }
 
 /// Parts by the scope, section or set of elements that they come from.
-#[derive(Default)]
-struct PartTable {
+struct PartTable<'a> {
     known: BTreeMap<String, usize>,
+    /// Elements of rigid bodies of the assembly: indices of scopes, and ids.
+    rigid: &'a HashSet<(usize, u64)>,
 }
 
-impl PartTable {
+impl PartTable<'_> {
     /// Adds the elements of a scope: to the parts of their sections, or of their blocks.
-    fn add_elements(&mut self, one: &Placed, reading: &mut MeshReading) {
+    fn add_elements(&mut self, index: usize, one: &Placed, reading: &mut MeshReading) {
         let scope = one.scope;
         let of_section = sections_of(scope, reading);
         let mut free: BTreeMap<&str, Vec<&ScopeElement>> = BTreeMap::new();
@@ -198,6 +211,7 @@ impl PartTable {
         }
         let dropped: Vec<&str> =
             free.keys().zip(&dropped).filter(|(_, bounds)| **bounds).map(|(b, _)| *b).collect();
+        let of_bodies = scope.rigid_elements(reading);
         let has_beams = scope.sections.iter().any(|s| s.kind.starts_with("BEAM"));
         let nodes = scope.nodes.iter().filter(|_| has_beams);
         let at: HashMap<u64, [f64; 3]> = nodes.map(|node| (node.id, node.x)).collect();
@@ -206,10 +220,17 @@ impl PartTable {
             if section.is_none() && dropped.contains(&element.block.as_str()) {
                 continue;
             }
-            let part = self.part(one, element, section, reading);
-            let corners: Vec<u64> =
-                element.corners.iter().map(|id| id.saturating_add(one.shift)).collect();
-            let id = element.id.saturating_add(one.shift);
+            if let Some(node) = element.towards.filter(|node| has_beams && !at.contains_key(node)) {
+                let message = format!("element {} has node {node}, which is missing", element.id);
+                let help = "define the node, or correct or remove the element";
+                reading.error("no node", element.place, message, help);
+            }
+            let rigid = element.rigid
+                || of_bodies.contains(&element.id)
+                || self.rigid.contains(&(index, element.id));
+            let part = self.part(one, (element, rigid), section, reading);
+            let corners: Vec<u64> = element.corners.iter().map(|id| one.id(*id)).collect();
+            let id = one.id(element.id);
             let before = reading.mesh.elements.len();
             reading.add_element((id, part), element.cell, &corners, element.place);
             if let (Some(added), Some(section)) = (reading.mesh.elements.get_mut(before), section) {
@@ -219,16 +240,21 @@ impl PartTable {
         }
     }
 
-    /// Returns the part of an element.
+    /// Returns the part of an element. Rigid and deformable elements are different parts.
     fn part(
         &mut self,
         one: &Placed,
-        element: &ScopeElement,
+        (element, rigid): (&ScopeElement, bool),
         section: Option<&SectionBlock>,
         reading: &mut MeshReading,
     ) -> usize {
         let block = section.map_or(element.block.as_str(), |section| &section.elements);
-        let key = format!("{}/{}", one.scope.name, block.to_uppercase());
+        // Instances of one part are one part, unless they have elements of their own.
+        let owner = match one.scope.name.is_empty() {
+            true => format!("instance {}", one.name),
+            false => format!("part {}", one.scope.name),
+        };
+        let key = format!("{owner}/{}/{rigid}", block.to_uppercase());
         if let Some(&part) = self.known.get(&key) {
             return part;
         }
@@ -242,15 +268,13 @@ impl PartTable {
         let name = if taken { format!("{name}-{id}") } else { name };
         let index = reading.mesh.part_with_id(id, &name);
         let part = &mut reading.mesh.parts[index];
-        let listed = |set: &String| {
-            let found = one.scope.element_sets.get(set);
-            found.is_some_and(|found| found.ids.contains(&element.id))
-        };
-        part.rigid = element.rigid || one.scope.rigid.iter().any(listed);
+        part.rigid = rigid;
         if let Some(section) = section {
             part.material.clone_from(&section.material);
             match element.cell {
                 Cell::Line => part.beam = beam(section),
+                // Stiffnesses are reported where they are read.
+                _ if is_general(&section.kind) && section.material.is_none() => {}
                 _ if section.kind.starts_with("S") || section.kind.starts_with("M") => {
                     part.thickness = section.numbers.first().and_then(|row| row.first()).copied();
                     part.thickness = part.thickness.filter(|&t| t > 0.0);
@@ -273,7 +297,8 @@ fn check_section(
     reading: &mut MeshReading,
 ) {
     let is_shell = matches!(cell, Cell::Quad | Cell::Triangle);
-    if is_shell && section.kind.contains("SHELL") && thickness.is_none() {
+    let has_stiffness = is_general(&section.kind) && section.material.is_none();
+    if is_shell && section.kind.contains("SHELL") && !has_stiffness && thickness.is_none() {
         let message = format!("the section of `{}` has no thickness above 0", section.elements);
         let help = "write the thickness in the first line after the keyword";
         reading.error("thickness", section.place, message, help);
@@ -396,8 +421,13 @@ fn beam_axis(
     let row = section.numbers.get(1);
     let given: [f64; 3] =
         std::array::from_fn(|c| row.and_then(|r| r.get(c)).copied().unwrap_or(0.0));
-    let n1 = if dot(given, given) > 0.0 { given } else { [0.0, 0.0, -1.0] };
     let (a, b) = (at.get(&element.corners[0])?, at.get(&element.corners[1])?);
+    let towards: Option<[f64; 3]> = element
+        .towards
+        .and_then(|node| at.get(&node))
+        .map(|node| std::array::from_fn(|c| node[c] - a[c]));
+    let of_section = if dot(given, given) > 0.0 { given } else { [0.0, 0.0, -1.0] };
+    let n1 = towards.unwrap_or(of_section);
     let along: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
     let n2 = cross(along, n1);
     match dot(n2, n2) > 1e-12 * dot(along, along) * dot(n1, n1) {
@@ -405,44 +435,5 @@ fn beam_axis(
         true => Some(n1),
         // A direction along the beam gives no axis.
         false => None,
-    }
-}
-
-/// Adds the sets and surfaces of the assembly.
-fn add_assembly_sets(model: &AbaqusModel, placed: &[Placed], reading: &mut MeshReading) {
-    let mut elements = BTreeMap::new();
-    let mut sets: BTreeMap<String, Vec<u64>> = BTreeMap::new();
-    for (instance, block) in &model.assembly {
-        let named = |one: &&Placed| {
-            let own = one.prefix.trim_end_matches('.').to_uppercase();
-            placed.len() == 1 || instance.as_deref().is_none_or(|name| own == name)
-        };
-        let Some(one) = placed.iter().find(named) else { continue };
-        let parameter = if block.keyword == "SURFACE" { "NAME" } else { block.keyword.as_str() };
-        let Some(name) = set_name(block, parameter, reading) else { continue };
-        let nodes: Vec<u64> = match block.keyword.as_str() {
-            "NSET" => ids_of(block, &one.scope.node_sets, reading),
-            "ELSET" => {
-                let mut known = one.scope.element_sets.clone();
-                known.extend(elements.clone());
-                let ids = ids_of(block, &known, reading);
-                add_ids(&mut elements, name, block.has("INTERNAL"), ids.iter().copied());
-                one.scope.nodes_of(&ids)
-            }
-            _ => {
-                let mut known = one.scope.element_sets.clone();
-                known.extend(elements.clone());
-                one.scope.nodes_of_surface(block, &known, reading)
-            }
-        };
-        if !block.has("INTERNAL") && !nodes.is_empty() {
-            // A set of several instances has a block for each.
-            let nodes = nodes.into_iter().map(|id| id.saturating_add(one.shift));
-            sets.entry(name.to_string()).or_default().extend(nodes);
-        }
-    }
-    for (name, nodes) in sets {
-        let second = format!("{name}_assembly");
-        reading.mesh.add_set(&name, &second, nodes);
     }
 }

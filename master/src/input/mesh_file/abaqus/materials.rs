@@ -32,6 +32,38 @@ const OTHER_LAWS: &[&str] = &[
     "FABRIC",
 ];
 
+/// Keywords that end a material and are in no other table.
+const OTHER_LEVEL: &[&str] = &[
+    "MATERIAL",
+    "PART",
+    "ASSEMBLY",
+    "INSTANCE",
+    "NODE",
+    "ELEMENT",
+    "NSET",
+    "ELSET",
+    "SURFACE",
+    "RIGID BODY",
+    "ORIENTATION",
+    "TRANSFORM",
+    "RESTART",
+    "OUTPUT",
+];
+
+/// Returns true for keywords that no material has.
+fn ends_material(keyword: &str) -> bool {
+    OTHER_LEVEL.contains(&keyword)
+        || keyword.starts_with("END ")
+        || keyword.ends_with(" SECTION")
+        || super::MAKE_MESH.contains(&keyword)
+        || super::IGNORED.iter().any(|row| row.0 == keyword)
+}
+
+/// Returns true for keywords that give the law of a material, so that they have to be in one.
+pub fn gives_law(keyword: &str) -> bool {
+    ["DENSITY", "ELASTIC", "PLASTIC"].contains(&keyword) || OTHER_LAWS.contains(&keyword)
+}
+
 /// Reads a material from `*MATERIAL` and the keywords that follow. Returns their number.
 pub fn read(block: &AbaqusBlock, following: &[AbaqusBlock], reading: &mut MeshReading) -> usize {
     let mut material = FileMaterial::default();
@@ -39,7 +71,7 @@ pub fn read(block: &AbaqusBlock, following: &[AbaqusBlock], reading: &mut MeshRe
         material.name = name.to_string();
     }
     let mut count = 0;
-    for next in following {
+    for next in following.iter().take_while(|next| !ends_material(&next.keyword)) {
         match next.keyword.as_str() {
             "DENSITY" => material.density = first(next, 0, reading),
             "ELASTIC" => elastic(next, &mut material, reading),
@@ -49,13 +81,12 @@ pub fn read(block: &AbaqusBlock, following: &[AbaqusBlock], reading: &mut MeshRe
                 let help = "use *ELASTIC and *PLASTIC; the laws are elastic, j2 and johnson_cook";
                 reading.unsupported("law", next.place, message, help);
             }
-            keyword => match NOT_READ.iter().find(|row| row.0 == keyword) {
-                Some((_, advice)) => {
-                    let what = format!("*{keyword} of material {}", material.name);
-                    reading.row(Fate::Ignored, what, 1, *advice);
-                }
-                None => break,
-            },
+            keyword => {
+                let advice = NOT_READ.iter().find(|row| row.0 == keyword).map(|row| row.1);
+                let advice = advice.unwrap_or("not needed for the material, or not supported");
+                let what = format!("*{keyword} of material {}", material.name);
+                reading.row(Fate::Ignored, what, 1, advice);
+            }
         }
         count += 1;
     }
@@ -124,6 +155,17 @@ fn plastic(block: &AbaqusBlock, material: &mut FileMaterial, reading: &mut MeshR
         reading.unsupported("law", block.place, message, help);
         return;
     }
+    if !material.hardening.is_empty() {
+        if block.has("RATE") {
+            let what = format!("*PLASTIC, RATE= of material {}", material.name);
+            let advice = "the first rate is used; strain rates: material.cowper_symonds";
+            reading.row(Fate::LeftOut, what, 1, advice);
+        } else {
+            let message = format!("material `{}` has *PLASTIC twice", material.name);
+            reading.error("material", block.place, message, "remove one, or write RATE=");
+        }
+        return;
+    }
     let mut temperature = None;
     for line in &block.data {
         let [stress, strain, at] = [0, 1, 2].map(|index| number_of(line, index));
@@ -133,7 +175,7 @@ fn plastic(block: &AbaqusBlock, material: &mut FileMaterial, reading: &mut MeshR
             reading.error("material", line.place, message, "write stress, plastic strain");
             continue;
         };
-        // Curves for further temperatures or rates follow the first one.
+        // Curves for further temperatures follow the first one.
         if *temperature.get_or_insert(at) != at {
             let what = format!("further temperatures of material {}", material.name);
             reading.row(Fate::Ignored, what, 1, "the first temperature is used");
@@ -153,5 +195,4 @@ fn plastic(block: &AbaqusBlock, material: &mut FileMaterial, reading: &mut MeshR
         let message = "*PLASTIC has no values";
         reading.error("material", block.place, message, "write stress, plastic strain");
     }
-    // Rates that are given as `RATE=` follow in blocks of their own.
 }

@@ -3,10 +3,12 @@
 //!
 //! Elements with a section are a part; its name is that of the element set. Elements without a
 //! section are a part if they do not only bound others. Node sets keep their names; element sets
-//! and surfaces become the sets of their nodes. With several instances, `INSTANCE.` comes before
-//! the names of their sets, and ids are shifted from the second instance on.
+//! and surfaces become the sets of their nodes. With several instances that have elements,
+//! `INSTANCE.` comes before the names of their sets, and ids are shifted from the second instance
+//! on; reference points of the assembly come last.
 
 mod assembly;
+mod assembly_sets;
 mod blocks;
 mod elements;
 mod materials;
@@ -45,8 +47,8 @@ struct AbaqusModel {
     model: MeshScope,
     parts: Vec<MeshScope>,
     instances: Vec<InstanceBlock>,
-    /// Sets and surfaces of the assembly, and their instances in capitals.
-    assembly: Vec<(Option<String>, AbaqusBlock)>,
+    /// Sets, surfaces and rigid bodies of the assembly.
+    assembly: Vec<AbaqusBlock>,
 }
 
 /// Keywords that are ignored: name, and what to write in the job.
@@ -133,6 +135,11 @@ impl AbaqusModel {
         })
     }
 
+    /// Returns true if there is an instance of this name.
+    fn has_instance(&self, name: &str) -> bool {
+        self.instances.iter().any(|instance| instance.name.eq_ignore_ascii_case(name))
+    }
+
     /// Reports a part that does not end.
     fn report_open(&self, part: usize, place: FilePlace, reading: &mut MeshReading) {
         let message = format!("*PART, NAME={} has no *END PART", self.parts[part].name);
@@ -145,9 +152,8 @@ impl AbaqusModel {
             AbaqusLevel::Part(index) => &mut self.parts[index],
             AbaqusLevel::Instance(index) => &mut self.instances[index].own,
             AbaqusLevel::Assembly => match block.keyword.as_str() {
-                "NSET" | "ELSET" | "SURFACE" => {
-                    let instance = block.value("INSTANCE").map(str::to_uppercase);
-                    self.assembly.push((instance, block.clone()));
+                "NSET" | "ELSET" | "SURFACE" | "RIGID BODY" => {
+                    self.assembly.push(block.clone());
                     return;
                 }
                 // Reference points and their elements are nodes of the assembly.
@@ -162,6 +168,13 @@ impl AbaqusModel {
             let message = format!("*{keyword} is not read, and the mesh depends on it");
             let help = "write the nodes and elements that it makes into the file";
             reading.error("generator", block.place, message, help);
+            return;
+        }
+        if materials::gives_law(keyword) {
+            let message = format!("*{keyword} belongs to no *MATERIAL");
+            let help = "write it after *MATERIAL, NAME=... and before the next keyword of a mesh \
+                        or step";
+            reading.error("law", block.place, message, help);
             return;
         }
         let advice = IGNORED.iter().find(|row| row.0 == keyword).map(|row| row.1);

@@ -5,8 +5,8 @@ use super::elements::{cell_of, face, is_rigid};
 use crate::input::deck::number;
 use crate::input::mesh_file::cells::{Cell, CellUse};
 use crate::input::mesh_file::content::{FileNode, FilePlace};
-use crate::input::mesh_file::reading::MeshReading;
-use std::collections::{BTreeMap, HashMap};
+use crate::input::mesh_file::reading::{Fate, MeshReading};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// An element as it is in the file.
 pub struct ScopeElement {
@@ -16,6 +16,8 @@ pub struct ScopeElement {
     pub block: String,
     pub rigid: bool,
     pub corners: Vec<u64>,
+    /// Node in the direction n1 of a beam, seen from its first node.
+    pub towards: Option<u64>,
     pub place: FilePlace,
 }
 
@@ -55,13 +57,13 @@ pub struct MeshScope {
     /// The same for elements.
     pub element_sets: BTreeMap<String, NamedIds>,
     pub sections: Vec<SectionBlock>,
-    /// Sets of elements that are rigid, in capitals.
-    pub rigid: Vec<String>,
+    /// Sets of elements that are rigid, and the places of their bodies.
+    pub rigid: Vec<(String, FilePlace)>,
 }
 
 /// How sets are written.
-const SET_HELP: &str = "give ids or names of sets, with commas between them; with GENERATE first, \
-                        last and step";
+pub const SET_HELP: &str = "give ids or names of sets, with commas between them; with GENERATE \
+                            first, last and step";
 
 impl MeshScope {
     /// Reads a keyword that defines a part of a mesh. Returns false for all others.
@@ -79,7 +81,8 @@ impl MeshScope {
             | "BEAM SECTION"
             | "BEAM GENERAL SECTION" => self.section(block, reading),
             "RIGID BODY" => {
-                self.rigid.extend(block.value("ELSET").map(str::to_uppercase));
+                let set = rigid_set(block, reading).map(String::from);
+                self.rigid.extend(set.map(|set| (set, block.place)));
             }
             _ => return false,
         }
@@ -162,6 +165,7 @@ impl MeshScope {
                 block: set.unwrap_or(&name).to_string(),
                 rigid: is_rigid(&name),
                 corners: corners[..width].to_vec(),
+                towards: corners.get(width).copied(),
                 place: line.place,
             });
         }
@@ -175,7 +179,10 @@ impl MeshScope {
         let mut ids = ids_of(block, &self.node_sets, reading);
         if let Some(set) = block.value("ELSET") {
             match self.element_sets.get(&set.to_uppercase()) {
-                Some(found) => ids.extend(self.nodes_of(&found.ids)),
+                Some(found) if reading.has_room(found.ids.len(), block.place) => {
+                    ids.extend(self.nodes_of(&found.ids));
+                }
+                Some(_) => {}
                 None => {
                     let message = format!("there is no element set `{set}`");
                     reading.error("no set", block.place, message, "define it before this line");
@@ -195,25 +202,12 @@ impl MeshScope {
     }
 
     fn surface(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
-        let nodes = self.nodes_of_surface(block, &self.element_sets, reading);
-        if let Some(name) = set_name(block, "NAME", reading) {
-            add_ids(&mut self.node_sets, name, false, nodes);
-        }
-    }
-
-    /// Returns the nodes of the faces of a surface.
-    pub fn nodes_of_surface(
-        &self,
-        block: &AbaqusBlock,
-        element_sets: &BTreeMap<String, NamedIds>,
-        reading: &mut MeshReading,
-    ) -> Vec<u64> {
-        let of_nodes = block.value("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("NODE"));
-        let by_id: HashMap<u64, &ScopeElement> = self.elements.iter().map(|e| (e.id, e)).collect();
+        let by_id = self.elements_by_id();
         let mut nodes = Vec::new();
         for line in &block.data {
-            let (set, side) = (field(line, 0), field(line, 1));
-            let sets = if of_nodes { &self.node_sets } else { element_sets };
+            let set = field(line, 0);
+            let of_nodes = is_node_surface(block);
+            let sets = if of_nodes { &self.node_sets } else { &self.element_sets };
             let ids = match (set.parse::<u64>(), sets.get(&set.to_uppercase())) {
                 (Ok(id), _) => vec![id],
                 (_, Some(found)) => found.ids.clone(),
@@ -223,25 +217,39 @@ impl MeshScope {
                     continue;
                 }
             };
-            if of_nodes {
-                nodes.extend(ids);
-                continue;
+            match of_nodes {
+                true => nodes.extend(ids),
+                false => nodes.extend(nodes_of_faces(&by_id, &ids, line, reading)),
             }
-            let used = |e: &&&ScopeElement| matches!(e.cell.usage(), CellUse::Element(_));
-            for element in ids.iter().filter_map(|id| by_id.get(id)).filter(used) {
-                match face(element.cell, side) {
-                    Some(corners) => nodes.extend(corners.iter().map(|&c| element.corners[c])),
-                    // Without a side: all faces that no other element has.
-                    None if side.is_empty() => nodes.extend(&element.corners),
-                    None => {
-                        let message = format!("element {} has no face {side}", element.id);
-                        let help = "solids have S1 to S6, shells SPOS, SNEG and E1 to E4";
-                        reading.error("face", line.place, message, help);
-                    }
+        }
+        if let Some(name) = set_name(block, "NAME", reading) {
+            add_ids(&mut self.node_sets, name, false, nodes);
+        }
+    }
+
+    /// Returns its elements by their ids.
+    pub fn elements_by_id(&self) -> HashMap<u64, &ScopeElement> {
+        self.elements.iter().map(|element| (element.id, element)).collect()
+    }
+
+    /// Returns true if it has elements other than points, masses and springs.
+    pub fn has_mesh(&self) -> bool {
+        self.elements.iter().any(|element| element.cell.dimension() > 0)
+    }
+
+    /// Returns the ids of the elements of its rigid bodies. Reports a set that is missing.
+    pub fn rigid_elements(&self, reading: &mut MeshReading) -> HashSet<u64> {
+        let mut found = HashSet::new();
+        for (name, place) in &self.rigid {
+            match self.element_sets.get(&name.to_uppercase()) {
+                Some(set) => found.extend(&set.ids),
+                None => {
+                    let message = format!("*RIGID BODY: there is no element set `{name}`");
+                    reading.error("no set", *place, message, "correct ELSET=, or define the set");
                 }
             }
         }
-        nodes
+        found
     }
 
     fn section(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
@@ -266,6 +274,11 @@ impl MeshScope {
             let help = "use a section of one material";
             reading.unsupported("composite", block.place, message, help);
         }
+        if is_general(&block.keyword) && !block.has("MATERIAL") && !block.has("COMPOSITE") {
+            let message = format!("the section of `{elements}` has stiffnesses and no material");
+            let help = "use *SHELL SECTION with a thickness and MATERIAL=";
+            reading.unsupported("general section", block.place, message, help);
+        }
         if block.has("OFFSET") {
             let message = format!("the section of `{elements}` has an OFFSET");
             let help = "set part.offset in the job";
@@ -275,10 +288,64 @@ impl MeshScope {
 
     /// Returns the nodes of elements.
     pub fn nodes_of(&self, elements: &[u64]) -> Vec<u64> {
-        let wanted: std::collections::HashSet<&u64> = elements.iter().collect();
+        let wanted: HashSet<&u64> = elements.iter().collect();
         let own = self.elements.iter().filter(|e| wanted.contains(&e.id));
         own.flat_map(|e| e.corners.iter().copied()).collect()
     }
+}
+
+/// Returns true for sections of shells that may have stiffnesses instead of a thickness.
+pub fn is_general(kind: &str) -> bool {
+    kind == "SHELL GENERAL SECTION"
+}
+
+/// Returns true if the lines of a surface name nodes.
+pub fn is_node_surface(block: &AbaqusBlock) -> bool {
+    block.value("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("NODE"))
+}
+
+/// Returns the nodes of the faces of elements that a line of a surface names.
+pub fn nodes_of_faces(
+    elements: &HashMap<u64, &ScopeElement>,
+    ids: &[u64],
+    line: &DataLine,
+    reading: &mut MeshReading,
+) -> Vec<u64> {
+    let side = field(line, 1);
+    let mut nodes = Vec::new();
+    let used = |e: &&&ScopeElement| matches!(e.cell.usage(), CellUse::Element(_));
+    for element in ids.iter().filter_map(|id| elements.get(id)).filter(used) {
+        match face(element.cell, side) {
+            Some(corners) => nodes.extend(corners.iter().map(|&c| element.corners[c])),
+            // Without a side: all faces that no other element has.
+            None if side.is_empty() => nodes.extend(&element.corners),
+            None => {
+                let message = format!("element {} has no face {side}", element.id);
+                let help = "solids have S1 to S6, shells SPOS, SNEG and E1 to E4";
+                reading.error("face", line.place, message, help);
+            }
+        }
+    }
+    nodes
+}
+
+/// Returns the element set of a rigid body, and adds rows for the body.
+pub fn rigid_set<'b>(block: &'b AbaqusBlock, reading: &mut MeshReading) -> Option<&'b str> {
+    let advice = "nodes of a rigid body: [[rigid]] with nodes";
+    for parameter in ["TIE NSET", "PIN NSET"] {
+        if block.has(parameter) {
+            reading.row(Fate::LeftOut, format!("*RIGID BODY, {parameter}"), 1, advice);
+        }
+    }
+    let set = block.value("ELSET").filter(|set| !set.is_empty());
+    match set {
+        Some(_) => {
+            let became = "[[rigid]] with the parts of its elements; give it a mass or a motion";
+            reading.row(Fate::Read, "*RIGID BODY", 1, became);
+        }
+        None => reading.row(Fate::LeftOut, "*RIGID BODY without ELSET", 1, advice),
+    }
+    set
 }
 
 /// Returns a field of a line; empty if it is missing.
@@ -326,23 +393,22 @@ pub fn add_ids(
     sets.entry(name.to_uppercase()).or_insert_with(new).ids.extend(ids);
 }
 
-/// Returns the ids of the lines of a set: numbers, names of sets, or ranges.
+/// Returns the ids of the lines of a set: numbers, names of sets, or ranges; each id once.
 pub fn ids_of(
     block: &AbaqusBlock,
     known: &BTreeMap<String, NamedIds>,
     reading: &mut MeshReading,
 ) -> Vec<u64> {
-    /// Largest number of ids of a range.
-    const LONGEST: u64 = 20_000_000;
     let mut ids = Vec::new();
     for line in &block.data {
         if block.has("GENERATE") {
             let step = if field(line, 2).is_empty() { Some(1) } else { id_of(line, 2) };
             match (id_of(line, 0), id_of(line, 1), step) {
-                (Some(first), Some(last), Some(step))
-                    if step > 0 && first <= last && (last - first) / step < LONGEST =>
-                {
-                    ids.extend((first..=last).step_by(step as usize));
+                (Some(first), Some(last), Some(step)) if step > 0 && first <= last => {
+                    let count = ((last - first) / step).saturating_add(1);
+                    if reading.has_room(usize::try_from(count).unwrap_or(usize::MAX), line.place) {
+                        ids.extend((first..=last).step_by(step as usize));
+                    }
                 }
                 _ => {
                     let message = format!("`{}` is no range", line.fields.join(", "));
@@ -354,7 +420,10 @@ pub fn ids_of(
         for text in line.fields.iter().filter(|text| !text.is_empty()) {
             match (text.parse::<u64>(), known.get(&text.to_uppercase())) {
                 (Ok(id), _) => ids.push(id),
-                (_, Some(set)) => ids.extend(&set.ids),
+                (_, Some(set)) if reading.has_room(set.ids.len(), line.place) => {
+                    ids.extend(&set.ids);
+                }
+                (_, Some(_)) => {}
                 _ => {
                     let message = format!("`{text}` is no id and no set that was defined before");
                     reading.error("no set", line.place, message, SET_HELP);
@@ -362,5 +431,7 @@ pub fn ids_of(
             }
         }
     }
+    ids.sort_unstable();
+    ids.dedup();
     ids
 }

@@ -26,7 +26,7 @@ impl Group {
 
 /// Adds the content of the sections to the mesh.
 pub fn add(content: MshContent, reading: &mut MeshReading) {
-    let elements = &content.elements;
+    let (elements, repeats) = (&content.elements, content.repeats);
     let groups = groups(&content);
     let bounds = bounding(
         &groups
@@ -44,15 +44,22 @@ pub fn add(content: MshContent, reading: &mut MeshReading) {
         add_group(group, bounds, elements, &mut of_part, reading);
     }
     let mut seen = BTreeSet::new();
+    let mut again = 0;
     for (element, part) in elements.iter().zip(&of_part) {
-        match part {
-            // Version 2.2 writes an element once for each of its groups.
-            Some(part) if seen.insert((element.cell.dimension(), &element.corners)) => {
-                let place = element.place;
-                reading.add_element((element.id, *part), element.cell, &element.corners, place);
-            }
-            _ => {}
+        let Some(part) = *part else { continue };
+        // Version 2.2 writes an element once for each of its groups.
+        let is_first = !repeats || seen.insert((element.cell.dimension(), &element.corners));
+        if is_first {
+            let place = element.place;
+            reading.add_element((element.id, part), element.cell, &element.corners, place);
+        } else {
+            again += 1;
         }
+    }
+    if again > 0 {
+        let became = "they have the nodes of an element before: version 2.2 writes an element for \
+                      each of its groups. It is in the part of the first one";
+        reading.row(Fate::Ignored, "elements of several groups", again, became);
     }
     let in_groups: BTreeSet<usize> =
         groups.iter().flat_map(|g| g.elements.iter().copied()).collect();

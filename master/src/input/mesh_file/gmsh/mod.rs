@@ -45,6 +45,8 @@ pub struct MshContent {
     entities: BTreeMap<DimensionTag, Vec<i64>>,
     nodes: Vec<FileNode>,
     elements: Vec<MshElement>,
+    /// True if an element of several groups is there once for each of them.
+    repeats: bool,
 }
 
 /// An MSH file while it is read.
@@ -117,6 +119,7 @@ impl MshReader<'_, '_> {
 
     fn file(&mut self) {
         let Some(version) = self.header() else { return };
+        self.content.repeats = version == 22;
         while let Some(line) = self.stream.text_line() {
             let Some(section) = line.strip_prefix('$') else {
                 if !line.is_empty() {

@@ -136,7 +136,7 @@ impl CardList {
 
 /// Returns name and fields of a line: always eight, or four for wide fields.
 fn split(line: &str) -> (String, Vec<String>) {
-    let line = line.replace('\t', "        ");
+    let line = without_tabs(line);
     if line.contains(',') {
         let mut words = line.split(',').map(|word| word.trim().to_string());
         let head = words.next().unwrap_or_default();
@@ -159,6 +159,21 @@ fn split(line: &str) -> (String, Vec<String>) {
     let head = cut(0, 8);
     let (count, width) = if head.contains('*') { (4, 16) } else { (8, 8) };
     (head, (0..count).map(|i| cut(8 + i * width, width)).collect())
+}
+
+/// Returns a line with blanks up to the next multiple of 8 columns instead of each tab.
+fn without_tabs(line: &str) -> String {
+    let mut found = String::new();
+    let mut column = 0;
+    for character in line.chars() {
+        let width = if character == '\t' { 8 - column % 8 } else { 1 };
+        match character {
+            '\t' => found.extend(std::iter::repeat_n(' ', width)),
+            _ => found.push(character),
+        }
+        column += width;
+    }
+    found
 }
 
 /// Returns id and name of a property that a comment of HyperMesh or Femap names.
@@ -186,6 +201,17 @@ mod tests {
         assert_eq!(small.1[..5], free.1[..5]);
         assert_eq!(wide.1, ["5", "", "-.707107", ".7071068"]);
         assert_eq!(split("+       1       2").1[..2], ["1", "2"]);
+    }
+
+    /// A tab ends a field of 8 columns, whatever the length of the text before it.
+    #[test]
+    fn a_tab_goes_to_the_next_field() {
+        let (head, fields) = split("GRID\t5\t\t-.707107\t12345678.0");
+        assert_eq!(head, "GRID");
+        // The text of 8 columns fills its field, so that the tab after it skips one.
+        assert_eq!(fields[..6], ["5", "", "-.707107", "", "12345678", ".0"]);
+        let (_, fields) = split("GRID\t5\t\t1.5\t2.5\t3.5");
+        assert_eq!(fields[..5], ["5", "", "1.5", "2.5", "3.5"]);
     }
 
     #[test]

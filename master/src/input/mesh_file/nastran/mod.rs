@@ -46,6 +46,24 @@ const ELEMENTS: &[(&str, &[(usize, Cell)])] = &[
     ("CSHEAR", &[(4, Cell::Other("shear panel", 2))]),
 ];
 
+/// Fields of elements that are not read: cards, indices of the fields, their meaning, the cure.
+const NOT_READ: &[(&[&str], &[usize], &str, &str)] = &[
+    (&["CQUAD4", "CQUADR"], &[7], OFFSET, OFFSET_CURE),
+    (&["CTRIA3", "CTRIAR"], &[6], OFFSET, OFFSET_CURE),
+    (&["CQUAD4", "CQUADR", "CTRIA3", "CTRIAR"], &[10, 11, 12, 13], CORNERS, CORNERS_CURE),
+    (&["CBAR", "CBEAM"], &[8, 9], "pin flags (PA, PB)", "write 0, or use another connection"),
+    (
+        &["CBAR", "CBEAM"],
+        &[10, 11, 12, 13, 14, 15],
+        "offsets of its ends (W1A to W3B)",
+        "move its nodes and leave the fields blank",
+    ),
+];
+const OFFSET: &str = "an offset (ZOFFS)";
+const OFFSET_CURE: &str = "leave the field blank and set part.offset in the job";
+const CORNERS: &str = "thicknesses of its corners (T1 to T4)";
+const CORNERS_CURE: &str = "leave the fields blank and give the thickness by PSHELL";
+
 /// Cards that are ignored: name, and what to write in the job.
 const IGNORED: &[(&str, &str)] = &[
     ("CONM2", "point masses: [[mass]]"),
@@ -190,6 +208,7 @@ impl BulkReader<'_> {
             self.error("property", card, message, "ids of properties are at most 4294967295");
             return Ok(());
         };
+        self.unsupported_fields(card)?;
         let part = self.part(part);
         let before = self.reading.mesh.elements.len();
         self.reading.add_element((id, part), cell, &corners, card.place);
@@ -197,6 +216,22 @@ impl BulkReader<'_> {
             let axis = self.direction(card, corners[0])?;
             if let Some(element) = self.reading.mesh.elements.get_mut(before) {
                 element.axis = axis;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reports fields of an element that change its stiffness and are not read.
+    fn unsupported_fields(&mut self, card: &BulkCard) -> Result<(), FieldFault> {
+        for &(names, fields, property, cure) in NOT_READ {
+            if !names.contains(&card.name.as_str()) {
+                continue;
+            }
+            for &field in fields {
+                if card.real(field)?.is_some_and(|value| value != 0.0) {
+                    self.reading.lacks(property, card.place, cure);
+                    break;
+                }
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Legacy files of VTK, versions 1 to 5.1: unstructured grids and surfaces.
 
-use super::VtkGrid;
 use super::scalar::ScalarType;
+use super::{VtkGrid, index_of};
 use crate::input::deck::number;
 use crate::input::mesh_file::content::FilePlace;
 use crate::input::mesh_file::reading::MeshReading;
@@ -22,6 +22,14 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
             reading.error("section", place, message, help);
         }
     }
+}
+
+/// Returns the points of a cell.
+fn indices(cell: usize, row: &[f64]) -> Result<Vec<u64>, LegacyFault> {
+    let index = |&point: &f64| {
+        index_of(point).ok_or_else(|| (format!("cell {cell} has the point {point}"), COMPLETE))
+    };
+    row.iter().map(index).collect()
 }
 
 struct LegacyReader<'a> {
@@ -82,9 +90,14 @@ impl<'a> LegacyReader<'a> {
             return Err((format!("{count} cells have {} CELL_TYPES", types.len()), COMPLETE));
         }
         for (index, (own, points)) in lists.cells.into_iter().enumerate() {
-            let kind = own.or_else(|| lists.types.as_ref().map(|types| types[index] as u64));
-            let Some(kind) = kind else {
+            let Some(kind) = own
+                .map(|kind| kind as f64)
+                .or_else(|| lists.types.as_ref().map(|types| types[index]))
+            else {
                 return Err(("the section CELL_TYPES is missing".into(), COMPLETE));
+            };
+            let Some(kind) = index_of(kind) else {
+                return Err((format!("cell {index} has the type {kind}"), COMPLETE));
             };
             self.grid.cells.push((kind, points));
         }
@@ -232,14 +245,14 @@ impl<'a> LegacyReader<'a> {
                 Some(["CONNECTIVITY", kind]) => self.numbers(kind, second, "CONNECTIVITY")?,
                 _ => return Err(("CONNECTIVITY is missing after OFFSETS".into(), COMPLETE)),
             };
-            for pair in ends.windows(2) {
-                let row = points.get(pair[0] as usize..pair[1] as usize);
-                let row = row.filter(|_| pair[0] >= 0.0 && pair[0] <= pair[1]);
+            for (cell, pair) in ends.windows(2).enumerate() {
+                let range = index_of(pair[0]).zip(index_of(pair[1]));
+                let row = range.and_then(|(a, b)| points.get(a as usize..b as usize));
                 let Some(row) = row else {
                     let message = format!("OFFSETS {} to {} are wrong", pair[0], pair[1]);
                     return Err((message, COMPLETE));
                 };
-                lists.cells.push((kind, row.iter().map(|&p| p as u64).collect()));
+                lists.cells.push((kind, indices(cell, row)?));
             }
             return Ok(());
         }
@@ -247,16 +260,13 @@ impl<'a> LegacyReader<'a> {
         let numbers = self.numbers("int", second, "CELLS")?;
         let mut at = 0;
         for cell in 0..first {
-            let count = numbers.get(at).copied().unwrap_or(-1.0);
-            let row = numbers.get(at + 1..(at + 1).saturating_add(count.max(0.0) as usize));
-            let Some(row) = row.filter(|_| count >= 0.0) else {
+            let count = numbers.get(at).copied().and_then(index_of);
+            let row = count.and_then(|n| numbers.get(at + 1..(at + 1).saturating_add(n as usize)));
+            let Some(row) = row else {
                 let message = format!("cell {cell} is missing or not complete");
                 return Err((message, COMPLETE));
             };
-            if let Some(point) = row.iter().find(|&&point| point < 0.0) {
-                return Err((format!("cell {cell} has the point {point}"), COMPLETE));
-            }
-            lists.cells.push((kind, row.iter().map(|&p| p as u64).collect()));
+            lists.cells.push((kind, indices(cell, row)?));
             at += 1 + row.len();
         }
         Ok(())
@@ -279,14 +289,16 @@ impl<'a> LegacyReader<'a> {
             return Err((format!("`{}` is no type of numbers", shortened(kind)), COMPLETE));
         };
         if self.binary {
-            let end = count.checked_mul(scalar.size()).and_then(|n| n.checked_add(self.at));
+            let end = scalar.size(count).and_then(|n| n.checked_add(self.at));
             let found = end.and_then(|end| self.bytes.get(self.at..end));
             let Some(found) = found else {
                 let message = format!("{of}: the file ends before its {count} numbers");
                 return Err((message, COMPLETE));
             };
             self.at += found.len();
-            return Ok(scalar.numbers(found, true));
+            let mut numbers = scalar.numbers(found, true);
+            numbers.truncate(count);
+            return Ok(numbers);
         }
         let mut numbers = Vec::new();
         while numbers.len() < count {

@@ -12,7 +12,7 @@ use super::boundary::{CellGroup, bounding};
 use super::cells::Cell;
 use super::content::{FileNode, FilePlace};
 use super::reading::{Fate, MeshReading};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 pub use legacy::read as read_legacy;
 pub use xml::read as read_xml;
@@ -50,6 +50,8 @@ pub struct VtkGrid {
     of_cells: BTreeMap<String, Vec<f64>>,
     /// Names of all other arrays.
     others: Vec<String>,
+    /// Number of pieces of the file.
+    pieces: usize,
 }
 
 /// Id, type and corners of a cell.
@@ -95,17 +97,12 @@ fn cell_of(kind: u64, corners: &[u64]) -> Option<(Cell, Vec<u64>)> {
 /// Adds a grid to the mesh.
 fn add(grid: &VtkGrid, reading: &mut MeshReading) {
     let place = FilePlace::default();
-    let ids = |arrays: &BTreeMap<String, Vec<f64>>, names: &[&str], count: usize| {
-        named(arrays, names)
-            .map(|(_, ids)| ids)
-            .filter(|ids| are_ids(ids, count))
-            .map_or_else(|| (1..=count as u64).collect(), |ids| as_ids(ids))
-    };
-    let nodes: Vec<u64> = ids(&grid.of_points, NODE_IDS, grid.points.len());
-    let elements: Vec<u64> = ids(&grid.of_cells, ELEMENT_IDS, grid.cells.len());
-    let points = nodes.iter().zip(&grid.points);
+    let nodes = point_ids(grid, reading);
+    let elements = cell_ids(grid, reading);
+    let mut known = HashSet::with_capacity(nodes.len());
+    let points = nodes.iter().zip(&grid.points).filter(|(id, _)| known.insert(**id));
     reading.mesh.nodes.extend(points.map(|(&id, &x)| FileNode { id, x, place }));
-    let parts = named(&grid.of_cells, PART_ARRAYS).filter(|(_, a)| a.len() == grid.cells.len());
+    let parts = part_numbers(grid, reading);
     let mut groups = VtkGroups::new();
     for (index, (kind, corners)) in grid.cells.iter().enumerate() {
         let Some(corners) = points_of(index, corners, &nodes, reading) else { continue };
@@ -115,16 +112,90 @@ fn add(grid: &VtkGrid, reading: &mut MeshReading) {
             reading.error("cell type", place, message, help);
             continue;
         };
-        let part = parts.map_or(1, |(_, array)| array[index] as i64);
+        let part = parts.as_ref().map_or(1, |(_, numbers)| numbers[index]);
         groups.entry((part, cell.dimension())).or_default().push((elements[index], cell, corners));
     }
     add_groups(groups, reading);
-    if let Some((name, _)) = parts {
+    if let Some((name, _)) = &parts {
         reading.row(Fate::Read, format!("array {name}"), 1, "the parts of the cells");
     }
-    for name in &grid.others {
+    let is_known = |name: &str| {
+        let name = name.to_lowercase();
+        [PART_ARRAYS, NODE_IDS, ELEMENT_IDS].iter().any(|names| names.contains(&name.as_str()))
+    };
+    let numbers = grid.of_points.keys().chain(grid.of_cells.keys());
+    for name in numbers.filter(|name| !is_known(name)).chain(&grid.others) {
         reading.row(Fate::Ignored, format!("array {name}"), 1, "a field");
     }
+}
+
+/// Returns the id of each point. Points of several pieces with one id and one position are one
+/// node.
+fn point_ids(grid: &VtkGrid, reading: &mut MeshReading) -> Vec<u64> {
+    let count = grid.points.len();
+    let given = named(&grid.of_points, NODE_IDS);
+    let ids = given.and_then(|(_, array)| indices_of(array));
+    let is_one_point = |ids: &Vec<u64>| {
+        let mut at: HashMap<u64, [f64; 3]> = HashMap::with_capacity(count);
+        let agrees = |(&id, &x): (&u64, &[f64; 3])| {
+            at.insert(id, x).is_none_or(|before| grid.pieces > 1 && before == x)
+        };
+        ids.len() == count && ids.iter().zip(&grid.points).all(agrees)
+    };
+    if let Some(ids) = ids.filter(is_one_point) {
+        return ids;
+    }
+    if let Some((name, _)) = given {
+        not_unique(name, reading);
+    }
+    if grid.pieces > 1 {
+        let message = format!(
+            "the file has {} pieces, and no ids of points: points where pieces meet are not joined",
+            grid.pieces
+        );
+        let help = "save the points with GlobalNodeId, or join them before (in ParaView: Clean to \
+                    Grid, and save one piece)";
+        reading.warning(FilePlace::default(), message, help);
+    }
+    (1..=count as u64).collect()
+}
+
+/// Returns the id of each cell.
+fn cell_ids(grid: &VtkGrid, reading: &mut MeshReading) -> Vec<u64> {
+    let count = grid.cells.len();
+    let given = named(&grid.of_cells, ELEMENT_IDS);
+    let ids = given.and_then(|(_, array)| indices_of(array));
+    let mut seen = HashSet::with_capacity(count);
+    let is_unique = |ids: &Vec<u64>| ids.len() == count && ids.iter().all(|id| seen.insert(*id));
+    ids.filter(is_unique).unwrap_or_else(|| {
+        if let Some((name, _)) = given {
+            not_unique(name, reading);
+        }
+        (1..=count as u64).collect()
+    })
+}
+
+fn not_unique(name: &str, reading: &mut MeshReading) {
+    let became = "not used: ids are different whole numbers from 0; they are counted from 1";
+    reading.row(Fate::Ignored, format!("array {name}"), 1, became);
+}
+
+/// Returns the array that gives the parts of the cells, and its numbers.
+fn part_numbers<'a>(
+    grid: &'a VtkGrid,
+    reading: &mut MeshReading,
+) -> Option<(&'a String, Vec<i64>)> {
+    let (name, array) =
+        named(&grid.of_cells, PART_ARRAYS).filter(|(_, a)| a.len() == grid.cells.len())?;
+    let whole = |&number: &f64| {
+        (number.fract() == 0.0 && number.abs() < LARGEST_INDEX).then_some(number as i64)
+    };
+    let numbers: Option<Vec<i64>> = array.iter().map(whole).collect();
+    if numbers.is_none() {
+        let became = "not used: the numbers of parts are whole numbers";
+        reading.row(Fate::Ignored, format!("array {name}"), 1, became);
+    }
+    Some((name, numbers?))
 }
 
 fn add_groups(groups: VtkGroups, reading: &mut MeshReading) {
@@ -136,6 +207,15 @@ fn add_groups(groups: VtkGroups, reading: &mut MeshReading) {
         })
         .collect();
     let bounds = bounding(&cells);
+    // Numbers that can be ids of parts keep them; the others get free ids after them.
+    let is_part = |((_, dimension), bounds): (&(i64, usize), &bool)| !bounds && *dimension > 0;
+    let parts = groups.keys().zip(&bounds).filter(|row| is_part(*row));
+    for ((part, _), _) in parts {
+        if let Some(id) = u32::try_from(*part).ok().filter(|&id| id > 0) {
+            reading.mesh.part_with_id(id, "");
+        }
+    }
+    let mut used: HashSet<u32> = HashSet::new();
     for (((part, dimension), group), bounds) in groups.iter().zip(bounds) {
         if bounds || *dimension == 0 {
             let name = format!("part_{part}_{}", ["points", "lines", "faces", "cells"][*dimension]);
@@ -145,9 +225,14 @@ fn add_groups(groups: VtkGroups, reading: &mut MeshReading) {
             reading.mesh.add_set(&name, &name, nodes);
             continue;
         }
-        let free = |id: &u32| !reading.mesh.parts.iter().any(|p| p.id == *id);
-        let id = u32::try_from(*part).ok().filter(|&id| id > 0).filter(free);
-        let id = id.unwrap_or_else(|| reading.mesh.free_part_id());
+        let id = u32::try_from(*part).ok().filter(|&id| id > 0 && used.insert(id));
+        let id = id.unwrap_or_else(|| {
+            let id = reading.mesh.free_part_id();
+            let kind = ["points", "lines", "faces", "cells"][*dimension];
+            let what = format!("{kind} of part number {part}");
+            reading.row(Fate::Read, what, group.len(), format!("part {id}"));
+            id
+        });
         let index = reading.mesh.part_with_id(id, "");
         for (element, cell, corners) in group {
             reading.add_element((*element, index), *cell, corners, FilePlace::default());
@@ -183,13 +268,34 @@ fn named<'a>(
     names.iter().find_map(|name| arrays.iter().find(|(known, _)| known.to_lowercase() == *name))
 }
 
-/// Returns true for whole numbers from 0, all different.
-fn are_ids(numbers: &[f64], count: usize) -> bool {
-    let mut seen = HashSet::with_capacity(numbers.len());
-    let is_id = |&x: &f64| x.fract() == 0.0 && (0.0..9e15).contains(&x);
-    numbers.len() == count && numbers.iter().all(|x| is_id(x) && seen.insert(x.to_bits()))
+/// Whole numbers below this one are exact in `f64`.
+const LARGEST_INDEX: f64 = 9e15;
+
+/// Returns a number that is an index or id: a whole number from 0.
+fn index_of(number: f64) -> Option<u64> {
+    (number.fract() == 0.0 && (0.0..LARGEST_INDEX).contains(&number)).then_some(number as u64)
 }
 
-fn as_ids(numbers: &[f64]) -> Vec<u64> {
-    numbers.iter().map(|&x| x as u64).collect()
+fn indices_of(numbers: &[f64]) -> Option<Vec<u64>> {
+    numbers.iter().copied().map(index_of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indices_are_whole_numbers_from_0() {
+        let found = [0.0, 7.0, -1.0, 1.5, f64::NAN, f64::INFINITY, 1e19].map(index_of);
+        assert_eq!(found, [Some(0), Some(7), None, None, None, None, None]);
+    }
+
+    /// Voxels and pixels of VTK count along the axes; the corners here go around.
+    #[test]
+    fn voxels_and_pixels_become_hexahedra_and_quads() {
+        let voxel = cell_of(11, &[0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(voxel, Some((Cell::Hexahedron, vec![0, 1, 3, 2, 4, 5, 7, 6])));
+        assert_eq!(cell_of(8, &[0, 1, 2, 3]), Some((Cell::Quad, vec![0, 1, 3, 2])));
+        assert_eq!(cell_of(11, &[0, 1, 2, 3]), None);
+    }
 }

@@ -3,6 +3,8 @@
 /// A type of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScalarType {
+    /// Eight numbers in a byte, the first one in its highest bit.
+    Bit,
     I8,
     U8,
     I16,
@@ -15,11 +17,13 @@ pub enum ScalarType {
     F64,
 }
 
-use ScalarType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+use ScalarType::{Bit, F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
 
-/// Names in legacy files and in XML.
+/// Names in legacy files and in XML; empty if a form does not have the type.
 const NAMES: &[(&str, &str, ScalarType)] = &[
+    ("bit", "", Bit),
     ("char", "Int8", I8),
+    ("signed_char", "Int8", I8),
     ("unsigned_char", "UInt8", U8),
     ("short", "Int16", I16),
     ("unsigned_short", "UInt16", U16),
@@ -46,21 +50,37 @@ impl ScalarType {
 
     /// Returns the type of this name in XML.
     pub fn xml(name: &str) -> Option<Self> {
-        NAMES.iter().find(|row| row.1 == name).map(|row| row.2)
+        NAMES.iter().find(|row| row.1 == name && !name.is_empty()).map(|row| row.2)
     }
 
-    /// Returns the size of a number [byte].
-    pub fn size(self) -> usize {
+    /// Returns the size of this many numbers [byte]; `None` if it is too large.
+    pub fn size(self, count: usize) -> Option<usize> {
         match self {
-            I8 | U8 => 1,
+            Bit => Some(count.div_ceil(8)),
+            _ => count.checked_mul(self.width()),
+        }
+    }
+
+    /// Returns the size of a number, or of a group of bits [byte].
+    fn width(self) -> usize {
+        match self {
+            Bit | I8 | U8 => 1,
             I16 | U16 => 2,
             I32 | U32 | F32 => 4,
             I64 | U64 | F64 => 8,
         }
     }
 
-    /// Returns the numbers of these bytes. A rest that is no whole number is left out.
+    /// Returns the numbers of these bytes. A rest that is no whole number is left out; bits come in
+    /// groups of eight.
     pub fn numbers(self, bytes: &[u8], big_endian: bool) -> Vec<f64> {
+        if self == Bit {
+            let bits = |byte: &u8| {
+                let byte = *byte;
+                (0..8).map(move |bit| f64::from(byte >> (7 - bit) & 1))
+            };
+            return bytes.iter().flat_map(bits).collect();
+        }
         let of = |bytes: &[u8]| {
             let mut raw = [0u8; 8];
             let used = &mut raw[..bytes.len()];
@@ -71,7 +91,7 @@ impl ScalarType {
             let [a, b, c, d, ..] = raw;
             match self {
                 I8 => f64::from(a as i8),
-                U8 => f64::from(a),
+                Bit | U8 => f64::from(a),
                 I16 => f64::from(i16::from_le_bytes([a, b])),
                 U16 => f64::from(u16::from_le_bytes([a, b])),
                 I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
@@ -82,7 +102,7 @@ impl ScalarType {
                 F64 => f64::from_le_bytes(raw),
             }
         };
-        bytes.chunks_exact(self.size()).map(of).collect()
+        bytes.chunks_exact(self.width()).map(of).collect()
     }
 }
 
@@ -97,5 +117,14 @@ mod tests {
         assert_eq!(F64.numbers(&2.5f64.to_be_bytes(), true), [2.5]);
         assert_eq!(F32.numbers(&2.5f32.to_le_bytes(), false), [2.5]);
         assert_eq!(U8.numbers(&[200], true), [200.0]);
+    }
+
+    /// Bits are in the order of the numbers from the highest one on: 0xa0 is 1, 0, 1.
+    #[test]
+    fn bits_fill_bytes_from_the_highest_one() {
+        assert_eq!(Bit.numbers(&[0xa0], true)[..4], [1.0, 0.0, 1.0, 0.0]);
+        assert_eq!([0, 1, 8, 9].map(|count| Bit.size(count)), [0, 1, 1, 2].map(Some));
+        assert_eq!(ScalarType::legacy("signed_char"), Some(I8));
+        assert_eq!(F64.size(usize::MAX), None);
     }
 }

@@ -1,8 +1,8 @@
 //! XML files of VTK: unstructured grids and surfaces, with arrays as text, base64 or raw bytes,
 //! also compressed by zlib.
 
-use super::VtkGrid;
 use super::scalar::ScalarType;
+use super::{VtkGrid, index_of};
 use crate::input::deck::number;
 use crate::input::mesh_file::content::FilePlace;
 use crate::input::mesh_file::reading::MeshReading;
@@ -19,6 +19,9 @@ struct XmlFault {
 }
 
 const COMPLETE: &str = "the file may be cut or edited: export it again";
+/// Largest size of a compressed array after it is unpacked [byte].
+const LARGEST_ARRAY: usize = 1 << 31;
+const DAMAGED: &str = "its data are damaged, cut, or above 2 GiB";
 const OTHER_FORM: &str = "save it in another form, such as text (in ParaView: Data Mode Ascii)";
 
 fn fault(message: impl Into<String>, help: &'static str) -> XmlFault {
@@ -107,6 +110,7 @@ impl XmlReader<'_, '_> {
             pieces += 1;
             self.piece(piece, surface, &mut grid)?;
         }
+        grid.pieces = pieces;
         if pieces == 0 {
             return Err(fault("it has no Piece", COMPLETE));
         }
@@ -147,18 +151,23 @@ impl XmlReader<'_, '_> {
                     format!("{} offsets and {} types of cells", offsets.len(), types.len());
                 return Err(self.at(cells, message));
             }
-            let mut start = 0.0;
-            for (&end, &kind) in offsets.iter().zip(&types) {
-                let row = connectivity.get(start as usize..end.max(0.0) as usize);
-                let Some(row) = row.filter(|_| end >= start) else {
-                    let message = format!("offset {end} of the cells is wrong");
+            let mut start = 0;
+            for (&offset, &kind) in offsets.iter().zip(&types) {
+                let end = index_of(offset).map(|end| end as usize);
+                let Some((row, end)) =
+                    end.and_then(|end| Some((connectivity.get(start..end)?, end)))
+                else {
+                    let message = format!("offset {offset} of the cells is wrong");
                     return Err(self.at(cells, message));
                 };
-                if row.iter().any(|&point| point < 0.0) {
+                let index = |&point: &f64| index_of(point).and_then(|p| first.checked_add(p));
+                let Some(points) = row.iter().map(index).collect() else {
                     return Err(self.at(cells, format!("a cell has the points {row:?}")));
-                }
-                let row = row.iter().map(|&point| first + point as u64).collect();
-                grid.cells.push((kind as u64, row));
+                };
+                let Some(kind) = index_of(kind) else {
+                    return Err(self.at(cells, format!("a cell has the type {kind}")));
+                };
+                grid.cells.push((kind, points));
                 start = end;
             }
         }
@@ -245,7 +254,7 @@ impl XmlReader<'_, '_> {
                 .collect(),
             "binary" => {
                 let bytes = decoded(text.trim().as_bytes()).ok_or_else(|| broken("no base64"))?;
-                let bytes = self.unpacked(&bytes).ok_or_else(|| broken("its data are damaged"))?;
+                let bytes = self.unpacked(&bytes).ok_or_else(|| broken(DAMAGED))?;
                 Ok(scalar.numbers(&bytes, self.big_endian))
             }
             "appended" => {
@@ -257,7 +266,7 @@ impl XmlReader<'_, '_> {
                     true => decoded(rest).and_then(|bytes| self.unpacked(&bytes)),
                     false => self.unpacked(rest),
                 };
-                let bytes = bytes.ok_or_else(|| broken("its data are damaged or cut"))?;
+                let bytes = bytes.ok_or_else(|| broken(DAMAGED))?;
                 Ok(scalar.numbers(&bytes, self.big_endian))
             }
             other => Err(broken(&format!("the format `{other}` is not known"))),
@@ -266,8 +275,6 @@ impl XmlReader<'_, '_> {
 
     /// Returns the data of an array after its header: lengths, and packed blocks.
     fn unpacked(&self, bytes: &[u8]) -> Option<Vec<u8>> {
-        /// Largest size of a block that is unpacked [byte].
-        const LARGEST_BLOCK: u64 = 1 << 30;
         let head = |index: usize| {
             let range = index.checked_mul(self.header)?..(index + 1).checked_mul(self.header)?;
             let kind = if self.header == 8 { ScalarType::U64 } else { ScalarType::U32 };
@@ -280,11 +287,17 @@ impl XmlReader<'_, '_> {
         let blocks = head(0)?;
         let mut at = blocks.checked_add(3)?.checked_mul(self.header)?;
         bytes.get(..at)?;
+        let size = head(1)?;
         let mut found = Vec::new();
         for block in 0..blocks {
             let end = at.checked_add(head(3 + block)?)?;
+            let most = found.len().checked_add(size).filter(|&most| most <= LARGEST_ARRAY)?;
             let packed = flate2::read::ZlibDecoder::new(bytes.get(at..end)?);
-            packed.take(LARGEST_BLOCK).read_to_end(&mut found).ok()?;
+            // A block that is longer than its header states is damaged.
+            packed.take(size as u64 + 1).read_to_end(&mut found).ok()?;
+            if found.len() > most {
+                return None;
+            }
             at = end;
         }
         Some(found)
@@ -322,4 +335,37 @@ fn decoded(text: &[u8]) -> Option<Vec<u8>> {
         rest = &rest[end..];
     }
     Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    /// A block of 100 bytes is unpacked if its header states 100 bytes. If it states fewer, or more
+    /// than an array may have, the data are damaged.
+    #[test]
+    fn blocks_have_the_size_of_their_header() {
+        let document = Document::parse("<a/>").unwrap();
+        let file = XmlReader {
+            document: &document,
+            appended: None,
+            big_endian: false,
+            header: 4,
+            compressed: true,
+        };
+        let mut encoder =
+            flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+        encoder.write_all(&[7; 100]).unwrap();
+        let packed = encoder.finish().unwrap();
+        let unpacked = |size: u32| {
+            let numbers = [1, size, 0, packed.len() as u32];
+            let mut bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+            bytes.extend(&packed);
+            file.unpacked(&bytes)
+        };
+        assert_eq!(unpacked(100), Some(vec![7; 100]));
+        assert_eq!(unpacked(99), None);
+        assert_eq!(unpacked(u32::MAX), None);
+    }
 }

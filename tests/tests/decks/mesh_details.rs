@@ -1,0 +1,426 @@
+//! Mesh files of other programs: several instances, rigid bodies, materials, fields of elements,
+//! pieces and numbers of VTK, names, copies of files. What is not read is in the table or an error.
+
+use crumple::input::mesh_file::{Fate, ReadMesh, read};
+use crumple_proto::problem::{Problem, Severity};
+use crumple_tests::program::{crumple_with, root, run};
+use std::fs;
+use std::path::PathBuf;
+
+fn text_of(file: &str) -> String {
+    fs::read_to_string(root().join("tests/meshes").join(file)).unwrap()
+}
+
+/// Reads a file with this content.
+fn read_text(name: &str, text: &[u8], allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, text).unwrap();
+    read(&path, allowed)
+}
+
+fn good(name: &str, text: &str) -> ReadMesh {
+    let found = read_text(name, text.as_bytes(), false);
+    found.unwrap_or_else(|problems| panic!("{problems:?}\n{text}"))
+}
+
+/// Returns the messages of the errors of a file that is refused. Each error has a cure.
+fn errors(name: &str, text: &str) -> Vec<String> {
+    let Err(problems) = read_text(name, text.as_bytes(), false) else {
+        panic!("it is read:\n{text}");
+    };
+    let errors = problems.into_iter().filter(|p| p.severity == Severity::Error);
+    let cured = |p: Problem| {
+        assert!(!p.help.is_empty(), "{}", p.message);
+        p.message
+    };
+    errors.map(cured).collect()
+}
+
+/// Asserts that the first error has these words.
+fn refused(name: &str, text: &str, wanted: &str) {
+    let found = errors(name, text);
+    assert!(found[0].contains(wanted), "`{wanted}` is not in {found:?}\n{text}");
+}
+
+/// Returns a text with one change that has to be possible.
+fn changed(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "{old} is not in {text}");
+    text.replacen(old, new, 1)
+}
+
+/// Returns fate and count of a row of the table.
+fn row(read: &ReadMesh, what: &str) -> Option<(Fate, usize)> {
+    read.rows.iter().find(|row| row.what == what).map(|row| (row.fate, row.count))
+}
+
+fn set_names(read: &ReadMesh) -> Vec<&str> {
+    read.mesh.node_sets.keys().map(String::as_str).collect()
+}
+
+/// Files of the tutorials have the numbers of nodes, elements and parts that the tutorials show,
+/// and a file of hexahedra those that it states.
+#[test]
+fn files_of_the_tutorials_are_read() {
+    for (file, nodes, elements, parts, sets) in [
+        ("made/box-beam.inp", 544, 512, 1, &["Foot", "Head", "Wall"][..]),
+        ("made/plate-and-sphere.msh", 1192, 1358, 2, &["plate", "rim", "sphere"][..]),
+        ("third-party/meshio/06_unstructured.vtk", 42, 12, 1, &["part_1"][..]),
+    ] {
+        let path = root().join("tests/meshes").join(file);
+        let found = read(&path, false).unwrap_or_else(|problems| panic!("{file}: {problems:?}"));
+        let mesh = &found.mesh;
+        let counts = (mesh.nodes.len(), mesh.elements.len(), mesh.parts.len());
+        assert_eq!(counts, (nodes, elements, parts), "{file}");
+        assert_eq!(set_names(&found), sets, "{file}");
+    }
+    let found = good("a.vtk", &text_of("third-party/meshio/06_unstructured.vtk"));
+    assert_eq!(row(&found, "array mat_id"), Some((Fate::Ignored, 1)));
+}
+
+/// Two instances of a part: the second one is moved by 2 along z and turned by 90 degrees about z.
+/// Sets, surfaces and rigid bodies of the assembly have the nodes and elements of their instances.
+#[test]
+fn an_assembly_has_the_nodes_of_its_instances() {
+    let found = good("a.inp", &text_of("made/assembly.inp"));
+    let mesh = &found.mesh;
+    let ids: Vec<u64> = mesh.nodes.iter().map(|node| node.id).collect();
+    assert_eq!(ids, [1, 2, 3, 4, 5, 6, 7, 8]);
+    let wanted = [[0.0, 0.0, 2.0], [0.0, 1.0, 2.0], [-1.0, 1.0, 2.0], [-1.0, 0.0, 2.0]];
+    for (node, wanted) in mesh.nodes[4..].iter().zip(wanted) {
+        let apart = (0..3).map(|c| (node.x[c] - wanted[c]).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-12, "{node:?}, not {wanted:?}");
+    }
+    let sets: [(&str, &[u64]); 10] = [
+        ("P-1.edge", &[1, 2]),
+        ("P-1.skin", &[1, 2, 3, 4]),
+        ("P-2.edge", &[5, 6]),
+        ("P-2.skin", &[5, 6, 7, 8]),
+        ("S", &[5, 6, 7, 8]),
+        ("corner", &[5, 7]),
+        ("edges", &[1, 2, 5, 6]),
+        ("hard", &[5, 6, 7, 8]),
+        ("skin", &[1, 2, 3, 4]),
+        ("skin-2", &[5, 6, 7, 8]),
+    ];
+    assert_eq!(set_names(&found), sets.map(|set| set.0));
+    for (name, ids) in sets {
+        assert_eq!(mesh.node_sets[name], ids, "{name}");
+    }
+    // The rigid plate is a part of its own.
+    let rigid: Vec<bool> = mesh.parts.iter().map(|part| part.rigid).collect();
+    assert_eq!(rigid, [false, true]);
+    let elements: Vec<_> = mesh.elements.iter().map(|e| (e.id, e.part)).collect();
+    assert_eq!(elements, [(1, 0), (5, 1)]);
+    assert_eq!(row(&found, "ids of P-2"), Some((Fate::Read, 4)));
+    assert_eq!(row(&found, "*RIGID BODY"), Some((Fate::Read, 1)));
+    assert_eq!(row(&found, "nodes in no element"), Some((Fate::Ignored, 1)));
+}
+
+/// Wrong names in an assembly are errors at their lines, and no set gets nodes of another instance.
+#[test]
+fn wrong_names_in_an_assembly_are_errors() {
+    let text = text_of("made/assembly.inp");
+    for (old, new, wanted) in [
+        (
+            "*Nset, nset=corner, instance=P-2",
+            "*Nset, nset=corner, instance=P-9",
+            ":27: *NSET: there is no instance `P-9`",
+        ),
+        (
+            "*Elset, elset=hard, instance=P-2",
+            "*Elset, elset=hard",
+            ":35: *ELSET has ids, and it is open of which instance",
+        ),
+        ("P-1.edge, P-2.edge", "P-1.edge, P-2.rim", ":30: `P-2.rim` is no id and no set"),
+        ("_S_SPOS, SPOS", "_S_SNEG, SNEG", ":34: surface: there is no set `_S_SNEG`"),
+        ("_S_SPOS, SPOS", "_S_SPOS, S6", ":34: element 1 has no face S6"),
+        ("node=RP, elset=hard", "node=RP, elset=soft", ":37: there is no element set `soft`"),
+    ] {
+        refused("a.inp", &changed(&text, old, new), wanted);
+    }
+    let plate = text_of("broken/plate.inp");
+    let text = changed(&plate, "*End Part", "*Rigid Body, elset=hull\n*End Part");
+    refused("a.inp", &text, "*RIGID BODY: there is no element set `hull`");
+}
+
+/// A reference point and its mass leave the ids and the names of the sets of the only instance.
+#[test]
+fn a_reference_point_changes_no_ids_and_names() {
+    let plate = text_of("broken/plate.inp");
+    let more = "*End Instance\n*Node\n7, 0., 0., 5.\n*Nset, nset=RP\n7,\n*Element, type=MASS, \
+                elset=heavy\n9, 7\n*Surface, type=NODE, name=N\nPlate-1.rim\n";
+    let found = good("a.inp", &changed(&plate, "*End Instance\n", more));
+    let ids: Vec<u64> = found.mesh.nodes.iter().map(|node| node.id).collect();
+    assert_eq!(ids, [1, 2, 3, 4, 5, 6]);
+    assert_eq!(set_names(&found), ["N", "corner", "rim", "skin", "top"]);
+    assert_eq!(found.mesh.node_sets["N"], [1, 2, 3]);
+    assert_eq!(row(&found, "node set RP"), Some((Fate::Ignored, 1)));
+    assert_eq!(row(&found, "point mass"), Some((Fate::Ignored, 1)));
+}
+
+/// A rigid body of some elements of a section makes only these rigid, in a part of their own.
+#[test]
+fn rigid_elements_of_a_section_are_a_part_of_their_own() {
+    let plate = text_of("broken/plate.inp");
+    let body = "*Elset, elset=half\n2,\n*Rigid Body, ref node=1, elset=half\n*End Part";
+    let mesh = good("a.inp", &changed(&plate, "*End Part", body)).mesh;
+    let parts: Vec<_> = mesh.parts.iter().map(|p| (p.name.as_str(), p.rigid)).collect();
+    assert_eq!(parts, [("skin", false), ("skin-2", true)]);
+    let of: Vec<usize> = mesh.elements.iter().map(|e| e.part).collect();
+    assert_eq!(of, [0, 1]);
+}
+
+/// An unknown keyword does not end a material, further rates are left out, and values without a
+/// material are an error.
+#[test]
+fn materials_go_on_after_unknown_keywords() {
+    let plate = text_of("broken/plate.inp");
+    let heat = "*Inelastic Heat Fraction\n0.9,\n*Plastic, rate=0.\n";
+    let text = changed(&plate, "*Plastic\n", heat) + "*Plastic, rate=10.\n400., 0.\n500., 0.2\n";
+    let found = good("a.inp", &text);
+    assert_eq!(found.mesh.materials[0].hardening, [[0.0, 300.0], [0.5, 500.0]]);
+    let heat = row(&found, "*INELASTIC HEAT FRACTION of material Steel");
+    assert_eq!(heat, Some((Fate::Ignored, 1)));
+    let rate = row(&found, "*PLASTIC, RATE= of material Steel");
+    assert_eq!(rate, Some((Fate::LeftOut, 1)));
+    let twice = plate.clone() + "*Plastic\n400., 0.\n";
+    refused("a.inp", &twice, "material `Steel` has *PLASTIC twice");
+    let outside = plate + "*Step\n*Elastic\n1., 0.\n";
+    refused("a.inp", &outside, "*ELASTIC belongs to no *MATERIAL");
+}
+
+/// Elements and sections that bend otherwise than a shell are refused, and left out if the job
+/// allows it.
+#[test]
+fn membranes_and_stiffnesses_are_no_shells() {
+    let plate = text_of("broken/plate.inp");
+    refused("a.inp", &plate.replace("S4R", "M3D4"), "2 elements of type membrane are not");
+    refused("a.inp", &plate.replace("S4R", "SFM3D4R"), "2 elements of type surface element with");
+    let old = "*Shell Section, elset=skin, material=Steel\n0.1, 5\n";
+    let stiff = changed(&plate, old, "*Shell General Section, elset=skin\n1000., 300.\n");
+    assert_eq!(errors("a.inp", &stiff).len(), 1);
+    refused("a.inp", &stiff, "the section of `skin` has stiffnesses and no material");
+    let found = read_text("a.inp", stiff.as_bytes(), true).ok().unwrap();
+    assert_eq!(found.mesh.parts[0].thickness, None);
+}
+
+/// The third node of a beam gives its direction n1: here along y, instead of -z of the section.
+#[test]
+fn a_third_node_gives_the_direction_of_a_beam() {
+    let text = "*Node\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 5., 0.\n*Element, type=B31, elset=b\n\
+                1, 1, 2, 3\n*Beam Section, elset=b, section=RECT, material=Steel\n2., 1.\n\
+                0., 0., -1.\n*Material, name=Steel\n*Elastic\n207., 0.3\n";
+    assert_eq!(good("a.inp", text).mesh.elements[0].axis, Some([0.0, 5.0, 0.0]));
+    let without = changed(text, "1, 1, 2, 3", "1, 1, 2");
+    assert_eq!(good("a.inp", &without).mesh.elements[0].axis, Some([0.0, 0.0, -1.0]));
+    let missing = changed(text, "1, 1, 2, 3", "1, 1, 2, 4");
+    refused("a.inp", &missing, ":6: element 1 has node 4, which is missing");
+}
+
+/// A set that names itself has each node once, and too many ids are an error before they are made.
+#[test]
+fn sets_of_sets_stay_small() {
+    let plate = text_of("broken/plate.inp");
+    let again = "*Nset, nset=rim\nrim, rim\n".repeat(40);
+    let found = good("a.inp", &changed(&plate, "*End Part", &(again + "*End Part")));
+    assert_eq!(found.mesh.node_sets["rim"], [1, 2, 3]);
+    let long = changed(&plate, "1, 3, 1", "1, 60000000, 1");
+    refused("a.inp", &long, ":15: the sets of the file have more than 50000000 ids");
+}
+
+/// One file under two paths is included twice.
+#[test]
+fn a_file_is_included_once_whatever_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("sub")).unwrap();
+    fs::write(folder.path().join("more.inp"), "*Nset, nset=more\n1, 2\n").unwrap();
+    let plate = text_of("broken/plate.inp");
+    let path = folder.path().join("a.inp");
+    for second in ["./more.inp", "sub/../more.inp", "./a.inp"] {
+        let lines = format!("*Include, input=more.inp\n*Include, input={second}\n*End Part");
+        fs::write(&path, changed(&plate, "*End Part", &lines)).unwrap();
+        let problems = read(&path, false).err().unwrap();
+        let wanted = format!("`{second}` is included twice");
+        assert!(problems[0].message.contains(&wanted), "{problems:?}");
+    }
+}
+
+/// Offsets, thicknesses of corners and pin flags of Nastran elements are refused, or left out if
+/// the job allows it; blank fields and 0 are read, and so are fields after tabs.
+#[test]
+fn fields_of_nastran_elements_are_not_dropped() {
+    let plate = text_of("broken/plate.bdf");
+    let quad = "CQUAD4         1       7       1       2       5       4";
+    let bar = "CBAR          11       8       3       6      0.      0.      1.";
+    for (old, new, wanted) in [
+        (quad, "CQUAD4,1,7,1,2,5,4,,.5", "an offset (ZOFFS)"),
+        (quad, "CQUAD4,1,7,1,2,5,4\n+,,,.1,.1,.1,.1", "thicknesses of its corners (T1 to T4)"),
+        (quad, "CTRIA3,1,7,1,2,5,,.5", "an offset (ZOFFS)"),
+        (bar, "CBAR,11,8,3,6,0.,0.,1.\n+,123", "pin flags (PA, PB)"),
+        (bar, "CBAR,11,8,3,6,0.,0.,1.\n+,,,.1", "offsets of its ends (W1A to W3B)"),
+    ] {
+        let text = changed(&plate, old, new);
+        refused("a.bdf", &text, &format!("an element has {wanted}"));
+        let found = read_text("a.bdf", text.as_bytes(), true).ok().unwrap();
+        assert_eq!(found.mesh.elements.len(), 3, "{new}");
+        assert_eq!(row(&found, wanted), Some((Fate::LeftOut, 1)));
+    }
+    let zero = changed(&plate, quad, "CQUAD4,1,7,1,2,5,4,,0.\n+,,,0.");
+    assert_eq!(good("a.bdf", &zero).mesh.elements.len(), 3);
+    let tabs = changed(&plate, "GRID,6,,2.,1.,0.", "GRID\t6\t\t2.\t1.\t0.");
+    assert_eq!(good("a.bdf", &tabs).mesh.nodes[5].x, [2.0, 1.0, 0.0]);
+}
+
+/// `crumple import` writes only into its folder, and replaces no file there.
+#[test]
+fn an_import_stays_in_its_folder_and_replaces_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| -> PathBuf { folder.path().join(name) };
+    let plate = text_of("broken/plate.inp");
+    let more = "*Nset, nset=more\n1, 2\n";
+    for name in ["models", "common"] {
+        fs::create_dir(at(name)).unwrap();
+        fs::write(at(name).join("more.inp"), more).unwrap();
+    }
+    let with = |include: &str| {
+        let lines = format!("*Include, input={include}\n*End Part");
+        fs::write(at("models/a.inp"), changed(&plate, "*End Part", &lines)).unwrap();
+    };
+    let import = || {
+        let words = ["import", at("models/a.inp").to_str().unwrap(), "--out"].map(String::from);
+        let out = at("out").to_str().unwrap().to_string();
+        let words: Vec<&str> = words.iter().map(String::as_str).chain([out.as_str()]).collect();
+        run(crumple_with(&words))
+    };
+    with("../common/more.inp");
+    let said = import().with_code(2).said();
+    assert!(said.contains("is not in the folder of") && said.contains("next to"), "{said}");
+    assert!(!at("out").exists());
+    with("more.inp");
+    fs::create_dir(at("out")).unwrap();
+    fs::write(at("out/more.inp"), "mine").unwrap();
+    let said = import().with_code(2).said();
+    assert!(said.contains("would replace") && said.contains("--out"), "{said}");
+    assert_eq!(fs::read_to_string(at("out/more.inp")).unwrap(), "mine");
+    assert!(!at("out/job.toml").exists());
+    // A file with the same bytes loses nothing.
+    fs::write(at("out/more.inp"), more).unwrap();
+    import().with_code(0);
+    assert!(at("out/job.toml").exists() && at("out/a.inp").exists());
+}
+
+/// Numbers of points that are no whole numbers from 0 are errors in both forms of VTK.
+#[test]
+fn numbers_of_points_are_whole() {
+    let offsets = |points: &str| {
+        format!(
+            "# vtk DataFile Version 5.1\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n\
+             0 0 0 1 0 0 1 1 0 0 1 0\nCELLS 2 4\nOFFSETS vtktypeint64\n0 4\n\
+             CONNECTIVITY vtktypeint64\n{points}\nCELL_TYPES 1\n9\n"
+        )
+    };
+    assert_eq!(good("a.vtk", &offsets("0 1 2 3")).mesh.elements[0].corners, [1, 2, 3, 4]);
+    refused("a.vtk", &offsets("0 1 2 -1"), "cell 0 has the point -1");
+    refused("a.vtk", &offsets("0 1 2 2.5"), "cell 0 has the point 2.5");
+    let plate = text_of("broken/plate.vtk");
+    refused("a.vtk", &changed(&plate, "4 0 1 4 3", "4 0 1 4 3.5"), "cell 0 has the point 3.5");
+    let plate = text_of("broken/plate.vtu");
+    for wrong in ["18446744073709551615", "4.5", "1e300"] {
+        let text = changed(&plate, "0 1 4 3 1 2 5 4", &format!("0 1 {wrong} 3 1 2 5 4"));
+        refused("a.vtu", &text, ":10: a cell has the points [0.0, 1.0, ");
+    }
+    let shares = changed(&text_of("broken/plate.vtk"), "\n4\n5\nPOINT", "\n4.5\n5\nPOINT");
+    let found = good("a.vtk", &shares);
+    assert_eq!(row(&found, "array MaterialID"), Some((Fate::Ignored, 1)));
+    assert_eq!(found.mesh.parts.len(), 1);
+}
+
+/// Part numbers that can be ids keep them; 0 gets a free id, and the table says which.
+#[test]
+fn part_numbers_of_vtk_keep_their_ids() {
+    let text = changed(&text_of("broken/plate.vtk"), "\n4\n5\nPOINT", "\n0\n1\nPOINT");
+    let found = good("a.vtk", &text);
+    let mesh = &found.mesh;
+    let ids: Vec<_> = mesh.elements.iter().map(|e| (e.id, mesh.parts[e.part].id)).collect();
+    assert_eq!(ids, [(1, 2), (2, 1)]);
+    assert_eq!(row(&found, "faces of part number 0"), Some((Fate::Read, 1)));
+}
+
+/// Points of two pieces with one id are one node; without ids a warning names the seam.
+#[test]
+fn pieces_are_joined_by_the_ids_of_their_points() {
+    let text = text_of("made/pieces.vtu");
+    let found = good("a.vtu", &text);
+    assert_eq!((found.mesh.nodes.len(), found.warnings.len()), (6, 0));
+    let corners: Vec<_> = found.mesh.elements.iter().map(|e| e.corners.clone()).collect();
+    assert_eq!(corners, [[0, 1, 2, 3], [1, 4, 5, 2]]);
+    let found = good("a.vtu", &text.replace("GlobalNodeId", "level"));
+    assert_eq!(found.mesh.nodes.len(), 8);
+    assert!(found.warnings[0].message.contains("2 pieces"), "{:?}", found.warnings);
+    // One id at two places is no id of a point.
+    let found = good("a.vtu", &changed(&text, "1 0 0 2 0 0 2 1 0", "1 0 1 2 0 0 2 1 0"));
+    assert_eq!(found.mesh.nodes.len(), 8);
+    assert_eq!(row(&found, "array GlobalNodeId"), Some((Fate::Ignored, 1)));
+}
+
+/// Fields of bits and signed bytes do not refuse a mesh, as text and in binary form.
+#[test]
+fn fields_of_bits_are_read_over() {
+    let fields = "CELL_DATA 2\nSCALARS flag bit 1\nLOOKUP_TABLE default\n0\n1\nSCALARS level \
+                  signed_char 1\nLOOKUP_TABLE default\n-1\n1\n";
+    let text = changed(&text_of("broken/plate.vtk"), "CELL_DATA 2\n", fields);
+    assert_eq!(good("a.vtk", &text).mesh.elements.len(), 2);
+    let mut bytes = b"# vtk DataFile Version 3.0\na\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 \
+                      float\n"
+        .to_vec();
+    let points = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    let put = |bytes: &mut Vec<u8>, numbers: &[i32]| {
+        bytes.extend(numbers.iter().flat_map(|number| number.to_be_bytes()));
+    };
+    bytes.extend(points.iter().flat_map(|number| number.to_be_bytes()));
+    bytes.extend(b"\nCELLS 1 5\n");
+    put(&mut bytes, &[4, 0, 1, 2, 3]);
+    bytes.extend(b"\nCELL_TYPES 1\n");
+    put(&mut bytes, &[9]);
+    bytes.extend(b"\nCELL_DATA 1\nSCALARS flag bit 1\nLOOKUP_TABLE default\n\x80\nSCALARS part ");
+    bytes.extend(b"int 1\nLOOKUP_TABLE default\n");
+    put(&mut bytes, &[7]);
+    let found = read_text("a.vtk", &bytes, false).unwrap_or_else(|p| panic!("{p:?}"));
+    assert_eq!(found.mesh.parts[0].id, 7);
+}
+
+/// An element that MSH 2.2 repeats for its second group is counted in the table; in MSH 4.1 two
+/// elements with the same corners are two elements.
+#[test]
+fn repeated_elements_of_gmsh_are_counted() {
+    let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n";
+    let old = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n{nodes}$EndNodes\n$Elements\n2\n\
+         1 3 2 1 1 1 2 3 4\n2 3 2 2 1 1 2 3 4\n$EndElements\n"
+    );
+    let found = good("a.msh", &old);
+    assert_eq!(found.mesh.elements.len(), 1);
+    assert_eq!(row(&found, "elements of several groups"), Some((Fate::Ignored, 1)));
+    let new = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n\
+               0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n$Elements\n1 2 1 2\n2 1 3 2\n1 1 2 3 4\n\
+               2 1 2 3 4\n$EndElements\n";
+    assert_eq!(good("a.msh", new).mesh.elements.len(), 2);
+}
+
+/// Two solids of one name are two parts with names and sets of their own.
+#[test]
+fn solids_of_one_name_get_names_of_their_own() {
+    let solid = |z: u32| {
+        format!(
+            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 {z}\nvertex 1 0 {z}\n\
+             vertex 0 1 {z}\nendloop\nendfacet\nendsolid a\n"
+        )
+    };
+    let found = good("a.stl", &(solid(0) + &solid(1)));
+    let names: Vec<&str> = found.mesh.parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["a", "a-2"]);
+    assert_eq!(found.mesh.node_sets["a"], [1, 2, 3]);
+    assert_eq!(found.mesh.node_sets["a-2"], [4, 5, 6]);
+    assert_eq!(row(&found, "part a"), Some((Fate::Read, 1)));
+}
