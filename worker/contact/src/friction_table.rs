@@ -1,9 +1,9 @@
 //! Coefficients of friction by contact pressure and sliding speed.
 //!
 //! The table is that of LS-DYNA's *CONTACT with FS = 2 (Keyword User's Manual, volume I, *CONTACT,
-//! mandatory card 2, and volume II, *DEFINE_TABLE): curves of the coefficient over the sliding speed
-//! at ascending pressures. Between them it is interpolated linearly; beyond the first and the last
-//! one it is constant.
+//! mandatory card 2, and volume II, *DEFINE_TABLE): curves of the coefficient over the sliding
+//! speed at ascending pressures. Between them it is interpolated linearly; beyond the first and the
+//! last one it is constant.
 
 /// Coefficients of friction by pressure and speed.
 #[derive(Clone, Debug)]

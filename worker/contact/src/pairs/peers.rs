@@ -1,6 +1,6 @@
-//! What contact needs from other workers. The caller implements it (`worker/src/coupling.rs`). So the
-//! contact iteration is serial: it works on the pairs of this worker and on copies of the pairs of
-//! other workers, as if there were one worker only.
+//! The other workers, as contact sees them. The caller implements the trait
+//! (`worker/src/coupling.rs`). So the contact iteration is serial: it works on the pairs of this
+//! worker and on copies of the pairs of other workers, as if there were one worker only.
 
 use super::Pair;
 use crumple_math::row::V3;
