@@ -102,6 +102,17 @@ impl RunFiles {
             }
             other => warnings.push(format!("The run {other}: {}", text("reason"))),
         }
+        let requirements = summary.get("requirements").and_then(Value::as_array);
+        for one in requirements.into_iter().flatten().filter(|one| one["is_met"] == false) {
+            let value = one["value"].as_f64().map_or("no value".into(), |v| format!("{v:.5}"));
+            let limit = |key: &str| one[key].as_f64().map(|limit| format!("{key} {limit}"));
+            let limits: Vec<String> = ["below", "above"].into_iter().filter_map(limit).collect();
+            warnings.push(format!(
+                "Requirement `{}` is not met: {value} (required: {}).",
+                one["name"].as_str().unwrap_or("?"),
+                limits.join(", ")
+            ));
+        }
         let error = summary
             .get("energy")
             .and_then(|e| e.get("error_max"))
@@ -257,6 +268,9 @@ mod tests {
             r#"{"status": "failed", "reason": "cycle 3: an element inverts",
                 "energy": {"error_max": 0.25}, "end_time": 0.5, "cycles": 3,
                 "units": "mm, ms, kg", "workers": 2, "parts": [{"id": 4, "name": "a<b"}],
+                "requirements": [{"name": "cycles", "value": 3.0, "above": 5.0, "is_met": false},
+                                 {"name": "nodes", "value": 9.0, "above": 5.0, "is_met": true},
+                                 {"name": "peak", "value": null, "below": 2.0, "is_met": false}],
                 "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]},
                           {"point": "nowhere", "mass": null}]}"#,
         );
@@ -272,6 +286,8 @@ mod tests {
         let s = RunFiles::read(dir.path());
         let wanted = [
             "The run failed: cycle 3: an element inverts",
+            "Requirement `cycles` is not met: 3.00000 (required: above 5).",
+            "Requirement `peak` is not met: no value (required: below 2).",
             "The energy balance has an error of up to 25.0 %; 1 % is usually acceptable.",
             "worker 1: an edge has gone through",
             "worker 0: worker ends, lost \"rank 2\"",
