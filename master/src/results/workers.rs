@@ -1,6 +1,6 @@
 //! `workers.csv`: what the master knows of each worker, one row per worker and report.
 //!
-//! Workers report every 10 cycles. In a run of more than [`MOST_ROWS`] reports of a worker, as
+//! Workers report every 10 cycles. In a run of more than `MOST_ROWS` reports of a worker, as
 //! many consecutive reports make one row as keep the file below that number.
 
 use crate::input::job::Model;

@@ -1,5 +1,5 @@
 //! `crumple serve`: a queue of jobs on this machine or a cluster, with a page and an interface for
-//! programs. Start reading at [`keeper`], the loop; [`http`] is what clients reach.
+//! programs. Start reading at `keeper`, the loop; `http` is what clients reach.
 //!
 //! Tokio runs everything here: connections, the loop, the streams of the runs. Calls that may wait,
 //! of the database and of launchers, have threads of their own. Runs are processes that do not need

@@ -33,7 +33,7 @@ pub struct Mpi {
 impl Mpi {
     /// Sets MPI not to yield the core in its own calls, unless the environment sets it. A rank
     /// that yields to a process outside the run gets the core back some milliseconds later; this
-    /// transport knows better when to yield ([`Rest`]). Open MPI yields where ranks share cores.
+    /// transport knows better when to yield (`Rest`). Open MPI yields where ranks share cores.
     ///
     /// # Safety
     /// No other thread of this process may exist: it changes the environment.

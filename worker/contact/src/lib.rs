@@ -39,7 +39,7 @@ mod pair_geometry;
 pub mod pairs;
 mod projections;
 mod queries;
-mod reach;
+pub mod reach;
 mod resultants;
 pub mod search;
 pub mod shell_offset;
