@@ -117,6 +117,24 @@ fn an_assembly_has_the_nodes_of_its_instances() {
     assert_eq!(row(&found, "nodes in no element"), Some((Fate::Ignored, 1)));
 }
 
+/// An instance places its own nodes as those of its part. Sets that it has without nodes of its own
+/// are named, not lost.
+#[test]
+fn an_instance_places_the_nodes_that_it_has_itself() {
+    let text = "*PART, NAME=P\n*END PART\n*ASSEMBLY, NAME=A\n\
+                *INSTANCE, NAME=I, PART=P\n5., 0., 1.\n\
+                *NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n\
+                *ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4\n*END INSTANCE\n*END ASSEMBLY\n";
+    let found = good("own.inp", text);
+    let places: Vec<[f64; 3]> = found.mesh.nodes.iter().map(|node| node.x).collect();
+    assert_eq!(places, [[5.0, 0.0, 1.0], [6.0, 0.0, 1.0], [6.0, 1.0, 1.0], [5.0, 1.0, 1.0]]);
+
+    let old = "*End Instance\n";
+    let text = changed(&text_of("made/assembly.inp"), old, "*Nset, nset=own\n1\n*End Instance\n");
+    let found = good("sets.inp", &text);
+    assert_eq!(row(&found, "sets of instance P-1"), Some((Fate::LeftOut, 1)));
+}
+
 /// Wrong names in an assembly are errors at their lines, and no set gets nodes of another instance.
 #[test]
 fn wrong_names_in_an_assembly_are_errors() {

@@ -148,7 +148,13 @@ fn placed<'a>(model: &'a AbaqusModel, reading: &mut MeshReading) -> Vec<Placed<'
                 reading.error("instance", instance.place, message, help);
             }
         }
-        found.push((&instance.own, None, instance.name.clone()));
+        let own = &instance.own;
+        let sets = own.node_sets.len() + own.element_sets.len();
+        if own.nodes.is_empty() && own.elements.is_empty() && sets > 0 {
+            let became = "left out: define them in the part or in the assembly";
+            reading.row(Fate::LeftOut, format!("sets of instance {}", instance.name), sets, became);
+        }
+        found.push((own, Some(instance), instance.name.clone()));
     }
     if model.instances.is_empty() {
         found.extend(model.parts.iter().map(|part| (part, None, part.name.clone())));
