@@ -68,8 +68,9 @@ fi
 echo "run: a master and $workers workers on $job"
 # A supervisor starts the ranks. It lets them stop in order when this script is interrupted, and
 # starts them again from the newest checkpoint when one is lost, as often as RETRIES allows.
-run= early=
+run= early= interrupted=
 pass_on() {
+    [[ $1 == USR1 ]] || interrupted=1
     if [[ -z $run ]]; then
         early=$1
     else
@@ -86,6 +87,8 @@ run=$!
 code=0
 while wait "$run" && code=0 || code=$?; kill -0 "$run" 2>/dev/null; do :; done
 wait "$run" && code=0 || code=$? # the loop may have left the code of a signal
+# A program that has not begun to listen for signals ends by the signal itself.
+[[ -n $interrupted && $code -eq 143 ]] && code=130
 
 if [[ -f $out/summary.json ]]; then
     cat <<END
