@@ -75,6 +75,18 @@ pub struct Settings {
     pub buffer: f64,
     /// Number of cycles between forced redecompositions, 0 for none (for tests).
     pub force_every: u64,
+    /// The workers that search for contact.
+    pub contact_decomposition: ContactDecomposition,
+}
+
+/// The workers that search for contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactDecomposition {
+    /// Each worker searches for the nodes, edges and segments that it owns.
+    #[default]
+    Boxes,
+    /// A second decomposition divides the contact nodes; elements do not migrate.
+    Rcb,
 }
 
 /// Settings of checkpoints.
@@ -158,6 +170,12 @@ impl Settings {
             Change::Imbalance(_) | Change::LowEveryAtLeast(_) => return,
         }
         self.field_times = self.output.renewed(&self.field_times, at, self.end_time);
+    }
+
+    /// Returns true if a second decomposition divides the contact nodes. Elements then do not
+    /// migrate.
+    pub fn has_dual_decomposition(&self) -> bool {
+        self.contact.is_some() && self.contact_decomposition == ContactDecomposition::Rcb
     }
 
     /// Returns true if the elements of a part carry no force: it is rigid or has a null material.

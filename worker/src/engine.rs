@@ -17,9 +17,9 @@ use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
-use crate::parallel::migrate::{centre, migrate};
+use crate::parallel::migrate::{centre, migrate, stay};
 use crate::parallel::pair_exchange::PairExchange;
-use crate::parallel::partition::{LocalMesh, PartitionData, build_local_mesh};
+use crate::parallel::partition::{Cuts, LocalMesh, Memories, PartitionData, build_local_mesh};
 pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
@@ -91,7 +91,8 @@ impl Engine {
         tree: CutTree,
         share: PartitionData,
     ) -> Result<Self, RankLost> {
-        let mut local = build_local_mesh(comm, &settings, &tree, share, true)?;
+        let cuts = Cuts { boxes: &tree, contact: None };
+        let mut local = build_local_mesh(comm, &settings, cuts, share, true)?;
         let mut constraints = Constraints::new(comm, &settings, &mut local.nodes)?;
         constraints.bind_local(comm, &mut local.nodes)?;
         if settings.subcycles > 1 {
@@ -148,15 +149,20 @@ impl Engine {
         self.tree = tree;
         let slow_dt = self.blocks.slow_dt; // equal on all workers
         let all_computed = self.blocks.all_computed;
-        let local = self.take_local_mesh();
-        let mut share = migrate(comm, &self.tree, &local, self.contact.as_ref())?;
+        let mut local = self.take_local_mesh();
+        let mut share = match self.settings.has_dual_decomposition() {
+            true => stay(comm, &local, self.contact.as_ref())?,
+            false => migrate(comm, &self.tree, &local, self.contact.as_ref())?,
+        };
+        let last_cuts = local.halo.regions.take().map(|regions| regions.tree);
         drop(local);
         if !parts.is_empty() {
             share.remove_parts(parts);
         }
-        let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
-        let local = build_local_mesh(comm, &self.settings, &self.tree, share, false)?;
+        let cuts = Cuts { boxes: &self.tree, contact: last_cuts.as_ref() };
+        let local = build_local_mesh(comm, &self.settings, cuts, share, false)?;
+        let memories = local.memories;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         (self.boxes, self.classes) = (local.boxes, local.classes);
         self.blocks.slow_dt = slow_dt;
@@ -184,6 +190,7 @@ impl Engine {
             surface: None,
             boxes: self.boxes,
             classes: self.classes,
+            memories: Memories::default(),
         }
     }
 

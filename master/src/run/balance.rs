@@ -30,6 +30,8 @@ pub struct BalanceLimits {
     pub low_every_at_least: u64,
     /// True to alternate both kinds whenever workers ask, for tests.
     pub forced: bool,
+    /// False if elements do not migrate. Then there are no low redecompositions by imbalance.
+    pub migrates: bool,
 }
 
 /// Share of the margin used by a worker's displacement at which a high redecomposition is ordered.
@@ -284,7 +286,13 @@ impl Balance {
         }
         let wait = self.patience * self.limits.low_every_at_least;
         let patient = self.last_low.is_none_or(|last| cycle >= last + wait);
-        if judged && patient && imbalance > self.limits.imbalance && self.lost > self.low_cost {
+        let migrates = self.limits.migrates;
+        if migrates
+            && judged
+            && patient
+            && imbalance > self.limits.imbalance
+            && self.lost > self.low_cost
+        {
             let why = format!(
                 "imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last repartition",
                 1e3 * self.lost
@@ -293,7 +301,8 @@ impl Balance {
             return Some(Due::Low { why });
         }
         let recent = if self.cycles >= WINDOW / 2 { imbalance } else { self.last_imbalance };
-        let too_uneven = recent > self.limits.imbalance && self.lost > SAVED * self.low_cost;
+        let too_uneven =
+            migrates && recent > self.limits.imbalance && self.lost > SAVED * self.low_cost;
         let proven = self.unproven.is_none() && self.patience == 1;
         if urgency >= URGENT && proven && too_uneven {
             self.judged_imbalance = Some(recent);
@@ -353,7 +362,10 @@ mod tests {
     use super::*;
 
     fn balance() -> Balance {
-        Balance::new(2, BalanceLimits { imbalance: 1.1, low_every_at_least: 50, forced: false })
+        Balance::new(
+            2,
+            BalanceLimits { imbalance: 1.1, low_every_at_least: 50, forced: false, migrates: true },
+        )
     }
 
     fn report(cycle: u64, cpu: f32, urgency: f64, order: u64) -> StepReport {

@@ -73,6 +73,7 @@ mod tests {
                 scale: 0.01,
                 part: 0,
                 own: true,
+                searched: true,
             };
             rate(&nodes, 4, &foil, (0.02, 0.0), 0.1)
         };

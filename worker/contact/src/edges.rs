@@ -123,7 +123,7 @@ impl Edges {
         of_beams: bool,
     ) -> Self {
         let lines = EdgeTable::new(surface, nodes);
-        let is_own = |e: &Edge| lines.lowest_segment(e, surface).own;
+        let is_own = |e: &Edge| lines.lowest_segment(e, surface).searched;
         let own: Vec<u32> =
             (0..lines.all.len() as u32).filter(|&i| is_own(&lines.all[i as usize])).collect();
         let mut names: Vec<[NodeId; 2]> =

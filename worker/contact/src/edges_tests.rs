@@ -28,6 +28,7 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
         scale: HALF,
         part: 0,
         own: true,
+        searched: true,
     };
     let segments =
         [[0, 1, 2, 3], [0, 1, 4, 5], [6, 7, 8, 9]].into_iter().zip(1..).map(segment).collect();

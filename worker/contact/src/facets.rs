@@ -113,7 +113,7 @@ impl Facets {
             FacetPairHistory {
                 memory,
                 nodes: slave.map_or([NOT_LOCAL; 4], |s| s.nodes),
-                own: slave.is_some_and(|s| s.own),
+                own: slave.is_some_and(|s| s.searched),
             }
         };
         self.memories = memories.into_iter().map(remembered).collect();
@@ -423,7 +423,7 @@ impl Facets {
 }
 
 fn own(surface: &Surface) -> impl Iterator<Item = (usize, &Segment)> {
-    surface.segments.iter().enumerate().filter(|(_, s)| s.own)
+    surface.segments.iter().enumerate().filter(|(_, s)| s.searched)
 }
 
 fn place(surface: &Surface, id: SegmentId) -> Option<usize> {

@@ -344,6 +344,7 @@ mod tests {
                 scale: 0.1,
                 part: 0,
                 own: true,
+                searched: true,
             });
         }
         (nodes_at(&points), Surface { segments, ..Surface::default() })

@@ -218,7 +218,7 @@ impl Contact {
     ) {
         self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
-        self.surface.link_faces(nodes.local_count);
+        self.surface.link_faces(nodes.len());
         self.surface.speeds.clone_from(&self.speeds);
         let stiffness =
             self.surface.segments.iter().map(|s| self.laws().segment_stiffness(s, &nodes.x0));
@@ -380,7 +380,6 @@ impl Contact {
         if with_segments {
             pairs.retain(|p| !self.facets.covers(nodes, (&self.surface, &alive), joined, p));
         }
-        let of_nodes = pairs.len();
         self.edges.find_pairs(
             nodes,
             (&self.surface, &alive),
@@ -392,7 +391,8 @@ impl Contact {
             pairs.iter_mut().for_each(|p| p.area = p.contact_thickness * p.contact_thickness);
             self.facets.find_pairs(nodes, (&self.surface, &alive), steps.dt, &mut pairs);
         }
-        if pairs.len() > of_nodes {
+        // Slaves are in the order of their local indices. Ghosts come after local nodes.
+        if !pairs.is_sorted_by_key(|p| p.key) {
             pairs.sort_unstable_by_key(|p| p.key);
         }
         let started = std::mem::replace(&mut self.interface_started, alive);

@@ -377,6 +377,7 @@ mod tests {
             scale: SCALE,
             part: 0,
             own: true,
+            searched: true,
         };
         let mut surface = Surface {
             segments: vec![face],
@@ -408,6 +409,7 @@ mod tests {
             scale: HALF,
             part: 0,
             own: true,
+            searched: true,
         };
         let mut surface = Surface {
             segments: [(8, [0, 1, 4, 3]), (16, [1, 2, 5, 4])].map(shell).into(),

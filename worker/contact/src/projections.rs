@@ -161,6 +161,7 @@ mod tests {
             scale: 0.1,
             part: 0,
             own: true,
+            searched: true,
         };
         let faces = [([0, 1, 2, 3], 0.1), ([1, 4, 2, 2], 0.1), ([2, 4, 5, 1], 0.0)];
         let mut surface = Surface {

@@ -61,13 +61,17 @@ impl SlaveHistories {
         [&self.start, &self.having, &self.having_first].iter().map(|l| size_of_val(&l[..])).sum()
     }
 
-    /// Stores the histories of the own pairs of a step, ascending by slave, and those of lost
-    /// pairs.
+    /// Stores the histories of the own pairs of a step, and those of lost pairs.
     pub fn store(&mut self, slaves: &[u32], pairs: &[Pair]) {
         let before = std::mem::take(&mut self.all);
         let having = std::mem::take(&mut self.having);
         let mut had = having.iter().map(|&i| i as usize).peekable();
-        let mut own = pairs.iter().filter(|p| p.is_owned && p.key.is_node()).peekable();
+        let mut own: Vec<&Pair> = pairs.iter().filter(|p| p.is_owned && p.key.is_node()).collect();
+        // Pairs are in ascending order of ids, slaves in that of local indices.
+        if !own.is_sorted_by_key(|p| p.nodes[0]) {
+            own.sort_by_key(|p| p.nodes[0]);
+        }
+        let mut own = own.into_iter().peekable();
         // Most slaves have neither a pair nor a history. Their runs start where the next one does.
         let mut next = 0;
         loop {

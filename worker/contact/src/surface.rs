@@ -47,6 +47,8 @@ pub struct Segment {
     pub part: u32,
     /// True if the element is this worker's own.
     pub own: bool,
+    /// True if this worker searches for the pairs of its edges and of the segment itself.
+    pub searched: bool,
 }
 
 /// Segments and nodes of the contact surface that a worker knows.
@@ -54,8 +56,10 @@ pub struct Segment {
 pub struct Surface {
     /// Segments of own and ghost elements, in ascending id.
     pub segments: Vec<Segment>,
-    /// Owned nodes that may touch segments, ascending.
+    /// Nodes that may touch segments, for which this worker searches, ascending.
     pub slaves: Vec<u32>,
+    /// Owned nodes on the surface, ascending; `None` if these are the slaves.
+    pub owned: Option<Vec<u32>>,
     /// Half thickness per local node, the largest of its shells and beams; 0 for nodes of solids
     /// and nodes that are not on the surface [length].
     pub node_half: Vec<f64>,
@@ -238,6 +242,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
             scale,
             part: e.record.part,
             own: true,
+            searched: true,
         }
     };
     (0..shape.faces().len()).filter(is_free).map(segment).collect()
@@ -259,6 +264,7 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
         scale: half,
         part: e.record.part,
         own: true,
+        searched: true,
     })
 }
 
@@ -307,10 +313,10 @@ impl Surface {
 
     /// Collects the segments around each slave. All of them are known to the worker that owns
     /// the slave, because the worker knows all segments that the slave could touch, and the
-    /// slave lies on these. `held` is the number of local nodes.
-    pub fn link_faces(&mut self, held: usize) {
+    /// slave lies on these. `count` is the number of nodes.
+    pub fn link_faces(&mut self, count: usize) {
         self.has_lines = self.segments.iter().any(Segment::is_line);
-        let mut place = vec![u32::MAX; held];
+        let mut place = vec![u32::MAX; count];
         self.slaves.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let mut around: Vec<(u32, u32)> = Vec::new();
         for (g, s) in self.segments.iter().enumerate() {
@@ -479,18 +485,39 @@ impl Surface {
         self.node_scale.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Returns the largest velocity components of the slaves, then the largest of their
-    /// negatives; minus infinity if there are no slaves [length/time].
+    /// Returns the largest velocity components of the owned nodes on the surface, then the largest
+    /// of their negatives; minus infinity if there are none [length/time].
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
-        let slave = |k: usize| Lane::new(nodes.v[self.slaves[k] as usize]);
-        let [low, high] = VectorRange::from_vectors(self.slaves.len(), slave).bounds();
+        let owned = self.owned.as_ref().unwrap_or(&self.slaves);
+        let velocity = |k: usize| Lane::new(nodes.v[owned[k] as usize]);
+        let [low, high] = VectorRange::from_vectors(owned.len(), velocity).bounds();
         std::array::from_fn(|c| if c < 3 { high[c] } else { -low[c - 3] })
     }
 
     /// Collects the slaves: owned nodes on the surface.
     pub fn collect_slaves(&mut self, nodes: &Nodes) {
+        self.slaves = self.owned_nodes(nodes);
+    }
+
+    /// Collects the slaves if this worker searches for what lies in a region, whatever worker owns
+    /// it: nodes there, and segments whose first node is there. The ghosts must be complete.
+    pub fn collect_slaves_in(&mut self, nodes: &Nodes, contains: impl Fn([f64; 3]) -> bool) {
+        self.node_half.resize(nodes.len(), 0.0);
+        self.node_scale.resize(nodes.len(), 0.0);
+        for i in 0..self.segments.len() {
+            let g = self.segments[i];
+            g.nodes.iter().for_each(|&n| self.include_remote(n, g.half_thickness, g.scale));
+            self.segments[i].searched = contains(xyz(&nodes.x[g.nodes[0] as usize]));
+        }
+        self.owned = Some(self.owned_nodes(nodes));
+        let is_slave = |&i: &usize| self.node_scale[i] > 0.0 && contains(xyz(&nodes.x[i]));
+        self.slaves = (0..nodes.len()).filter(is_slave).map(|i| i as u32).collect();
+    }
+
+    /// Returns the owned nodes on the surface, ascending.
+    fn owned_nodes(&self, nodes: &Nodes) -> Vec<u32> {
         let on_surface =
             |i: &u32| nodes.is_owned(*i as usize) && self.node_scale[*i as usize] > 0.0;
-        self.slaves = (0..nodes.local_count as u32).filter(on_surface).collect();
+        (0..nodes.local_count as u32).filter(on_surface).collect()
     }
 }

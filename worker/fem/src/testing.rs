@@ -2,7 +2,7 @@
 
 use crate::nodes::Nodes;
 use crumple_proto::ids::NodeId;
-use crumple_proto::partition::{NodeRecord, Settings};
+use crumple_proto::partition::{ContactDecomposition, NodeRecord, Settings};
 
 /// Returns nodes of mass 1 at rest at `places` [length], with ids from 1.
 pub fn nodes_at(places: &[[f64; 3]]) -> Nodes {
@@ -46,5 +46,6 @@ pub fn settings() -> Settings {
         rotations: true,
         buffer: 1.0,
         force_every: 0,
+        contact_decomposition: ContactDecomposition::Boxes,
     }
 }

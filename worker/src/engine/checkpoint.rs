@@ -16,7 +16,7 @@ use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
 use crate::parallel::migrate::{distribute, pack_all};
 use crate::parallel::pair_exchange::PairExchange;
-use crate::parallel::partition::{PartitionData, build_local_mesh};
+use crate::parallel::partition::{Cuts, PartitionData, build_local_mesh};
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
@@ -223,9 +223,10 @@ impl Engine {
         (common, own): (CommonState, WorkerState),
     ) -> Result<Self, RankLost> {
         let mut share = distribute(comm, &tree, &share)?;
-        let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
-        let mut local = build_local_mesh(comm, &settings, &tree, share, false)?;
+        let cuts = Cuts { boxes: &tree, contact: None };
+        let mut local = build_local_mesh(comm, &settings, cuts, share, false)?;
+        let memories = local.memories;
         if settings.subcycles > 1 {
             local.nodes.retain_outer_means(&means);
         }

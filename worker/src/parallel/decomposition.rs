@@ -1,7 +1,8 @@
-//! Keys of the decomposition into boxes, in `[parallel]` of a job.
+//! Keys of the decomposition, in `[parallel]` of a job.
 
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_proto::job::Parallel;
+use crumple_proto::partition::ContactDecomposition;
 
 /// Width b of the buffer.
 const BUFFER: ParameterRow = ParameterRow {
@@ -42,7 +43,19 @@ const FORCE_EVERY: ParameterRow = ParameterRow {
               for none.",
 };
 
-/// Decomposition into boxes: its settings, with defaults.
+/// The workers that search for contact.
+const CONTACT: ParameterRow = ParameterRow {
+    key: "contact",
+    form: Form::Word(&["boxes", "rcb"]),
+    otherwise: DefaultValue::Word("boxes"),
+    range: None,
+    meaning: "`boxes`: each worker searches for the contact of its own elements; these migrate. \
+              `rcb`: elements stay, and a second decomposition by recursive coordinate bisection \
+              gives each worker the same number of contact nodes; there are no repartitions. The \
+              results have the same bits.",
+};
+
+/// Decomposition: its settings, with defaults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxDecomposition {
     /// Width of the buffer around each box face [length]; 0 if it follows from the mesh.
@@ -53,11 +66,14 @@ pub struct BoxDecomposition {
     pub low_every_at_least: u64,
     /// Number of cycles between forced redecompositions, 0 for none.
     pub force_every: u64,
+    /// The workers that search for contact.
+    pub contact: ContactDecomposition,
 }
 
 impl BoxDecomposition {
     /// Its keys in `[parallel]`.
-    pub const KEYS: &[ParameterRow] = &[BUFFER, IMBALANCE, LOW_EVERY_AT_LEAST, FORCE_EVERY];
+    pub const KEYS: &[ParameterRow] =
+        &[BUFFER, IMBALANCE, LOW_EVERY_AT_LEAST, FORCE_EVERY, CONTACT];
 
     /// Returns the settings of a job, whose values have been checked.
     pub fn new(job: &Parallel) -> Self {
@@ -67,6 +83,10 @@ impl BoxDecomposition {
             imbalance: values.number(IMBALANCE.key),
             low_every_at_least: values.whole(LOW_EVERY_AT_LEAST.key) as u64,
             force_every: values.whole(FORCE_EVERY.key) as u64,
+            contact: match values.word(CONTACT.key).as_str() {
+                "rcb" => ContactDecomposition::Rcb,
+                _ => ContactDecomposition::Boxes,
+            },
         }
     }
 }
@@ -85,6 +105,7 @@ mod tests {
             imbalance: 1.5,
             low_every_at_least: 200,
             force_every: 0,
+            contact: ContactDecomposition::Boxes,
         };
         assert_eq!(all, wanted);
     }

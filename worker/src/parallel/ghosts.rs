@@ -4,12 +4,14 @@ use crate::fem::blocks::Blocks;
 use crate::math::rigid_motion::RigidMotion;
 use crate::math::row::{row, xyz};
 use crate::nodes::Nodes;
+use crate::parallel::contact_decomposition::SearchRegions;
 use crate::stateless;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::report::Displacement;
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, words_of};
+use std::collections::BTreeMap;
 
 /// State of a ghost node in a message.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -81,6 +83,8 @@ pub struct GhostLink {
     pub both_distant: bool,
     /// Relative motion at the last exchange [length].
     pub base: f64,
+    /// Motion of the other worker at the last exchange, if there was one.
+    pub motion: Option<RigidMotion>,
     /// Box around the other's local nodes at the last renewal, extended by the distance that
     /// the ghosts cover.
     pub reach: Option<Aabb>,
@@ -101,9 +105,11 @@ pub struct Ghosts {
     /// Upper bound of the approach of any two nodes of contact surfaces since the last
     /// exchange, and in one step [length].
     pub max_approach: [f64; 2],
+    /// Regions of the search, if contact has a second decomposition.
+    pub regions: Option<SearchRegions>,
 }
 
-stateless!(Ghosts { links, user_start, users, mail, sync_distant, max_approach });
+stateless!(Ghosts { links, user_start, users, mail, sync_distant, max_approach, regions });
 
 /// Fraction of the margin by which nodes may approach each other before distant workers
 /// exchange their motion.
@@ -124,8 +130,12 @@ impl Ghosts {
     /// margins of the links, without contact with entities that have no ghosts [length]. Two
     /// nodes of two workers are at least as far apart as either is from the other's box. Each
     /// may use three eighths of that distance; a quarter is reserved for the rotation of the
-    /// motions (see `math/rigid_motion.rs`).
+    /// motions (see `math/rigid_motion.rs`). Empty, for no distance, with a second decomposition of
+    /// contact: a node may then come near to entities of its own worker that have no ghosts.
     pub fn slack(&self, nodes: &Nodes) -> Vec<f64> {
+        if self.regions.is_some() {
+            return Vec::new();
+        }
         let reaches: Vec<Aabb> = self.links.iter().filter_map(|l| l.reach).collect();
         let from = |x: [f64; 3]| {
             let point = Aabb { min: x, max: x };
@@ -313,7 +323,8 @@ impl Ghosts {
                     nodes.w_next[i][..3].copy_from_slice(&spin.w_next);
                 }
             }
-            if let Some(region) = &link.region {
+            link.motion = Some(other);
+            if let Some(region) = link.region.as_ref().filter(|_| self.regions.is_none()) {
                 let apart = if link.is_distant {
                     drift.relative_motion(&other, region)
                 } else {
@@ -323,6 +334,30 @@ impl Ghosts {
                 largest = largest.or_larger(Displacement::new(apart, link.margin));
             }
         }
-        Ok(largest)
+        Ok(largest.or_larger(self.displacement_of_regions(nodes.me as usize, drift, check_in)))
+    }
+
+    /// Returns the largest displacement of entities for which this worker searches, against the
+    /// elements of each other worker. Zero without a second decomposition of contact: a worker then
+    /// searches for own entities only.
+    fn displacement_of_regions(
+        &mut self,
+        me: usize,
+        drift: &RigidMotion,
+        check_in: bool,
+    ) -> Displacement {
+        let mut largest = Displacement::default();
+        let Some(regions) = &self.regions else { return largest };
+        let motions: BTreeMap<usize, RigidMotion> =
+            self.links.iter().filter_map(|l| Some((l.worker, l.motion?))).collect();
+        // Owners of such entities are never distant.
+        let motion = |w: usize| if w == me { *drift } else { motions[&w] };
+        for link in self.links.iter_mut().filter(|l| check_in || !l.both_distant) {
+            if link.region.is_some() {
+                link.base = regions.relative_motion(&motion(link.worker), motion);
+                largest = largest.or_larger(Displacement::new(link.base, link.margin));
+            }
+        }
+        largest
     }
 }

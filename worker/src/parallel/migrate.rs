@@ -5,6 +5,7 @@ use crate::contact::Contact;
 use crate::contact::pairs::PairHistory;
 use crate::fem::blocks::LocalElement;
 use crate::nodes::{Nodes, OuterStepMean};
+use crate::parallel::history_message::{put_histories, take_histories};
 use crate::parallel::partition::{LocalMesh, PartitionData};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
@@ -147,6 +148,21 @@ pub fn migrate(
     let workers = comm.size() - 1;
     let parcels = pack_local(comm, local, contact, workers, to)?;
     exchange(comm, parcels)
+}
+
+/// Returns the elements of this worker as its new partition. Collective, because pair histories
+/// come from the owners of the pairs.
+///
+/// # Errors
+/// A worker is gone.
+pub fn stay(
+    comm: &mut dyn Transport,
+    local: &LocalMesh,
+    contact: Option<&Contact>,
+) -> Result<PartitionData, RankLost> {
+    let mut share = PartitionData::default();
+    unpack(pack_all(comm, local, contact)?, &mut share).expect("a whole message");
+    Ok(share)
 }
 
 /// Returns the message of [`migrate`] that has all elements of this worker. Collective, because
@@ -366,17 +382,6 @@ fn take_element(mail: &mut Mailbox) -> Option<(ElementRecord, Vec<f64>)> {
         stable_dt: e.stable_dt,
     };
     Some((record, mail.checked_take_many(e.columns)?.to_vec()))
-}
-
-fn put_histories(mail: &mut Mailbox, node: NodeId, list: &[PairHistory]) {
-    mail.push(node);
-    mail.push(list.len() as u64);
-    mail.extend(list);
-}
-
-fn take_histories(mail: &mut Mailbox) -> Option<(NodeId, Vec<PairHistory>)> {
-    let (node, count): (NodeId, u64) = (mail.checked_take()?, mail.checked_take()?);
-    Some((node, mail.checked_take_many(count)?.to_vec()))
 }
 
 #[cfg(test)]

@@ -2,9 +2,11 @@
 //! elements, migration, the exchange of contact pairs, and the reduction of each step.
 
 pub mod boxes;
+pub mod contact_decomposition;
 pub mod convergence;
 pub mod decomposition;
 pub mod ghosts;
+pub mod history_message;
 pub mod migrate;
 pub mod pair_exchange;
 pub mod partition;

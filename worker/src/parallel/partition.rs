@@ -13,7 +13,9 @@ use crate::fem::blocks::{Blocks, Class, LocalElement, RemoteCorner};
 use crate::math::row::xyz;
 use crate::nodes::{Nodes, OuterStepMean};
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes, half_width};
+use crate::parallel::contact_decomposition::SearchRegions;
 use crate::parallel::ghosts::{GhostLink, Ghosts};
+use crate::parallel::history_message::{put_histories, take_histories};
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::{Aabb, CutTree};
@@ -22,7 +24,7 @@ use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{
     Mailbox, RankLost, Transport, exchange_all, exchange_with, gather_all,
 };
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Data of one worker, as distributed at the start or migrated.
 #[derive(Default)]
@@ -32,7 +34,7 @@ pub struct PartitionData {
     /// All nodes of these elements; duplicates are possible.
     pub nodes: Vec<NodeRecord>,
     /// Pair histories of nodes; duplicates are possible.
-    pub memories: BTreeMap<NodeId, Vec<PairHistory>>,
+    pub memories: Memories,
     /// Mean translational and rotational velocities of nodes in the outer step; duplicates are
     /// possible. Empty without subcycles.
     pub means: Vec<OuterStepMean>,
@@ -49,6 +51,9 @@ impl PartitionData {
     }
 }
 
+/// Pair histories by node.
+pub type Memories = BTreeMap<NodeId, Vec<PairHistory>>;
+
 /// Local mesh and links of a worker.
 pub struct LocalMesh {
     /// Nodal columns.
@@ -63,6 +68,18 @@ pub struct LocalMesh {
     pub boxes: WorkerBoxes,
     /// Numbers of elements and nodes by class.
     pub classes: ClassCounts,
+    /// Pair histories of local nodes and, if a worker searches for nodes of others, of ghosts.
+    pub memories: Memories,
+}
+
+/// Cuts of the decomposition.
+#[derive(Clone, Copy)]
+pub struct Cuts<'a> {
+    /// Boxes of all workers. Without a second decomposition, the partition has the elements whose
+    /// centres lie in the box of the worker.
+    pub boxes: &'a CutTree,
+    /// Last cuts of the second decomposition, if there were any.
+    pub contact: Option<&'a CutTree>,
 }
 
 /// Element corner at a shared node, as it is sent to the other worker.
@@ -99,15 +116,15 @@ struct WireNode {
     owner: u64,
 }
 
-/// Builds a worker's local mesh from its partition, whose elements have their centres in its box
-/// of `tree`. With `fresh`, nodal masses are assembled from the elements. Collective.
+/// Builds a worker's local mesh from its partition. With `fresh`, nodal masses are assembled from
+/// the elements. Collective.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn build_local_mesh(
     comm: &mut dyn Transport,
     settings: &Settings,
-    tree: &CutTree,
+    cuts: Cuts<'_>,
     share: PartitionData,
     fresh: bool,
 ) -> Result<LocalMesh, RankLost> {
@@ -148,10 +165,29 @@ pub fn build_local_mesh(
         Some(surface) => share_scales(comm, settings, &nodes, surface)?,
         None => 0.5 * settings.buffer,
     };
-    let mut boxes = WorkerBoxes::new(tree, me, half_width(tree, &all_bounds, around));
+    let regions = match &surface {
+        Some(surface) if settings.has_dual_decomposition() => {
+            Some(SearchRegions::new(comm, cuts.contact, surface, &nodes)?)
+        }
+        _ => None,
+    };
+    let mut boxes = match &regions {
+        Some(regions) => WorkerBoxes::new(&regions.tree, me, around),
+        None => WorkerBoxes::new(cuts.boxes, me, half_width(cuts.boxes, &all_bounds, around)),
+    };
+    let copied = match (&regions, &surface) {
+        (Some(regions), Some(surface)) => {
+            copied_elements(&regions.seeking, surface, &nodes, around)
+        }
+        _ => HashSet::new(),
+    };
     let mut classes = ClassCounts::default();
     for (e, _) in &mut elements {
-        if boxes.is_interior(&Aabb::around(e.nodes.map(|n| xyz(&nodes.x[n as usize])))) {
+        let is_interior = match &regions {
+            Some(_) => !e.shared && !copied.contains(&e.record.id),
+            None => boxes.is_interior(&Aabb::around(e.nodes.map(|n| xyz(&nodes.x[n as usize])))),
+        };
+        if is_interior {
             e.class = Class::Interior;
             classes.interior += 1;
         } else {
@@ -168,15 +204,38 @@ pub fn build_local_mesh(
         halo.recv_element_forces(comm, &mut blocks, ElementSet::All)?;
         blocks.assemble_masses(&mut nodes);
     }
+    let mut memories = share.memories;
+    halo.regions = regions;
     if let Some(surface) = &mut surface {
         surface.collect_slaves(&nodes);
-        let local = (&mut nodes, &mut halo, &mut *surface);
+        let local = (&mut nodes, &mut halo, &mut *surface, &mut memories);
         boxes.external = copy_ghosts(comm, settings, local, &all_bounds, around)?;
+        if let Some(regions) = &halo.regions {
+            surface.collect_slaves_in(&nodes, |x| regions.tree.worker_of(x) == me);
+        }
         send_users(comm, &nodes, &mut halo, &shared)?;
         classes.exterior = surface.ghost_elements().count() as u64;
         classes.exterior_nodes = (nodes.len() - nodes.local_count) as u64;
     }
-    Ok(LocalMesh { nodes, blocks, halo, surface, boxes, classes })
+    Ok(LocalMesh { nodes, blocks, halo, surface, boxes, classes, memories })
+}
+
+/// Returns the own elements that other workers get as ghosts: those with a segment within the
+/// distance `grow` [length] of the contact entities for which another worker searches.
+fn copied_elements(
+    seeking: &[Aabb],
+    surface: &Surface,
+    nodes: &Nodes,
+    grow: f64,
+) -> HashSet<ElemId> {
+    let me = nodes.me as usize;
+    let of_others = seeking.iter().enumerate().filter(|&(w, b)| w != me && !b.is_empty());
+    let others: Vec<Aabb> = of_others.map(|(_, b)| b.grown(grow)).collect();
+    let is_copied = |s: &&Segment| {
+        let bounds = s.bounds(&nodes.x, 0.0);
+        others.iter().any(|b| b.intersects(&bounds))
+    };
+    surface.segments.iter().filter(is_copied).map(|s| s.id.elem()).collect()
 }
 
 /// Agrees on the scales and offsets of all surfaces. Returns the distance around a worker's contact
@@ -334,19 +393,23 @@ pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
 fn copy_ghosts(
     comm: &mut dyn Transport,
     settings: &Settings,
-    (nodes, halo, surface): (&mut Nodes, &mut Ghosts, &mut Surface),
+    (nodes, halo, surface, memories): (&mut Nodes, &mut Ghosts, &mut Surface, &mut Memories),
     held_bounds: &[Aabb],
     grow: f64,
 ) -> Result<Aabb, RankLost> {
     let me = nodes.me as usize;
-    let slave_boxes = exchange_bounds(comm, &seeking(settings, surface, nodes))?;
+    // A worker that searches for nodes of other workers needs their histories.
+    let (slave_boxes, sent) = match &halo.regions {
+        Some(regions) => (regions.seeking.clone(), Some(&*memories)),
+        None => (exchange_bounds(comm, &seeking(settings, surface, nodes))?, None),
+    };
     set_reaches(halo, me, (&slave_boxes, held_bounds), (settings.buffer, grow));
     // A worker may get ghosts from another one that gets none from it.
     let reaches = |a: usize, b: usize| slave_boxes[a].grown(grow).intersects(&held_bounds[b]);
     let partners: Vec<bool> =
         (0..slave_boxes.len()).map(|w| reaches(me, w) || reaches(w, me)).collect();
     let offer = |(w, b): (usize, &Aabb)| match w != me && reaches(w, me) {
-        true => segments_near(nodes, surface, &b.grown(grow)).into_words(),
+        true => segments_near(nodes, surface, &b.grown(grow), sent).into_words(),
         false => Vec::new(),
     };
     let offers = slave_boxes.iter().enumerate().map(offer).collect();
@@ -354,9 +417,12 @@ fn copy_ghosts(
     let mut copies: Vec<WireNode> = Vec::new();
     for words in exchange_with(comm, offers, &partners)?.into_iter().filter(|w| !w.is_empty()) {
         let mut mail = Mailbox::from_words(words);
-        let count = mail.take::<u64>() as usize;
-        segments.extend(mail.take_many::<WireSegment>(count));
-        copies.extend(mail.rest::<WireNode>());
+        let [count, corners] = mail.take::<[u64; 2]>();
+        segments.extend(mail.take_many::<WireSegment>(count as usize));
+        copies.extend(mail.take_many::<WireNode>(corners as usize));
+        while !mail.is_read() {
+            memories.extend(take_histories(&mut mail));
+        }
     }
     copies.retain(|c| nodes.local_index(c.record.id).is_none());
     copies.sort_unstable_by_key(|c| c.record.id);
@@ -389,9 +455,14 @@ fn set_reaches(
     }
 }
 
-/// Returns a message with the segments that reach into a box: their number, the segments, their
-/// nodes.
-fn segments_near(nodes: &Nodes, surface: &Surface, b: &Aabb) -> Mailbox {
+/// Returns a message with the segments that reach into a box: their number and that of their nodes,
+/// the segments, the nodes, and the pair histories of the nodes in `memories`.
+fn segments_near(
+    nodes: &Nodes,
+    surface: &Surface,
+    b: &Aabb,
+    memories: Option<&Memories>,
+) -> Mailbox {
     let near = surface.segments.iter().filter(|s| b.intersects(&s.bounds(&nodes.x, 0.0)));
     let pack = |s: &Segment| WireSegment {
         id: s.id,
@@ -413,9 +484,14 @@ fn segments_near(nodes: &Nodes, surface: &Surface, b: &Aabb) -> Mailbox {
         owner: u64::from(nodes.owner[i as usize]),
     };
     let mut mail = Mailbox::default();
-    mail.push(packed.len() as u64);
+    mail.push([packed.len(), corners.len()].map(|count| count as u64));
     mail.extend(&packed);
     mail.extend(&corners.iter().map(node).collect::<Vec<_>>());
+    for id in corners.iter().map(|&i| nodes.id[i as usize]) {
+        if let Some(list) = memories.and_then(|all| all.get(&id)) {
+            put_histories(&mut mail, id, list);
+        }
+    }
     mail
 }
 
@@ -431,6 +507,7 @@ fn add_segments(nodes: &Nodes, surface: &mut Surface, segments: &[WireSegment]) 
         scale: s.scale,
         part: s.part as u32,
         own: false,
+        searched: false,
     }));
     surface.segments.sort_unstable_by_key(|s| s.id);
 }

@@ -307,6 +307,7 @@ pub fn settings(
         rotations: true,
         buffer: or(decomposition.buffer, median.min(COARSE * smallest)),
         force_every: decomposition.force_every,
+        contact_decomposition: decomposition.contact,
     };
     (settings, order)
 }

@@ -155,6 +155,7 @@ fn new_balance(model: &Model, workers: usize, known: Option<&MasterState>) -> Ba
         imbalance: all.imbalance,
         low_every_at_least: all.low_every_at_least,
         forced: all.force_every > 0,
+        migrates: !model.settings.has_dual_decomposition(),
     };
     let mut balance = Balance::new(workers, limits);
     if let Some(known) = known {

@@ -90,6 +90,7 @@ mod tests {
             scale: 1.0,
             part,
             own: true,
+            searched: true,
         };
         let before =
             [segment(0, [0, 1, 2, 3]), segment(1, [4, 5, 6, 7]), segment(2, [8, 9, 10, 11])];

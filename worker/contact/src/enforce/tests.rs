@@ -111,6 +111,7 @@ impl Scene {
             scale: HALF,
             part: 0,
             own: true,
+            searched: true,
         };
         let surface = Surface {
             segments: segments.iter().enumerate().map(segment).collect(),
