@@ -256,7 +256,7 @@ impl Engine {
 
     /// Returns the centre of an own element [length].
     pub fn centre_of(&self, nodes: [u32; 8], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
-        centre(&self.nodes, nodes, shape)
+        centre(&self.nodes.x, nodes, shape)
     }
 
     /// Calls `f` with the centre and the load of every own element. The sum of all loads is that of

@@ -7,12 +7,13 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::transport::threads;
 use crumple_tests::program::{crumple_with, run};
 use crumple_tests::restart::assert_same_histories;
-use crumple_tests::{Trace, case, read, run_side_by_side};
+use crumple_tests::{Trace, case, read, run_side_by_side, watch_side_by_side};
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::Portion;
 use crumple_worker::time::ElementSet;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex};
 
 /// Runs four tubes and three plates that fly at each other, tumbling.
 fn tumble(workers: usize, cycles: u64, force_every: u64) -> Trace {
@@ -50,6 +51,68 @@ fn forced_redecompositions_of_either_kind_change_no_bit() {
         assert!(forced.renewals >= CYCLES / 7);
         assert_same(serial, &forced, &format!("{workers} workers, boxes renewed every 7 cycles"));
     }
+}
+
+/// A second decomposition of contact: workers search for nodes, edges and segments of others, in
+/// shells and solids, with folds, friction, the mortar law, walls and erosion. Forced renewals move
+/// the cuts.
+#[test]
+fn a_second_decomposition_of_contact_changes_no_bit() {
+    let coarse = "scene.elements=6";
+    let mortar = "contact.law=\"mortar\"";
+    let penalty = "contact.law=\"penalty\"";
+    for (name, cycles, sets) in [
+        ("tumble", 1200, &["contact.friction=0.2"][..]),
+        ("tumble", 600, &[mortar]),
+        ("tumble", 600, &[penalty]),
+        ("tube-crush", 2500, &[coarse]),
+        ("brick-wall", 60, &[]),
+        ("can-crush", 120, &[]),
+        ("pipe-whip", 150, &[]),
+    ] {
+        let serial = run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
+        assert!(serial.pairs.iter().any(|p| !p.is_empty()), "{name} {sets:?}: no contact");
+        let dual = read(&case(name), &[sets, &["parallel.contact=\"rcb\""]].concat());
+        for (workers, force_every) in [(2, 0), (3, 7), (5, 0)] {
+            let parallel = run_side_by_side(&dual, workers, cycles, force_every);
+            let what = format!("{name} {sets:?}: {workers} workers, forced {force_every}");
+            assert_same(&serial, &parallel, &what);
+        }
+    }
+}
+
+/// A worker searches for a part of the contact nodes that is as large as those of the others, and
+/// owns only some of them. Elements stay.
+#[test]
+fn a_second_decomposition_divides_the_contact_nodes_evenly_and_elements_stay() {
+    let model = read(&case("tumble"), &["parallel.contact=\"rcb\""]);
+    let workers = 4;
+    let looked: Mutex<Vec<(u64, usize, usize, usize)>> = Mutex::default();
+    watch_side_by_side(&model, workers, [1500, 50], &|e: &Engine| {
+        let surface = &e.contact.as_ref().expect("contact").surface;
+        let foreign = surface.slaves.iter().filter(|&&s| !e.nodes.is_owned(s as usize)).count();
+        let counts = (e.clock.cycle, surface.slaves.len(), foreign, e.blocks.elements.len());
+        looked.lock().unwrap().push(counts);
+    });
+    let looked = looked.into_inner().unwrap();
+    let elements = |cycle: u64| -> Vec<usize> {
+        let mut all: Vec<usize> = looked.iter().filter(|l| l.0 == cycle).map(|l| l.3).collect();
+        all.sort_unstable();
+        all
+    };
+    let cycles: BTreeSet<u64> = looked.iter().map(|l| l.0).collect();
+    assert!(cycles.len() > 20);
+    for cycle in cycles {
+        let at: Vec<_> = looked.iter().filter(|l| l.0 == cycle).collect();
+        let all: usize = at.iter().map(|l| l.1).sum();
+        assert_eq!(all, model.mesh.nodes.len(), "each node of the shells belongs to one worker");
+        for (_, slaves, _, _) in &at {
+            let mean = all as f64 / workers as f64;
+            assert!((*slaves as f64 - mean).abs() <= 0.03 * mean, "cycle {cycle}: {slaves}");
+        }
+        assert_eq!(elements(cycle), elements(0));
+    }
+    assert!(looked.iter().any(|l| l.2 > l.1 / 10), "no worker searches for many nodes of others");
 }
 
 /// A skin only saves time: candidates that are not in contact do not change the result.

@@ -17,7 +17,7 @@
 //! | pairs go back to the owners of their nodes | exchange of pairs (`pair_exchange.rs`) |
 //! | forces in the decomposition of the elements | each worker sums the forces on its own nodes |
 
-use crate::contact::surface::Surface;
+use crate::contact::surface::{Segment, Surface};
 use crate::math::rigid_motion::RigidMotion;
 use crate::math::row::xyz;
 use crate::nodes::Nodes;
@@ -41,32 +41,33 @@ const KEPT_AXIS: f64 = 0.5;
 const NEAR_LAST: f64 = 0.02;
 
 /// A box of the growing tree and the workers to whom its parts go.
-struct Group {
+struct BoxToCut {
     entry: usize,
     first: usize,
     count: usize,
 }
 
-impl Group {
+impl BoxToCut {
     /// Returns the number of workers below the cut.
     fn below(&self) -> usize {
         self.count / 2
     }
 }
 
-/// Returns cuts that give each worker the same number of points of all workers. `before` are the
-/// last cuts for the same number of workers. Any number of workers is possible. Collective.
+/// Returns cuts into parts for `workers` workers with the same number of points of all workers that
+/// `comm` connects. `before` are the last cuts for the same number of parts. Any number of parts is
+/// possible. Collective.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn bisect(
     comm: &mut dyn Transport,
+    workers: usize,
     before: Option<&CutTree>,
     points: &[[f64; 3]],
 ) -> Result<CutTree, RankLost> {
-    let workers = comm.size() - 1;
     let mut tree = CutTree { entries: vec![Cut::Leaf(0)] };
-    let mut groups = vec![Group { entry: 0, first: 0, count: workers }];
+    let mut groups = vec![BoxToCut { entry: 0, first: 0, count: workers }];
     loop {
         groups.retain(|g| g.count > 1);
         if groups.is_empty() {
@@ -89,7 +90,7 @@ pub fn bisect(
             let halves = [(first, count), (first + count, group.count - count)];
             for (entry, (first, count)) in (below..).zip(halves) {
                 tree.entries.push(Cut::Leaf(first));
-                next.push(Group { entry, first, count });
+                next.push(BoxToCut { entry, first, count });
             }
         }
         groups = next;
@@ -99,12 +100,12 @@ pub fn bisect(
 /// Returns axis and position of the cut of each group, whose points are `members`.
 fn cut_all(
     comm: &mut dyn Transport,
-    groups: &[Group],
+    groups: &[BoxToCut],
     before: Option<&CutTree>,
     members: &[Vec<[f64; 3]>],
 ) -> Result<Vec<(usize, f64)>, RankLost> {
     let extents = extents(comm, members)?;
-    let start = |(group, extent): (&Group, &Aabb)| {
+    let start = |(group, extent): (&BoxToCut, &Aabb)| {
         MedianSearch::new(extent, before.and_then(|tree| tree.entries.get(group.entry)))
     };
     let mut cuts: Vec<MedianSearch> = groups.iter().zip(&extents).map(start).collect();
@@ -222,6 +223,22 @@ impl MedianSearch {
     }
 }
 
+/// Returns for each worker the box around the contact entities of these segments for which it
+/// searches. A node is where it lies, a segment with its edges is at its first node
+/// ([`Surface::collect_slaves_in`]).
+pub fn boxes_of_parts(tree: &CutTree, segments: &[Segment], nodes: &Nodes) -> Vec<Aabb> {
+    let mut parts = vec![Aabb::EMPTY; tree.workers()];
+    for s in segments {
+        let corners = s.nodes.map(|n| xyz(&nodes.x[n as usize]));
+        let home = tree.worker_of(corners[0]);
+        for corner in corners {
+            parts[home].include(corner);
+            parts[tree.worker_of(corner)].include(corner);
+        }
+    }
+    parts
+}
+
 /// The parts of space in which the workers search, as one worker knows them.
 #[derive(Debug)]
 pub struct SearchRegions {
@@ -251,17 +268,8 @@ impl SearchRegions {
         let on_surface = |&i: &usize| nodes.is_owned(i) && surface.node_scale[i] > 0.0;
         let points: Vec<[f64; 3]> =
             (0..nodes.local_count).filter(on_surface).map(|i| place(i as u32)).collect();
-        let tree = bisect(comm, before, &points)?;
-        // A segment is at its first node, see `Surface::collect_slaves_in`.
-        let mut parts = vec![Aabb::EMPTY; workers];
-        for s in &surface.segments {
-            let corners = s.nodes.map(place);
-            let home = tree.worker_of(corners[0]);
-            for corner in corners {
-                parts[home].include(corner);
-                parts[tree.worker_of(corner)].include(corner);
-            }
-        }
+        let tree = bisect(comm, workers, before, &points)?;
+        let parts = boxes_of_parts(&tree, &surface.segments, nodes);
         let packed = |b: &Aabb| if b.is_empty() { Vec::new() } else { vec![b.min, b.max] };
         let parcels = exchange_all(comm, parts.iter().map(packed).collect())?;
         let unpacked = |(w, corners): (usize, &Vec<[f64; 3]>)| match corners[..] {
@@ -285,5 +293,103 @@ impl SearchRegions {
     ) -> f64 {
         let of_source = |(w, b): &(usize, Aabb)| motion(*w).relative_motion(other, b);
         self.sources.iter().map(of_source).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::transport::threads::{Threads, connect};
+
+    /// Returns points in a box of 8 by 3 by 1, denser at its lower end.
+    fn cloud(count: usize) -> Vec<[f64; 3]> {
+        let point = |i: usize| {
+            let [u, v, w] = [0.754_877_666, 0.569_840_290, 0.362].map(|g| (g * i as f64).fract());
+            [8.0 * u * u, 3.0 * v, w]
+        };
+        (0..count).map(point).collect()
+    }
+
+    /// Returns the cuts that several workers find together, each with every `workers`th point, and
+    /// the largest number of messages of a worker.
+    fn cuts(workers: usize, before: Option<&CutTree>, points: &[[f64; 3]]) -> (CutTree, u64) {
+        let mut ends = connect(workers + 1);
+        let _master = ends.remove(0);
+        let run = |(me, mut end): (usize, Threads)| {
+            let mine: Vec<_> = points.iter().skip(me).step_by(workers).copied().collect();
+            let tree = bisect(&mut end, workers, before, &mine).unwrap();
+            (tree, end.traffic().messages)
+        };
+        let all: Vec<(CutTree, u64)> = std::thread::scope(|scope| {
+            let run = &run;
+            let start = |end| scope.spawn(move || run(end));
+            let threads: Vec<_> = ends.into_iter().enumerate().map(start).collect();
+            threads.into_iter().map(|t| t.join().unwrap()).collect()
+        });
+        assert!(all.iter().all(|(tree, _)| *tree == all[0].0), "all workers find the same cuts");
+        let most = all.iter().map(|a| a.1).max().unwrap();
+        (all.into_iter().next().unwrap().0, most)
+    }
+
+    fn largest_share(tree: &CutTree, points: &[[f64; 3]]) -> f64 {
+        let mut counts = vec![0_usize; tree.workers()];
+        points.iter().for_each(|&p| counts[tree.worker_of(p)] += 1);
+        let most = counts.into_iter().max().unwrap() as f64;
+        most * tree.workers() as f64 / points.len() as f64
+    }
+
+    #[test]
+    fn every_part_has_as_many_points_for_any_number_of_workers() {
+        let points = cloud(20_000);
+        for workers in 1..=9 {
+            let (tree, _) = cuts(workers, None, &points);
+            assert_eq!(tree.workers(), workers);
+            let share = largest_share(&tree, &points);
+            assert!(share < 1.04, "{workers} workers: {share}");
+        }
+    }
+
+    /// The cuts do not depend on how the points are distributed over the workers.
+    #[test]
+    fn one_process_with_all_points_finds_the_same_cuts() {
+        let points = cloud(3000);
+        let mut alone = connect(2);
+        let tree = bisect(&mut alone[1], 5, None, &points).unwrap();
+        assert_eq!(tree, cuts(5, None, &points).0);
+    }
+
+    /// Points that move a little: the search that starts from the last cuts needs fewer messages and
+    /// keeps the axes.
+    #[test]
+    fn a_search_from_the_last_cuts_takes_fewer_messages() {
+        let points = cloud(20_000);
+        let (first, _) = cuts(8, None, &points);
+        let moved: Vec<_> = points.iter().map(|&[x, y, z]| [x + 0.03, y, 0.9 * z]).collect();
+        let ((from_scratch, many), (from_last, few)) =
+            (cuts(8, None, &moved), cuts(8, Some(&first), &moved));
+        assert!(few < many, "{few} messages, {many} from scratch");
+        assert!(largest_share(&from_last, &moved) < 1.04);
+        assert!(largest_share(&from_scratch, &moved) < 1.04);
+        let axes = |tree: &CutTree| -> Vec<usize> {
+            let axis = |cut: &Cut| match cut {
+                Cut::Plane { axis, .. } => *axis,
+                Cut::Leaf(_) => 3,
+            };
+            tree.entries.iter().map(axis).collect()
+        };
+        assert_eq!(axes(&from_last), axes(&first));
+    }
+
+    /// Points in planes cannot be divided within a plane, and no points at all still give a tree.
+    #[test]
+    fn planes_of_points_and_no_points_have_cuts_too() {
+        let layers: Vec<[f64; 3]> =
+            (0..4000).map(|i| [f64::from(i % 10), f64::from(i / 10 % 2), 0.0]).collect();
+        let (tree, _) = cuts(4, None, &layers);
+        assert!(largest_share(&tree, &layers) < 1.25);
+        let (tree, _) = cuts(3, None, &[]);
+        assert_eq!(tree.workers(), 3);
+        let (same, _) = cuts(3, None, &[[1.0; 3]; 50]);
+        assert_eq!(same.workers(), 3);
     }
 }

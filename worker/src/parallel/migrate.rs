@@ -4,7 +4,8 @@
 use crate::contact::Contact;
 use crate::contact::pairs::PairHistory;
 use crate::fem::blocks::LocalElement;
-use crate::nodes::{Nodes, OuterStepMean};
+use crate::math::row::Row;
+use crate::nodes::OuterStepMean;
 use crate::parallel::history_message::{put_histories, take_histories};
 use crate::parallel::partition::{LocalMesh, PartitionData};
 use bytemuck::{Pod, Zeroable};
@@ -144,7 +145,7 @@ pub fn migrate(
     local: &LocalMesh,
     contact: Option<&Contact>,
 ) -> Result<PartitionData, RankLost> {
-    let to = |e: &LocalElement| tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
+    let to = |e: &LocalElement| tree.worker_of(centre(&local.nodes.x, e.nodes, e.record.shape));
     let workers = comm.size() - 1;
     let parcels = pack_local(comm, local, contact, workers, to)?;
     exchange(comm, parcels)
@@ -286,11 +287,11 @@ fn pack<'a, 'b, N: Copy + Ord>(
     parcels.into_iter().map(Parcel::into_words).collect()
 }
 
-/// Returns the centre of an element [length].
-pub fn centre(columns: &Nodes, nodes: [u32; 8], shape: Shape) -> [f64; 3] {
+/// Returns the centre of an element with the nodes at `x` [length].
+pub fn centre(x: &[Row], nodes: [u32; 8], shape: Shape) -> [f64; 3] {
     let used = shape.corners();
     std::array::from_fn(|c| {
-        nodes[..used].iter().map(|&n| columns.x[n as usize][c]).sum::<f64>() / used as f64
+        nodes[..used].iter().map(|&n| x[n as usize][c]).sum::<f64>() / used as f64
     })
 }
 

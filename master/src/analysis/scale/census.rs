@@ -18,6 +18,8 @@ use crumple_worker::contact::surface::{Segment, Surface};
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::LocalElement;
 use crumple_worker::math::row::xyz;
+use crumple_worker::nodes::Nodes;
+use crumple_worker::parallel::contact_decomposition::boxes_of_parts;
 use crumple_worker::parallel::convergence::distances;
 use crumple_worker::parallel::ghosts;
 use crumple_worker::parallel::migrate::centre;
@@ -41,7 +43,7 @@ pub struct Count {
     pub held: u64,
     /// Nodes of own elements that the worker owns.
     pub owned: u64,
-    /// Owned nodes on the contact surface.
+    /// Nodes on the contact surface for which the worker searches.
     pub slaves: u64,
     /// Own segments.
     pub segments: u64,
@@ -88,19 +90,23 @@ pub struct Census {
     local_start: Vec<u32>,
     local: Vec<u32>,
     holders: Vec<u32>,
+    /// Cuts of the second decomposition, if contact has one.
+    contact: Option<CutTree>,
 }
 
 impl Census {
     /// Distributes the whole mesh to the boxes of `tree`, at the present positions of the
-    /// nodes. Contact pairs are counted later ([`Census::count_contact`]).
+    /// nodes. `contact` are the cuts of the second decomposition, if contact has one. Contact pairs
+    /// are counted later ([`Census::count_contact`]).
     ///
     /// # Panics
     /// If the engine is one of several.
-    pub fn new(engine: &Engine, tree: &CutTree) -> Self {
+    pub fn new(engine: &Engine, tree: &CutTree, contact: Option<CutTree>) -> Self {
         assert!(engine.halo.links.is_empty(), "the engine has the whole mesh");
         let (nodes, blocks) = (&engine.nodes, &engine.blocks);
         let workers = tree.workers();
-        let of = |e: &LocalElement| tree.worker_of(centre(nodes, e.nodes, e.record.shape)) as u32;
+        let is_static = contact.is_some();
+        let of = |e: &LocalElement| tree.worker_of(centre_for(nodes, e, is_static)) as u32;
         let worker: Vec<u32> = blocks.elements.iter().map(of).collect();
         let mut held: Vec<(u32, u32)> = Vec::new();
         for (e, &w) in blocks.elements.iter().zip(&worker) {
@@ -120,6 +126,7 @@ impl Census {
             local_start: Vec::new(),
             local: Vec::new(),
             holders: Vec::new(),
+            contact,
         };
         census.set_local(nodes.len(), &held, &[]);
         census.count_elements(engine);
@@ -136,13 +143,13 @@ impl Census {
     pub fn count_contact(&mut self, engine: &Engine) {
         let Some(contact) = &engine.contact else { return };
         for (slave, near) in contact.count_near() {
-            let owner = self.owner(slave);
-            self.counts[owner].near += near as u64;
+            let searcher = self.searcher(slave, &engine.nodes);
+            self.counts[searcher].near += near as u64;
         }
         let workers = self.workers_of_elements(engine);
         let mut partners: Vec<(u32, u32)> = Vec::new();
         for pair in contact.owned_table() {
-            let owner = self.owner_of_pair(&contact.surface, pair, &workers);
+            let owner = self.owner_of_pair((&contact.surface, &engine.nodes), pair, &workers);
             let mut others: Vec<u32> =
                 pair.local_nodes().flat_map(|n| self.local(n)).copied().collect();
             others.sort_unstable();
@@ -195,6 +202,14 @@ impl Census {
     /// Returns the worker that owns a node.
     fn owner(&self, node: u32) -> usize {
         self.holders(node)[0] as usize
+    }
+
+    /// Returns the worker that searches for a node.
+    fn searcher(&self, node: u32, nodes: &Nodes) -> usize {
+        match &self.contact {
+            Some(tree) => tree.worker_of(xyz(&nodes.x[node as usize])),
+            None => self.owner(node),
+        }
     }
 
     /// Stores the workers of each node; both lists contain (node, worker), ascending.
@@ -277,7 +292,7 @@ impl Census {
                 parts[w as usize].segments.push(*s);
             }
         }
-        surface.slaves.iter().for_each(|&n| parts[self.owner(n)].slaves.push(n));
+        surface.slaves.iter().for_each(|&n| parts[self.searcher(n, nodes)].slaves.push(n));
         let grow = covered(&engine.settings, surface, surface.largest_scale());
         // Ordered by the lower end along x, so that few segments are tested for each box.
         let mut bounds: Vec<(Aabb, u32)> = (0..)
@@ -286,11 +301,14 @@ impl Census {
             .collect();
         bounds.sort_unstable_by(|a, b| a.0.min[0].total_cmp(&b.0.min[0]));
         let widest = bounds.iter().map(|(b, _)| b.max[0] - b.min[0]).fold(0.0, f64::max);
+        let seeking: Vec<Aabb> = match &self.contact {
+            Some(tree) => boxes_of_parts(tree, &surface.segments, nodes),
+            None => parts.iter().map(|part| seeking(&engine.settings, part, nodes)).collect(),
+        };
         let mut copies: Vec<(u32, u32)> = Vec::new();
-        for (w, own) in (0u32..).zip(&parts) {
+        for ((w, own), seeking) in (0u32..).zip(&parts).zip(&seeking) {
             let count = &mut self.counts[w as usize];
             count.slaves = own.slaves.len() as u64;
-            let seeking = seeking(&engine.settings, own, nodes);
             if seeking.is_empty() {
                 continue;
             }
@@ -314,7 +332,7 @@ impl Census {
             self.counts[owner].exports += 1;
             self.counts[w as usize].exterior_nodes += 1;
         }
-        self.count_near([held, &copies], &parts, engine, grow);
+        self.count_near([held, &copies], &seeking, engine, grow);
         copies
     }
 
@@ -323,7 +341,7 @@ impl Census {
     fn count_near(
         &mut self,
         [held, copies]: [&[(u32, u32)]; 2],
-        parts: &[Surface],
+        seeking: &[Aabb],
         engine: &Engine,
         grow: f64,
     ) {
@@ -332,15 +350,14 @@ impl Census {
             .map(|&(n, w)| (self.owner(n), w as usize))
             .flat_map(|(o, w)| [(o, w), (w, o)])
             .collect();
-        let mut places: Vec<Vec<[f64; 3]>> = vec![Vec::new(); parts.len()];
+        let mut places: Vec<Vec<[f64; 3]>> = vec![Vec::new(); seeking.len()];
         held.iter().for_each(|&(n, w)| places[w as usize].push(xyz(&engine.nodes.x[n as usize])));
         let held: Vec<Aabb> = places.into_iter().map(Aabb::around).collect();
-        let seeking: Vec<Aabb> =
-            parts.iter().map(|p| seeking(&engine.settings, p, &engine.nodes)).collect();
         let one_way = |a: usize, b: usize| are_near(&seeking[a], &held[b], grow);
         let near = |a: usize, b: usize| one_way(a, b) || one_way(b, a) || copied.contains(&(a, b));
         for (w, count) in self.counts.iter_mut().enumerate() {
-            count.near_workers = (0..parts.len()).filter(|&o| o != w && near(w, o)).count() as u64;
+            count.near_workers =
+                (0..seeking.len()).filter(|&o| o != w && near(w, o)).count() as u64;
         }
     }
 
@@ -374,20 +391,30 @@ impl Census {
         all
     }
 
-    /// Returns the owner of a pair: that of the node, that of the lowest segment with the edge,
-    /// or that of the segment.
-    fn owner_of_pair(&self, surface: &Surface, pair: &Pair, workers: &[(ElemId, u32)]) -> u32 {
+    /// Returns the owner of a pair, which searches for its node, for the lowest segment with its
+    /// edge, or for its segment.
+    fn owner_of_pair(
+        &self,
+        (surface, nodes): (&Surface, &Nodes),
+        pair: &Pair,
+        workers: &[(ElemId, u32)],
+    ) -> u32 {
+        let of_segment = |s: &Segment| match &self.contact {
+            Some(_) => Some(self.searcher(s.nodes[0], nodes) as u32),
+            None => worker_of(workers, s.id.elem()),
+        };
         if pair.key.is_segment() {
-            let of_slave = worker_of(workers, pair.key.slave_quarter().0.elem());
-            return of_slave.unwrap_or_else(|| self.owner(pair.nodes[0]) as u32);
+            let id = pair.key.slave_quarter().0;
+            let place = surface.segments.binary_search_by_key(&id, |s| s.id).ok();
+            let of_slave = place.and_then(|place| of_segment(&surface.segments[place]));
+            return of_slave.unwrap_or_else(|| self.searcher(pair.nodes[0], nodes) as u32);
         }
         let [slave, far] = [pair.nodes[0], pair.nodes[1]];
         let of_edge = || {
             let place = surface.slaves.binary_search(&slave).ok()?;
-            let segment = surface.around(place).find(|s| s.nodes.contains(&far))?;
-            worker_of(workers, segment.id.elem())
+            of_segment(surface.around(place).find(|s| s.nodes.contains(&far))?)
         };
-        let of_node = self.owner(slave) as u32;
+        let of_node = self.searcher(slave, nodes) as u32;
         if pair.key.is_edge() { of_edge().unwrap_or(of_node) } else { of_node }
     }
 }
@@ -427,6 +454,13 @@ impl Count {
         }
         [messages, 8.0 * words]
     }
+}
+
+/// Returns the centre of an element that decides on its worker [length]: the present one, or with a
+/// second decomposition of contact that at the start, since elements then stay.
+pub fn centre_for(nodes: &Nodes, e: &LocalElement, is_static: bool) -> [f64; 3] {
+    let x = if is_static { &nodes.x0 } else { &nodes.x };
+    centre(x, e.nodes, e.record.shape)
 }
 
 /// Returns the worker of an element in a list of ascending ids.

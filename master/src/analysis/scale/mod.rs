@@ -20,11 +20,14 @@ use crate::run::decompose::{Centres, ElementLoads, Load, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{ProgressDisplay, RunState};
 use crate::stdout::say;
-use census::{Census, Count, messages_to_all};
+use census::{Census, Count, centre_for, messages_to_all};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::report::{PHASES, Phase};
+use crumple_proto::transport::threads;
 use crumple_worker::contact::Contact;
 use crumple_worker::engine::Engine;
+use crumple_worker::math::row::xyz;
+use crumple_worker::parallel::contact_decomposition;
 use crumple_worker::parallel::pair_exchange::TrafficEstimate;
 use kernels::{Kernels, STEPS, Watch};
 use model::{CostModel, Network, PredictedStep, WorkerStep};
@@ -218,7 +221,7 @@ fn sample(
     workers: &[usize],
     network: Network,
 ) -> Result<ScaleSample, String> {
-    let mut whole = count(engine, &CutTree::single());
+    let mut whole = count(engine, &CutTree::single(), None);
     let whole = whole.swap_remove(0);
     let kernels = watch.kernels(model, engine, &whole).map_err(|lost| lost.to_string())?;
     let costs = CostModel { kernels: &kernels, network };
@@ -227,7 +230,7 @@ fn sample(
     let mut predictions = Vec::new();
     for &n in workers {
         let tree = bisect(load.as_mut(), n).map_err(|lost| lost.to_string())?;
-        let counts = count(engine, &tree);
+        let counts = count(engine, &tree, contact_cuts(engine, n, None)?);
         let step = step(engine, &counts, n, costs, [alone.kernels, alone.search]);
         predictions.push(Prediction {
             workers: n,
@@ -249,9 +252,26 @@ fn sample(
     Ok(ScaleSample { at, cycle, whole, alone, kernels, grows_by, predictions })
 }
 
-/// Counts the elements, nodes, pairs and messages of each worker for the boxes of a tree.
-fn count(engine: &Engine, tree: &CutTree) -> Vec<Count> {
-    let mut census = Census::new(engine, tree);
+/// Returns the cuts of the second decomposition for a number of workers, from the `last` ones;
+/// `None` if contact has none.
+fn contact_cuts(
+    engine: &Engine,
+    workers: usize,
+    last: Option<&CutTree>,
+) -> Result<Option<CutTree>, String> {
+    let contact = engine.contact.as_ref().filter(|_| engine.settings.has_dual_decomposition());
+    let Some(contact) = contact else { return Ok(None) };
+    let place = |&n: &u32| xyz(&engine.nodes.x[n as usize]);
+    let points: Vec<[f64; 3]> = contact.surface.slaves.iter().map(place).collect();
+    let mut alone = threads::connect(2);
+    let cuts = contact_decomposition::bisect(&mut alone[1], workers, last, &points);
+    cuts.map(Some).map_err(|lost| lost.to_string())
+}
+
+/// Counts the elements, nodes, pairs and messages of each worker for the boxes of a tree and the
+/// cuts of a second decomposition of contact.
+fn count(engine: &Engine, tree: &CutTree, contact: Option<CutTree>) -> Vec<Count> {
+    let mut census = Census::new(engine, tree, contact);
     census.count_contact(engine);
     census.counts
 }
@@ -277,9 +297,15 @@ fn step(
     PredictedStep::new(&works, alone)
 }
 
-/// Returns the load for the decomposition. At the start it is the number of elements, as on the
+/// Returns the load for the decomposition of the elements. At the start, and at any time with a
+/// second decomposition of contact, it is the number of elements, as on the
 /// master; later the measured cost with that of pairs, as in a low redecomposition.
 fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
+    if engine.settings.has_dual_decomposition() {
+        let elements = engine.blocks.elements.iter();
+        let centres = elements.map(|e| centre_for(&engine.nodes, e, true)).collect();
+        return Box::new(Centres(centres));
+    }
     let mut loads = Vec::new();
     let units = |n: u64| n as f64;
     let elements: f64 = kernels.element.iter().zip(&whole.lanes).map(|(s, &n)| s * units(n)).sum();

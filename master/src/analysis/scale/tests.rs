@@ -48,16 +48,20 @@ fn counted(engine: &Engine, workers: usize) -> Count {
     }
 }
 
-/// Counts and messages of the workers of one run: some steps in parallel, a membership update
-/// with `tree`, and one more step.
+/// Counts and messages of the workers of one run: some steps in parallel from the boxes `first`, a
+/// membership update with `tree`, and one more step.
 struct Seen {
     count: Count,
     sent: Traffic,
 }
 
-fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> Vec<Seen> {
+fn side_by_side(
+    model: &Model,
+    workers: usize,
+    cycles: u64,
+    [first, tree]: [&CutTree; 2],
+) -> Vec<Seen> {
     let centres = centres(model);
-    let first = bisect(&mut Centres(centres.clone()), workers).unwrap();
     let run = |comm: &mut dyn Transport, share: PartitionData| {
         let mut engine = Engine::new(comm, model.settings.clone(), first.clone(), share).unwrap();
         while engine.clock.cycle < cycles {
@@ -85,7 +89,7 @@ fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> V
         };
         Seen { count, sent }
     };
-    on_threads(deal(model, &centres, &first, workers), run)
+    on_threads(deal(model, &centres, first, workers), run)
 }
 
 /// Compares predicted counts with real ones for some numbers of workers. Returns the number of
@@ -94,18 +98,28 @@ fn compare(model: &Model, cycles: u64) -> u64 {
     let mut pairs = 0;
     for workers in [2, 4, 7] {
         let mut census = None;
+        let first = bisect(&mut Centres(centres(model)), workers).unwrap();
+        let mut first_contact = None;
         run_alone(model, |engine| {
+            if engine.clock.cycle == 0 {
+                first_contact = contact_cuts(engine, workers, None).unwrap();
+            }
             if engine.clock.cycle == cycles {
                 let mut centres = Vec::new();
                 engine.for_each_load(&[0.0; PHASES.len()], 0.0, |c, _| centres.push(c));
-                let tree = bisect(&mut Centres(centres), workers).unwrap();
-                census = Some((Census::new(engine, &tree), tree));
+                // With a second decomposition elements stay in the boxes of the start.
+                let tree = match first_contact {
+                    Some(_) => first.clone(),
+                    None => bisect(&mut Centres(centres), workers).unwrap(),
+                };
+                let contact = contact_cuts(engine, workers, first_contact.as_ref()).unwrap();
+                census = Some((Census::new(engine, &tree, contact), tree));
             } else if let Some((census, tree)) =
                 census.as_mut().filter(|_| engine.clock.cycle == cycles + 1)
             {
                 // Pairs belong to the step that starts with these members.
                 census.count_contact(engine);
-                let seen = side_by_side(model, workers, cycles, tree);
+                let seen = side_by_side(model, workers, cycles, [&first, tree]);
                 for (w, (mut counted, seen)) in census.counts.iter().cloned().zip(seen).enumerate()
                 {
                     pairs += counted.pairs;
@@ -149,6 +163,16 @@ fn counts_are_those_of_workers_side_by_side_with_a_rigid_body() {
 #[test]
 fn counts_are_those_of_workers_side_by_side_in_contact() {
     assert!(compare(&model("bars", &["scene.elements=60", "output.history_interval=100"]), 30) > 0);
+}
+
+/// A second decomposition of contact: shells in flight, and bars in contact with pairs whose worker
+/// owns none of their nodes.
+#[test]
+fn counts_are_those_of_workers_side_by_side_with_a_second_decomposition() {
+    let rows = "output.history_interval=100";
+    let rcb = "parallel.contact=\"rcb\"";
+    assert_eq!(compare(&model("tumble", &[rows, rcb]), 3), 0);
+    assert!(compare(&model("bars", &["scene.elements=60", rows, rcb]), 30) > 0);
 }
 
 /// Runs the whole command on a small scene. Work of one worker is measured and predicted alike,
