@@ -27,9 +27,10 @@ COLOURS = {
     "thickness": ("thickness", "thickness [{length}]", "viridis"),
     "part": ("part", "part", "tab10"),
     "worker": ("worker", "worker", "tab10"),
+    "contact_worker": ("contact_worker", "worker of the contact search", "tab10"),
     "class": ("class", "0 interior, 1 interface, 2 exterior", "Set1"),
 }
-WHOLE = ("part", "worker", "class")  # arrays of integers
+WHOLE = ("part", "worker", "contact_worker", "class")  # arrays of integers
 EXTERIOR = 2  # class of a ghost element
 # View -> window [pixel] and its panels from the top down: share of the height, direction from the
 # model to the camera, visible part. The model points to -x, y is across, z is up. The cameras of
@@ -380,6 +381,9 @@ def arguments():
     )
     parser.add_argument("--no-wall", action="store_true", help="draw no wall")
     parser.add_argument(
+        "--undeformed", action="store_true", help="draw the elements where they were at the start"
+    )
+    parser.add_argument(
         "--edges", choices=("auto", "yes", "no"), default="auto", help="draw the shells' edges"
     )
     parser.add_argument("--time-unit", default="ms")
@@ -403,6 +407,10 @@ def main():
     points = undeformed(first)
     start = [f(points[:, i]) for i in range(3) for f in (min, max)]
     chosen = [(time, read_mesh(pv, files)) for time, files in nearest(steps, args.times)]
+    if args.undeformed:
+        for _, mesh in chosen:
+            mesh.points = undeformed(mesh)
+            mesh.point_data.pop("displacement", None)
     out = args.out or args.run / "pictures"
     out.mkdir(parents=True, exist_ok=True)
     written = []

@@ -21,6 +21,8 @@ struct CellColumns {
     thickness: Vec<f32>,
     part: Vec<u32>,
     worker: Vec<u32>,
+    /// Empty without a second decomposition of contact.
+    contact_worker: Vec<u32>,
     class: Vec<u8>,
     element_id: Vec<i64>,
 }
@@ -145,7 +147,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
                 Class::Interior => vtu::INTERIOR,
                 Class::Interface => vtu::INTERFACE,
             });
-            c.name(engine, e.record.part, e.record.id);
+            c.name(engine, e.record.part, e.record.id, e.nodes[0]);
         }
     }
     c
@@ -167,15 +169,19 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
         c.stress.push([0.0; 6]);
         c.thickness.push(2.0 * s.half_thickness as f32);
         c.class.push(vtu::EXTERIOR);
-        c.name(engine, s.part, s.id.elem());
+        c.name(engine, s.part, s.id.elem(), s.nodes[0]);
     }
     c
 }
 
 impl CellColumns {
-    fn name(&mut self, engine: &Engine, part: u32, id: ElemId) {
+    fn name(&mut self, engine: &Engine, part: u32, id: ElemId, first_node: u32) {
         self.part.push(engine.settings.parts[part as usize].id);
         self.worker.push(engine.nodes.me);
+        if let Some(regions) = &engine.halo.regions {
+            let place = xyz(&engine.nodes.x[first_node as usize]);
+            self.contact_worker.push(regions.tree.worker_of(place) as u32);
+        }
         self.element_id.push(id.label() as i64);
     }
 }
@@ -188,6 +194,19 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
         (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
     let velocity = rows(&n.v);
     let spin = if n.rotations { rows(&n.w) } else { vec![[0.0; 3]; points] };
+    let mut cell_arrays = vec![
+        vtu::PLASTIC_STRAIN.with(&c.plastic_strain),
+        vtu::VON_MISES.with(&c.von_mises),
+        vtu::STRESS.with(&c.stress),
+        vtu::THICKNESS.with(&c.thickness),
+        vtu::PART.with(&c.part),
+        vtu::WORKER.with(&c.worker),
+        vtu::CLASS.with(&c.class),
+        vtu::ELEMENT_ID.with(&c.element_id),
+    ];
+    if engine.halo.regions.is_some() {
+        cell_arrays.push(vtu::CONTACT_WORKER.with(&c.contact_worker));
+    }
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.label() as i64).collect();
     let piece = FieldPiece {
         time: engine.clock.time,
@@ -199,16 +218,7 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
             vtu::NODE_ID.with(&ids),
         ],
         cells: &c.cells,
-        cell_arrays: &[
-            vtu::PLASTIC_STRAIN.with(&c.plastic_strain),
-            vtu::VON_MISES.with(&c.von_mises),
-            vtu::STRESS.with(&c.stress),
-            vtu::THICKNESS.with(&c.thickness),
-            vtu::PART.with(&c.part),
-            vtu::WORKER.with(&c.worker),
-            vtu::CLASS.with(&c.class),
-            vtu::ELEMENT_ID.with(&c.element_id),
-        ],
+        cell_arrays: &cell_arrays,
     };
     piece.write(path)
 }

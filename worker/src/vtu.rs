@@ -84,6 +84,9 @@ pub const THICKNESS: Array = array("thickness", 1, NumberType::F32);
 pub const PART: Array = array("part", 1, NumberType::U32);
 /// Number of the worker that wrote the piece, counted from 0.
 pub const WORKER: Array = array("worker", 1, NumberType::U32);
+/// Number of the worker that searches for contact at the first node of the element, counted from 0.
+/// Only with a second decomposition of contact ([`cell_arrays`]).
+pub const CONTACT_WORKER: Array = array("contact_worker", 1, NumberType::U32);
 /// Class of the element on that worker: [`INTERIOR`], [`INTERFACE`] or [`EXTERIOR`].
 pub const CLASS: Array = array("class", 1, NumberType::U8);
 /// Global element id.
@@ -101,6 +104,12 @@ pub const POINT_ARRAYS: &[Array] = &[DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY
 /// Arrays on cells, in the order of the file.
 pub const CELL_ARRAYS: &[Array] =
     &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
+
+/// Returns the arrays on cells, in the order of the file; `dual` if contact has a second
+/// decomposition.
+pub fn cell_arrays(dual: bool) -> Vec<Array> {
+    CELL_ARRAYS.iter().copied().chain(dual.then_some(CONTACT_WORKER)).collect()
+}
 
 /// Returns the folder of an output time within the folder of the fields.
 pub fn step_folder(step: usize) -> String {
@@ -249,7 +258,7 @@ pub struct FieldPiece<'a> {
     pub point_arrays: &'a [FieldColumn<'a>],
     /// Cells.
     pub cells: &'a Cells,
-    /// One column for each of [`CELL_ARRAYS`], in that order.
+    /// One column for each of [`cell_arrays`], in that order.
     pub cell_arrays: &'a [FieldColumn<'a>],
 }
 
@@ -264,7 +273,8 @@ impl FieldPiece<'_> {
 
     fn check(&self) -> Result<(), String> {
         check_columns("point", POINT_ARRAYS, self.point_arrays, self.points.len())?;
-        check_columns("cell", CELL_ARRAYS, self.cell_arrays, self.cells.len())?;
+        let dual = self.cell_arrays.len() > CELL_ARRAYS.len();
+        check_columns("cell", &cell_arrays(dual), self.cell_arrays, self.cells.len())?;
         let points = self.points.len() as i64;
         match self.cells.connectivity.iter().find(|&&corner| corner >= points) {
             Some(corner) => Err(format!("a cell uses point {corner}, but there are {points}")),

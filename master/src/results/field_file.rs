@@ -313,7 +313,7 @@ mod tests {
     #[test]
     fn a_series_is_read_back_as_it_was_written() {
         let dir = tempfile::tempdir().unwrap();
-        let mut series = FieldSeries::new(dir.path());
+        let mut series = FieldSeries::new(dir.path(), false);
         for (index, time) in [(0, 0.0), (3, 0.125)] {
             write_triangle(&dir.path().join(vtu::step_folder(index)).join(vtu::piece_name(0)));
             series.add(index, time, 1).unwrap();

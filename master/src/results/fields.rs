@@ -26,12 +26,15 @@ pub struct FieldSeries {
     dir: PathBuf,
     /// Index and time of the steps so far, in order of arrival.
     steps: Vec<(usize, f64)>,
+    /// True if contact has a second decomposition; see [`vtu::cell_arrays`].
+    dual: bool,
 }
 
 impl FieldSeries {
-    /// Creates an empty series in the folder `dir`. Nothing is written before the first step.
-    pub fn new(dir: &Path) -> Self {
-        Self { dir: dir.to_owned(), steps: Vec::new() }
+    /// Creates an empty series in the folder `dir`; `dual` if contact has a second decomposition.
+    /// Nothing is written before the first step.
+    pub fn new(dir: &Path, dual: bool) -> Self {
+        Self { dir: dir.to_owned(), steps: Vec::new(), dual }
     }
 
     /// Continues a series after a checkpoint: removes all other steps in the folder.
@@ -82,17 +85,23 @@ impl FieldSeries {
     /// same index.
     pub fn add(&mut self, step_index: usize, time: f64, workers: usize) -> io::Result<()> {
         let folder = self.dir.join(vtu::step_folder(step_index));
-        write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name))?;
+        let arrays = vtu::cell_arrays(self.dual);
+        write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name), &arrays)?;
         self.steps.retain(|&(index, _)| index != step_index);
         self.steps.push((step_index, time));
         if workers > 1 {
-            write_step(&folder.join(STEP_EXTERIOR_FILE), (0..workers).map(vtu::exterior_name))?;
+            let pieces = (0..workers).map(vtu::exterior_name);
+            write_step(&folder.join(STEP_EXTERIOR_FILE), pieces, &arrays)?;
         }
         self.write_collections()
     }
 }
 
-fn write_step(path: &Path, pieces: impl Iterator<Item = String>) -> io::Result<()> {
+fn write_step(
+    path: &Path,
+    pieces: impl Iterator<Item = String>,
+    cell_arrays: &[Array],
+) -> io::Result<()> {
     vtu::write_whole(path, |out| {
         let order = vtu::BYTE_ORDER;
         writeln!(out, r#"<?xml version="1.0"?>"#)?;
@@ -103,7 +112,7 @@ fn write_step(path: &Path, pieces: impl Iterator<Item = String>) -> io::Result<(
         writeln!(out, r#"<PUnstructuredGrid GhostLevel="0">"#)?;
         write_arrays(out, "PPoints", &[vtu::POINTS])?;
         write_arrays(out, "PPointData", vtu::POINT_ARRAYS)?;
-        write_arrays(out, "PCellData", vtu::CELL_ARRAYS)?;
+        write_arrays(out, "PCellData", cell_arrays)?;
         for piece in pieces {
             writeln!(out, r#"<Piece Source="{piece}"/>"#)?;
         }
@@ -151,7 +160,7 @@ mod tests {
     #[test]
     fn a_step_written_again_stands_once_and_one_worker_has_no_exterior() {
         let dir = tempfile::tempdir().unwrap();
-        let mut series = FieldSeries::new(dir.path());
+        let mut series = FieldSeries::new(dir.path(), false);
         series.add(0, 0.0, 1).unwrap();
         series.add(7, 1.0, 1).unwrap();
         series.add(7, 1.5, 1).unwrap();

@@ -15,7 +15,9 @@ use crate::run::log::Logs;
 #[cfg(feature = "mpi")]
 use crate::run::log::RankLog;
 use crate::run::service::Service;
-use crate::run::service::signals::{self, Manner};
+#[cfg(feature = "mpi")]
+use crate::run::service::signals;
+use crate::run::service::signals::Manner;
 use crate::run::supervise;
 use crate::stdout::say;
 use crumple_proto::disk;

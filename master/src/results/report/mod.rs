@@ -354,7 +354,7 @@ mod tests {
 
         let fields = dir.path().join("fields");
         std::fs::create_dir(&fields).unwrap();
-        let mut writer = crate::results::fields::FieldSeries::new(&fields);
+        let mut writer = crate::results::fields::FieldSeries::new(&fields, false);
         writer.add(0, 0.0, 2).unwrap();
         let made = write(dir.path(), true).unwrap();
         assert_eq!(made.problems.len(), 3, "summary and two pieces: {:?}", made.problems);

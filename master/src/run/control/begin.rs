@@ -35,7 +35,8 @@ impl<'a> Control<'a> {
         let workers = comm.size() - 1;
         std::fs::create_dir_all(out).map_err(output_error(out))?;
         let mut checkpoints = new_checkpoints(model, out, workers, stamp);
-        let mut series = FieldSeries::new(&out.join(fields::DIR));
+        let dual = model.settings.has_dual_decomposition();
+        let mut series = FieldSeries::new(&out.join(fields::DIR), dual);
         let known = match &mut from {
             Some((from, _)) => Some(restore_files(from, out, &mut checkpoints, &mut series)?),
             None => {
