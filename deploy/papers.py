@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Figures of the two papers, made again with Crumple: one command for each.
 
-    deploy/papers.py --list                     the figures, with what is measured and what is modelled
+    deploy/papers.py --list                     the figures
     deploy/papers.py pronto-14                  one figure
-    deploy/papers.py all                        all of them; about an hour on two cores
+    deploy/papers.py all                        all of them
 
-Each figure is a CSV and a PNG in `papers/` in the folder of its scene under cases/, or in --out DIR.
-The script builds nothing: run `cargo build --release -p crumple` first, or name another program with
---crumple. Charts need matplotlib, pictures pyvista (deploy/requirements.txt).
+Each figure is a CSV and a PNG, or pictures, in `papers/` in the folder of its scene under cases/,
+or in --out DIR. The script builds nothing: run `cargo build --release -p crumple` first, or name
+another program with --crumple. Charts need matplotlib, pictures pyvista (deploy/requirements.txt).
 
-measured: CPU time of the slowest worker in each cycle, without waiting and without messages, in runs
-on this machine. More workers than cores take turns, so wall time shows nothing.
+measured: CPU time of the slowest worker in each cycle, without waiting, in runs on this machine.
+More workers than cores take turns, so wall time shows nothing.
 modelled: `crumple scale` counts elements, nodes, pairs and messages of each worker and multiplies
 them by costs measured here on one worker; a message takes 2 us, and a connection carries 10 GB/s.
 """
@@ -178,12 +178,13 @@ def scaled(scene, name, title):
                 # Meshes are not divided into exactly equal parts.
                 grown = run["elements"] / (n * alone["elements"])
                 measured.append((n, 100 * grown * alone["step"] / run["step"]))
-                rows.append((n, "measured", run["elements"], measured[-1][1]))
+                rows.append((n, "measured", round(run["elements"] / n), measured[-1][1]))
             if n > 1:
                 row = maker.modelled(scene, (n,), sets)[0]
                 modelled.append((n, 100 * step / row["step [us]"]))
-                rows.append((n, "modelled", run["elements"] / n * n if n in RUN_ON else "", modelled[-1][1]))
-        header = ("workers", "kind", "elements", "scaled efficiency [%]")
+                most = int(row["elements most"])
+                rows.append((n, "modelled", most, modelled[-1][1]))
+        header = ("workers", "kind", "elements of the largest part", "scaled efficiency [%]")
         maker.write(scene, name, header, rows)
         curves = [
             ("work of the slowest worker, measured", "o-", measured),

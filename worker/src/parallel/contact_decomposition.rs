@@ -358,8 +358,8 @@ mod tests {
         assert_eq!(tree, cuts(5, None, &points).0);
     }
 
-    /// Points that move a little: the search that starts from the last cuts needs fewer messages and
-    /// keeps the axes.
+    /// Points that move a little: the search that starts from the last cuts needs fewer messages
+    /// and keeps the axes.
     #[test]
     fn a_search_from_the_last_cuts_takes_fewer_messages() {
         let points = cloud(20_000);

@@ -338,7 +338,7 @@ fn read(mail: &mut Mailbox, nodes: &Nodes) -> Pair {
 
 /// Estimate of the messages between two workers with shared pairs in a step, without the
 /// exchange of the pairs themselves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrafficEstimate {
     /// Number of sweeps of both workers.
     pub sweeps: f64,
@@ -346,27 +346,30 @@ pub struct TrafficEstimate {
     pub messages: f64,
     /// Number of header words, and number of words per pair that is sent to the other worker.
     pub words: [f64; 2],
+    /// Number of sweeps with a message for each phase of pairs in order.
+    pub phased_sweeps: f64,
 }
 
 impl TrafficEstimate {
     /// Estimates the traffic of a step that takes `alone` sweeps on one worker, if the workers
-    /// detect convergence after `quiet` rounds without a change. It counts the messages of
-    /// the contact solver and is a lower bound.
+    /// detect convergence after `quiet` rounds without a change, and pairs in order have this
+    /// number of `phases`. It counts the messages of the contact solver without accelerated sweeps.
     ///
-    /// Each sweep has one message for the forces. It has a second one for predictor forces, or
-    /// for the forces of a phase of pairs in order. The computation of the phases takes at least
-    /// as many rounds as the detection of its end. The last sweep of one worker changes nothing;
-    /// several workers make `quiet` such sweeps, up to the largest number of sweeps of the laws.
-    /// If interfaces have different iterations, each iteration has its messages in every sweep,
-    /// and the forces are exchanged once more.
-    pub fn estimate(laws: &Laws, alone: f64, quiet: u64) -> Self {
+    /// Each sweep has one message for the forces. It has a second one for predictor forces, and
+    /// one for each phase of pairs in order, which are counted apart. The phases are known after
+    /// one round each, and the end of this computation after `quiet` more. The last sweep of one
+    /// worker changes nothing; several workers make `quiet` such sweeps, up to the largest number
+    /// of sweeps of the laws. If interfaces have different iterations, each iteration has its
+    /// messages in every sweep, and the forces are exchanged once more.
+    pub fn estimate(laws: &Laws, alone: f64, quiet: u64, phases: u64) -> Self {
+        let rounds = quiet as f64 + phases.saturating_sub(1) as f64;
         let quiet = quiet as f64;
         let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
         let of_one = |iteration: &Iteration| match iteration {
             Iteration::Split => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
             Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
             Iteration::GaussSeidel => {
-                [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps]
+                [rounds + sweeps, 2.0 * (rounds + sweeps), rounds + 6.0 * sweeps]
             }
         };
         let common = if laws.iterations().len() > 1 {
@@ -379,6 +382,8 @@ impl TrafficEstimate {
         let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|i| sum[i] + one[i]);
         let [messages, lead, each] =
             laws.iterations().iter().map(of_one).fold(add(common, flags), add);
-        Self { sweeps, messages, words: [lead, each] }
+        let phased = laws.iterations().contains(&Iteration::GaussSeidel);
+        let phased_sweeps = if phased { sweeps } else { 0.0 };
+        Self { sweeps, messages, words: [lead, each], phased_sweeps }
     }
 }

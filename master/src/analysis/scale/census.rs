@@ -13,7 +13,7 @@ use crumple_proto::transport::{MaxReduction, messages_of_sum};
 use crumple_worker::constraints::rigid::{ACTING_WORDS, MET_WORDS};
 use crumple_worker::contact::Contact;
 use crumple_worker::contact::beams::with_edges;
-use crumple_worker::contact::pairs::Pair;
+use crumple_worker::contact::pairs::{Pair, PairTable};
 use crumple_worker::contact::surface::{Segment, Surface};
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::blocks::LocalElement;
@@ -75,6 +75,11 @@ pub struct Count {
     /// Rounds after which the worker knows that none of the workers connected to it by contact
     /// pairs, directly or indirectly, changes a force any more.
     pub quiet: u64,
+    /// Phases of Gauss-Seidel sweeps of the workers connected to it by contact pairs, directly or
+    /// indirectly.
+    pub phases: u64,
+    /// Messages with the forces of a phase in a sweep, to all partners.
+    pub phase_messages: u64,
     /// Owned nodes of rigid bodies with forces.
     pub members: u64,
 }
@@ -148,7 +153,8 @@ impl Census {
         }
         let workers = self.workers_of_elements(engine);
         let mut partners: Vec<(u32, u32)> = Vec::new();
-        for pair in contact.owned_table() {
+        let mut owners: Vec<(u32, Vec<u32>)> = Vec::new();
+        for pair in &contact.table.pairs {
             let owner = self.owner_of_pair((&contact.surface, &engine.nodes), pair, &workers);
             let mut others: Vec<u32> =
                 pair.local_nodes().flat_map(|n| self.local(n)).copied().collect();
@@ -160,17 +166,46 @@ impl Census {
             self.counts[owner as usize].copied_words +=
                 (others.len() * pair_exchange::message_words(pair)) as u64;
             partners.extend(others.iter().flat_map(|&w| [(owner, w), (w, owner)]));
+            owners.push((owner, others));
         }
         partners.sort_unstable();
         partners.dedup();
         partners.iter().for_each(|p| self.counts[p.0 as usize].partners += 1);
-        self.count_quiet(&partners);
+        let phases = self.count_phases(&contact.table, &owners);
+        self.count_quiet(&partners, &phases);
+    }
+
+    /// Counts the messages of each phase of Gauss-Seidel sweeps. `owners` are the owner of each
+    /// pair and the other workers that know it. Returns the number of phases of the pairs of each
+    /// worker.
+    ///
+    /// A pair comes in a later phase than earlier pairs of other workers with a common node, and
+    /// not in an earlier phase than such pairs of its own worker (`pairs/schedule.rs`).
+    fn count_phases(&mut self, table: &PairTable, owners: &[(u32, Vec<u32>)]) -> Vec<u64> {
+        let mut phases = vec![0_u64; self.counts.len()];
+        // Last phase at each node by worker.
+        let mut last: HashMap<u32, BTreeMap<u32, u32>> = HashMap::new();
+        let mut sent: BTreeSet<(u32, u32, u32)> = BTreeSet::new();
+        for i in table.sweep_order() {
+            let (pair, (owner, others)) = (&table.pairs[i as usize], &owners[i as usize]);
+            let after = |(w, phase): (&u32, &u32)| phase + u32::from(w != owner);
+            let at_nodes = pair.local_nodes().filter_map(|n| last.get(&n));
+            let phase = at_nodes.flat_map(|by| by.iter().map(after)).max().unwrap_or(0);
+            for n in pair.local_nodes() {
+                let known = last.entry(n).or_default().entry(*owner).or_default();
+                *known = phase.max(*known);
+            }
+            phases[*owner as usize] = phases[*owner as usize].max(u64::from(phase) + 1);
+            sent.extend(others.iter().map(|&to| (*owner, to, phase)));
+        }
+        sent.iter().for_each(|s| self.counts[s.0 as usize].phase_messages += 1);
+        phases
     }
 
     /// Counts the rounds of convergence detection: one more than the largest distance of two
     /// workers that `partners`, in both directions and ascending, connect directly or
-    /// indirectly.
-    fn count_quiet(&mut self, partners: &[(u32, u32)]) {
+    /// indirectly. The largest number of `phases` of such workers is that of all of them.
+    fn count_quiet(&mut self, partners: &[(u32, u32)], phases: &[u64]) {
         let mut neighbours: BTreeMap<u64, Vec<u64>> = BTreeMap::new();
         partners.iter().for_each(|&(a, b)| neighbours.entry(a.into()).or_default().push(b.into()));
         // Lowest worker that each worker is connected to, and the distance to the farthest one.
@@ -181,11 +216,15 @@ impl Census {
                 (w, to.keys().next().copied().unwrap_or(w), to.values().copied().max().unwrap_or(0))
             })
             .collect();
-        let mut widest: BTreeMap<u64, u64> = BTreeMap::new();
-        for &(_, group, far) in &reached {
-            widest.entry(group).and_modify(|w| *w = far.max(*w)).or_insert(far);
+        let mut widest: BTreeMap<u64, [u64; 2]> = BTreeMap::new();
+        for &(w, group, far) in &reached {
+            let most = widest.entry(group).or_default();
+            *most = [most[0].max(far), most[1].max(phases[w as usize])];
         }
-        reached.iter().for_each(|(w, group, _)| self.counts[*w as usize].quiet = widest[group] + 1);
+        for (w, group, _) in &reached {
+            let count = &mut self.counts[*w as usize];
+            [count.quiet, count.phases] = [widest[group][0] + 1, widest[group][1]];
+        }
     }
 
     /// Returns the workers that have a node, as local or ghost node.

@@ -285,14 +285,13 @@ fn step(
     costs: CostModel<'_>,
     alone: [f64; 2],
 ) -> PredictedStep {
-    let none = TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
-    let exchange = |quiet| {
+    let exchange = |count: &Count| {
+        let sweeps = costs.kernels.sweeps;
         let estimate =
-            |c: &Contact| TrafficEstimate::estimate(c.laws(), costs.kernels.sweeps, quiet);
-        engine.contact.as_ref().map_or(none, estimate)
+            |c: &Contact| TrafficEstimate::estimate(c.laws(), sweeps, count.quiet, count.phases);
+        engine.contact.as_ref().map_or(TrafficEstimate::default(), estimate)
     };
-    let of =
-        |c: &Count| WorkerStep::new(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
+    let of = |c: &Count| WorkerStep::new(c, c.traffic(engine, workers), Some(exchange(c)), costs);
     let works: Vec<WorkerStep> = counts.iter().map(of).collect();
     PredictedStep::new(&works, alone)
 }

@@ -84,6 +84,7 @@ impl WorkerStep {
         let [mut messages, mut bytes] = traffic;
         if let Some(e) = partners {
             messages += units(count.partners) * e.messages;
+            messages += units(count.phase_messages) * e.phased_sweeps;
             bytes += 8.0 * (units(count.partners) * e.words[0] + units(count.copies) * e.words[1]);
         }
         let surface = units(count.segments + count.exterior_segments + count.slaves);
@@ -175,7 +176,7 @@ mod tests {
             (alone.kernels - (800.0 * 1.2e-7 + 40.0 * 5e-8)).abs() < 1e-18 && alone.messages == 0.0
         );
         let together = |counts: &[Count], traffic, latency| {
-            let exchange = Some(TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] });
+            let exchange = Some(TrafficEstimate::default());
             let works: Vec<WorkerStep> = counts
                 .iter()
                 .map(|c| WorkerStep::new(c, traffic, exchange, costs(latency)))

@@ -116,6 +116,11 @@ pub fn run_all(
     }
 }
 
+/// Returns the number of workers of a point: that of its settings, or else 1.
+fn workers(sets: &[String]) -> &str {
+    sets.iter().rev().find_map(|set| set.strip_prefix("parallel.workers=")).unwrap_or("1")
+}
+
 /// Runs a point. Returns none if the user stopped it.
 fn one(
     study: &Study,
@@ -134,7 +139,7 @@ fn one(
     command
         .arg("run")
         .arg(&study.job)
-        .args(["--workers", "1", "--quiet", "--no-report", "--out"])
+        .args(["--workers", workers(&point.sets), "--quiet", "--no-report", "--out"])
         .arg(&folder);
     for set in &point.sets {
         command.args(["--set", set]);

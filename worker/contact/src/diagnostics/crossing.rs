@@ -27,8 +27,8 @@ pub struct Crossing {
 }
 
 /// Returns the crossings of own edges in ascending order, each once. An edge is own if its node
-/// with the lower id is a slave. All edges of shells are checked, and the edges between two faces of
-/// solids. The call is valid only when all nodes of the surface are at the same time, up to one
+/// with the lower id is a slave. All edges of shells are checked, and the edges between two faces
+/// of solids. The call is valid only when all nodes of the surface are at the same time, up to one
 /// step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> Vec<Crossing> {
     let lines = EdgeTable::new(surface, nodes);

@@ -125,6 +125,13 @@ impl PairTable {
         Ok(())
     }
 
+    /// Returns the indices of all pairs in the order of the sweeps.
+    pub fn sweep_order(&self) -> Vec<u32> {
+        let mut order = SweepSchedule::default();
+        self.order_blocks(&mut order);
+        order.sequence
+    }
+
     /// Lists all pairs in the order of the sweeps. The pairs of a block follow each other, because
     /// pairs are in ascending order of their keys.
     fn order_blocks(&self, order: &mut SweepSchedule) {
