@@ -239,7 +239,8 @@ def picture(scene, name, times, colours, sets=(), workers=1, undeformed=False):
 
     def make(maker):
         every = [f"output.field_times=[{', '.join(f'{t:.4g}' for t in times)}]"]
-        sets_of_run = [*every, "output.field_interval=-1", f"end_time={max(times)}", *sets]
+        until = f"end_time={max(times)}" if max(times) > 0 else "time.max_cycles=1"
+        sets_of_run = [*every, "output.field_interval=-1", until, *sets]
         words = ("--workers", str(workers), "--quiet", "--no-report")
         out = maker.call("run", scene, sets_of_run, *words)
         for flat in (False, True) if undeformed else (False,):

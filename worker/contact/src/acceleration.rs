@@ -60,6 +60,11 @@ pub struct AccelerationStep {
     pub forces: Option<Forces>,
 }
 
+/// Returns the largest number of words of the sum over all workers in an accelerated sweep.
+pub fn words_of_sum() -> usize {
+    (2 * DEPTH + 2) * WORDS + 1
+}
+
 impl Acceleration {
     /// Adds a sweep to the history. `pairs` includes the own pairs with their final forces,
     /// `before` holds their forces before the sweep, and `changed` is true if the sweep has

@@ -15,7 +15,7 @@
 //! surfaces, half a thickness away from the nodes. So it also rotates nodes, and their
 //! rotational velocities are part of the sliding velocity, in all sweeps ([`Pair::lever`]).
 
-mod acceleration;
+pub mod acceleration;
 pub mod approach;
 pub mod beams;
 mod candidates;

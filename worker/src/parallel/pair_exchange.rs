@@ -348,12 +348,15 @@ pub struct TrafficEstimate {
     pub words: [f64; 2],
     /// Number of sweeps with a message for each phase of pairs in order.
     pub phased_sweeps: f64,
+    /// Number of accelerated sweeps, each with a sum over all workers.
+    pub accelerated_sweeps: f64,
 }
 
 impl TrafficEstimate {
     /// Estimates the traffic of a step that takes `alone` sweeps on one worker, if the workers
     /// detect convergence after `quiet` rounds without a change, and pairs in order have this
-    /// number of `phases`. It counts the messages of the contact solver without accelerated sweeps.
+    /// number of `phases`. It counts the messages of the contact solver. Sweeps of one worker
+    /// beyond the largest number of the laws are accelerated ones.
     ///
     /// Each sweep has one message for the forces. It has a second one for predictor forces, and
     /// one for each phase of pairs in order, which are counted apart. The phases are known after
@@ -384,6 +387,7 @@ impl TrafficEstimate {
             laws.iterations().iter().map(of_one).fold(add(common, flags), add);
         let phased = laws.iterations().contains(&Iteration::GaussSeidel);
         let phased_sweeps = if phased { sweeps } else { 0.0 };
-        Self { sweeps, messages, words: [lead, each], phased_sweeps }
+        let accelerated_sweeps = (alone - laws.sweeps() as f64).max(0.0);
+        Self { sweeps, messages, words: [lead, each], phased_sweeps, accelerated_sweeps }
     }
 }

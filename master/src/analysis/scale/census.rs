@@ -12,6 +12,7 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::transport::{MaxReduction, messages_of_sum};
 use crumple_worker::constraints::rigid::{ACTING_WORDS, MET_WORDS};
 use crumple_worker::contact::Contact;
+use crumple_worker::contact::acceleration::words_of_sum;
 use crumple_worker::contact::beams::with_edges;
 use crumple_worker::contact::pairs::{Pair, PairTable};
 use crumple_worker::contact::surface::{Segment, Surface};
@@ -23,7 +24,7 @@ use crumple_worker::parallel::contact_decomposition::boxes_of_parts;
 use crumple_worker::parallel::convergence::distances;
 use crumple_worker::parallel::ghosts;
 use crumple_worker::parallel::migrate::centre;
-use crumple_worker::parallel::pair_exchange;
+use crumple_worker::parallel::pair_exchange::{self, TrafficEstimate};
 use crumple_worker::parallel::partition::{are_near, covered, seeking};
 use crumple_worker::parallel::reduction;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -459,6 +460,18 @@ impl Census {
 }
 
 impl Count {
+    /// Returns [`Self::traffic`] with the sums over all workers of the accelerated sweeps.
+    pub fn traffic_with_sums(
+        &self,
+        engine: &Engine,
+        workers: usize,
+        estimate: &TrafficEstimate,
+    ) -> [f64; 2] {
+        let [messages, bytes] = self.traffic(engine, workers);
+        let sums = estimate.accelerated_sweeps * messages_of_sum(self.worker, workers) as f64;
+        [messages + sums, bytes + 8.0 * sums * words_of_sum() as f64]
+    }
+
     /// Returns the numbers of messages and bytes that the worker sends in a step of a run on
     /// `workers` workers. The exchange of contact forces between partners is not included
     /// because it depends on the number of sweeps ([`pair_exchange::TrafficEstimate`]).

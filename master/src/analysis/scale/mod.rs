@@ -291,7 +291,10 @@ fn step(
             |c: &Contact| TrafficEstimate::estimate(c.laws(), sweeps, count.quiet, count.phases);
         engine.contact.as_ref().map_or(TrafficEstimate::default(), estimate)
     };
-    let of = |c: &Count| WorkerStep::new(c, c.traffic(engine, workers), Some(exchange(c)), costs);
+    let of = |c: &Count| {
+        let estimate = exchange(c);
+        WorkerStep::new(c, c.traffic_with_sums(engine, workers, &estimate), Some(estimate), costs)
+    };
     let works: Vec<WorkerStep> = counts.iter().map(of).collect();
     PredictedStep::new(&works, alone)
 }
