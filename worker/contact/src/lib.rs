@@ -30,7 +30,7 @@ pub mod folds;
 mod friction;
 mod friction_table;
 pub mod geometry;
-mod impact;
+pub mod impact;
 pub mod interfaces;
 pub mod kernels;
 pub mod local_search;

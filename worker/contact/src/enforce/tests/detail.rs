@@ -7,6 +7,9 @@ use crate::geometry::nearest;
 /// Contact thickness of a node and a face of solids.
 const SOLID: f64 = 0.5;
 
+/// Nodes of a face of a solid, and the nodes behind it.
+type Face = ([u32; 4], [u32; 4]);
+
 fn moving(of: ContactInput) -> ContactInput {
     ContactInput { impact: "moving_surface".into(), ..of }
 }
@@ -15,11 +18,11 @@ fn moving(of: ContactInput) -> ContactInput {
 fn solids(
     job: &ContactInput,
     points: &[NodeRecord],
-    faces: &[([u32; 4], [u32; 4])],
+    faces: &[Face],
     slaves: &[u32],
     dt: f64,
 ) -> Scene {
-    let segment = |(i, &(nodes, behind)): (usize, &([u32; 4], [u32; 4]))| Segment {
+    let segment = |(i, &(nodes, behind)): (usize, &Face)| Segment {
         id: SegmentId::new(ElemId(i as u64 + 1), 0),
         nodes,
         behind,
@@ -42,7 +45,7 @@ fn solids(
 }
 
 /// Corners of the unit cube at rest, and its faces z = 1 and x = 1 with the nodes behind them.
-fn cube() -> (Vec<NodeRecord>, Vec<([u32; 4], [u32; 4])>) {
+fn cube() -> (Vec<NodeRecord>, Vec<Face>) {
     let corners = [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
