@@ -173,3 +173,56 @@ pub struct Mesh {
     /// Named node sets.
     pub node_sets: BTreeMap<String, Vec<NodeId>>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the free faces by the face numbers of Attaway et al. (1998), eq. 14: a face is that
+    /// of its lowest node and of the node diagonal to it.
+    fn free_faces_by_diagonals(elements: &[MeshElement]) -> Vec<u8> {
+        let key = |e: &MeshElement, face: &[usize; 4]| {
+            let nodes = face.map(|c| e.nodes[c]);
+            let least = (0..4).min_by_key(|&k| nodes[k]).expect("four nodes");
+            (nodes[least], nodes[(least + 2) % 4])
+        };
+        let faces = |e: &MeshElement| e.shape.faces().iter().map(|f| key(e, f)).collect::<Vec<_>>();
+        let all: Vec<_> = elements.iter().flat_map(faces).collect();
+        let is_free = |k: &(NodeId, NodeId)| all.iter().filter(|o| *o == k).count() == 1;
+        let bits = |e| faces(e).iter().enumerate().map(|(f, k)| u8::from(is_free(k)) << f).sum();
+        elements.iter().map(bits).collect()
+    }
+
+    fn solid(id: u64, nodes: [u64; 8]) -> MeshElement {
+        MeshElement::new(ElemId(id), 1, Shape::Hex8, &nodes.map(NodeId))
+    }
+
+    /// Faces by all of their nodes are those of eq. 14 in a mesh without cracks.
+    #[test]
+    fn free_faces_of_a_block_are_those_of_face_numbers_by_diagonals() {
+        let node = |[x, y, z]: [u64; 3]| 1 + x + 4 * (y + 4 * z);
+        let cell = |k: u64| {
+            let [x, y, z] = [k % 3, k / 3 % 3, k / 9];
+            let plane = |z| [[x, y, z], [x + 1, y, z], [x + 1, y + 1, z], [x, y + 1, z]];
+            let [low, high] = [plane(z), plane(z + 1)].map(|p| p.map(node));
+            solid(k + 1, [low, high].concat().try_into().expect("eight nodes"))
+        };
+        let block: Vec<_> = (0..27).map(cell).collect();
+        let free = free_faces(&block);
+        assert_eq!(free, free_faces_by_diagonals(&block));
+        assert_eq!(free.iter().map(|f| f.count_ones()).sum::<u32>(), 54);
+        assert_eq!(free[13], 0, "the inner cell has no free face");
+    }
+
+    /// Two solids on both sides of a crack have two nodes in common, diagonal to each other. Both
+    /// faces of the crack are free. The face numbers of eq. 14 are equal, so that neither would be.
+    #[test]
+    fn faces_of_a_crack_held_by_a_diagonal_are_free() {
+        let (lower, upper) = ([5, 6, 7, 8], [5, 9, 7, 10]);
+        let below = solid(1, [[1, 2, 3, 4], lower].concat().try_into().expect("eight nodes"));
+        let above = solid(2, [upper, [11, 12, 13, 14]].concat().try_into().expect("eight nodes"));
+        let crack = [below, above];
+        assert_eq!(free_faces(&crack), [0b11_1111; 2]);
+        assert_eq!(free_faces_by_diagonals(&crack), [0b11_1101, 0b11_1110]);
+    }
+}

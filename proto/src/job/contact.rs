@@ -63,6 +63,20 @@ pub struct ContactInput {
     /// of Wang 2007, eq. 7). `mass` does not conserve angular momentum if the nodal masses of a
     /// segment differ (Lagrange). See `cases/studies/README.md`, hertz and tumble.
     pub weighting: String,
+    /// Where a new contact of a node with a segment is judged: `end_of_step` (nearest point at the
+    /// start of the step, and for solids if the node is over the face at the end) or
+    /// `moving_surface` (time, point and normal of the first touch with the moving segment, the
+    /// velocity check of PRONTO3D). See `docs/theory/contact-search.md`.
+    pub impact: String,
+    /// Order of the segments that a node touches: `gap` (existing contacts by gap, new ones by time
+    /// and normal velocity) or `node_normal` (at the same time the segment that is most opposed to
+    /// the normal of the node, the strength of contact of PRONTO3D; for nodes of solids). See
+    /// `docs/theory/contact-search.md`.
+    pub choice: String,
+    /// Normal of a contact with a face of a solid in the step in which the node comes to it over a
+    /// convex edge: `own_face` or `last_face` (that of the face from which the node came, as in
+    /// PRONTO3D). See `docs/theory/contact-search.md`.
+    pub push_back: String,
     /// Contact between edges: free edges of shells, folds, and sharp edges of solids. Without it
     /// edges pass through each other between their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
@@ -200,6 +214,9 @@ impl ContactInput {
             search: self.search.clone(),
             skin: self.skin,
             weighting: self.weighting.clone(),
+            impact: self.impact.clone(),
+            choice: self.choice.clone(),
+            push_back: self.push_back.clone(),
             edges: self.edges,
             beams: beams.or(self.beams),
             thickness_limit: self.thickness_limit,
@@ -260,6 +277,9 @@ impl Default for ContactInput {
             search: "cells".into(),
             skin: 0.0,
             weighting: "shape".into(),
+            impact: "end_of_step".into(),
+            choice: "gap".into(),
+            push_back: "own_face".into(),
             edges: true,
             beams: None,
             thickness_limit: 1.0,

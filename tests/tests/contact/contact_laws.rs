@@ -49,10 +49,11 @@ fn both_searches_give_the_same_bits() {
 /// Every law in every form gives the same bits on any number of workers, also with repartitions.
 #[test]
 fn every_law_gives_the_same_bits_on_any_number_of_workers() {
-    let forms: [&[&str]; 9] = [
+    let forms: [&[&str]; 10] = [
         &["contact.iteration=gauss_seidel"],
         &["contact.iteration=split"],
         &["contact.iteration=split", "contact.weighting=mass", "contact.friction=0.2"],
+        &["contact.impact=moving_surface", "contact.choice=node_normal"],
         &["contact.law=kinematic"],
         &["contact.law=kinematic", "contact.weighting=mass", "contact.partition=0.3"],
         &["contact.law=penalty", "contact.penalty_form=stiffness"],
@@ -74,6 +75,27 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
             assert_eq!(serial.digest(), parallel.digest(), "{sets:?}: {workers} workers");
             assert!(serial.pairs == parallel.pairs, "{sets:?}: {workers} workers");
         }
+    }
+}
+
+/// The contact detail of PRONTO3D gives the same bits on any number of workers, also between
+/// solids. It changes the motion of the brick wall.
+#[test]
+fn options_of_the_contact_detail_give_the_same_bits_on_any_number_of_workers() {
+    let options = [
+        "contact.impact=moving_surface",
+        "contact.choice=node_normal",
+        "contact.push_back=last_face",
+    ];
+    let (cycles, by_default) = (100, read(&case("brick-wall"), &[]));
+    let model = read(&case("brick-wall"), &options);
+    let serial = run_side_by_side(&model, 1, cycles, 0);
+    assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000, "there is contact");
+    assert_ne!(serial.digest(), run_side_by_side(&by_default, 1, cycles, 0).digest());
+    for (workers, force_every) in [(2, 0), (3, 25), (4, 0)] {
+        let parallel = run_side_by_side(&model, workers, cycles, force_every);
+        assert_eq!(serial.digest(), parallel.digest(), "{workers} workers");
+        assert!(serial.pairs == parallel.pairs, "{workers} workers");
     }
 }
 

@@ -1,7 +1,8 @@
 //! Position of a slave relative to a segment in the local search: the direction of the contact
 //! force and the distance along it.
 
-use crate::geometry::nearest;
+use crate::geometry::{Nearest, nearest};
+use crate::impact::{Path, first_touch};
 use crate::pair_geometry::PairGeometry;
 use crate::reach::{BEHIND, OUTSIDE};
 use crumple_fem::nodes::Nodes;
@@ -9,6 +10,7 @@ use crumple_math::row::{V3, xyz};
 
 /// Position of a node relative to a segment: the direction of the contact force and the distance
 /// along it.
+#[derive(Clone, Copy)]
 pub struct ContactFrame {
     /// Unit vector along which the contact force acts on the node.
     pub normal: V3,
@@ -74,4 +76,52 @@ pub fn solid_frame(nodes: &Nodes, geometry: &PairGeometry<'_>, old: bool) -> Opt
         side: 1.0,
         reached: height,
     })
+}
+
+/// Returns the first touch of a node and the moving segment in the step: the point of the segment,
+/// where it is at the start of the step, and the contact frame with the normal of the touch. The
+/// gap of this frame closes at the time of the touch. `side` is the side of the node along the
+/// segment's normal, +1 or -1. Returns `None` if they do not touch, or only on a rim.
+pub fn touch_frame(
+    nodes: &Nodes,
+    geometry: &PairGeometry<'_>,
+    side: f64,
+) -> Option<(Nearest, ContactFrame)> {
+    let PairGeometry { segment, slave, dt, near, .. } = *geometry;
+    let path = |n: u32| Path {
+        from: V3::from(xyz(&nodes.x[n as usize])),
+        by: V3::from(xyz(&nodes.v_next[n as usize])) * dt,
+    };
+    let (node, corners) = (path(slave), segment.nodes.map(path));
+    let distance = |n: &V3| geometry.thickness + geometry.offset * side - geometry.shift_along(n);
+    let segment = (&corners, segment.is_triangle());
+    let impact = first_touch(&node, segment, near.normal * side, distance)?;
+    let (shape, normal) = (impact.shape, impact.normal);
+    let blend = |of: fn(&Path) -> V3| corners.iter().zip(shape).map(|(c, n)| of(c) * n).sum::<V3>();
+    let point = blend(|c| c.from);
+    let approaches = (node.by - blend(|c| c.by)).dot(&normal) < 0.0;
+    let height = (node.from - point).dot(&normal) - geometry.offset * side;
+    let reached = height + geometry.shift_along(&normal);
+    let near = Nearest { shape, point, normal: normal * side, rim: false };
+    approaches.then_some((near, ContactFrame { normal, side, reached }))
+}
+
+/// Returns the position of a node relative to a solid's face along the normal of the face from
+/// which the node came over a convex edge: the point of the face in that direction, and the
+/// distance to it; Attaway et al. (1998), fig. 4. `None` if that normal lies in the face.
+pub fn last_face_frame(
+    nodes: &Nodes,
+    geometry: &PairGeometry<'_>,
+    last: V3,
+) -> Option<(Nearest, ContactFrame)> {
+    let PairGeometry { segment, slave, near, .. } = *geometry;
+    let at = V3::from(xyz(&nodes.x[slave as usize]));
+    let along = last.dot(&near.normal);
+    if along <= 0.0 {
+        return None;
+    }
+    let reached = (at - near.point).dot(&near.normal) / along;
+    let near = nearest(&(at - last * reached), &segment.corners(&nodes.x), segment.is_triangle())?;
+    let reached = reached + geometry.shift_along(&last);
+    Some((near, ContactFrame { normal: last, side: 1.0, reached }))
 }

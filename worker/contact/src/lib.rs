@@ -20,6 +20,7 @@ pub mod approach;
 pub mod beams;
 mod candidates;
 mod contact_frame;
+mod detail;
 pub mod diagnostics;
 mod edge_sides;
 pub mod edges;
@@ -29,6 +30,7 @@ pub mod folds;
 mod friction;
 mod friction_table;
 pub mod geometry;
+pub mod impact;
 pub mod interfaces;
 pub mod kernels;
 pub mod local_search;
@@ -65,6 +67,7 @@ use crumple_math::vector_range::VectorRange;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::ContactInput;
 use crumple_proto::transport::RankLost;
+use detail::ContactDetail;
 use diagnostics::search_record::SearchRecord;
 use edges::Edges;
 use enforce::{Elasticity, LawSets};
@@ -94,6 +97,8 @@ pub struct Contact {
     /// Wave speed per part [length/time].
     speeds: Vec<f64>,
     with_edges: bool,
+    /// Options of the local search of nodes.
+    detail: ContactDetail,
     /// True if each pair of edges has at least one beam.
     beams_only: bool,
     /// Segments and slaves that can be in contact.
@@ -183,6 +188,7 @@ impl Contact {
             by_mass: job.weighting == "mass",
             speeds: parts.speeds.clone(),
             with_edges: parts.with_edges,
+            detail: ContactDetail::new(job),
             beams_only: !job.edges,
             surface: Surface::default(),
             candidates: SlaveCandidates::default(),
@@ -427,7 +433,7 @@ impl Contact {
         for projected in all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index) {
             let i = projected[0].of.slave_index;
             local_search::find_pairs(
-                nodes,
+                (nodes, self.detail),
                 (&self.surface, alive),
                 i as usize,
                 projected,

@@ -14,7 +14,11 @@
 //! the nodes on the top of the other block, although these pass at the lower rims of the side
 //! faces.
 
-use crate::contact_frame::{ContactFrame, line_frame, shell_frame, solid_frame};
+use crate::contact_frame::{
+    ContactFrame, last_face_frame, line_frame, shell_frame, solid_frame, touch_frame,
+};
+use crate::detail::ContactDetail;
+use crate::geometry::Nearest;
 use crate::pair_geometry::PairGeometry;
 use crate::pairs::{Pair, PairHistory};
 use crate::projections::ProjectedPair;
@@ -38,12 +42,19 @@ const MOST: usize = 4;
 /// `CORRECT` in `enforce/mod.rs`.
 const RELAX: f64 = 2e-6;
 
+/// Fraction of a step below which the times of two impacts are the same where the node's normal
+/// decides.
+const SAME_TIME: f64 = 1e-6;
+
 /// Contact pair as evaluated by the local search, before selection.
 pub struct PairCandidate {
     pair: Pair,
     /// Time within the step at which the gap closes, as a fraction of the step; 0 for existing
-    /// contact.
+    /// contact. A multiple of [`SAME_TIME`] where the node's normal decides.
     impact: f64,
+    /// Product of the pair's normal and the node's normal, times a positive number that is common
+    /// to all pairs of the node; 0 where the node's normal does not decide, or a node of shells.
+    opposition: f64,
     /// Normal velocity of the node relative to the segment without contact [length/time];
     /// negative when the gap closes.
     opening: f64,
@@ -62,7 +73,7 @@ pub struct PairCandidate {
 /// ascending. `memory` is the pair history of the node from the last step. `alive` states for each
 /// interface if it is active.
 pub fn find_pairs(
-    nodes: &Nodes,
+    (nodes, detail): (&Nodes, ContactDetail),
     (surface, alive): (&Surface, &[bool]),
     slave_index: usize,
     projected: &[ProjectedPair],
@@ -73,17 +84,19 @@ pub fn find_pairs(
     let found = |pair: &ProjectedPair| {
         let geometry = PairGeometry::new((nodes, surface), slave_index, pair, dt)
             .filter(|geometry| alive[geometry.interface as usize])?;
-        evaluate_pair(nodes, surface, &geometry, memory)
+        evaluate_pair((nodes, detail), surface, &geometry, memory)
     };
     finds.clear();
     finds.extend(projected.iter().filter_map(found));
     // Existing contact first, the nearest pair first. Then by time of impact, the fastest
-    // approach first. Ids break ties.
+    // approach first. Ids break ties. If the node's normal decides, it comes before gap and
+    // approach.
     finds.sort_by(|a, b| {
         let by_time = a.impact.total_cmp(&b.impact);
         let by_gap =
             if a.impact == 0.0 { a.gap.total_cmp(&b.gap) } else { a.opening.total_cmp(&b.opening) };
-        by_time.then(by_gap).then(a.pair.segment.cmp(&b.pair.segment))
+        let by_normal = a.opposition.total_cmp(&b.opposition);
+        by_time.then(by_normal).then(by_gap).then(a.pair.segment.cmp(&b.pair.segment))
     });
     let mut accepted = 0;
     for i in 0..finds.len() {
@@ -124,6 +137,12 @@ pub(super) fn is_opposed(
         faces += 1;
     }
     faces == 0 || mean.dot(normal) < OPPOSED * mean.norm()
+}
+
+/// Returns the sum of the normals of the solid faces around a slave; zero for nodes of shells.
+fn node_normal(nodes: &Nodes, surface: &Surface, slave_index: usize) -> V3 {
+    let solids = surface.around(slave_index).filter(|s| s.is_solid());
+    solids.filter_map(|s| s.middle_normal(&nodes.x)).sum()
 }
 
 /// Returns the tolerated gap, 0 or negative [length].
@@ -263,15 +282,54 @@ fn contact_frame<M: Fn() -> f64>(
     Some(shell_frame(geometry, apart, past.own.map(|m| m.side), neighbour_side))
 }
 
+/// Returns the point of the segment and the contact frame of a pair where the options of `detail`
+/// give others than the nearest point and the frame `near` there: the first touch of a new contact
+/// with the moving surface, or the normal of the last face at a convex edge.
+fn placed_by_option<M: Fn() -> f64>(
+    (nodes, surface): (&Nodes, &Surface),
+    detail: ContactDetail,
+    geometry: &PairGeometry<'_>,
+    past: &PastPairs<'_, M>,
+    near: Option<ContactFrame>,
+) -> Option<(Nearest, ContactFrame)> {
+    let PairGeometry { segment, slave, slave_index, step, .. } = *geometry;
+    let is_solid = segment.is_solid();
+    if segment.is_line() || segment.behind.contains(&slave) {
+        return None;
+    }
+    let (side, normal) = match near {
+        Some(frame) if !is_solid => (frame.side, frame.normal),
+        _ => (1.0, geometry.near.normal),
+    };
+    if let Some(last) = past.continued(&normal) {
+        let came_over = detail.along_last_face
+            && is_solid
+            && near.is_some()
+            && last.age == 0
+            && last.segment() != segment.id
+            && surface.is_convex(last.segment(), segment, &last.normal, &nodes.x);
+        return came_over.then(|| last_face_frame(nodes, geometry, last.normal)).flatten();
+    }
+    let offset = V3::from(xyz(&nodes.x[slave as usize])) - geometry.near.point;
+    let height = offset.dot(&normal) - geometry.offset * side + geometry.shift_along(&normal);
+    let is_ahead = height > geometry.thickness && offset.norm() - REACH * geometry.scale <= step;
+    if !detail.on_moving_surface || !is_ahead {
+        return None;
+    }
+    let opposed = |n: &V3| !is_solid || is_opposed(nodes, surface, slave_index, n);
+    touch_frame(nodes, geometry, side).filter(|(_, frame)| opposed(&frame.normal))
+}
+
 /// Returns the pair of a node and a segment, if it is active in this step.
 fn evaluate_pair(
-    nodes: &Nodes,
+    (nodes, detail): (&Nodes, ContactDetail),
     surface: &Surface,
     geometry: &PairGeometry<'_>,
     memory: &[PairHistory],
 ) -> Option<PairCandidate> {
     let PairGeometry { segment, slave, thickness, scale, speed, dt, near, .. } = *geometry;
-    let offset = V3::from(xyz(&nodes.x[slave as usize])) - near.point;
+    let at = V3::from(xyz(&nodes.x[slave as usize]));
+    let offset = at - near.point;
     let apart = geometry.relative_to_middle(&offset);
     if apart.norm() > REACH * scale + geometry.shift.norm() {
         return None;
@@ -281,12 +339,25 @@ fn evaluate_pair(
     }
     let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
     let past = PastPairs::new(surface, geometry, memory, moved);
-    let ContactFrame { normal, side, reached } =
-        contact_frame((nodes, surface), geometry, &past, (&apart, &offset))?;
+    let frame = contact_frame((nodes, surface), geometry, &past, (&apart, &offset));
+    let placed = detail
+        .is_set()
+        .then(|| placed_by_option((nodes, surface), detail, geometry, &past, frame))
+        .flatten();
+    let is_placed = placed.is_some();
+    let (point, elsewhere);
+    let (geometry, apart, ContactFrame { normal, side, reached }) = match placed {
+        None => (geometry, apart, frame?),
+        Some((near, frame)) => {
+            point = near;
+            elsewhere = PairGeometry { near: &point, ..*geometry };
+            (&elsewhere, elsewhere.relative_to_middle(&(at - point.point)), frame)
+        }
+    };
     let gap = reached - thickness;
     let velocity = |n: u32| V3::from(xyz(&nodes.v_next[n as usize]));
     let point_velocity: V3 =
-        segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
+        segment.nodes.iter().zip(geometry.near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
     // The tolerated gap is at most 0: without it the pair is at its nearest.
@@ -294,6 +365,18 @@ fn evaluate_pair(
         return None;
     }
     let old = past.continued(&normal);
+    // The faces of a solid leave no gap between them: a node that comes in without a touch of this
+    // one touches another one.
+    if detail.on_moving_surface
+        && segment.is_solid()
+        && thickness == 0.0
+        && !is_placed
+        && old.is_none()
+        && gap > 0.0
+        && predicted < 0.0
+    {
+        return None;
+    }
     let tolerated = tolerated(old, gap, moved(), dt, speed);
     if predicted - tolerated >= ACTIVE * scale {
         return None;
@@ -303,11 +386,19 @@ fn evaluate_pair(
     } else {
         (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0)
     };
+    let (impact, opposition) = match detail.by_node_normal {
+        true => {
+            let facing = node_normal(nodes, surface, geometry.slave_index);
+            ((impact / SAME_TIME).round() * SAME_TIME, facing.dot(&normal))
+        }
+        false => (impact, 0.0),
+    };
     let pair = geometry.pair(nodes, surface, normal, side);
     let is_line = surface.has_lines && segment.is_line();
     Some(PairCandidate {
         pair: pair.with_history(old, gap, tolerated),
         impact,
+        opposition,
         opening,
         apart,
         thickness,
@@ -425,7 +516,7 @@ mod tests {
         let of = CandidatePair { slave_index: 0, segment: 1, shared_node_mask: 0 };
         let mut found = Vec::new();
         find_pairs(
-            &nodes,
+            (&nodes, ContactDetail::default()),
             (&surface, &[true]),
             0,
             &[ProjectedPair { of, step: 0.0, near }],
@@ -518,6 +609,10 @@ mod tests {
             let projected = ProjectedPair { of, step, near };
             let geometry =
                 PairGeometry::new((&nodes, &surface), 0, &projected, 1.0).expect("all touch");
+            if let Some((touch, _)) = touch_frame(&nodes, &geometry, 1.0) {
+                let (far, reach) = ((at - near.point).norm(), reach(&surface, 4, segment, step));
+                prop_assert!(far <= reach, "touch at {}, {far}, reach {reach}", touch.point);
+            }
             let Some(frame) = solid_frame(&nodes, &geometry, false) else { return Ok(()) };
             let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
             if frame.reached + (v(4) - moving).dot(&frame.normal) < ACTIVE * scale {

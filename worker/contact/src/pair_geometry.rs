@@ -13,6 +13,7 @@ use crumple_math::row::{V3, xyz};
 const FOLDED: f64 = 0.5;
 
 /// A projected pair with the data of its node and segment.
+#[derive(Clone, Copy)]
 pub struct PairGeometry<'a> {
     /// The segment.
     pub segment: &'a Segment,

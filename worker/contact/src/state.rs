@@ -76,6 +76,7 @@ impl Contact {
             by_mass: _,
             speeds: _,
             with_edges: _,
+            detail: _,
             beams_only: _,
             accelerated: _,
             // Computed from the mesh, and again after each change of the partition.

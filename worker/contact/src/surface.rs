@@ -394,6 +394,14 @@ impl Surface {
         other.is_ok_and(|other| other.nodes.iter().any(|n| segment.nodes.contains(n)))
     }
 
+    /// Returns true if the surface is convex between two neighbouring segments, `from` with this
+    /// normal and `to`.
+    pub fn is_convex(&self, from: SegmentId, to: &Segment, normal: &V3, x: &[Row]) -> bool {
+        let from = self.segments.binary_search_by_key(&from, |s| s.id).map(|i| &self.segments[i]);
+        let sum = |s: &Segment| s.corners(x).iter().sum::<V3>();
+        from.is_ok_and(|from| (sum(to) - sum(from)).dot(normal) < 0.0)
+    }
+
     /// Returns the lowest part around the slave with index `i` in `slaves`, and the lowest
     /// segment of this part.
     pub fn precedes(&self, i: usize) -> (u32, SegmentId) {

@@ -40,6 +40,9 @@ pub fn from_list(tree: &mut Node) {
 pub(super) fn check(contact: &ContactInput, job: &Job, numbers: &mut NumberChecks<'_>) {
     numbers.word("contact.search", &contact.search, &laws::searches());
     numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
+    numbers.word("contact.impact", &contact.impact, &["end_of_step", "moving_surface"]);
+    numbers.word("contact.choice", &contact.choice, &["gap", "node_normal"]);
+    numbers.word("contact.push_back", &contact.push_back, &["own_face", "last_face"]);
     let limit = contact.thickness_limit;
     numbers.need(
         limit >= 0.0,

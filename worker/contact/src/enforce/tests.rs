@@ -2,6 +2,7 @@
 //! elements. Search and sweeps are those of a real run.
 
 mod couple;
+mod detail;
 mod kinematic;
 mod mortar;
 mod penalty;
@@ -100,8 +101,6 @@ impl Scene {
         slaves: &[u32],
         dt: f64,
     ) -> Self {
-        let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
-        let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0, true);
         let segment = |(i, &nodes): (usize, &[u32; 4])| Segment {
             id: SegmentId::new(ElemId(i as u64 + 1), 0),
             nodes,
@@ -121,9 +120,16 @@ impl Scene {
             thinnest: HALF,
             short: f64::INFINITY,
             largest_offset: offsets.iter().fold(0.0, |most, o| o.abs().max(most)),
-            interfaces: Arc::new(Interfaces::new(job, &[])),
             ..Surface::default()
         };
+        Self::with_surface(job, points, surface, dt)
+    }
+
+    /// Returns a scene with a surface, whose interfaces are those of the job.
+    fn with_surface(job: &ContactInput, points: &[NodeRecord], surface: Surface, dt: f64) -> Self {
+        let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
+        let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0, true);
+        let surface = Surface { interfaces: Arc::new(Interfaces::new(job, &[])), ..surface };
         let mut contact = Contact::new(
             job,
             &Elasticity {
