@@ -268,7 +268,7 @@ impl Balance {
         if self.limits.forced {
             self.flip ^= urgency >= 1.0;
             let why = "forced".to_string();
-            return (urgency >= 1.0).then_some(if self.flip {
+            return (urgency >= 1.0).then_some(if self.flip || !self.limits.migrates {
                 Due::High { why }
             } else {
                 Due::Low { why }
@@ -366,6 +366,21 @@ mod tests {
             2,
             BalanceLimits { imbalance: 1.1, low_every_at_least: 50, forced: false, migrates: true },
         )
+    }
+
+    /// Elements that do not migrate: neither an imbalance nor the test option cuts new boxes.
+    #[test]
+    fn there_is_no_repartition_if_elements_stay() {
+        for forced in [false, true] {
+            let limits =
+                BalanceLimits { imbalance: 1.1, low_every_at_least: 50, forced, migrates: false };
+            let mut b = Balance::new(2, limits);
+            for round in 1..=4 {
+                b.add_report(0, report(100 * round, 2e-3, 1.0, 0));
+                b.add_report(1, report(100 * round, 1e-3, 0.0, 0));
+                assert!(matches!(b.due(), Some(Due::High { .. })), "round {round}, {forced}");
+            }
+        }
     }
 
     fn report(cycle: u64, cpu: f32, urgency: f64, order: u64) -> StepReport {

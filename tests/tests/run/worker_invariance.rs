@@ -54,13 +54,14 @@ fn forced_redecompositions_of_either_kind_change_no_bit() {
 }
 
 /// A second decomposition of contact: workers search for nodes, edges and segments of others, in
-/// shells and solids, with folds, friction, the mortar law, walls and erosion. Forced renewals move
-/// the cuts.
+/// shells and solids, with folds, friction, the mortar law, walls, subcycles and elements that
+/// fail. Forced renewals move the cuts.
 #[test]
 fn a_second_decomposition_of_contact_changes_no_bit() {
     let coarse = "scene.elements=6";
     let mortar = "contact.law=\"mortar\"";
     let penalty = "contact.law=\"penalty\"";
+    let fails = "material.0.failure_strain=0.02";
     for (name, cycles, sets) in [
         ("tumble", 1200, &["contact.friction=0.2"][..]),
         ("tumble", 600, &[mortar]),
@@ -69,16 +70,36 @@ fn a_second_decomposition_of_contact_changes_no_bit() {
         ("brick-wall", 60, &[]),
         ("can-crush", 120, &[]),
         ("pipe-whip", 150, &[]),
+        ("tumble", 600, &["time.subcycles=2"]),
+        ("tumble", 900, &[fails]),
     ] {
         let serial = run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
         assert!(serial.pairs.iter().any(|p| !p.is_empty()), "{name} {sets:?}: no contact");
         let dual = read(&case(name), &[sets, &["parallel.contact=\"rcb\""]].concat());
-        for (workers, force_every) in [(2, 0), (3, 7), (5, 0)] {
+        for (workers, force_every) in [(2, 0), (3, 7), (6, 0)] {
             let parallel = run_side_by_side(&dual, workers, cycles, force_every);
             let what = format!("{name} {sets:?}: {workers} workers, forced {force_every}");
             assert_same(&serial, &parallel, &what);
         }
     }
+}
+
+/// Elements fail in contact, and their segments leave the surface; more workers than contact nodes
+/// leave some workers without any.
+#[test]
+fn a_second_decomposition_follows_erosion_and_has_workers_without_nodes() {
+    let rcb = "parallel.contact=\"rcb\"";
+    let model = read(&case("tumble"), &["material.0.failure_strain=0.02", rcb]);
+    let eroded = Mutex::new(0);
+    watch_side_by_side(&model, 3, [900, 0], &|e: &Engine| {
+        let mut most = eroded.lock().unwrap();
+        *most = e.erosions.max(*most);
+    });
+    assert!(*eroded.lock().unwrap() > 0, "no element has failed");
+    let sets = ["scene.elements=2"];
+    let serial = run_side_by_side(&read(&case("bars"), &sets), 1, 60, 0);
+    let dual = read(&case("bars"), &[&sets[..], &[rcb]].concat());
+    assert_same(&serial, &run_side_by_side(&dual, 20, 60, 9), "20 workers");
 }
 
 /// A worker searches for a part of the contact nodes that is as large as those of the others, and

@@ -369,7 +369,8 @@ impl Contact {
         }
     }
 
-    /// Finds the pairs of own nodes, edges and segments that are active in this step.
+    /// Finds the pairs of the nodes, edges and segments for which this worker searches that are
+    /// active in this step.
     pub fn find_pairs(
         &mut self,
         nodes: &Nodes,

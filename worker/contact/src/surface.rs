@@ -311,8 +311,8 @@ impl Surface {
         (*h, *s) = (h.max(half), s.max(scale));
     }
 
-    /// Collects the segments around each slave. All of them are known to the worker that owns
-    /// the slave, because the worker knows all segments that the slave could touch, and the
+    /// Collects the segments around each slave. All of them are known to the worker that searches
+    /// for the slave, because the worker knows all segments that the slave could touch, and the
     /// slave lies on these. `count` is the number of nodes.
     pub fn link_faces(&mut self, count: usize) {
         self.has_lines = self.segments.iter().any(Segment::is_line);

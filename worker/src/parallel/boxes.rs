@@ -14,6 +14,11 @@
 //! - the protrusion: the centre of an element decides on its box, so its nodes lie up to half an
 //!   element outside.
 //!
+//! With a second decomposition of contact (`contact_decomposition.rs`) the boxes are those of its
+//! cuts, and the external box is that around the entities for which the worker searches. The half
+//! width is the distance around them that ghosts cover. Interface elements are then those with a
+//! copy or a shared node.
+//!
 //! Motion between two renewals adds nothing: boxes and classes are those of the last renewal, and
 //! the next one is due before the relative motion exceeds b (`ghosts.rs`).
 

@@ -75,8 +75,8 @@ pub struct LocalMesh {
 /// Cuts of the decomposition.
 #[derive(Clone, Copy)]
 pub struct Cuts<'a> {
-    /// Boxes of all workers. Without a second decomposition, the partition has the elements whose
-    /// centres lie in the box of the worker.
+    /// Boxes of all workers: the partition has the elements whose centres lie in the box of the
+    /// worker. With a second decomposition this holds at the start, and the boxes are not used.
     pub boxes: &'a CutTree,
     /// Last cuts of the second decomposition, if there were any.
     pub contact: Option<&'a CutTree>,
@@ -385,7 +385,8 @@ pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
 }
 
 /// Copies the segments of other workers' interface elements, with their nodes, that reach into
-/// the external box: those that could touch own slaves and edges before the next renewal.
+/// the external box: those that could touch the slaves and edges for which this worker searches
+/// before the next renewal.
 /// `grow` is the distance from [`share_scales`]. Returns the external box.
 ///
 /// # Errors
@@ -421,7 +422,8 @@ fn copy_ghosts(
         segments.extend(mail.take_many::<WireSegment>(count as usize));
         copies.extend(mail.take_many::<WireNode>(corners as usize));
         while !mail.is_read() {
-            memories.extend(take_histories(&mut mail));
+            let (id, list) = take_histories(&mut mail).expect("workers send whole messages");
+            memories.insert(id, list);
         }
     }
     copies.retain(|c| nodes.local_index(c.record.id).is_none());

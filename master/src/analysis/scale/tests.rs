@@ -197,6 +197,7 @@ fn counts_are_those_of_workers_side_by_side_in_contact() {
 }
 
 /// Bricks in a stack, with pairs in chains through all workers, whose updates wait for each other.
+/// The number of sweeps of the step is given; phases, messages and bytes are predicted.
 #[test]
 fn messages_of_dense_contact_are_predicted() {
     for iteration in ["gauss_seidel", "auto"] {

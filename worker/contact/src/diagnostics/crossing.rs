@@ -26,14 +26,14 @@ pub struct Crossing {
     pub surface: ElemId,
 }
 
-/// Returns the crossings of own edges in ascending order, each once. An edge is own if its node
-/// with the lower id is a slave. All edges of shells are checked, and the edges between two faces
-/// of solids. The call is valid only when all nodes of the surface are at the same time, up to one
-/// step.
+/// Returns the crossings of own edges in ascending order, each once. An edge is own if this worker
+/// searches for its lowest segment. All edges of shells are checked, and the edges between two
+/// faces of solids. The call is valid only when all nodes of the surface are at the same time, up
+/// to one step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> Vec<Crossing> {
     let lines = EdgeTable::new(surface, nodes);
     let edges: Vec<&Edge> =
-        lines.all.iter().filter(|e| surface.slaves.binary_search(&e.nodes[0]).is_ok()).collect();
+        lines.all.iter().filter(|e| lines.lowest_segment(e, surface).searched).collect();
     let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
