@@ -15,6 +15,20 @@ use std::path::{Path, PathBuf};
 /// Name of the file.
 pub(crate) const FILE: &str = "history.csv";
 
+/// Last columns: times of this machine, and counts that depend on the number of workers.
+pub(crate) const ACCOUNTS: [&str; 10] = [
+    "wall [s]",
+    "cpu of all workers [s]",
+    "cpu of the critical path [s]",
+    "cpu of renewals [s]",
+    "low redecompositions",
+    "high redecompositions",
+    "renewals after erosion",
+    "interior elements",
+    "interface elements",
+    "exterior elements",
+];
+
 /// A complete row, summed over workers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct HistoryRow {
@@ -209,19 +223,7 @@ pub fn columns(model: &Model) -> Vec<String> {
         header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
         header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
     }
-    let accounts = [
-        "wall [s]",
-        "cpu of all workers [s]",
-        "cpu of the critical path [s]",
-        "cpu of renewals [s]",
-        "low redecompositions",
-        "high redecompositions",
-        "renewals after erosion",
-        "interior elements",
-        "interface elements",
-        "exterior elements",
-    ];
-    header.extend(accounts.map(String::from));
+    header.extend(ACCOUNTS.map(String::from));
     header
 }
 

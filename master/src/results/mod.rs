@@ -7,6 +7,7 @@ pub mod fields;
 pub mod histories;
 pub mod history;
 pub mod probe;
+pub mod provenance;
 pub mod quantity;
 pub mod report;
 pub mod requirements;

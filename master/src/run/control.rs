@@ -11,6 +11,7 @@ mod watch;
 use crate::input::job::Model;
 use crate::results::fields::FieldSeries;
 use crate::results::history::History;
+use crate::results::provenance::ProgramStart;
 use crate::results::summary::{MeshOutline, RestartSummary, Summary};
 use crate::results::table::Tables;
 use crate::results::trace::TraceFile;
@@ -146,6 +147,8 @@ pub struct Results<'a> {
 pub struct Origin {
     /// The job.
     pub stamp: Stamp,
+    /// The program, its command, and the files that it has read.
+    pub start: ProgramStart,
     /// The checkpoint, and the changes of the job since then.
     pub from: Option<(Resumption, Vec<String>)>,
 }
