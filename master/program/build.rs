@@ -1,5 +1,5 @@
-//! Passes its commit to the program: the variable `CRUMPLE_COMMIT` of the build if it is set, otherwise
-//! what git says of the folder. An archive of the sources has no commit.
+//! Passes its commit to the program: the variable `CRUMPLE_COMMIT` of the build if it is set,
+//! otherwise that of the folder by git. An archive of the sources has no commit.
 
 use std::path::Path;
 use std::process::Command;

@@ -136,7 +136,7 @@ pub enum Command {
     Diff(DiffArgs),
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
-    /// Report what a run did not need, part by part, and the settings that leave it out.
+    /// Report the warnings of a run, and what it did not need, part by part, with the settings.
     Advise {
         /// Folder of results of a run that completed.
         dir: PathBuf,

@@ -86,7 +86,7 @@ pub struct Course {
     swings_from: Option<u64>,
     most_came_in: f64,
     /// Largest sum of kinetic, internal and hourglass energy so far [energy].
-    most: f64,
+    pub most: f64,
     /// Largest `created` so far.
     pub worst_created: f64,
 }
@@ -356,7 +356,7 @@ impl History {
         let controlling = if of_contact {
             "contact".into()
         } else {
-            s.controlling.map_or(String::new(), |id| id.to_string())
+            s.controlling.element.map_or(String::new(), |id| id.to_string())
         };
         record.push(controlling);
         for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {

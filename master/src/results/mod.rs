@@ -17,4 +17,5 @@ pub mod summary;
 pub mod table;
 pub mod trace;
 pub mod vtkhdf;
+pub mod warnings;
 pub mod workers;

@@ -499,6 +499,7 @@ fn print_summary(s: &Summary, out: &Path) {
     let shares: Vec<_> =
         phases.iter().map(|(name, p)| format!("{name} {:.1} %", share(p.mean))).collect();
     say!("share of phases: {}", shares.join(", "));
+    s.warnings.iter().for_each(|one| say!("warning: {}", one.line()));
     s.requirements.iter().for_each(|one| say!("{}", one.line()));
     say!("state_digest {}", s.state_digest);
     say!(

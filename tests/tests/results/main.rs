@@ -11,3 +11,4 @@ mod report;
 mod study;
 mod trace;
 mod vtkhdf;
+mod warnings;

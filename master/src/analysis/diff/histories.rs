@@ -28,10 +28,11 @@ struct HistoryTable {
 pub(super) fn compare(folders: [&Path; 2]) -> Result<Comparison, String> {
     let mut all = Comparison::default();
     let mut found: BTreeMap<usize, Vec<Difference>> = BTreeMap::new();
-    let main = folders.map(|dir| HistoryTable::read(&dir.join(history::FILE)));
-    let [Some(a), Some(b)] = [main[0].as_ref().ok(), main[1].as_ref().ok()] else {
+    let main = folders.map(|dir| dir.join(history::FILE));
+    if !main.iter().all(|path| path.exists()) {
         return Ok(all);
-    };
+    }
+    let [a, b] = [HistoryTable::read(&main[0])?, HistoryTable::read(&main[1])?];
     let moments = paired(&a.all_times(), &b.all_times());
     all.unpaired = a.times.len() + b.times.len() - 2 * moments.len();
     let at_time = |time: f64| moments.iter().position(|&(i, _)| a.times[i].time == time);
@@ -65,7 +66,7 @@ impl HistoryTable {
         let end = end.unwrap_or(header.len());
         // Words that name the row follow the time and have no unit; only files by kind have them.
         let is_word = |name: &&String| end == header.len() && !name.ends_with(']');
-        let words = header[1..end].iter().take_while(is_word).count();
+        let words = header.get(1..end).unwrap_or_default().iter().take_while(is_word).count();
         let mut times: Vec<RowsAtTime> = Vec::new();
         for row in reader.records() {
             let row = row.map_err(named)?;

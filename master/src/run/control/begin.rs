@@ -58,7 +58,6 @@ impl<'a> Control<'a> {
             restarts.push(RestartSummary { cycle, time, workers, transport, changes });
             from
         });
-        let [penetration_warned, energy_warned, step_warned] = known.warned;
         Ok(Self {
             began: Instant::now(),
             tree,
@@ -72,9 +71,7 @@ impl<'a> Control<'a> {
             ready_since: None,
             pieces: BTreeMap::new(),
             trouble: None,
-            penetration_warned,
-            energy_warned,
-            step_warned,
+            warnings: known.warnings,
             checkpoints,
             from,
             restarts,
