@@ -1,5 +1,6 @@
 //! Command line: commands and options.
 
+pub mod pages;
 mod service;
 
 pub use service::{
@@ -134,6 +135,20 @@ pub enum Command {
     /// Compares what both folders have: histories, checkpoints and fields. Names the first cycle,
     /// node and element that differ. Exit code 1 if there is a difference.
     Diff(DiffArgs),
+    /// Write an example job into a folder; without a name, list the examples.
+    Init(InitArgs),
+    /// Print completions of the command line for a shell.
+    ///
+    /// For bash: crumple completions bash > ~/.local/share/bash-completion/completions/crumple
+    Completions {
+        /// Shell.
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages of all commands into a folder, for `man`.
+    Manual {
+        /// Folder for the pages.
+        dir: PathBuf,
+    },
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
     /// Report the warnings of a run, and what it did not need, part by part, with the settings.
@@ -219,6 +234,16 @@ impl ReproduceArgs {
         name.push("-reproduced");
         self.out.clone().unwrap_or_else(|| self.dir.join("..").join(name))
     }
+}
+
+/// `crumple init`.
+#[derive(Args, Clone, Debug)]
+pub struct InitArgs {
+    /// Name of the example.
+    pub example: Option<String>,
+    /// Folder for the job [default: the name of the example].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// `crumple diff`.
