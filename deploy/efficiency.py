@@ -147,6 +147,7 @@ def command_of(args, workers, folder):
         "--end-time",
         f"{args.end_time:g}",
         "--quiet",
+        "--overwrite",
     ]
     # No field files: their cost does not depend on the number of workers.
     job += ["--set", "output.field_interval=-1", "--set", "output.field_times=[]"]

@@ -42,9 +42,8 @@ def run(args, job, *settings):
             f"{source} is missing; run"
             f" `crumple verify --only A07,C02,C09,C12,C15,C18 --out {args.verify}` first"
         )
-    done = subprocess.run(
-        [args.crumple, "run", source, "--workers", "1", "--quiet", "--out", folder, *settings]
-    )
+    command = [args.crumple, "run", source, "--workers", "1", "--quiet", "--overwrite"]
+    done = subprocess.run([*command, "--out", folder, *settings])
     if done.returncode != 0:
         stop(f"{source} ended with exit code {done.returncode}")
     return folder

@@ -48,6 +48,16 @@ pub use options::Options;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
+/// Jobs that the program has in itself, by name: `crumple init`. Their meshes come from generators.
+pub const EXAMPLES: [(&str, &str); 6] = [
+    ("bars", include_str!("../bars/job.toml")),
+    ("tube", include_str!("../tube/job.toml")),
+    ("plate", include_str!("../plate/job.toml")),
+    ("slide", include_str!("../slide/job.toml")),
+    ("block", include_str!("../block/job.toml")),
+    ("jeep-frame", include_str!("../jeep-frame/job.toml")),
+];
+
 /// An option of a generator: key in `[scene]`, default, meaning with its unit.
 pub type OptionRow = (&'static str, f64, &'static str);
 

@@ -1,5 +1,6 @@
 //! Command line: commands and options.
 
+pub mod pages;
 mod service;
 
 pub use service::{
@@ -124,9 +125,33 @@ pub enum Command {
         /// Folder of results of a run with fields.
         dir: PathBuf,
     },
+    /// Run the job of a folder of results again, and compare the final states.
+    ///
+    /// Prints PASS if they are equal to the bit, on any number of workers; otherwise FAIL, with the
+    /// exit code 1. If a file that the run has read was changed since, names it and runs nothing.
+    Reproduce(ReproduceArgs),
+    /// Find where the results of two runs part, and the largest difference of each quantity.
+    ///
+    /// Compares what both folders have: histories, checkpoints and fields. Names the first cycle,
+    /// node and element that differ. Exit code 1 if there is a difference.
+    Diff(DiffArgs),
+    /// Write an example job into a folder; without a name, list the examples.
+    Init(InitArgs),
+    /// Print completions of the command line for a shell.
+    ///
+    /// For bash: crumple completions bash > ~/.local/share/bash-completion/completions/crumple
+    Completions {
+        /// Shell.
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages of all commands into a folder, for `man`.
+    Manual {
+        /// Folder for the pages.
+        dir: PathBuf,
+    },
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
-    /// Report what a run did not need, part by part, and the settings that leave it out.
+    /// Report the warnings of a run, and what it did not need, part by part, with the settings.
     Advise {
         /// Folder of results of a run that completed.
         dir: PathBuf,
@@ -179,8 +204,59 @@ pub struct CheckArgs {
     pub json: bool,
 }
 
-/// `crumple run`.
+/// `crumple reproduce`.
 #[derive(Args, Clone, Debug)]
+pub struct ReproduceArgs {
+    /// Folder of results of a run that has ended.
+    pub dir: PathBuf,
+    /// Number of workers [default: that of the run, at most one per core].
+    #[arg(long, value_name = "N", value_parser = workers)]
+    pub workers: Option<usize>,
+    /// Folder for the new results [default: that of the run with -reproduced].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Remove the results that are in the folder for the new results.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Run the job also if a file that the run has read was changed since.
+    #[arg(long)]
+    pub allow_changed: bool,
+    /// Print only the verdict and errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl ReproduceArgs {
+    /// Returns the folder for the new results.
+    pub fn out_dir(&self) -> PathBuf {
+        let dir = std::fs::canonicalize(&self.dir).unwrap_or_else(|_| self.dir.clone());
+        let mut name = dir.file_name().unwrap_or_default().to_owned();
+        name.push("-reproduced");
+        self.out.clone().unwrap_or_else(|| self.dir.join("..").join(name))
+    }
+}
+
+/// `crumple init`.
+#[derive(Args, Clone, Debug)]
+pub struct InitArgs {
+    /// Name of the example.
+    pub example: Option<String>,
+    /// Folder for the job [default: the name of the example].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `crumple diff`.
+#[derive(Args, Clone, Debug)]
+pub struct DiffArgs {
+    /// Folder of results.
+    pub first: PathBuf,
+    /// Folder of results to compare with.
+    pub second: PathBuf,
+}
+
+/// `crumple run`.
+#[derive(Args, Clone, Debug, Default)]
 pub struct RunArgs {
     /// A .toml job file, a folder with job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn). With
     /// --resume, the job of the checkpoint if it was moved.
@@ -205,8 +281,8 @@ pub struct RunArgs {
     /// Folder for results [default: out/ and the name of the job].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Remove the checkpoints of an unfinished run that are in the folder for results. Without this
-    /// option, the folder is refused.
+    /// Remove the results that are in the folder for results, with the checkpoints of an unfinished
+    /// run. Without this option, a folder with results is refused.
     #[arg(long, conflicts_with = "resume")]
     pub overwrite: bool,
     /// Simulated time at which the run ends, in the units of the job [default: end_time of the
@@ -403,6 +479,11 @@ impl ScaleArgs {
 }
 
 impl JobOptions {
+    /// Returns options with this number of workers and these `key=value`.
+    pub fn new(workers: Option<usize>, set: Vec<String>) -> Self {
+        Self { workers, set, ..Self::default() }
+    }
+
     /// Returns all `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
         let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());

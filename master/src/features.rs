@@ -1,4 +1,9 @@
-//! Optional features of this build.
+//! Optional features of this build, and its commit.
+
+use std::sync::OnceLock;
+
+/// Commit from which the program was built; the program sets it, if it knows it.
+pub static COMMIT: OnceLock<&'static str> = OnceLock::new();
 
 /// True if this build can write VTKHDF files.
 pub const VTKHDF: bool = cfg!(feature = "vtkhdf");

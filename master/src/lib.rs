@@ -8,7 +8,7 @@
 //!   master
 //! - [`results`]: fields, histories, summary, report page, exports
 //! - [`serve`]: `crumple serve`, jobs in a queue; [`client`]: commands that ask a service
-//! - [`analysis`]: `crumple study`, `advise`, `scale`, `bench`, `cost`
+//! - [`analysis`]: `crumple study`, `advise`, `diff`, `reproduce`, `scale`, `bench`, `cost`
 //!
 //! `crumple verify` is the crate `crumple-verification` in `tests/verification/`.
 //!

@@ -8,8 +8,6 @@ use serde::{Deserialize, Serialize};
 /// Histories that are recorded in addition to the sums of `history.csv`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct HistoryRequests {
-    /// Energies, mass and momentum of each part.
-    pub parts: bool,
     /// Contact forces between parts.
     pub contacts: bool,
     /// Groups of nodes.
@@ -71,7 +69,7 @@ impl TransducerSurface {
 }
 
 /// Contributions of one worker at one time, as exact sums, or those of all workers, as numbers;
-/// empty where nothing is requested.
+/// empty where nothing is requested. Those of parts are always there.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HistoryShares<N = f64> {
     /// Per part, in the order of the settings.

@@ -127,6 +127,50 @@ fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
     }
 }
 
+/// Returns the Jacobians at the corners of an element with the coordinates `x`: of a solid
+/// [length^3], of a shell along the normal of its middle [length^2]. They are 0 for lines, and for
+/// corners that the shape does not have.
+pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
+    let mut jacobians = [0.0; 8];
+    match shape {
+        Shape::Hex8 => (0..8).for_each(|c| jacobians[c] = solid_jacobian(c, x)),
+        Shape::Quad4 | Shape::Tri3 => {
+            let x = &x[..shape.corners()];
+            let twice = twice_area(x);
+            let length = norm(twice);
+            if length > 0.0 {
+                (0..x.len()).for_each(|c| jacobians[c] = dot(corner(c, x), twice) / length);
+            }
+        }
+        Shape::Line2 | Shape::Beam2 => {}
+    }
+    jacobians
+}
+
+/// Returns the Jacobian of a solid at a corner [length^3].
+fn solid_jacobian(c: usize, x: &[Coordinates]) -> f64 {
+    let (base, other) = (c / 4 * 4, 4 - c / 4 * 4);
+    let [next, before] = [1, 3].map(|step| base + (c + step) % 4);
+    let up = dot(cross(sub(x[next], x[c]), sub(x[before], x[c])), sub(x[other + c % 4], x[c]));
+    if base == 0 { up } else { -up }
+}
+
+/// Returns the cross product of the sides of a face at a corner [length^2].
+fn corner(c: usize, x: &[Coordinates]) -> Coordinates {
+    let n = x.len();
+    cross(sub(x[(c + 1) % n], x[c]), sub(x[(c + n - 1) % n], x[c]))
+}
+
+/// Returns twice the area vector of a face: the cross product of the diagonals of a quad, or of two
+/// sides of a triangle [length^2].
+fn twice_area(x: &[Coordinates]) -> Coordinates {
+    if x.len() == 4 {
+        cross(sub(x[2], x[0]), sub(x[3], x[1]))
+    } else {
+        cross(sub(x[1], x[0]), sub(x[2], x[0]))
+    }
+}
+
 /// Measures a line: only its length, unless it is zero.
 fn measure_line(x: &[Coordinates]) -> Figures {
     let length = norm(sub(x[1], x[0]));
@@ -154,13 +198,7 @@ fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> Figures {
     let sides: Vec<f64> = faces[..2].iter().flat_map(|f| f.sides.clone()).chain(rising).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
-    let jacobian = |c: usize| {
-        let (base, other) = (c / 4 * 4, 4 - c / 4 * 4);
-        let [next, before] = [1, 3].map(|step| base + (c + step) % 4);
-        let up = dot(cross(sub(x[next], x[c]), sub(x[before], x[c])), sub(x[other + c % 4], x[c]));
-        if base == 0 { up } else { -up }
-    };
-    let jacobians: Vec<f64> = (0..8).map(jacobian).collect();
+    let jacobians = corner_jacobians(element.shape, x);
     let largest = jacobians.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let smallest = jacobians.iter().copied().fold(f64::INFINITY, f64::min);
     let ids = element.corners();
@@ -180,29 +218,22 @@ fn measure_face(ids: &[NodeId], x: &[Coordinates]) -> Figures {
     let sides: Vec<f64> = (0..n).map(|i| norm(sub(x[(i + 1) % n], x[i]))).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
-    // Twice the area vector: cross product of the diagonals of a quad, or of two sides of a
-    // triangle.
-    let twice = if n == 4 {
-        cross(sub(x[2], x[0]), sub(x[3], x[1]))
-    } else {
-        cross(sub(x[1], x[0]), sub(x[2], x[0]))
-    };
+    let twice = twice_area(x);
     let area = 0.5 * norm(twice);
     let repeats = (1..n).any(|i| ids[..i].contains(&ids[i]));
     // 1e-12: about a thousand times the round-off of products of coordinates.
     let degenerate = repeats || area <= 1e-12 * longest * longest;
-    let corner = |i: usize| cross(sub(x[(i + 1) % n], x[i]), sub(x[(i + n - 1) % n], x[i]));
     let (jacobian, warpage_deg) = if n == 3 {
         (1.0, 0.0)
     } else if degenerate {
         (0.0, 0.0)
     } else {
-        let j = [0, 1, 2, 3].map(|i| dot(corner(i), twice));
+        let j = [0, 1, 2, 3].map(|c| dot(corner(c, x), twice));
         let largest = j.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let smallest = j.into_iter().fold(f64::INFINITY, f64::min);
         // The halves on either side of diagonal 0-2 are at corners 1 and 3; those of 1-3 at 0
         // and 2.
-        let warp = angle_deg(corner(1), corner(3)).max(angle_deg(corner(0), corner(2)));
+        let warp = angle_deg(corner(1, x), corner(3, x)).max(angle_deg(corner(0, x), corner(2, x)));
         (smallest / largest, warp)
     };
     let aspect = if shortest > 0.0 { longest / shortest } else { f64::INFINITY };

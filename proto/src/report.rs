@@ -2,7 +2,7 @@
 
 use crate::exact_sum::ExactSum;
 use crate::histories::{HistoryShares, each_value, merge_each};
-use crate::ids::ElemId;
+use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 
 /// Progress report, sent every few cycles without waiting for an answer.
@@ -181,6 +181,27 @@ impl Energies {
     }
 }
 
+/// Place of an extreme value: an element or a node, its part, and where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelPlace {
+    /// The element, if it is one.
+    pub element: Option<ElemId>,
+    /// The node, if it is one.
+    pub node: Option<NodeId>,
+    /// Index of the part into those of the settings.
+    pub part: Option<u32>,
+    /// Coordinates of the node or of the centre of the element [length].
+    pub x: [f64; 3],
+}
+
+impl ModelPlace {
+    /// Returns true if the ids come before those of another place. Of places with the same value,
+    /// the first one counts, on any number of workers.
+    pub fn is_before(&self, o: &Self) -> bool {
+        (self.element, self.node) < (o.element, o.node)
+    }
+}
+
 /// Contribution of one worker to a history row, with exact sums, or the row of all workers, with
 /// numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -207,10 +228,17 @@ pub struct HistoryPart<N = f64> {
     pub pairs: u64,
     /// Largest penetration since the last row, as a fraction of the pair's contact thickness.
     pub penetration: f64,
+    /// Node with this penetration.
+    pub deepest: ModelPlace,
+    /// Smallest Jacobian at a corner of an element, over its value at the start; infinite without
+    /// shells and solids.
+    pub corner_left: f64,
+    /// Element with this corner.
+    pub flattest: ModelPlace,
     /// Smallest stable step of the worker's elements, before the safety factor [time].
     pub controlling_dt: f64,
     /// Element with the smallest stable step.
-    pub controlling: Option<ElemId>,
+    pub controlling: ModelPlace,
     /// Largest step for which contact prevents slaves from passing through their targets,
     /// before the safety factor; equal on all workers [time].
     pub contact_dt: f64,
@@ -229,9 +257,14 @@ impl HistoryPart<ExactSum> {
         walls.for_each(|(a, b)| merge_each(a, b));
         self.shares.merge(&o.shares);
         self.pairs += o.pairs;
-        self.penetration = self.penetration.max(o.penetration);
-        let is_before = o.controlling_dt == self.controlling_dt && o.controlling < self.controlling;
-        if o.controlling_dt < self.controlling_dt || is_before {
+        if comes_first(-o.penetration, &o.deepest, -self.penetration, &self.deepest) {
+            (self.penetration, self.deepest) = (o.penetration, o.deepest);
+        }
+        if comes_first(o.corner_left, &o.flattest, self.corner_left, &self.flattest) {
+            (self.corner_left, self.flattest) = (o.corner_left, o.flattest);
+        }
+        let own = (self.controlling_dt, &self.controlling);
+        if comes_first(o.controlling_dt, &o.controlling, own.0, own.1) {
             (self.controlling, self.controlling_dt) = (o.controlling, o.controlling_dt);
         }
     }
@@ -250,12 +283,20 @@ impl HistoryPart<ExactSum> {
             wall_displacement: self.wall_displacement.clone(),
             pairs: self.pairs,
             penetration: self.penetration,
+            deepest: self.deepest,
+            corner_left: self.corner_left,
+            flattest: self.flattest,
             controlling_dt: self.controlling_dt,
             controlling: self.controlling,
             contact_dt: self.contact_dt,
             shares: self.shares.values(),
         }
     }
+}
+
+/// Returns true if the first value is smaller than the second, or the same with lower ids.
+fn comes_first(a: f64, at: &ModelPlace, b: f64, other: &ModelPlace) -> bool {
+    a < b || a == b && at.is_before(other)
 }
 
 /// Reason for which a worker cannot continue.

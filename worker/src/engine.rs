@@ -26,9 +26,10 @@ use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::exact_sum::ExactSum;
+use crumple_proto::ids::ElemId;
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
-use crumple_proto::report::{Displacement, Energies, HistoryPart, Phase, PhaseSeconds};
+use crumple_proto::report::{Displacement, Energies, HistoryPart, ModelPlace, Phase, PhaseSeconds};
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -388,6 +389,11 @@ impl Engine {
             (0..3).for_each(|c| momentum[c].add(carried[c]));
         }
         let smallest = self.blocks.smallest_step(&self.nodes);
+        let flattest = self.blocks.flattest(&self.nodes);
+        let place = |(_, id): (f64, ElemId)| self.blocks.place(id, &self.nodes);
+        let (penetration, deepest) = self.contact.as_mut().map_or_else(Default::default, |c| {
+            (std::mem::take(&mut c.penetration), std::mem::take(&mut c.deepest))
+        });
         let row = HistoryPart {
             row: self.clock.rows,
             cycle: self.clock.cycle,
@@ -405,9 +411,12 @@ impl Engine {
                 .map(|w| w.displacement().into())
                 .collect(),
             pairs: self.contact.as_ref().map_or(0, |c| c.owned_pairs().count() as u64),
-            penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
+            penetration,
+            deepest,
+            corner_left: flattest.map_or(f64::INFINITY, |f| f.0),
+            flattest: flattest.map_or_else(ModelPlace::default, place),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
-            controlling: smallest.map(|s| s.1),
+            controlling: smallest.map_or_else(ModelPlace::default, place),
             contact_dt: self.agreement.contact_dt,
             shares: self.histories.shares(&self.history_state(), ended),
         };

@@ -210,7 +210,7 @@ impl Histories {
         let mut transducers = felt.on_transducers.clone();
         transducers.resize(asked.transducers.len(), Default::default());
         HistoryShares {
-            parts: if asked.parts { parts(state, ended) } else { Vec::new() },
+            parts: parts(state, ended),
             contacts: felt.contacts(),
             nodes: self.nodes.iter().map(|&n| self.node(state, n as usize, ended)).collect(),
             sections: self.sections(state),

@@ -1,11 +1,12 @@
-//! `crumple advise`: features that a run did not need, part by part, and the settings that remove
-//! them.
+//! `crumple advise`: warnings of a run, and features that it did not need, part by part, with the
+//! settings that remove them.
 //!
 //! All advice follows from `summary.json` and holds for the run that wrote it: another load may
 //! need features that this one did not. Times are shares of the CPU time of that run. Elements of
 //! all parts are assumed to be equally expensive.
 
 use crate::results::summary::{Cpu, MeanMax, PartSummary};
+use crate::results::warnings::EngineeringWarning;
 use petgraph::unionfind::UnionFind;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -34,6 +35,7 @@ struct SummaryPart {
     parts: Vec<PartSummary>,
     phase_s: BTreeMap<String, MeanMax>,
     cpu_s: Cpu,
+    warnings: Vec<EngineeringWarning>,
 }
 
 /// A piece of advice.
@@ -108,6 +110,9 @@ fn describe(s: &SummaryPart) -> String {
             p.strain_jump,
             hourglass_share(p)
         );
+    }
+    for warning in &s.warnings {
+        let _ = writeln!(out, "\n# Warning: {}", warning.line());
     }
     for a in &advice {
         let total = s.cpu_s.total;
@@ -372,6 +377,7 @@ fn contact(s: &SummaryPart) -> Option<Advice> {
 mod tests {
     use super::*;
     use crate::input::connectivity::ConnectedPiece;
+    use crate::results::warnings::WarningKind;
 
     fn part(id: u32, plastic_strain_max: f64, near: bool, pairs: bool) -> PartSummary {
         PartSummary {
@@ -391,12 +397,33 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_warnings_of_the_run_are_shown_with_their_cure() {
+        let warning = EngineeringWarning {
+            kind: WarningKind::Hourglass,
+            part: "p1".into(),
+            cycle: 7,
+            time: 0.5,
+            value: 0.2,
+            worst_time: 0.5,
+            what: "too much".into(),
+            place: String::new(),
+            cure: "Change it".into(),
+        };
+        let mut s = summary(vec![part(1, 0.1, true, true)]);
+        assert!(!describe(&s).contains("Warning"));
+        s.warnings.push(warning);
+        let shown = describe(&s);
+        assert!(shown.contains("# Warning: at time 5.000000e-1 part p1: too much. Change it"));
+    }
+
     fn summary(parts: Vec<PartSummary>) -> SummaryPart {
         let phases = [("elements", 4.0), ("search", 1.0), ("local", 1.0), ("contact", 2.0)];
         let phase_s =
             phases.map(|(name, s)| (name.to_string(), MeanMax { mean: s, max: s })).into();
         let cpu_s = Cpu { total: 8.0, ..Cpu::default() };
-        SummaryPart { status: "completed".into(), parts, phase_s, cpu_s }
+        let warnings = Vec::new();
+        SummaryPart { status: "completed".into(), parts, phase_s, cpu_s, warnings }
     }
 
     #[test]

@@ -6,6 +6,7 @@ pub mod connectivity;
 pub mod deck;
 pub mod exodus;
 pub mod findings;
+pub mod init;
 pub mod job;
 pub mod mesh_file;
 pub mod reference;

@@ -66,7 +66,7 @@ impl HistoryFiles {
             groups: asked.nodes.iter().map(|g| (g.name.clone(), by_label(&g.nodes))).collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
-            of_parts: asked.parts.then(|| files.parts()).transpose()?,
+            of_parts: model.job.output.parts.then(|| files.parts()).transpose()?,
             of_walls: with_walls.then(|| files.walls()).transpose()?,
             of_contacts: asked.contacts.then(|| files.contacts()).transpose()?,
             of_nodes: (!asked.nodes.is_empty()).then(|| files.nodes()).transpose()?,

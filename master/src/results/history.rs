@@ -15,6 +15,20 @@ use std::path::{Path, PathBuf};
 /// Name of the file.
 pub(crate) const FILE: &str = "history.csv";
 
+/// Last columns: times of this machine, and counts that depend on the number of workers.
+pub(crate) const ACCOUNTS: [&str; 10] = [
+    "wall [s]",
+    "cpu of all workers [s]",
+    "cpu of the critical path [s]",
+    "cpu of renewals [s]",
+    "low redecompositions",
+    "high redecompositions",
+    "renewals after erosion",
+    "interior elements",
+    "interface elements",
+    "exterior elements",
+];
+
 /// A complete row, summed over workers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct HistoryRow {
@@ -72,7 +86,7 @@ pub struct Course {
     swings_from: Option<u64>,
     most_came_in: f64,
     /// Largest sum of kinetic, internal and hourglass energy so far [energy].
-    most: f64,
+    pub most: f64,
     /// Largest `created` so far.
     pub worst_created: f64,
 }
@@ -209,19 +223,7 @@ pub fn columns(model: &Model) -> Vec<String> {
         header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
         header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
     }
-    let accounts = [
-        "wall [s]",
-        "cpu of all workers [s]",
-        "cpu of the critical path [s]",
-        "cpu of renewals [s]",
-        "low redecompositions",
-        "high redecompositions",
-        "renewals after erosion",
-        "interior elements",
-        "interface elements",
-        "exterior elements",
-    ];
-    header.extend(accounts.map(String::from));
+    header.extend(ACCOUNTS.map(String::from));
     header
 }
 
@@ -354,7 +356,7 @@ impl History {
         let controlling = if of_contact {
             "contact".into()
         } else {
-            s.controlling.map_or(String::new(), |id| id.to_string())
+            s.controlling.element.map_or(String::new(), |id| id.to_string())
         };
         record.push(controlling);
         for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {

@@ -2,6 +2,7 @@
 
 use crate::input::connectivity::{ConnectedPiece, pieces};
 use crate::results::steering::SteeringRecord;
+use crate::results::warnings::EngineeringWarning;
 use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED, UNMET};
 use crumple_proto::job::{Job, Part, WallInput};
 use crumple_proto::mesh::Mesh;
@@ -374,6 +375,8 @@ pub struct Summary {
     pub checkpoints: CheckpointSummary,
     /// Rows of histories that are lost because a file was removed.
     pub lost: Vec<String>,
+    /// Engineering warnings, in the order in which they were found.
+    pub warnings: Vec<EngineeringWarning>,
     /// Requirements of the job, if the run is complete.
     pub requirements: Vec<RequirementResult>,
     /// blake3 hash of the state; see [`state_digest`].

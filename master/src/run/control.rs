@@ -11,9 +11,11 @@ mod watch;
 use crate::input::job::Model;
 use crate::results::fields::FieldSeries;
 use crate::results::history::History;
+use crate::results::provenance::ProgramStart;
 use crate::results::summary::{MeshOutline, RestartSummary, Summary};
 use crate::results::table::Tables;
 use crate::results::trace::TraceFile;
+use crate::results::warnings::EngineeringWarning;
 use crate::results::workers;
 use crate::run::balance::Balance;
 use crate::run::checkpoint::find::Resumption;
@@ -110,12 +112,8 @@ pub struct Control<'a> {
     /// Number of field pieces written, per output index.
     pieces: BTreeMap<usize, usize>,
     trouble: Option<Failure>,
-    /// True after the warning about a deep penetration, and after the warning about energy created
-    /// by contact.
-    penetration_warned: bool,
-    energy_warned: bool,
-    /// True after the warning that contact shortens the step.
-    step_warned: bool,
+    /// Engineering warnings so far.
+    warnings: Vec<EngineeringWarning>,
     closings: Vec<Option<FinalReport>>,
     trace: Option<TraceFile>,
     states: Vec<NodeRecord>,
@@ -146,6 +144,8 @@ pub struct Results<'a> {
 pub struct Origin {
     /// The job.
     pub stamp: Stamp,
+    /// The program, its command, and the files that it has read.
+    pub start: ProgramStart,
     /// The checkpoint, and the changes of the job since then.
     pub from: Option<(Resumption, Vec<String>)>,
 }
@@ -219,7 +219,10 @@ impl Control<'_> {
     /// reports.
     fn supervise(&mut self, stop: &StopFlag) -> Result<(), RunError> {
         match self.from.take() {
-            None => self.deal_out()?,
+            None => {
+                self.watch_mass();
+                self.deal_out()?;
+            }
             Some(from) => self.continue_from(&from),
         }
         while self.closings.iter().any(Option::is_none) {
@@ -282,9 +285,7 @@ impl Control<'_> {
             history,
             series,
             balance,
-            penetration_warned,
-            energy_warned,
-            step_warned,
+            warnings,
             restarts,
             wall_before,
             began,
@@ -322,7 +323,7 @@ impl Control<'_> {
             steps: series.steps().to_vec(),
             accounts: balance.accounts(),
             wall_s: wall_before + began.elapsed().as_secs_f64(),
-            warned: [*penetration_warned, *energy_warned, *step_warned],
+            warnings: warnings.clone(),
             restarts: restarts.clone(),
             history_interval: settings.history_interval,
             field_times: settings.field_times.clone(),

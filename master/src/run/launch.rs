@@ -2,8 +2,10 @@
 //! process.
 
 use crate::cli::RunArgs;
+use crate::features;
 use crate::input::confine;
 use crate::input::job::{self, Model, Report};
+use crate::results::provenance::ProgramStart;
 use crate::results::summary::{RunEnd, Summary};
 use crate::results::{d3plot, exodus, fields, report, requirements, steering, vtkhdf};
 use crate::run::attempt::{self, Attempt};
@@ -29,7 +31,7 @@ use std::path::{Path, PathBuf};
 
 /// Returns true if an MPI launcher has started this process. Launchers set these
 /// environment variables.
-fn launched_by_mpi() -> bool {
+pub fn launched_by_mpi() -> bool {
     ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"]
         .iter()
         .any(|name| std::env::var_os(name).is_some())
@@ -127,11 +129,12 @@ fn begin(
         let why = "`restart` changes a run that continues: give --resume too";
         return Err(why.to_string().into());
     }
-    let origin = Origin { stamp: compare::stamp(&model, sets), from: None };
+    let start = program_start(&model, &sets, 0)?;
+    let origin = Origin { stamp: compare::stamp(&model, sets), start, from: None };
     let out = args.out_dir();
     let lock = locked(args, &out)?;
     if !args.overwrite
-        && let Some(why) = disk::watched(&out, || find::unfinished(&out))
+        && let Some(why) = disk::watched(&out, || find::occupied(&out))
     {
         return Err(why.into());
     }
@@ -152,6 +155,7 @@ fn go_on(
     loop {
         let (folder, manifest) = candidates.next_candidate()?;
         let (mut model, sets, workers) = read_job(args, &workers, Some(&manifest.stamp))?;
+        let start = program_start(&model, &sets, manifest.captured.cycle)?;
         let stamp = compare::stamp(&model, sets);
         compare::changes(&manifest.stamp, &stamp)
             .map_err(|why| format!("{}: {why}", folder.display()))?;
@@ -169,9 +173,16 @@ fn go_on(
             continue;
         }
         let logs = Logs::new(&out, args.log.as_deref());
-        let origin = Origin { stamp, from: Some((from, changes)) };
+        let origin = Origin { stamp, start, from: Some((from, changes)) };
         return Ok(Ready { model, workers, origin, out, logs, _lock: lock });
     }
+}
+
+/// Describes this start, from a cycle, for `provenance.json`.
+fn program_start(model: &Model, sets: &[String], from_cycle: u64) -> Result<ProgramStart, String> {
+    let commit = features::COMMIT.get().copied();
+    let start = ProgramStart::of_this_process(commit, (&model.path, &model.files()), sets)?;
+    Ok(ProgramStart { from_cycle, ..start })
 }
 
 /// Locks the folder of results. A run whose supervisor was killed before counts as lost, so that
@@ -490,6 +501,7 @@ fn print_summary(s: &Summary, out: &Path) {
     let shares: Vec<_> =
         phases.iter().map(|(name, p)| format!("{name} {:.1} %", share(p.mean))).collect();
     say!("share of phases: {}", shares.join(", "));
+    s.warnings.iter().for_each(|one| say!("warning: {}", one.line()));
     s.requirements.iter().for_each(|one| say!("{}", one.line()));
     say!("state_digest {}", s.state_digest);
     say!(

@@ -4,7 +4,7 @@
 use crate::cli::RunArgs;
 use crate::input::job::Report;
 use crate::run::attempt::Attempt;
-use crate::run::checkpoint::find::{DIR, folders, run_folder};
+use crate::run::checkpoint::find::{DIR, folders, occupied, run_folder};
 use crate::run::checkpoint::manifest::{MANIFEST, Manifest};
 use crate::run::service::Service;
 use crate::run::service::signals::{Manner, StopFlag};
@@ -112,13 +112,18 @@ struct Supervised<'a> {
     own: Option<u64>,
     /// Losses in a row without a new checkpoint.
     in_vain: u32,
+    /// True if the folder had no results before the first start: those that are there later are of
+    /// this run.
+    was_free: bool,
 }
 
 impl<'a> Supervised<'a> {
     fn new(args: &'a RunArgs, out: PathBuf) -> Self {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let workers = args.options.workers.unwrap_or_else(cores);
-        Self { args, earlier: Earlier::new(&out), out, workers, own: None, in_vain: 0 }
+        let earlier = Earlier::new(&out);
+        let was_free = watched(&out, || occupied(&out)).is_none();
+        Self { args, earlier, out, workers, own: None, in_vain: 0, was_free }
     }
 
     /// Starts the run and waits for its end or its loss.
@@ -128,7 +133,7 @@ impl<'a> Supervised<'a> {
         let log = self.out.join("log.jsonl");
         let logged = modified(&log);
         let has_begun = || modified(&log) != logged;
-        let child = start(self.args, &self.out, self.own.is_some(), self.workers)?;
+        let child = self.start()?;
         // Launchers of MPI end their ranks at TERM, but pass on USR2.
         let to_stop = if self.args.launcher.is_some() { Signal::USR2 } else { Signal::TERM };
         let asked = || attempt.into_iter().for_each(Attempt::note_stop);
@@ -155,6 +160,39 @@ impl<'a> Supervised<'a> {
             (None, signal) => format!("signal {}", signal.unwrap_or_default()),
         };
         Ok(End::Lost { how, has_begun: has_begun() })
+    }
+
+    /// Starts the run by the launcher, if one is given: from its own newest checkpoint if it has
+    /// one, otherwise as the user asked for it.
+    fn start(&self) -> std::io::Result<Child> {
+        let (args, out, workers) = (self.args, &self.out, self.workers);
+        let program = std::env::current_exe()?;
+        let ranks = (workers + 1).to_string();
+        let launcher = args.launcher.as_deref().unwrap_or_default().replace(RANKS, &ranks);
+        let mut words: Vec<&str> = launcher.split_whitespace().collect();
+        let mut command = if words.is_empty() {
+            Command::new(&program)
+        } else {
+            let mut command = Command::new(words.remove(0));
+            command.args(words).arg(&program);
+            command
+        };
+        command.arg("run");
+        command.args(args.job.iter());
+        let own = self.own.map(|_| out.as_path());
+        if let Some(from) = own.or(args.resume.as_deref()) {
+            command.arg("--resume").arg(from);
+        } else {
+            command.arg("--out").arg(out);
+            command.args((args.overwrite || self.was_free).then_some("--overwrite"));
+        }
+        if let Some(workers) = args.options.workers.filter(|_| !has_ranks(args)) {
+            command.args(["--workers", &workers.to_string()]);
+        }
+        command.args(args.passed_on(own.is_some()));
+        // In a group of its own: Ctrl-C would reach it directly too, and a launcher that gets two
+        // signals ends its ranks at once.
+        command.stdin(Stdio::null()).process_group(0).spawn()
     }
 
     /// Finds the newest checkpoint of the run, and counts losses without a new one.
@@ -210,37 +248,6 @@ fn modified(path: &Path) -> Option<SystemTime> {
 /// Returns true if the launcher takes any number of ranks.
 fn has_ranks(args: &RunArgs) -> bool {
     args.launcher.as_ref().is_some_and(|launcher| launcher.contains(RANKS))
-}
-
-/// Starts the run by the launcher, if one is given: from its own newest checkpoint if `continues`,
-/// otherwise as the user asked for it.
-fn start(args: &RunArgs, out: &Path, continues: bool, workers: usize) -> std::io::Result<Child> {
-    let program = std::env::current_exe()?;
-    let ranks = (workers + 1).to_string();
-    let launcher = args.launcher.as_deref().unwrap_or_default().replace(RANKS, &ranks);
-    let mut words: Vec<&str> = launcher.split_whitespace().collect();
-    let mut command = if words.is_empty() {
-        Command::new(&program)
-    } else {
-        let mut command = Command::new(words.remove(0));
-        command.args(words).arg(&program);
-        command
-    };
-    command.arg("run");
-    command.args(args.job.iter());
-    if let Some(from) = if continues { Some(out) } else { args.resume.as_deref() } {
-        command.arg("--resume").arg(from);
-    } else {
-        command.arg("--out").arg(out);
-        command.args(args.overwrite.then_some("--overwrite"));
-    }
-    if let Some(workers) = args.options.workers.filter(|_| !has_ranks(args)) {
-        command.args(["--workers", &workers.to_string()]);
-    }
-    command.args(args.passed_on(continues));
-    // In a group of its own: Ctrl-C would reach it directly too, and a launcher that gets two
-    // signals ends its ranks at once.
-    command.stdin(Stdio::null()).process_group(0).spawn()
 }
 
 /// Waits for the end of the run. Passes on requests to stop: the first as the signal `to_stop`,

@@ -433,6 +433,7 @@ impl Keeper {
             words.extend(["--resume".into(), "results".into()]);
         } else {
             words.extend([format!("input/{}", job.job), "--out".into(), "results".into()]);
+            words.push("--overwrite".into()); // of an attempt that was lost
             sets = [job.set.clone(), sets].concat();
         }
         words.extend(["--within".into(), "input".into(), "--quiet".into()]);

@@ -207,7 +207,7 @@ fn a_lost_new_run_does_not_continue_the_run_before() {
     let job = [&TUMBLE[..2], &["--no-report", "--set=time.max_cycles=300"]].concat();
     let whole = run(crumple_with(&[&job[..], &["--workers=1"]].concat())).with_code(0);
     let launcher = fails_once(folder.path());
-    let words = ["--retries=2", "--launcher", launcher.to_str().unwrap()];
+    let words = ["--overwrite", "--retries=2", "--launcher", launcher.to_str().unwrap()];
     let ended = run(crumple_with(&[&job[..], &place, &words].concat())).with_code(0);
     assert!(ended.said().contains("from the start"), "{}", ended.said());
     let summary = summary_in(&out);

@@ -195,6 +195,7 @@ fn words(scene: &str, cycles: u64, out: &Path, every: &str) -> Vec<String> {
         "run".to_string(),
         format!("cases/{scene}"),
         "--no-report".into(),
+        "--overwrite".into(), // what a run that was killed before its first checkpoint has left
         "--set".into(),
         format!("time.max_cycles={cycles}"),
         "--set".into(),

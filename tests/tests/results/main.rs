@@ -1,11 +1,14 @@
-//! Results of a run, read back by other readers; the report, the trace and studies.
+//! Results of a run, read back by other readers; the report, the trace and studies; runs that are
+//! reproduced and compared.
 
 mod d3plot;
 mod exodus;
 mod histories;
 mod logs;
 mod paraview;
+mod provenance;
 mod report;
 mod study;
 mod trace;
 mod vtkhdf;
+mod warnings;

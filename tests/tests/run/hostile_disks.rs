@@ -408,5 +408,6 @@ fn a_folder_with_an_unfinished_run_is_refused() {
     }
     assert_eq!(checkpoints(&out), before);
     run(with(&out, &["--overwrite"])).with_code(0);
-    run(with(&out, &[])).with_code(0); // the run before is complete
+    let refused = run(with(&out, &[])).with_code(2); // also the results of a complete run
+    assert!(refused.said().contains("has the results of a run"), "{}", refused.said());
 }

@@ -62,10 +62,11 @@ use crumple_fem::nodes::Nodes;
 use crumple_fem::time::StepSizes;
 use crumple_fem::work::Work;
 use crumple_math::lanes::Lane;
-use crumple_math::row::{Row, row};
+use crumple_math::row::{Row, row, xyz};
 use crumple_math::vector_range::VectorRange;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::ContactInput;
+use crumple_proto::report::ModelPlace;
 use crumple_proto::transport::RankLost;
 use detail::ContactDetail;
 use diagnostics::search_record::SearchRecord;
@@ -146,6 +147,8 @@ pub struct Contact {
     pub capped_pairs: u64,
     /// Largest penetration since the last query, as a fraction of the contact thickness.
     pub penetration: f64,
+    /// Node with this penetration.
+    pub deepest: ModelPlace,
     /// Largest rate at which near slaves and segments passed each other in the last step, where
     /// it may limit the step, see [`approach`] [1/time].
     pub approach: f64,
@@ -210,6 +213,7 @@ impl Contact {
             unsettled: [0; 2],
             capped_pairs: 0,
             penetration: 0.0,
+            deepest: ModelPlace::default(),
             approach: 0.0,
         }
     }
@@ -473,7 +477,13 @@ impl Contact {
             self.surface.set_friction(p, nodes);
             self.record.touched(&p.nodes);
             p.force = self.laws().of_pair(p).initial_force(p, steps);
-            self.penetration = self.penetration.max(p.penetration / p.contact_thickness);
+            let penetration = p.penetration / p.contact_thickness;
+            if penetration >= self.penetration && penetration > 0.0 {
+                let deepest = place_of(&self.surface, p, nodes);
+                if penetration > self.penetration || deepest.is_before(&self.deepest) {
+                    (self.penetration, self.deepest) = (penetration, deepest);
+                }
+            }
         }
     }
 
@@ -586,5 +596,17 @@ impl Contact {
         self.histories.store(&self.surface.slaves, &t.pairs);
         self.edges.store_history(t.pairs.iter());
         self.facets.store_history(t.pairs.iter());
+    }
+}
+
+/// Returns the place of a pair: the first of its nodes on this worker, and the part of its segment.
+fn place_of(surface: &Surface, pair: &Pair, nodes: &Nodes) -> ModelPlace {
+    let node = pair.nodes.iter().find(|&&n| n != surface::NOT_LOCAL).map(|&n| n as usize);
+    let segment = surface.segments.binary_search_by_key(&pair.segment, |s| s.id).ok();
+    ModelPlace {
+        element: None,
+        node: node.map(|n| nodes.id[n]),
+        part: segment.map(|i| surface.segments[i].part),
+        x: node.map_or([0.0; 3], |n| xyz(&nodes.x[n])),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Contact;
 use crumple_proto::checkpoint::MOST;
+use crumple_proto::report::ModelPlace;
 use serde::{Deserialize, Serialize};
 
 /// State and sums of one worker. Those of several workers are merged into one.
@@ -12,6 +13,7 @@ pub struct ContactState {
     unsettled: [u64; 2],
     capped_pairs: u64,
     penetration: f64,
+    deepest: ModelPlace,
     approach: f64,
     /// Marks of parts, see [`super::diagnostics::search_record`].
     parts: Vec<u8>,
@@ -31,7 +33,10 @@ impl ContactState {
             let count = self.parts.len();
             return Err(format!("it has marks of {count} parts, and the job has {parts}"));
         }
-        if self.penetration.is_nan() || self.approach.is_nan() {
+        if self.penetration.is_nan()
+            || self.approach.is_nan()
+            || self.deepest.x.iter().any(|x| x.is_nan())
+        {
             return Err("it has a penetration that is not a number".into());
         }
         Ok(())
@@ -43,7 +48,10 @@ impl ContactState {
         self.sweeps += o.sweeps;
         (0..2).for_each(|i| self.unsettled[i] = self.unsettled[i].max(o.unsettled[i]));
         self.capped_pairs += o.capped_pairs;
-        self.penetration = self.penetration.max(o.penetration);
+        let is_deeper = o.penetration > self.penetration;
+        if is_deeper || o.penetration == self.penetration && o.deepest.is_before(&self.deepest) {
+            (self.penetration, self.deepest) = (o.penetration, o.deepest);
+        }
         self.approach = self.approach.max(o.approach);
         self.parts.resize(self.parts.len().max(o.parts.len()), 0);
         self.parts.iter_mut().zip(&o.parts).for_each(|(a, b)| *a |= b);
@@ -60,6 +68,7 @@ impl Contact {
             unsettled,
             capped_pairs,
             penetration,
+            deepest,
             approach,
             record,
             // Equal on all workers, see `common`.
@@ -99,6 +108,7 @@ impl Contact {
             unsettled: *unsettled,
             capped_pairs: *capped_pairs,
             penetration: *penetration,
+            deepest: *deepest,
             approach: *approach,
             parts: record.of_parts(&surface.segments),
         }
@@ -117,7 +127,7 @@ impl Contact {
         self.sweeps = state.sweeps;
         self.unsettled = state.unsettled;
         self.capped_pairs = state.capped_pairs;
-        self.penetration = state.penetration;
+        (self.penetration, self.deepest) = (state.penetration, state.deepest);
         self.approach = state.approach;
         self.pairs = pairs;
         self.interface_started = started;

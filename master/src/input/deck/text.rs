@@ -22,6 +22,8 @@ const FRAGMENT: &[u8] = b"$crumple:";
 pub struct Text {
     /// Its name as the user or the deck gave it.
     pub file: String,
+    /// Where it was found.
+    pub path: PathBuf,
     /// Its text; bytes that are not UTF-8 are replaced by question marks.
     pub text: String,
     /// The text after `$crumple:` in its comments, with blanks elsewhere so that places are kept:
@@ -128,7 +130,7 @@ impl DeckReader<'_> {
             }
         };
         let file = self.texts.files.len() as u32;
-        self.texts.files.push(Text { file: shown, text, fragment: None });
+        self.texts.files.push(Text { file: shown, path: path.to_owned(), text, fragment: None });
         self.open.push(whole);
         self.blocks(file, path, format);
         self.open.pop();

@@ -50,6 +50,7 @@ pub(super) fn read_mesh(
     } else if let Some(generator) = &given.generator {
         mesh::generate(generator, job, findings)?
     } else if let Some(exodus) = &given.exodus {
+        sources.mesh_files = vec![in_folder(exodus)];
         match crate::input::exodus::read(&in_folder(exodus)) {
             Ok(mut mesh) => {
                 mesh.node_sets.extend(own_sets());
@@ -119,6 +120,7 @@ fn read_foreign_mesh(
     match mesh_file::read(file, allowed) {
         Ok(read) => {
             sources.mesh_rows = read.rows;
+            sources.mesh_files = read.files;
             read.warnings.into_iter().for_each(|warning| findings.add(warning));
             Some(read.mesh.to_mesh())
         }
@@ -152,6 +154,7 @@ fn read_toml_mesh(
             return None;
         }
     };
+    sources.mesh_files = vec![file.to_owned()];
     let parsed = Node::parse(&text);
     let tree = parsed.as_ref().cloned().unwrap_or_else(|_| Node::table(Place::Whole));
     sources.mesh = Some(SourceFile { file: file.display().to_string(), text, tree });

@@ -35,7 +35,6 @@ pub fn resolve(
     let transducers: Vec<_> =
         all.map(|(i, t)| transducer(t, i, job, settings, sets, findings)).collect();
     HistoryRequests {
-        parts: job.output.parts,
         contacts: job.output.contacts && several,
         nodes: nodes.into_iter().flatten().collect(),
         sections: sections.into_iter().flatten().collect(),

@@ -111,8 +111,14 @@ fn read_tree(
     sets: &[String],
     mut findings: JobProblems,
 ) -> Result<Model, Report> {
-    let mut sources =
-        SourceFiles { job, mesh: None, mesh_rows: Vec::new(), deck: None, sets: sets.to_vec() };
+    let mut sources = SourceFiles {
+        job,
+        mesh: None,
+        mesh_rows: Vec::new(),
+        mesh_files: Vec::new(),
+        deck: None,
+        sets: sets.to_vec(),
+    };
     if findings.any_error() {
         return Err(Report::new(findings.list, &sources));
     }

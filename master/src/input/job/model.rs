@@ -54,6 +54,18 @@ impl Model {
         &self.sources.mesh_rows
     }
 
+    /// Returns the files that were read: the job, its meshes and decks, and what they include.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let deck = self.sources.deck.iter().flat_map(|deck| &deck.files).map(|text| &text.path);
+        let mut all = vec![self.path.clone()];
+        for path in self.sources.mesh_files.iter().chain(deck) {
+            if !all.contains(path) {
+                all.push(path.clone());
+            }
+        }
+        all
+    }
+
     /// Returns the records for the distribution: elements and nodes by ascending id.
     pub fn records(&self) -> (Vec<ElementRecord>, Vec<NodeRecord>) {
         let free = free_faces(&self.mesh.elements);

@@ -5,6 +5,7 @@ use crate::input::deck;
 use crate::input::mesh_file::ImportRow;
 use crumple_proto::problem::{Problem, Severity};
 use std::fmt;
+use std::path::PathBuf;
 
 /// Maximum number of problems that are printed; the others are counted.
 pub const SHOWN: usize = 50;
@@ -29,6 +30,8 @@ pub struct SourceFiles {
     pub(crate) mesh: Option<SourceFile>,
     /// The table of the content of a mesh file of another program.
     pub(crate) mesh_rows: Vec<ImportRow>,
+    /// Files of the mesh.
+    pub(crate) mesh_files: Vec<PathBuf>,
     pub(crate) deck: Option<DeckSource>,
     pub(crate) sets: Vec<String>,
 }

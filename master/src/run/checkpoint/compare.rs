@@ -4,6 +4,7 @@ use super::MasterState;
 use super::find::Resumption;
 use super::manifest::Stamp;
 use crate::input::job::Model;
+use crate::results::warnings::WarningKind;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{MeshSource, Restart};
 use crumple_proto::mesh::Shape;
@@ -87,6 +88,7 @@ fn of_master() -> Layout {
         trace::<MasterState>(tracer);
         trace::<Steer>(tracer);
         trace::<Change>(tracer);
+        trace::<WarningKind>(tracer);
     })
 }
 

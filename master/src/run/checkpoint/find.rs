@@ -3,6 +3,7 @@
 use super::MasterState;
 use super::manifest::{MANIFEST, Manifest, Stamp, sync};
 use crate::input::job::Model;
+use crate::results::history;
 use crate::results::table::Tables;
 use crumple_proto::checkpoint::{PARTIAL, read};
 use crumple_proto::disk::watched;
@@ -244,24 +245,27 @@ pub fn newest_cycle(run: &Path) -> Option<u64> {
     newest(run).map(|(_, manifest)| manifest.captured.cycle)
 }
 
-/// Returns a message if the folder of a run has a checkpoint and the run did not complete: a new
-/// run would remove it.
-pub fn unfinished(run: &Path) -> Option<String> {
-    let (folder, manifest) = newest(run)?;
+/// Returns a message if a folder has results of a run, or a checkpoint from which it could
+/// continue: a new run would remove them.
+pub fn occupied(run: &Path) -> Option<String> {
+    let has = |name: &str| run.join(name).is_file();
     let summary = std::fs::read(run.join("summary.json")).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap_or_default();
-    if summary["status"] == "completed" {
-        return None;
+    let shown = run.display();
+    let ways = "remove it with --overwrite, or choose another folder with --out";
+    match newest(run).filter(|_| summary["status"] != "completed") {
+        Some((folder, manifest)) => Some(format!(
+            "{shown} has a run that did not complete, with a checkpoint of cycle {}, time {:.6e}, \
+             in {}; continue it with `crumple run --resume {shown}`, {ways}",
+            manifest.captured.cycle,
+            manifest.captured.time,
+            folder.display()
+        )),
+        None if has("summary.json") || has(history::FILE) => {
+            Some(format!("{shown} has the results of a run; {ways}"))
+        }
+        None => None,
     }
-    let run = run.display();
-    Some(format!(
-        "{run} has a run that did not complete, with a checkpoint of cycle {}, time {:.6e}, in {}; \
-         continue it with `crumple run --resume {run}`, remove it with --overwrite, or choose \
-         another folder with --out",
-        manifest.captured.cycle,
-        manifest.captured.time,
-        folder.display()
-    ))
 }
 
 /// Removes what a run that has ended left after its checkpoint: folders without manifest, and

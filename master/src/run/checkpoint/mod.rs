@@ -17,6 +17,7 @@ use crate::input::job::Model;
 use crate::results::history::Course;
 use crate::results::summary::{CheckpointSummary, RestartSummary};
 use crate::results::table::Tables;
+use crate::results::warnings::EngineeringWarning;
 use crate::run::balance::Accounts;
 use completion::Completion;
 use copies::Copies;
@@ -49,8 +50,8 @@ pub struct MasterState {
     pub accounts: Accounts,
     /// Wall time so far [s].
     pub wall_s: f64,
-    /// True for each warning that was given and is given once.
-    pub warned: [bool; 3],
+    /// Engineering warnings so far.
+    pub warnings: Vec<EngineeringWarning>,
     /// Continuations so far.
     pub restarts: Vec<RestartSummary>,
     /// Interval of history rows, and times of fields [time].
@@ -85,7 +86,8 @@ impl MasterState {
         let fields = state.field_times.iter().chain(&state.output.additional);
         let fields = fields.chain(state.steps.iter().map(|(_, time)| time));
         let planned = state.planned.iter().filter_map(|planned| planned.steer.value());
-        let is_number = others.into_iter().chain(planned).chain(fields.copied());
+        let warned = state.warnings.iter().flat_map(|w| [w.time, w.worst_time, w.value]);
+        let is_number = others.into_iter().chain(warned).chain(planned).chain(fields.copied());
         if !times.iter().all(|t| t.is_finite() && *t >= 0.0)
             || !is_number.into_iter().all(f64::is_finite)
         {

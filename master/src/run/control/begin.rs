@@ -6,6 +6,7 @@ use super::{Control, Origin, Results, RunError};
 use crate::input::job::Model;
 use crate::results::fields::{self, FieldSeries};
 use crate::results::history::{Course, History};
+use crate::results::provenance::{self, ProgramStart};
 use crate::results::summary::{MeshOutline, RestartSummary};
 use crate::results::table::Tables;
 use crate::results::trace::TraceFile;
@@ -29,18 +30,21 @@ impl<'a> Control<'a> {
         model: &'a mut Model,
         comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
-        (Origin { stamp, mut from }, tree): (Origin, CutTree),
+        (Origin { stamp, start, mut from }, tree): (Origin, CutTree),
         (quiet, desk): (bool, Option<Desk>),
     ) -> Result<Self, RunError> {
         let workers = comm.size() - 1;
         std::fs::create_dir_all(out).map_err(output_error(out))?;
+        let start = ProgramStart { workers, transport: comm.name().into(), ..start };
+        provenance::record(out, stamp.job.clone(), start)
+            .map_err(output_error(&out.join(provenance::FILE)))?;
         let mut checkpoints = new_checkpoints(model, out, workers, stamp);
         let dual = model.settings.has_dual_decomposition();
         let mut series = FieldSeries::new(&out.join(fields::DIR), dual);
         let known = match &mut from {
             Some((from, _)) => Some(restore_files(from, out, &mut checkpoints, &mut series)?),
             None => {
-                remove_old_files(&checkpoints, &series)?;
+                remove_old_files(out, &checkpoints, &series)?;
                 None
             }
         };
@@ -55,7 +59,6 @@ impl<'a> Control<'a> {
             restarts.push(RestartSummary { cycle, time, workers, transport, changes });
             from
         });
-        let [penetration_warned, energy_warned, step_warned] = known.warned;
         Ok(Self {
             began: Instant::now(),
             tree,
@@ -69,9 +72,7 @@ impl<'a> Control<'a> {
             ready_since: None,
             pieces: BTreeMap::new(),
             trouble: None,
-            penetration_warned,
-            energy_warned,
-            step_warned,
+            warnings: known.warnings,
             checkpoints,
             from,
             restarts,
@@ -120,8 +121,13 @@ fn restore_files(
     Ok(from.master.clone())
 }
 
-/// Removes the checkpoints and field files of an earlier run.
-fn remove_old_files(checkpoints: &Checkpoints, series: &FieldSeries) -> Result<(), RunError> {
+/// Removes the summary, the checkpoints and the field files of an earlier run.
+fn remove_old_files(
+    out: &Path,
+    checkpoints: &Checkpoints,
+    series: &FieldSeries,
+) -> Result<(), RunError> {
+    remove_file(&out.join("summary.json"))?;
     tidy(checkpoints.dir(), None);
     let folder = series.dir();
     if folder.exists() {

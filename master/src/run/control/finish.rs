@@ -87,6 +87,7 @@ impl Control<'_> {
             steering: self.steering.records(),
             checkpoints: self.checkpoints.summary,
             lost: self.history.lost.clone(),
+            warnings: std::mem::take(&mut self.warnings),
             requirements: Vec::new(),
             state_digest: summary::state_digest(&mut self.states),
         }

@@ -117,7 +117,7 @@ impl Control<'_> {
         disk::watched(&path, || self.history.add_part(part, extras))
             .map_err(|e| RunError::Output { path, error: e.into() })?;
         self.watch_energy();
-        self.watch_contact();
+        self.watch_row();
         self.watch_work();
         self.watch_files();
         Ok(())

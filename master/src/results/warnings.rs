@@ -1,0 +1,491 @@
+//! Engineering warnings: what an engineer looks at before the results are used. Each has its time,
+//! its place and the setting that cures it, and is given once for each part.
+
+use crate::input::job::Model;
+use crate::results::history::{Course, HistoryRow};
+use crumple_proto::job::Part;
+use crumple_proto::mesh::{Mesh, MeshElement};
+use crumple_proto::report::ModelPlace;
+use serde::{Deserialize, Serialize};
+
+/// Hourglass energy over internal energy of a part, and of the whole model.
+const MUCH_HOURGLASS: [f64; 2] = [0.1, 0.05];
+/// Fraction of the largest energy of the run below which an energy does not count.
+const NO_ENERGY: f64 = 0.001;
+/// Energy created by contact, as a fraction of the largest energy so far.
+const LITTLE_CREATED: f64 = 0.01;
+/// Cure of contact that creates energy.
+pub const CREATED_CURE: &str = "Look for parts that penetrate each other at the start (`crumple \
+                                check` names them) or are pressed through each other; try a \
+                                smaller time.dt_max, more contact.sweeps or a smaller \
+                                contact.penalty_scale";
+/// Energy dissipated by friction of contact, as a fraction of the largest energy so far.
+const MUCH_FRICTION: f64 = 0.1;
+/// Mass added by mass scaling over the mass of a part, and of the whole model.
+const MUCH_MASS: [f64; 2] = [0.1, 0.05];
+/// Stable step over that of the start.
+const SHORT_STEP: f64 = 0.2;
+/// Step of contact over step of the elements.
+const SHORT_CONTACT_STEP: f64 = 0.5;
+/// Penetration over contact thickness.
+const SUNK: f64 = 0.5;
+/// Jacobian at a corner of an element over its value at the start.
+const FLAT: f64 = 0.1;
+
+/// Subject of a warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WarningKind {
+    /// Hourglass energy.
+    Hourglass,
+    /// Energy that contact has created: its energy is negative.
+    ContactEnergy,
+    /// Energy of friction.
+    Friction,
+    /// Mass added by mass scaling.
+    AddedMass,
+    /// Collapse of the stable step.
+    TimeStep,
+    /// Contact that shortens the step.
+    ContactStep,
+    /// Deep penetration.
+    Penetration,
+    /// Elements that are about to invert.
+    Inversion,
+}
+
+/// A warning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EngineeringWarning {
+    /// Its subject.
+    pub kind: WarningKind,
+    /// Name of the part; empty for the whole model.
+    pub part: String,
+    /// Cycle in which it was found.
+    pub cycle: u64,
+    /// Simulated time at which it was found [time].
+    pub time: f64,
+    /// The quantity that is compared with its limit, at its worst so far. All are ratios.
+    pub value: f64,
+    /// Simulated time of this value [time].
+    pub worst_time: f64,
+    /// The observation.
+    pub what: String,
+    /// Element or node, with its coordinates; empty if there is none.
+    pub place: String,
+    /// The setting that cures it.
+    pub cure: String,
+}
+
+impl EngineeringWarning {
+    /// Returns the warning as one line, without its end.
+    pub fn line(&self) -> String {
+        let part =
+            if self.part.is_empty() { String::new() } else { format!("part {}: ", self.part) };
+        let place = if self.place.is_empty() { String::new() } else { format!("; {}", self.place) };
+        let since = if self.time < self.worst_time {
+            format!(" (since time {:.6e}, cycle {})", self.time, self.cycle)
+        } else {
+            String::new()
+        };
+        format!("at time {:.6e} {part}{}{since}{place}. {}", self.worst_time, self.what, self.cure)
+    }
+
+    /// Returns true if this one is worse than an earlier one of its kind.
+    fn is_worse(&self, than: &Self) -> bool {
+        match self.kind {
+            WarningKind::TimeStep | WarningKind::ContactStep | WarningKind::Inversion => {
+                self.value < than.value
+            }
+            _ => self.value > than.value,
+        }
+    }
+}
+
+/// Adds the warnings of a row to those of the run: new ones, and worse values of those that were
+/// given. Returns the number of warnings that were there before; the new ones follow.
+#[must_use]
+pub fn merge(all: &mut Vec<EngineeringWarning>, found: Vec<EngineeringWarning>) -> usize {
+    let before = all.len();
+    for one in found {
+        match all.iter_mut().find(|known| known.kind == one.kind && known.part == one.part) {
+            Some(known) if one.is_worse(known) => {
+                *known = EngineeringWarning { cycle: known.cycle, time: known.time, ..one }
+            }
+            Some(_) => {}
+            None => all.push(one),
+        }
+    }
+    before
+}
+
+/// A row of the history, with what its warnings need.
+#[derive(Clone, Copy)]
+pub struct WatchedRow<'a> {
+    /// Parts of the settings.
+    pub parts: &'a [Part],
+    /// The rows so far; the last one is judged.
+    pub course: &'a Course,
+}
+
+impl WatchedRow<'_> {
+    /// Returns the warnings of the last row.
+    pub fn warnings(&self) -> Vec<EngineeringWarning> {
+        let Some(row) = &self.course.last else { return Vec::new() };
+        let mut found = self.hourglass(row);
+        found.extend(self.contact_energy(row));
+        found.extend(self.friction(row));
+        found.extend(self.step(row));
+        found.extend(self.contact_step(row));
+        found.extend(self.penetration(row));
+        found.extend(self.inversion(row));
+        found
+    }
+
+    /// Returns a warning of this row.
+    fn warn(
+        &self,
+        row: &HistoryRow,
+        (kind, value): (WarningKind, f64),
+        what: String,
+        at: &ModelPlace,
+        cure: &str,
+    ) -> EngineeringWarning {
+        let time = row.sum.time;
+        EngineeringWarning {
+            kind,
+            part: at.part.map_or(String::new(), |part| name(self.parts, part as usize)),
+            cycle: row.sum.cycle,
+            time,
+            value,
+            worst_time: time,
+            what,
+            place: described(at),
+            cure: cure.into(),
+        }
+    }
+
+    fn hourglass(&self, row: &HistoryRow) -> Vec<EngineeringWarning> {
+        let e = &row.sum.energies;
+        let counts = |energy: f64| energy > NO_ENERGY * self.course.most;
+        let cure = "Use an element without hourglass modes or with physical stabilisation \
+                    (part.element), a finer mesh, or loads and supports on more nodes";
+        let of_part = |(part, share): (u32, &crumple_proto::histories::PartShare)| {
+            let at = ModelPlace { part: Some(part), ..ModelPlace::default() };
+            (at, share.hourglass, share.internal, MUCH_HOURGLASS[0])
+        };
+        let whole = (ModelPlace::default(), e.hourglass, e.internal, MUCH_HOURGLASS[1]);
+        let parts = (0..).zip(&row.sum.shares.parts).map(of_part);
+        let is_much = |&(_, hourglass, internal, limit): &(ModelPlace, f64, f64, f64)| {
+            counts(hourglass) && hourglass > limit * internal
+        };
+        let all = parts.chain([whole]).filter(is_much);
+        let warned = all.map(|(at, hourglass, internal, limit)| {
+            let ratio = if internal > 0.0 { hourglass / internal } else { 1.0 };
+            let what = format!(
+                "the hourglass energy is {hourglass:.3e}, {:.0} % of the internal energy; {:.0} % \
+                 is usually acceptable",
+                100.0 * ratio,
+                100.0 * limit
+            );
+            self.warn(row, (WarningKind::Hourglass, ratio), what, &at, cure)
+        });
+        warned.collect()
+    }
+
+    fn contact_energy(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let what = format!(
+            "contact has created an energy of {:.3e}, {:.1} % of the largest energy so far: the \
+             energy of contact is negative; the run stops at 10 %",
+            row.sum.energies.contact,
+            100.0 * row.created
+        );
+        let kind = (WarningKind::ContactEnergy, row.created);
+        let at = ModelPlace { part: None, ..row.sum.deepest };
+        (row.created > LITTLE_CREATED).then(|| self.warn(row, kind, what, &at, CREATED_CURE))
+    }
+
+    fn friction(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let work = row.sum.energies.friction;
+        let share = work.abs() / self.course.most;
+        let (limit, has) = match work > 0.0 {
+            true => (LITTLE_CREATED, "created"),
+            false => (MUCH_FRICTION, "dissipated"),
+        };
+        let what = format!(
+            "friction of contact has {has} an energy of {:.3e}, {:.0} % of the largest energy so \
+             far: results depend on the coefficient of friction",
+            work.abs(),
+            100.0 * share
+        );
+        let cure = "Compare a run with another contact.friction";
+        let kind = (WarningKind::Friction, share);
+        (self.course.most > 0.0 && share > limit)
+            .then(|| self.warn(row, kind, what, &ModelPlace::default(), cure))
+    }
+
+    fn step(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let first = self.course.first.as_ref()?.sum.controlling_dt;
+        let (now, at) = (row.sum.controlling_dt, &row.sum.controlling);
+        let what = format!(
+            "the stable step has fallen to {now:.3e}, {:.0} % of that of the start",
+            100.0 * now / first
+        );
+        let cure = "Remesh the element or let its part fail at a large strain; \
+                    time.mass_scaling_dt or time.subcycles allow a longer step";
+        let kind = (WarningKind::TimeStep, now / first);
+        (first.is_finite() && now < SHORT_STEP * first)
+            .then(|| self.warn(row, kind, what, at, cure))
+    }
+
+    fn contact_step(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let [contact, elements] = [row.sum.contact_dt, row.sum.controlling_dt];
+        let what = format!(
+            "the stable step of contact is {contact:.3e}, that of elements {elements:.3e}: in a \
+             longer step, fast bodies could pass through others"
+        );
+        let cure = "Increase the contact thickness, or exclude fast fragments and thin foils from \
+                    contact";
+        let kind = (WarningKind::ContactStep, contact / elements);
+        (contact < SHORT_CONTACT_STEP * elements)
+            .then(|| self.warn(row, kind, what, &ModelPlace::default(), cure))
+    }
+
+    fn penetration(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let depth = row.sum.penetration;
+        let what = format!(
+            "the largest penetration is {depth:.2} of the contact thickness; from 1 on a node may \
+             pass through"
+        );
+        let cure = "Unless the mesh starts with this penetration, increase contact.sweeps or \
+                    contact.penalty_scale, change contact.iteration, or reduce time.dt_max";
+        let kind = (WarningKind::Penetration, depth);
+        (depth > SUNK).then(|| self.warn(row, kind, what, &row.sum.deepest, cure))
+    }
+
+    fn inversion(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let left = row.sum.corner_left;
+        let what = format!(
+            "an element is about to invert: a corner has {:.0} % of its Jacobian at the start",
+            100.0 * left
+        );
+        let cure = "Use a finer or more regular mesh there, a stiffer material curve at large \
+                    strains, or part.inverted = \"delete\"";
+        let kind = (WarningKind::Inversion, left);
+        (left < FLAT).then(|| self.warn(row, kind, what, &row.sum.flattest, cure))
+    }
+}
+
+/// Mass that mass scaling adds to a part.
+#[derive(Clone, Copy, Debug, Default)]
+struct AddedMass {
+    /// Mass without it [mass].
+    mass: f64,
+    /// Added mass [mass].
+    added: f64,
+    /// Largest factor on the density of an element, and the element.
+    largest: (f64, ModelPlace),
+}
+
+/// Returns the warnings of mass scaling, before the mesh of the model is distributed.
+pub fn of_added_mass(model: &Model) -> Vec<EngineeringWarning> {
+    let (elements, mesh) = (&model.elements, &model.mesh);
+    let mut of_parts = vec![AddedMass::default(); model.settings.parts.len()];
+    for (i, element) in mesh.elements.iter().enumerate() {
+        let part = &mut of_parts[elements.part[i] as usize];
+        let added = elements.mass_with_scaling(i) - elements.mass[i];
+        part.mass += elements.mass[i];
+        part.added += added;
+        if added > 0.0 && elements.mass_factor[i] > part.largest.0 {
+            part.largest = (elements.mass_factor[i], centre(mesh, element, elements.part[i]));
+        }
+    }
+    judged_mass(&model.settings.parts, &of_parts)
+}
+
+/// Returns the place of an element of a mesh.
+fn centre(mesh: &Mesh, element: &MeshElement, part: u32) -> ModelPlace {
+    let corners = element.corners();
+    let mut x = [0.0; 3];
+    for id in corners {
+        if let Ok(at) = mesh.nodes.binary_search_by_key(id, |node| node.id) {
+            (0..3).for_each(|c| x[c] += mesh.nodes[at].x[c] / corners.len() as f64);
+        }
+    }
+    ModelPlace { element: Some(element.id), node: None, part: Some(part), x }
+}
+
+/// Returns the warnings of the parts and of the whole model. `of_parts` is in the order of `parts`.
+fn judged_mass(parts: &[Part], of_parts: &[AddedMass]) -> Vec<EngineeringWarning> {
+    let sum = |of: fn(&AddedMass) -> f64| of_parts.iter().map(of).sum::<f64>();
+    let worst = of_parts.iter().map(|p| p.largest).max_by(|a, b| a.0.total_cmp(&b.0));
+    let whole = AddedMass {
+        mass: sum(|p| p.mass),
+        added: sum(|p| p.added),
+        largest: worst.unwrap_or_default(),
+    };
+    let parts_of = of_parts.iter().enumerate().map(|(i, p)| (name(parts, i), p, MUCH_MASS[0]));
+    let all = parts_of.chain([(String::new(), &whole, MUCH_MASS[1])]);
+    let is_much = |(_, p, limit): &(String, &AddedMass, f64)| {
+        p.added > limit * p.mass && p.added > NO_ENERGY * whole.mass
+    };
+    let warned = all.filter(is_much).map(|(part, p, _)| EngineeringWarning {
+        kind: WarningKind::AddedMass,
+        part,
+        cycle: 0,
+        time: 0.0,
+        value: p.added / p.mass,
+        worst_time: 0.0,
+        what: format!(
+            "mass scaling adds a mass of {:.3e}, {:.1} % of the mass",
+            p.added,
+            100.0 * p.added / p.mass
+        ),
+        place: described(&p.largest.1),
+        cure: "Use a smaller time.mass_scaling_dt, or a mesh without tiny elements".into(),
+    });
+    warned.collect()
+}
+
+/// Returns the name of a part, or its id without a name.
+fn name(parts: &[Part], index: usize) -> String {
+    parts.get(index).map_or(String::new(), |part| match part.name.is_empty() {
+        true => part.id.to_string(),
+        false => format!("`{}`", part.name),
+    })
+}
+
+/// Returns the element or node of a place, with its coordinates.
+fn described(at: &ModelPlace) -> String {
+    let what = match (at.element, at.node) {
+        (Some(element), _) => format!("element {element}"),
+        (None, Some(node)) => format!("node {node}"),
+        (None, None) => return String::new(),
+    };
+    let [x, y, z] = at.x;
+    format!("{what} at ({x:.6}, {y:.6}, {z:.6})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::histories::PartShare;
+    use crumple_proto::ids::{ElemId, NodeId};
+    use crumple_proto::report::HistoryPart;
+
+    fn part(name: &str) -> Part {
+        toml::from_str(&format!("id = 4\nname = \"{name}\"\nmaterial = \"m\"")).unwrap()
+    }
+
+    /// Returns the warnings of one row after a healthy first one.
+    fn of(change: impl Fn(&mut HistoryRow)) -> Vec<EngineeringWarning> {
+        let sum = HistoryPart {
+            controlling_dt: 1.0,
+            contact_dt: 1.0,
+            corner_left: 1.0,
+            ..HistoryPart::default()
+        };
+        let mut row = HistoryRow { sum, ..HistoryRow::default() };
+        (row.sum.energies.internal, row.sum.energies.kinetic) = (10.0, 90.0);
+        row.sum.shares.parts = vec![PartShare { internal: 5.0, ..PartShare::default() }; 2];
+        let mut course = Course::default();
+        (course.first, course.most) = (Some(row.clone()), 100.0);
+        (row.sum.cycle, row.sum.time) = (30, 2.5);
+        change(&mut row);
+        course.last = Some(row);
+        WatchedRow { parts: &[part("a"), part("b")], course: &course }.warnings()
+    }
+
+    #[test]
+    fn a_healthy_row_has_no_warning() {
+        assert_eq!(of(|_| ()), []);
+        let close = |row: &mut HistoryRow| {
+            row.sum.shares.parts[1].hourglass = 0.49;
+            row.sum.energies.hourglass = 0.49;
+            row.sum.energies.friction = -9.0;
+            (row.created, row.sum.penetration) = (0.009, 0.49);
+            (row.sum.corner_left, row.sum.controlling_dt, row.sum.contact_dt) = (0.11, 0.21, 0.2);
+        };
+        assert_eq!(of(close), []);
+    }
+
+    /// One row beyond each limit, and what the warning names.
+    #[test]
+    fn each_limit_has_its_warning_with_part_place_and_cure() {
+        type Change = fn(&mut HistoryRow);
+        let at = |element| ModelPlace {
+            element: Some(ElemId(element)),
+            part: Some(1),
+            x: [1.0, 2.0, 3.0],
+            ..ModelPlace::default()
+        };
+        let table: [(WarningKind, Change, &str, &str); 7] = [
+            (
+                WarningKind::Hourglass,
+                |r| r.sum.shares.parts[1].hourglass = 0.51,
+                "`b`",
+                "part.element",
+            ),
+            (WarningKind::Hourglass, |r| r.sum.energies.hourglass = 0.51, "", "finer mesh"),
+            (WarningKind::ContactEnergy, |r| r.created = 0.011, "", "contact.sweeps"),
+            (WarningKind::Friction, |r| r.sum.energies.friction = -11.0, "", "contact.friction"),
+            (WarningKind::Friction, |r| r.sum.energies.friction = 1.1, "", "contact.friction"),
+            (WarningKind::ContactStep, |r| r.sum.contact_dt = 0.49, "", "contact thickness"),
+            (WarningKind::Penetration, |r| r.sum.penetration = 0.51, "", "contact.sweeps"),
+        ];
+        for (kind, change, part, cure) in table {
+            let found = of(change);
+            assert_eq!(found.len(), 1, "{kind:?}: {found:?}");
+            assert_eq!((found[0].kind, &found[0].part[..]), (kind, part));
+            assert_eq!((found[0].cycle, found[0].time), (30, 2.5));
+            assert!(found[0].line().contains(cure), "{}", found[0].line());
+        }
+        let short = of(|r| (r.sum.controlling_dt, r.sum.controlling) = (0.19, at(7)));
+        let short: Vec<_> = short.iter().filter(|w| w.kind == WarningKind::TimeStep).collect();
+        assert_eq!((short.len(), &short[0].part[..]), (1, "`b`"));
+        assert!(short[0].line().contains("element 7 at (1.000000, 2.0"), "{}", short[0].line());
+        let flat = of(|r| (r.sum.corner_left, r.sum.flattest) = (0.09, at(8)));
+        assert_eq!((flat.len(), flat[0].kind), (1, WarningKind::Inversion));
+        let deep = of(|r| {
+            r.sum.penetration = 0.7;
+            r.sum.deepest = ModelPlace { element: None, node: Some(NodeId(5)), ..at(0) };
+        });
+        assert!(deep[0].place.starts_with("node 5 at "), "{}", deep[0].place);
+    }
+
+    #[test]
+    fn hourglass_of_a_part_without_energy_does_not_count() {
+        assert_eq!(
+            of(|row| row.sum.shares.parts[0] =
+                PartShare { hourglass: 0.09, internal: 0.01, ..PartShare::default() }),
+            []
+        );
+    }
+
+    #[test]
+    fn a_warning_is_given_once_and_keeps_its_worst_value() {
+        let mut all = Vec::new();
+        let deep = |depth: f64| of(|row| row.sum.penetration = depth);
+        assert_eq!((merge(&mut all, deep(0.6)), all.len()), (0, 1));
+        let mut later = deep(0.9);
+        (later[0].time, later[0].worst_time) = (3.0, 3.0);
+        assert_eq!((merge(&mut all, later), all.len()), (1, 1));
+        assert_eq!((all[0].time, all[0].value, all[0].worst_time), (2.5, 0.9, 3.0));
+        assert_eq!(merge(&mut all, deep(0.7)), 1);
+        assert_eq!(all[0].value, 0.9);
+        assert!(all[0].line().contains("since time 2.5"), "{}", all[0].line());
+    }
+
+    #[test]
+    fn added_mass_is_judged_by_part_and_in_total() {
+        let of = |added: [f64; 2]| {
+            let parts = added.map(|added| AddedMass { mass: 10.0, added, ..Default::default() });
+            judged_mass(&[part("a"), part("b")], &parts)
+        };
+        assert_eq!(of([0.9, 0.05]), []);
+        let found = of([1.1, 0.0]);
+        let parts: Vec<&str> = found.iter().map(|w| &w.part[..]).collect();
+        assert_eq!(parts, ["`a`", ""]);
+        assert!(found[0].line().contains("11.0 %"), "{}", found[0].line());
+    }
+}

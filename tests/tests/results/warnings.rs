@@ -1,0 +1,139 @@
+//! Engineering warnings: one small job beyond each limit, and one without any. Each warning has its
+//! time, its place and its cure, in the output, in `summary.json` and in `crumple advise`.
+
+use crumple_tests::program::{Ended, crumple_with, run};
+use serde_json::Value;
+use std::fs;
+use tempfile::TempDir;
+
+/// A square shell of steel. The tests add the motion of its corners.
+const SQUARE: &str = r#"
+    title = "A square"
+    end_time = 0.1
+    [mesh]
+    nodes = [[1, 0.0, 0.0, 0.0], [2, 10.0, 0.0, 0.0], [3, 10.0, 10.0, 0.0], [4, 0.0, 10.0, 0.0]]
+    shells = [[7, 1, 1, 2, 3, 4]]
+    node_sets = { even = [2, 4], odd = [1, 3], left = [1, 4], right = [2, 3] }
+    [output]
+    field_interval = -1.0
+    [[material]]
+    name = "steel"
+    law = "elastic"
+    density = 7.85e-6
+    youngs_modulus = 207.0
+    poisson = 0.3
+    [[part]]
+    id = 1
+    name = "plate"
+    material = "steel"
+    element = "belytschko_tsay"
+    thickness = 1.0
+"#;
+const ROTATIONS: &str = r#"dofs = ["x", "y", "rx", "ry", "rz"]"#;
+
+/// Runs the square with more sections.
+fn square(more: &str) -> (TempDir, Ended) {
+    let folder = tempfile::tempdir().unwrap();
+    let job = folder.path().join("job.toml");
+    fs::write(&job, format!("{SQUARE}{more}")).unwrap();
+    let words = ["run", job.to_str().unwrap(), "--no-report", "--workers=1"];
+    (folder, run(crumple_with(&words)).with_code(0))
+}
+
+fn case(words: &[&str]) -> Ended {
+    run(crumple_with(&[&["run"], words, &["--no-report"]].concat())).with_code(0)
+}
+
+/// Returns the warning of a kind for a part, or for the whole model.
+fn warning(ended: &Ended, kind: &str, part: &str) -> Value {
+    let all = ended.summary()["warnings"].clone();
+    let is_it = |w: &&Value| w["kind"] == kind && w["part"] == part;
+    let found = all.as_array().unwrap().iter().find(is_it).cloned();
+    let found = found.unwrap_or_else(|| panic!("no {kind} of `{part}`: {all:#}"));
+    let (what, said) = (found["what"].as_str().unwrap(), ended.said());
+    assert!(said.contains(what), "it is not in the output: {what}\n{said}");
+    assert!(said.contains(found["cure"].as_str().unwrap()), "{said}");
+    let shown = run(crumple_with(&["advise", ended.out().to_str().unwrap()])).with_code(0).said();
+    assert!(shown.contains(what), "it is not in the advice: {what}\n{shown}");
+    found
+}
+
+#[test]
+fn a_healthy_job_has_no_warning() {
+    let ended = case(&["cases/bars", "--workers=2"]);
+    assert_eq!(ended.summary()["warnings"], serde_json::json!([]));
+    assert!(!ended.said().contains("warning"), "{}", ended.said());
+}
+
+/// Opposite corners move up, the others down: a mode without strain at the integration point.
+#[test]
+fn hourglass_energy_of_a_part_is_a_warning() {
+    let (_folder, ended) = square(&format!(
+        "[[fix]]\nnodes = \"even\"\n{ROTATIONS}\n[[fix]]\nnodes = \"odd\"\n{ROTATIONS}\n\
+         [[motion]]\nnodes = \"even\"\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, 1.0]\n\
+         [[motion]]\nnodes = \"odd\"\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, -1.0]\n"
+    ));
+    let of_part = warning(&ended, "hourglass", "`plate`");
+    assert!(of_part["cure"].as_str().unwrap().contains("part.element"), "{of_part}");
+    assert!(of_part["value"].as_f64().unwrap() > 0.1, "{of_part}");
+    warning(&ended, "hourglass", "");
+}
+
+/// The right side moves to the left until 3 % of the square are left.
+#[test]
+fn an_element_that_is_about_to_invert_is_named_and_so_is_the_step() {
+    let all = r#"dofs = ["y", "z", "rx", "ry", "rz"]"#;
+    let (_folder, ended) = square(&format!(
+        "[[fix]]\nnodes = \"left\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+         [[fix]]\nnodes = \"right\"\n{all}\n\
+         [[motion]]\nnodes = \"right\"\ndofs = [\"x\"]\nvelocity = [-97.0, 0.0, 0.0]\n"
+    ));
+    let flat = warning(&ended, "inversion", "`plate`");
+    assert!(flat["place"].as_str().unwrap().starts_with("element 7 at (0."), "{flat}");
+    let (first, worst) = (flat["time"].as_f64().unwrap(), flat["worst_time"].as_f64().unwrap());
+    assert!((0.09..0.097).contains(&first) && worst > 0.099, "{flat}");
+    assert!((flat["value"].as_f64().unwrap() - 0.03).abs() < 0.01, "{flat}");
+    let step = warning(&ended, "time_step", "`plate`");
+    assert!(step["cure"].as_str().unwrap().contains("time.mass_scaling_dt"), "{step}");
+}
+
+#[test]
+fn added_mass_is_a_warning_with_its_parts() {
+    let scaled = ["--set=time.mass_scaling_dt=5.5e-4", "--set=time.mass_scaling_limit=1.0"];
+    let words = [&["cases/bars", "--set=time.max_cycles=20"], &scaled[..]].concat();
+    let ended = case(&words);
+    let of_part = warning(&ended, "added_mass", "`one`");
+    assert!(of_part["place"].as_str().unwrap().starts_with("element "), "{of_part}");
+    warning(&ended, "added_mass", "`two`");
+    warning(&ended, "added_mass", "");
+}
+
+#[test]
+fn deep_penetration_is_a_warning_with_its_node_on_any_number_of_workers() {
+    let soft = ["--set=contact.law=penalty", "--set=contact.penalty_scale=1e-4"];
+    let places = ["1", "2"].map(|workers| {
+        let words = [&["cases/bars", "--workers", workers], &soft[..]].concat();
+        warning(&case(&words), "penetration", "`one`")
+    });
+    assert!(places[0]["place"].as_str().unwrap().starts_with("node "), "{}", places[0]);
+    assert_eq!(places[0], places[1]);
+}
+
+/// Undamped springs that are too stiff for the step.
+#[test]
+fn energy_created_by_contact_is_a_warning() {
+    let sets = ["law=penalty", "penalty_cap=false", "penalty_damping=0", "penalty_scale=1.7"];
+    let sets = sets.map(|set| format!("--set=contact.{set}"));
+    let words: Vec<&str> = ["cases/bars"].into_iter().chain(sets.iter().map(|s| &s[..])).collect();
+    let created = warning(&case(&words), "contact_energy", "");
+    assert!(created["what"].as_str().unwrap().contains("is negative"), "{created}");
+    assert!(created["place"].as_str().unwrap().starts_with("node "), "{created}");
+}
+
+#[test]
+fn friction_that_takes_most_of_the_energy_is_a_warning() {
+    let ended = case(&["cases/slide", "--end-time=1", "--workers=1"]);
+    let friction = warning(&ended, "friction", "");
+    assert!(friction["what"].as_str().unwrap().contains("dissipated"), "{friction}");
+    assert!(friction["cure"].as_str().unwrap().contains("contact.friction"), "{friction}");
+}
