@@ -2,7 +2,7 @@
 //! force and the distance along it.
 
 use crate::geometry::{Nearest, nearest};
-use crate::impact::{Path, first_touch};
+use crate::impact::{NodePath, first_touch};
 use crate::pair_geometry::PairGeometry;
 use crate::reach::{BEHIND, OUTSIDE};
 use crumple_fem::nodes::Nodes;
@@ -88,7 +88,7 @@ pub fn touch_frame(
     side: f64,
 ) -> Option<(Nearest, ContactFrame)> {
     let PairGeometry { segment, slave, dt, near, .. } = *geometry;
-    let path = |n: u32| Path {
+    let path = |n: u32| NodePath {
         from: V3::from(xyz(&nodes.x[n as usize])),
         by: V3::from(xyz(&nodes.v_next[n as usize])) * dt,
     };
@@ -97,7 +97,8 @@ pub fn touch_frame(
     let segment = (&corners, segment.is_triangle());
     let impact = first_touch(&node, segment, near.normal * side, distance)?;
     let (shape, normal) = (impact.shape, impact.normal);
-    let blend = |of: fn(&Path) -> V3| corners.iter().zip(shape).map(|(c, n)| of(c) * n).sum::<V3>();
+    let blend =
+        |of: fn(&NodePath) -> V3| corners.iter().zip(shape).map(|(c, n)| of(c) * n).sum::<V3>();
     let point = blend(|c| c.from);
     let approaches = (node.by - blend(|c| c.by)).dot(&normal) < 0.0;
     let height = (node.from - point).dot(&normal) - geometry.offset * side;

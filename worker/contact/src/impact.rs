@@ -26,7 +26,7 @@ use nalgebra::Matrix3;
 
 /// Motion of a point in a step, along a line at constant velocity.
 #[derive(Clone, Copy, Debug)]
-pub struct Path {
+pub struct NodePath {
     /// Position at the start of the step [length].
     pub from: V3,
     /// Displacement in the step [length].
@@ -103,7 +103,7 @@ impl Region {
 }
 
 impl RelativeFace {
-    fn new(p: &Path, q: &[Path; 4], triangle: bool) -> Self {
+    fn new(p: &NodePath, q: &[NodePath; 4], triangle: bool) -> Self {
         let (from, by) = (q.map(|c| c.from - p.from), q.map(|c| c.by - p.by));
         let fourth = |v: &[V3; 4]| [v[0], v[1], v[1] + (v[2] - v[0]), v[2]];
         let whole = |v: [V3; 4]| if triangle { fourth(&v) } else { v };
@@ -222,7 +222,7 @@ impl RelativeFace {
 /// fourth is ignored for a triangle. A touch at the start, at the end or on the border counts.
 /// The accuracy is that of round-off; the time at which a point grazes the face has half as many
 /// digits. A point that moves within the face has no defined time.
-pub fn first_crossing(p: &Path, q: &[Path; 4], triangle: bool) -> Option<Impact> {
+pub fn first_crossing(p: &NodePath, q: &[NodePath; 4], triangle: bool) -> Option<Impact> {
     let face = RelativeFace::new(p, q, triangle);
     let [a, b, time] = face.first_root()?;
     let [along_a, along_b, _] = face.gradient([a, b, time]);
@@ -238,8 +238,8 @@ pub fn first_crossing(p: &Path, q: &[Path; 4], triangle: bool) -> Option<Impact>
 /// the touch along a normal [length]. The normal of the result is on the same side. `None` also
 /// if the iteration does not converge, because the normal turns too much over that distance.
 pub fn first_touch(
-    p: &Path,
-    (q, triangle): (&[Path; 4], bool),
+    p: &NodePath,
+    (q, triangle): (&[NodePath; 4], bool),
     normal: V3,
     distance: impl Fn(&V3) -> f64,
 ) -> Option<Impact> {
@@ -250,7 +250,7 @@ pub fn first_touch(
     let mut facing = normal;
     for _ in 0..ITERATIONS {
         let apart = distance(&facing);
-        let shifted = Path { from: p.from - facing * apart, by: p.by };
+        let shifted = NodePath { from: p.from - facing * apart, by: p.by };
         let found = first_crossing(&shifted, q, triangle)?;
         let found = Impact { normal: found.normal * found.normal.dot(&facing).signum(), ..found };
         if apart == 0.0 || (found.normal - facing).norm() <= SETTLED {

@@ -6,12 +6,12 @@ use crate::geometry::nearest;
 use nalgebra::Rotation3;
 
 /// Returns the motion from one place to another.
-fn path(from: [f64; 3], to: [f64; 3]) -> Path {
-    Path { from: from.into(), by: V3::from(to) - V3::from(from) }
+fn path(from: [f64; 3], to: [f64; 3]) -> NodePath {
+    NodePath { from: from.into(), by: V3::from(to) - V3::from(from) }
 }
 
 /// Returns the corners of the unit square in its plane z = 0 that move to these heights.
-fn lifted(to: [f64; 4]) -> [Path; 4] {
+fn lifted(to: [f64; 4]) -> [NodePath; 4] {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     std::array::from_fn(|k| {
         let [x, y] = corners[k];
@@ -32,12 +32,12 @@ fn random_vector(state: &mut u64) -> V3 {
     V3::from_fn(|_, _| random(state))
 }
 
-fn at(of: &Path, time: f64) -> V3 {
+fn at(of: &NodePath, time: f64) -> V3 {
     of.from + of.by * time
 }
 
 /// Returns the point of the segment in an impact.
-fn point(q: &[Path; 4], found: &Impact) -> V3 {
+fn point(q: &[NodePath; 4], found: &Impact) -> V3 {
     q.iter().zip(found.shape).map(|(q, n)| at(q, found.time) * n).sum()
 }
 
@@ -86,11 +86,11 @@ fn a_translating_tilted_face_is_met_at_any_scale() {
     for exponent in -9..=9 {
         let scale = 10f64.powi(exponent);
         let face = lifted([0.0; 4])
-            .map(|c| Path { from: turn * c.from * scale, by: turn * drift * scale });
+            .map(|c| NodePath { from: turn * c.from * scale, by: turn * drift * scale });
         // The node is at the point (a, b) of the face at the given time.
         let met: V3 = face.iter().zip(shape).map(|(q, n)| at(q, time) * n).sum();
         let by = turn * speed * scale;
-        let node = Path { from: met - by * time, by };
+        let node = NodePath { from: met - by * time, by };
         let found = first_crossing(&node, &face, false);
         let found = assert_impact(found, time, shape, &format!("scale 1e{exponent}"));
         assert!((found.normal - turn * V3::z()).norm() < 1e-14);
@@ -158,17 +158,17 @@ fn ends_of_the_step_and_borders_of_the_face_count() {
 fn no_node_passes_between_two_faces() {
     let mut state = 7;
     for case in 0..2000 {
-        let corner: [Path; 6] = std::array::from_fn(|k| {
+        let corner: [NodePath; 6] = std::array::from_fn(|k| {
             let place = V3::new((k % 3) as f64, (k / 3) as f64, 0.0);
             let from = place + random_vector(&mut state) * 0.2;
-            Path { from, by: random_vector(&mut state) * 0.2 }
+            NodePath { from, by: random_vector(&mut state) * 0.2 }
         });
         let [a, b, c, d, e, f] = corner;
         let along = 0.5 + 0.5 * random(&mut state);
         let time = 0.5 + 0.5 * random(&mut state);
         let met = at(&b, time) * (1.0 - along) + at(&e, time) * along;
         let by = random_vector(&mut state) - V3::z() * 1.5;
-        let node = Path { from: met - by * time, by };
+        let node = NodePath { from: met - by * time, by };
         let quads = [[a, b, e, d], [b, c, f, e]].map(|q| first_crossing(&node, &q, false));
         let triangles = [[a, b, e, e], [b, c, e, e]].map(|q| first_crossing(&node, &q, true));
         for (found, what) in [(quads, "quads"), (triangles, "triangles")] {
@@ -181,7 +181,7 @@ fn no_node_passes_between_two_faces() {
 /// Returns the height of a node above the nearest point of a face at a time, if that point lies
 /// inside the face. On a strongly warped quad the projection of a far node may not converge; then
 /// the node is not above the point.
-fn height(p: &Path, q: &[Path; 4], triangle: bool, time: f64) -> Option<f64> {
+fn height(p: &NodePath, q: &[NodePath; 4], triangle: bool, time: f64) -> Option<f64> {
     let p = at(p, time);
     let near = nearest(&p, &q.map(|c| at(&c, time)), triangle).filter(|near| !near.rim)?;
     let height = (p - near.point).dot(&near.normal);
@@ -217,14 +217,14 @@ fn random_impacts_are_neither_missed_nor_false() {
     for case in 0..CASES {
         let triangle = case % 3 == 0;
         let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        let mut face: [Path; 4] = std::array::from_fn(|k| {
+        let mut face: [NodePath; 4] = std::array::from_fn(|k| {
             let from = V3::new(square[k][0], square[k][1], 0.0) + random_vector(&mut state) * 0.4;
-            Path { from, by: random_vector(&mut state) }
+            NodePath { from, by: random_vector(&mut state) }
         });
         if triangle {
             face[3] = face[2];
         }
-        let node = Path {
+        let node = NodePath {
             from: random_vector(&mut state) + V3::z() * 0.5,
             by: random_vector(&mut state) - V3::z(),
         };
@@ -263,8 +263,10 @@ fn impacts_on_triangles_are_roots_of_the_cubic() {
     let mut state = 3;
     let mut compared = 0;
     for case in 0..20_000 {
-        let mut corner =
-            || Path { from: random_vector(&mut state) * 1.5, by: random_vector(&mut state) * 2.0 };
+        let mut corner = || NodePath {
+            from: random_vector(&mut state) * 1.5,
+            by: random_vector(&mut state) * 2.0,
+        };
         let (a, b, c) = (corner(), corner(), corner());
         let node = corner();
         let relative = |time: f64| [&a, &b, &c].map(|q| at(q, time) - at(&node, time));
@@ -331,7 +333,7 @@ fn a_thick_face_is_touched_at_its_thickness() {
     let (thick, mut touched) = (0.1, 0);
     for case in 0..2000 {
         let triangle = case % 2 == 0;
-        let mut face = lifted([0.0; 4]).map(|c| Path {
+        let mut face = lifted([0.0; 4]).map(|c| NodePath {
             from: c.from + random_vector(&mut state) * 0.05,
             by: random_vector(&mut state) * 0.2,
         });
@@ -340,7 +342,7 @@ fn a_thick_face_is_touched_at_its_thickness() {
         }
         let spread = 0.3 * V3::new(random(&mut state), random(&mut state), 0.0);
         let side = if case % 4 < 2 { 1.0 } else { -1.0 };
-        let node = Path {
+        let node = NodePath {
             from: V3::new(0.6, 0.4, 0.3 * side) + spread,
             by: random_vector(&mut state) * 0.1 - V3::z() * 0.3 * side,
         };
