@@ -346,7 +346,7 @@ mod tests {
             assert_eq!(tree.workers(), workers);
             let share = largest_share(&tree, &points);
             // Up to four levels. Each may add a share of UNEVEN to a half of its points or less.
-            let levels = f64::from(workers.next_power_of_two().ilog2() as u32);
+            let levels = f64::from(workers.next_power_of_two().ilog2());
             assert!(share < (1.0 + 3.0 * UNEVEN).powf(levels) + 1e-9, "{workers}: {share}");
         }
     }
