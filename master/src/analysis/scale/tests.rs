@@ -150,6 +150,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                             ("messages", step.messages, seen.sent.messages),
                             ("bytes", step.bytes, seen.sent.bytes),
                         ] {
+                            // Convergence is detected in a round more or less than assumed.
                             assert!(
                                 (sent as f64 / wanted - 1.0).abs() < 0.1,
                                 "worker {w} of {workers} sends {sent} {what}, {wanted} predicted; \
@@ -161,7 +162,8 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                     // Known within a step only.
                     (counted.partners, counted.quiet) = (0, 0);
                     (counted.phases, counted.phase_messages) = (0, 0);
-                    // Near lists of one worker and of several are made in different cycles.
+                    // Near lists of one worker and of several are made in different cycles: 4640
+                    // and 4635 candidates were seen.
                     let near = [counted.near, seen.count.near].map(|n| n as f64);
                     assert!((near[0] - near[1]).abs() <= 0.01 * near[0], "{near:?} candidates");
                     counted.near = seen.count.near;
