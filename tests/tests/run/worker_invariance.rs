@@ -112,6 +112,17 @@ fn a_second_decomposition_divides_the_contact_nodes_evenly_and_elements_stay() {
     watch_side_by_side(&model, workers, [1500, 50], &|e: &Engine| {
         let surface = &e.contact.as_ref().expect("contact").surface;
         let foreign = surface.slaves.iter().filter(|&&s| !e.nodes.is_owned(s as usize)).count();
+        // Each segment is searched by the worker in whose part its first node lies.
+        let cuts = &e.halo.regions.as_ref().expect("a second decomposition").tree;
+        let place = |n: u32| std::array::from_fn(|c| e.nodes.x[n as usize][c]);
+        for s in &surface.segments {
+            let is_mine = cuts.worker_of(place(s.nodes[0])) == e.nodes.me as usize;
+            assert_eq!(s.searched, is_mine, "{:?}", s.id);
+        }
+        // The range of velocities is that of the owned nodes: those of ghosts come later in a step.
+        let owned = (0..e.nodes.local_count).filter(|&i| e.nodes.is_owned(i));
+        let largest = owned.map(|i| e.nodes.v[i][0]).fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(surface.velocities(&e.nodes)[0], largest);
         let counts = (e.clock.cycle, surface.slaves.len(), foreign, e.blocks.elements.len());
         looked.lock().unwrap().push(counts);
     });

@@ -11,7 +11,6 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::report::Displacement;
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, words_of};
-use std::collections::BTreeMap;
 
 /// State of a ghost node in a message.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -348,15 +347,20 @@ impl Ghosts {
     ) -> Displacement {
         let mut largest = Displacement::default();
         let Some(regions) = &self.regions else { return largest };
-        let motions: BTreeMap<usize, RigidMotion> =
-            self.links.iter().filter_map(|l| Some((l.worker, l.motion?))).collect();
-        // Owners of such entities are never distant.
-        let motion = |w: usize| if w == me { *drift } else { motions[&w] };
-        for link in self.links.iter_mut().filter(|l| check_in || !l.both_distant) {
-            if link.region.is_some() {
-                link.base = regions.relative_motion(&motion(link.worker), motion);
-                largest = largest.or_larger(Displacement::new(link.base, link.margin));
-            }
+        let links = &self.links;
+        let motion = |w: usize| {
+            let of_link = || links.binary_search_by_key(&w, |l| l.worker).ok().map(|i| &links[i]);
+            let of_other = || of_link().and_then(|l| l.motion);
+            if w == me { *drift } else { of_other().expect("owners of entities are not distant") }
+        };
+        let is_due = |l: &GhostLink| l.region.is_some() && (check_in || !l.both_distant);
+        let apart =
+            |l: &GhostLink| is_due(l).then(|| regions.relative_motion(&motion(l.worker), motion));
+        let all: Vec<Option<f64>> = links.iter().map(apart).collect();
+        for (link, apart) in self.links.iter_mut().zip(all) {
+            let Some(apart) = apart else { continue };
+            link.base = apart;
+            largest = largest.or_larger(Displacement::new(apart, link.margin));
         }
         largest
     }
