@@ -174,7 +174,7 @@ impl Settings {
 
     /// Returns true if a second decomposition divides the contact nodes. Elements then do not
     /// migrate.
-    pub fn has_dual_decomposition(&self) -> bool {
+    pub fn has_second_decomposition(&self) -> bool {
         self.contact.is_some() && self.contact_decomposition == ContactDecomposition::Rcb
     }
 

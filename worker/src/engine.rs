@@ -151,7 +151,7 @@ impl Engine {
         let slow_dt = self.blocks.slow_dt; // equal on all workers
         let all_computed = self.blocks.all_computed;
         let mut local = self.take_local_mesh();
-        let mut share = match self.settings.has_dual_decomposition() {
+        let mut share = match self.settings.has_second_decomposition() {
             true => stay(comm, &local, self.contact.as_ref())?,
             false => migrate(comm, &self.tree, &local, self.contact.as_ref())?,
         };

@@ -105,10 +105,10 @@ pub const POINT_ARRAYS: &[Array] = &[DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY
 pub const CELL_ARRAYS: &[Array] =
     &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
 
-/// Returns the arrays on cells, in the order of the file; `dual` if contact has a second
-/// decomposition.
-pub fn cell_arrays(dual: bool) -> Vec<Array> {
-    CELL_ARRAYS.iter().copied().chain(dual.then_some(CONTACT_WORKER)).collect()
+/// Returns the arrays on cells, in the order of the file. `second_decomposition` states if contact
+/// has one.
+pub fn cell_arrays(second_decomposition: bool) -> Vec<Array> {
+    CELL_ARRAYS.iter().copied().chain(second_decomposition.then_some(CONTACT_WORKER)).collect()
 }
 
 /// Returns the folder of an output time within the folder of the fields.
@@ -273,8 +273,13 @@ impl FieldPiece<'_> {
 
     fn check(&self) -> Result<(), String> {
         check_columns("point", POINT_ARRAYS, self.point_arrays, self.points.len())?;
-        let dual = self.cell_arrays.len() > CELL_ARRAYS.len();
-        check_columns("cell", &cell_arrays(dual), self.cell_arrays, self.cells.len())?;
+        let second_decomposition = self.cell_arrays.len() > CELL_ARRAYS.len();
+        check_columns(
+            "cell",
+            &cell_arrays(second_decomposition),
+            self.cell_arrays,
+            self.cells.len(),
+        )?;
         let points = self.points.len() as i64;
         match self.cells.connectivity.iter().find(|&&corner| corner >= points) {
             Some(corner) => Err(format!("a cell uses point {corner}, but there are {points}")),

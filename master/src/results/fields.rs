@@ -27,14 +27,14 @@ pub struct FieldSeries {
     /// Index and time of the steps so far, in order of arrival.
     steps: Vec<(usize, f64)>,
     /// True if contact has a second decomposition; see [`vtu::cell_arrays`].
-    dual: bool,
+    second_decomposition: bool,
 }
 
 impl FieldSeries {
-    /// Creates an empty series in the folder `dir`; `dual` if contact has a second decomposition.
-    /// Nothing is written before the first step.
-    pub fn new(dir: &Path, dual: bool) -> Self {
-        Self { dir: dir.to_owned(), steps: Vec::new(), dual }
+    /// Creates an empty series in the folder `dir`. `second_decomposition` states if contact has
+    /// one. Nothing is written before the first step.
+    pub fn new(dir: &Path, second_decomposition: bool) -> Self {
+        Self { dir: dir.to_owned(), steps: Vec::new(), second_decomposition }
     }
 
     /// Continues a series after a checkpoint: removes all other steps in the folder.
@@ -85,7 +85,7 @@ impl FieldSeries {
     /// same index.
     pub fn add(&mut self, step_index: usize, time: f64, workers: usize) -> io::Result<()> {
         let folder = self.dir.join(vtu::step_folder(step_index));
-        let arrays = vtu::cell_arrays(self.dual);
+        let arrays = vtu::cell_arrays(self.second_decomposition);
         write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name), &arrays)?;
         self.steps.retain(|&(index, _)| index != step_index);
         self.steps.push((step_index, time));

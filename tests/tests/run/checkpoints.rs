@@ -77,8 +77,8 @@ fn precisions_subcycles_and_contact_laws_continue_with_the_same_bits() {
     }
     // From cycle 650 on there are pairs of segments that were lost while they were deep.
     assert_survives(&case("tumble"), &["contact.law=\"mortar\"", "contact.friction=0.2"], 900);
-    let dual = ["parallel.contact=\"rcb\"", "contact.friction=0.2"];
-    assert_survives(&case("tumble"), &dual, 900);
+    let with_rcb = ["parallel.contact=\"rcb\"", "contact.friction=0.2"];
+    assert_survives(&case("tumble"), &with_rcb, 900);
     // Until cycle 240 there are more than 300 pairs.
     assert_survives(&case("brick-wall"), &[], 150);
     assert_survives(&case("brick-wall"), &[], 400);

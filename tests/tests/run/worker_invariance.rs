@@ -75,9 +75,9 @@ fn a_second_decomposition_of_contact_changes_no_bit() {
     ] {
         let serial = run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
         assert!(serial.pairs.iter().any(|p| !p.is_empty()), "{name} {sets:?}: no contact");
-        let dual = read(&case(name), &[sets, &["parallel.contact=\"rcb\""]].concat());
+        let with_rcb = read(&case(name), &[sets, &["parallel.contact=\"rcb\""]].concat());
         for (workers, force_every) in [(2, 0), (3, 7), (6, 0)] {
-            let parallel = run_side_by_side(&dual, workers, cycles, force_every);
+            let parallel = run_side_by_side(&with_rcb, workers, cycles, force_every);
             let what = format!("{name} {sets:?}: {workers} workers, forced {force_every}");
             assert_same(&serial, &parallel, &what);
         }
@@ -98,8 +98,8 @@ fn a_second_decomposition_follows_erosion_and_has_workers_without_nodes() {
     assert!(*eroded.lock().unwrap() > 0, "no element has failed");
     let sets = ["scene.elements=2"];
     let serial = run_side_by_side(&read(&case("bars"), &sets), 1, 60, 0);
-    let dual = read(&case("bars"), &[&sets[..], &[rcb]].concat());
-    assert_same(&serial, &run_side_by_side(&dual, 20, 60, 9), "20 workers");
+    let with_rcb = read(&case("bars"), &[&sets[..], &[rcb]].concat());
+    assert_same(&serial, &run_side_by_side(&with_rcb, 20, 60, 9), "20 workers");
 }
 
 /// A worker searches for a part of the contact nodes that is as large as those of the others, and

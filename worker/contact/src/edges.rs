@@ -9,7 +9,7 @@
 //! The set of exposed edges changes as surfaces fold. It is updated after a fixed number of
 //! cycles. An existing contact lasts as long as it touches, however flat its fold becomes.
 //!
-//! A worker owns the edges whose lowest segment is its own. Its ghosts reach as far around the
+//! A worker owns the edges for whose lowest segment it searches. Its ghosts reach as far around the
 //! nodes of these edges as around its slaves ([`contact_edges`]). Therefore it has all segments
 //! that contain an edge which an own edge could touch, and it can find the kind of that edge.
 //!
@@ -64,7 +64,7 @@ struct EdgePairHistory {
     memory: PairHistory,
     /// Local nodes by role, or [`NOT_LOCAL`].
     nodes: [u32; 4],
-    /// True if the slave edge is this worker's own.
+    /// True if this worker searches for the lowest segment of the slave edge.
     own: bool,
 }
 

@@ -44,7 +44,7 @@ struct FacetPairHistory {
     memory: PairHistory,
     /// Local nodes of the slave, or [`NOT_LOCAL`].
     nodes: [u32; 4],
-    /// True if the slave is this worker's own.
+    /// True if this worker searches for the slave.
     own: bool,
 }
 
@@ -100,8 +100,10 @@ impl Facets {
         };
         self.stiffness = surface.segments.iter().zip(stiffness).map(per_area).collect();
         (self.found, self.near) = (Vec::new(), Vec::new());
-        let mut corners: Vec<NodeId> =
-            own(surface).flat_map(|(_, s)| s.nodes).map(|n| nodes.id[n as usize]).collect();
+        let mut corners: Vec<NodeId> = searched_segments(surface)
+            .flat_map(|(_, s)| s.nodes)
+            .map(|n| nodes.id[n as usize])
+            .collect();
         corners.sort_unstable();
         corners.dedup();
         let mut memories: Vec<PairHistory> =
@@ -142,7 +144,7 @@ impl Facets {
         if !self.are_wanted() {
             return;
         }
-        let slaves: Vec<u32> = own(surface).map(|(i, _)| i as u32).collect();
+        let slaves: Vec<u32> = searched_segments(surface).map(|(i, _)| i as u32).collect();
         let centres: Vec<[f64; 3]> =
             slaves.iter().map(|&i| spheres[i as usize].centre().into()).collect();
         let most = |of: &dyn Fn(u32) -> f64| slaves.iter().map(|&i| of(i)).fold(0.0, f64::max);
@@ -422,7 +424,8 @@ impl Facets {
     }
 }
 
-fn own(surface: &Surface) -> impl Iterator<Item = (usize, &Segment)> {
+/// Returns the segments for which this worker searches, its own ones below, with their indices.
+fn searched_segments(surface: &Surface) -> impl Iterator<Item = (usize, &Segment)> {
     surface.segments.iter().enumerate().filter(|(_, s)| s.searched)
 }
 

@@ -166,7 +166,7 @@ pub fn build_local_mesh(
         None => 0.5 * settings.buffer,
     };
     let regions = match &surface {
-        Some(surface) if settings.has_dual_decomposition() => {
+        Some(surface) if settings.has_second_decomposition() => {
             Some(SearchRegions::new(comm, cuts.contact, surface, &nodes)?)
         }
         _ => None,

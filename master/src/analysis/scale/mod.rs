@@ -259,7 +259,7 @@ fn contact_cuts(
     workers: usize,
     last: Option<&CutTree>,
 ) -> Result<Option<CutTree>, String> {
-    let contact = engine.contact.as_ref().filter(|_| engine.settings.has_dual_decomposition());
+    let contact = engine.contact.as_ref().filter(|_| engine.settings.has_second_decomposition());
     let Some(contact) = contact else { return Ok(None) };
     let place = |&n: &u32| xyz(&engine.nodes.x[n as usize]);
     let points: Vec<[f64; 3]> = contact.surface.slaves.iter().map(place).collect();
@@ -303,7 +303,7 @@ fn step(
 /// second decomposition of contact, it is the number of elements, as on the
 /// master; later the measured cost with that of pairs, as in a low redecomposition.
 fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
-    if engine.settings.has_dual_decomposition() {
+    if engine.settings.has_second_decomposition() {
         let elements = engine.blocks.elements.iter();
         let centres = elements.map(|e| centre_for(&engine.nodes, e, true)).collect();
         return Box::new(Centres(centres));

@@ -39,8 +39,8 @@ impl<'a> Control<'a> {
         provenance::record(out, stamp.job.clone(), start)
             .map_err(output_error(&out.join(provenance::FILE)))?;
         let mut checkpoints = new_checkpoints(model, out, workers, stamp);
-        let dual = model.settings.has_dual_decomposition();
-        let mut series = FieldSeries::new(&out.join(fields::DIR), dual);
+        let second_decomposition = model.settings.has_second_decomposition();
+        let mut series = FieldSeries::new(&out.join(fields::DIR), second_decomposition);
         let known = match &mut from {
             Some((from, _)) => Some(restore_files(from, out, &mut checkpoints, &mut series)?),
             None => {
@@ -162,7 +162,7 @@ fn new_balance(model: &Model, workers: usize, known: Option<&MasterState>) -> Ba
         imbalance: all.imbalance,
         low_every_at_least: all.low_every_at_least,
         forced: all.force_every > 0,
-        migrates: !model.settings.has_dual_decomposition(),
+        migrates: !model.settings.has_second_decomposition(),
     };
     let mut balance = Balance::new(workers, limits);
     if let Some(known) = known {
