@@ -9,7 +9,7 @@ use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum_sums};
-use crate::erosion::erode;
+use crate::erosion::{Failures, erode};
 use crate::fem::blocks::Blocks;
 use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
@@ -17,11 +17,12 @@ use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
-use crate::parallel::migrate::{centre, migrate, stay};
+use crate::parallel::migrate::{centre, gather_memories, migrate, stay};
 use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{Cuts, LocalMesh, Memories, PartitionData, build_local_mesh};
 pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
+use crate::parallel::surface_update::update;
 use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
@@ -73,7 +74,7 @@ pub struct Engine {
     pub agreement: StepReduction,
     /// Time per phase.
     pub timer: Timer,
-    /// Number of renewals because elements have failed.
+    /// Number of updates of the contact surface because elements have failed.
     pub erosions: u64,
     /// Own shells that were inverted and deleted and are not reported yet.
     pub inverted: Vec<crumple_proto::ids::ElemId>,
@@ -210,11 +211,41 @@ impl Engine {
         let cycle = self.clock.cycle;
         let _span = tracing::debug_span!("redecomposition", kind = "erosion", cycle).entered();
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
-        let failed = erode(comm, &mut self.blocks, &self.nodes)?;
-        self.inverted.extend(failed.iter().filter(|&&id| self.blocks.is_deleted(id)));
-        self.constraints.release_failed(comm, &failed, &mut self.nodes)?;
+        let failures = erode(comm, &mut self.blocks, &self.nodes, &self.halo)?;
+        self.inverted.extend(failures.own.iter().filter(|&&id| self.blocks.is_deleted(id)));
+        let released = self.constraints.release_failed(comm, &failures.own, &mut self.nodes)?;
         self.erosions += 1;
-        self.renew(comm, self.tree.clone())
+        // Released nodes have another mass, which others have to learn. The second decomposition
+        // has to find who searches for new segments.
+        if released || self.settings.has_second_decomposition() {
+            self.renew(comm, self.tree.clone())
+        } else {
+            self.update_surface(comm, &failures)
+        }
+    }
+
+    /// Updates the contact surface after failures; elements and boxes stay.
+    fn update_surface(
+        &mut self,
+        comm: &mut dyn Transport,
+        failures: &Failures,
+    ) -> Result<(), RankLost> {
+        let Some(contact) = &mut self.contact else { return Ok(()) };
+        let memories = gather_memories(comm, &self.nodes, &self.halo, contact)?;
+        let mesh = (&mut self.nodes, &self.blocks, &mut self.halo);
+        let (surface, reference) = (&mut contact.surface, self.motion.reference());
+        let updated = update(comm, &self.settings, mesh, surface, failures, reference)?;
+        if let Some(surface) = updated.surface {
+            let memory_of = |id| memories.get(&id).cloned().unwrap_or_default();
+            self.classes.count_exterior(&surface, &self.nodes);
+            contact.renew(surface, &self.nodes, memory_of);
+            self.record_classes();
+        }
+        if updated.has_new_ghosts {
+            self.constraints.bind_local(comm, &mut self.nodes)?;
+        }
+        self.timer.lap(Phase::Renewal);
+        Ok(())
     }
 
     fn begin_partition(

@@ -3,14 +3,16 @@
 //!
 //! A failed element stays in its block, and its mass at its nodes. It carries no force, does not
 //! limit the step and is not in contact. The reduction of the step reports failures to all
-//! workers ([`crate::parallel::reduction`]). The workers then exchange the faces of failed
-//! solids. A solid that has such a face too marks it as free from then on.
+//! workers ([`crate::parallel::reduction`]). Neighbours then exchange the faces of failed
+//! solids. A solid that has such a face too marks it as free from then on. What follows from it for
+//! the surface is in [`crate::parallel::surface_update`].
 
 use crate::fem::blocks::Blocks;
 use crate::nodes::Nodes;
+use crate::parallel::ghosts::Ghosts;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::transport::{RankLost, Transport, gather_all};
-use std::collections::HashMap;
+use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
+use std::collections::{HashMap, HashSet};
 
 /// Number of cycles between two searches for failed elements. Until then a failed element carries
 /// no force.
@@ -27,9 +29,27 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
     })
 }
 
-/// Marks own elements that have failed and returns their ids. Frees the faces of own solids that
-/// failed solids of any worker covered. The partition must be built again afterwards. All workers
-/// call this together.
+/// What has left the contact surface, as far as a worker is concerned.
+#[derive(Default)]
+pub struct Failures {
+    /// Own elements that have failed.
+    pub own: Vec<ElemId>,
+    /// Elements of neighbours that have failed.
+    pub of_others: HashSet<ElemId>,
+    /// True if faces of own solids have become free.
+    pub frees_faces: bool,
+}
+
+impl Failures {
+    /// Returns true if the segments of own elements change.
+    pub fn concern_own(&self) -> bool {
+        !self.own.is_empty() || self.frees_faces
+    }
+}
+
+/// Marks own elements that have failed, and frees the faces of own solids that failed solids of any
+/// worker covered. Returns all failures that concern this worker. Its surface must be updated
+/// afterwards. All workers call this together.
 ///
 /// # Errors
 /// A worker is gone.
@@ -37,14 +57,14 @@ pub fn erode(
     comm: &mut dyn Transport,
     blocks: &mut Blocks,
     nodes: &Nodes,
-) -> Result<Vec<ElemId>, RankLost> {
+    halo: &Ghosts,
+) -> Result<Failures, RankLost> {
     let failed: Vec<usize> = blocks.newly_failed().collect();
-    leave_surface(comm, blocks, nodes, &failed)?;
-    Ok(failed.iter().map(|&i| blocks.elements[i].record.id).collect())
+    leave_surface(comm, blocks, nodes, halo, &failed)
 }
 
 /// Marks these own elements as failed, and frees the faces of own solids that such solids of any
-/// worker covered. All workers call this together.
+/// worker covered. Returns all failures that concern this worker. All workers call this together.
 ///
 /// # Errors
 /// A worker is gone.
@@ -52,18 +72,42 @@ pub fn leave_surface(
     comm: &mut dyn Transport,
     blocks: &mut Blocks,
     nodes: &Nodes,
+    halo: &Ghosts,
     failed: &[usize],
-) -> Result<(), RankLost> {
+) -> Result<Failures, RankLost> {
     failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
-    let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| r.shape.is_solid());
-    let bared: Vec<FaceNodes> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
-    // Only workers that have a corner of a face can have its other side. All get the message,
-    // since failure is rare.
-    let bared = gather_all(comm, bared)?;
+    let records = || failed.iter().map(|&i| &blocks.elements[i].record);
+    let own: Vec<ElemId> = records().map(|r| r.id).collect();
+    let solids = records().filter(|r| r.shape.is_solid());
+    let mut bared: Vec<FaceNodes> =
+        solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
+    let mut mail = Mailbox::default();
+    if !own.is_empty() {
+        mail.push(own.len() as u64);
+        mail.extend(&own);
+        mail.extend(&bared);
+    }
+    // The element behind a face has its nodes too, and so belongs to a neighbour.
+    let workers = comm.size() - 1;
+    let mut all = exchange_with(comm, vec![mail.into_words(); workers], &halo.neighbours(workers))?;
+    all[comm.rank() - 1].clear();
+    let mut of_others = HashSet::new();
+    for words in all.into_iter().filter(|words| !words.is_empty()) {
+        let mut mail = Mailbox::from_words(words);
+        let count: u64 = mail.take();
+        of_others.extend(mail.take_many::<ElemId>(count as usize));
+        bared.extend(mail.rest::<FaceNodes>());
+    }
+    let frees_faces = free_faces_behind(blocks, nodes, &bared);
+    Ok(Failures { own, of_others, frees_faces })
+}
+
+/// Frees the faces of own solids that failed solids covered. Returns true if there are any.
+fn free_faces_behind(blocks: &mut Blocks, nodes: &Nodes, bared: &[FaceNodes]) -> bool {
     let here = |face: &&FaceNodes| nodes.local_index(face[0]).is_some();
-    let bared: Vec<FaceNodes> = bared.iter().flatten().filter(here).copied().collect();
+    let bared: Vec<FaceNodes> = bared.iter().filter(here).copied().collect();
     if bared.is_empty() {
-        return Ok(());
+        return false;
     }
     let mut opposing: HashMap<FaceNodes, Vec<(usize, usize)>> = HashMap::new();
     for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| e.record.shape.is_solid()) {
@@ -71,8 +115,11 @@ pub fn leave_surface(
             opposing.entry(face).or_default().push((i, f));
         }
     }
+    let mut any = false;
     for &(i, f) in bared.iter().filter_map(|face| opposing.get(face)).flatten() {
-        blocks.elements[i].record.free_faces |= 1 << f;
+        let record = &mut blocks.elements[i].record;
+        any |= !record.failed && record.free_faces >> f & 1 == 0;
+        record.free_faces |= 1 << f;
     }
-    Ok(())
+    any
 }

@@ -136,7 +136,7 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
 }
 
 /// Runs like [`run_side_by_side`] with `[cycles, force_every]`. `look` sees each engine after
-/// each build of its partition.
+/// each build of its partition and after each failure of elements, once in a cycle.
 ///
 /// # Panics
 /// Panics if a worker is lost.
@@ -311,10 +311,13 @@ fn one_engine(
             break;
         }
         let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
-        if forced || agreed.margin_used > RENEW_AT {
+        let is_due = forced || agreed.margin_used > RENEW_AT;
+        if is_due {
             trace.renewals += 1;
             let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
             engine.renew(comm, plan.trees[which].clone()).expect("all workers live");
+        }
+        if is_due || agreed.eroded {
             (plan.look)(&engine);
         }
     }

@@ -12,11 +12,13 @@ use crumple_worker::math::row::xyz;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-/// Partition of one worker after a renewal.
+/// Partition of one worker after a renewal or after elements have failed.
 struct Partition {
     worker: u32,
-    /// Cycle of the renewal.
     cycle: u64,
+    /// Updates after failures so far, and elements that have failed.
+    erosions: u64,
+    failed: usize,
     /// Class, and boxes around the contact faces, of each own element.
     elements: BTreeMap<ElemId, (Class, Vec<Aabb>)>,
     /// Nodes of own elements, by element.
@@ -27,6 +29,11 @@ struct Partition {
 
 fn partition_of(e: &Engine) -> Partition {
     let parts = ContactParts::from_settings(&e.settings);
+    // Ghosts are selected at the positions of the last renewal. Without contact, none is kept.
+    let x = match e.contact {
+        Some(_) => e.motion.reference(),
+        None => &e.nodes.x,
+    };
     let mut elements = BTreeMap::new();
     let mut nodes = BTreeMap::new();
     for b in &e.blocks.blocks {
@@ -36,7 +43,7 @@ fn partition_of(e: &Engine) -> Partition {
             let early = b.portion_of(i) != Portion::Interior;
             assert!(early || element.class == Class::Interior, "an interface element comes late");
             assert!(!element.shared || b.portion_of(i) == Portion::Shared, "others wait for it");
-            let around = Aabb::around(element.nodes.map(|n| xyz(&e.nodes.x[n as usize])));
+            let around = Aabb::around(element.nodes.map(|n| xyz(&x[n as usize])));
             let inside = e.boxes.internal.contains_box(&around);
             // With a second decomposition of contact, the boxes are not those of the elements.
             if e.halo.regions.is_none() {
@@ -46,7 +53,7 @@ fn partition_of(e: &Engine) -> Partition {
                 Some(_) => segments_of(element, &e.nodes, &parts),
                 None => Vec::new(),
             };
-            let faces = segments.iter().map(|s| s.bounds(&e.nodes.x, 0.0)).collect();
+            let faces = segments.iter().map(|s| s.bounds(x, 0.0)).collect();
             elements.insert(element.record.id, (element.class, faces));
             let corners = element.nodes[..element.record.shape.corners()].iter();
             nodes.insert(
@@ -64,6 +71,8 @@ fn partition_of(e: &Engine) -> Partition {
     Partition {
         worker: e.nodes.me,
         cycle: e.clock.cycle,
+        erosions: e.erosions,
+        failed: e.blocks.elements.iter().filter(|e| e.record.failed).count(),
         elements,
         nodes,
         ghosts,
@@ -162,6 +171,27 @@ fn ghosts_of_solids_are_interface_elements_too() {
     let (_, partitions) = watch("can-crush", &[], 4, [120, 30]);
     let [ghosts, interior, _] = check(&partitions, 4);
     assert!(partitions.len() == 5 && ghosts > 100 && interior > 100, "{ghosts}, {interior}");
+}
+
+/// Elements that fail leave the ghosts, and solids behind them join them, although no worker
+/// renews its members.
+#[test]
+fn ghosts_follow_elements_that_fail() {
+    let sets = ["material.\"mild steel\".failure_strain=0.02"];
+    for workers in [2, 4, 7] {
+        let (trace, partitions) = watch("can-crush", &sets, workers, [400, 0]);
+        let [ghosts, ..] = check(&partitions, workers);
+        let last = partitions.values().last().expect("the partition of the start");
+        let failed: usize = last.iter().map(|p| p.failed).sum();
+        assert!(ghosts > 100 && failed > 20, "{workers} workers: {ghosts}, {failed} failed");
+        let updates = last[0].erosions;
+        assert!(updates > 5 && trace.renewals < updates / 2, "{} renewals", trace.renewals);
+        let first = partitions.values().next().expect("the partition of the start");
+        let ids = |all: &[Partition]| -> BTreeSet<ElemId> {
+            all.iter().flat_map(|p| p.ghosts.clone()).collect()
+        };
+        assert!(!ids(last).is_subset(&ids(first)), "solids behind failed ones become ghosts");
+    }
 }
 
 /// Without contact nothing is copied, and the buffer holds the elements at shared nodes.

@@ -51,6 +51,19 @@ pub struct Segment {
     pub searched: bool,
 }
 
+/// Scales of the segments of a worker's own elements [length].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OwnScales {
+    /// Largest scale, of hidden solids too.
+    pub largest: f64,
+    /// Smallest scale, infinite without segments.
+    pub smallest: f64,
+    /// See [`Surface::short`], of this worker.
+    pub short: f64,
+    /// Largest [`Segment::offset`], as an absolute value.
+    pub offset: f64,
+}
+
 /// Segments and nodes of the contact surface that a worker knows.
 #[derive(Debug, Default)]
 pub struct Surface {
@@ -60,6 +73,11 @@ pub struct Surface {
     pub slaves: Vec<u32>,
     /// Owned nodes on the surface, ascending; `None` if these are the slaves.
     pub owned: Option<Vec<u32>>,
+    /// Nodes of own solids that come to the surface if solids fail, ascending; empty if none can
+    /// fail.
+    pub hidden: Vec<u32>,
+    /// Scales of own segments.
+    pub own_scales: OwnScales,
     /// Half thickness per local node, the largest of its shells and beams; 0 for nodes of solids
     /// and nodes that are not on the surface [length].
     pub node_half: Vec<f64>,
@@ -297,12 +315,38 @@ impl Surface {
             interfaces: parts.interfaces.clone(),
             ..Self::default()
         };
+        let mut own = OwnScales { smallest: f64::INFINITY, ..OwnScales::default() };
         for i in 0..s.segments.len() {
             let g = s.segments[i];
             g.nodes.iter().for_each(|&n| s.include_remote(n, g.half_thickness, g.scale));
-            s.largest_offset = s.largest_offset.max(g.offset.abs());
+            own.largest = own.largest.max(g.scale);
+            own.smallest = own.smallest.min(g.scale);
+            own.offset = own.offset.max(g.offset.abs());
         }
+        own.short = s.short_edge(nodes);
+        (s.own_scales, s.largest_offset) = (own, own.offset);
         s
+    }
+
+    /// Adds the nodes and the scales of solids that come to the surface if others fail.
+    pub fn include_hidden<'a>(
+        &mut self,
+        elements: impl Iterator<Item = &'a LocalElement>,
+        nodes: &Nodes,
+        parts: &ContactParts,
+    ) {
+        let takes_part = |e: &&LocalElement| {
+            e.record.shape.is_solid()
+                && !e.record.failed
+                && parts.half_thickness(&e.record).is_some()
+        };
+        for e in elements.filter(takes_part) {
+            self.hidden.extend(&e.nodes[..e.record.shape.corners()]);
+            let largest = &mut self.own_scales.largest;
+            *largest = largest.max(SOLID_SCALE * shortest_edge(e, nodes));
+        }
+        self.hidden.sort_unstable();
+        self.hidden.dedup();
     }
 
     /// Raises the half thickness and scale of a local node to at least these values [length].

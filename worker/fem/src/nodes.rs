@@ -117,6 +117,31 @@ impl Nodes {
         self.invert_mass(self.id.len() - 1);
     }
 
+    /// Adds ghost nodes, given with their owners, which this worker does not have yet. Returns the
+    /// new index of each ghost that it had, in ascending order of ids.
+    pub fn add_ghosts(&mut self, added: impl IntoIterator<Item = (NodeRecord, u32)>) -> Vec<u32> {
+        let had: Vec<NodeId> = self.id[self.local_count..].to_vec();
+        let kept = (self.local_count..self.id.len()).map(|i| (self.record(i), self.owner[i]));
+        let mut all: Vec<(NodeRecord, u32)> = kept.chain(added).collect();
+        all.sort_unstable_by_key(|(record, _)| record.id);
+        self.remove_ghosts();
+        all.iter().for_each(|(record, owner)| self.push(record, *owner));
+        had.iter().map(|&id| self.index_of(id).expect("a ghost that stays")).collect()
+    }
+
+    fn remove_ghosts(&mut self) {
+        let local = self.local_count;
+        self.id.truncate(local);
+        self.owner.truncate(local);
+        self.fixed.truncate(local);
+        self.mass.truncate(local);
+        self.inertia.truncate(local);
+        let Self { x0, x, seen, v, w, v_next, w_next, inv_mass, inv_inertia, .. } = self;
+        for rows in [x0, x, seen, v, w, v_next, w_next, inv_mass, inv_inertia] {
+            rows.truncate(local);
+        }
+    }
+
     /// Recomputes the inverse mass and inertia of node `i`.
     #[inline]
     pub fn invert_mass(&mut self, i: usize) {

@@ -120,6 +120,11 @@ impl MotionTracker {
         self.drift = RigidMotion::none();
     }
 
+    /// Returns the positions of the nodes at the last restart [length].
+    pub fn reference(&self) -> &[Row] {
+        &self.reference
+    }
+
     /// Returns the bytes in use.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.reference[..])

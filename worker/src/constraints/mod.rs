@@ -88,8 +88,8 @@ impl Constraints {
         Ok(())
     }
 
-    /// Releases the slaves of elements that have failed on any worker. The local mesh must be built
-    /// again afterwards. Collective.
+    /// Releases the slaves of elements that have failed on any worker. Returns true if there are
+    /// any, on any worker; the local mesh must be built again then. Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -98,7 +98,7 @@ impl Constraints {
         comm: &mut dyn Transport,
         failed: &[ElemId],
         nodes: &mut Nodes,
-    ) -> Result<(), RankLost> {
+    ) -> Result<bool, RankLost> {
         self.ties.release_failed(comm, failed, nodes)
     }
 

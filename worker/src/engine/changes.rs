@@ -100,7 +100,7 @@ impl Engine {
         self.halo.send_element_forces(comm, &self.blocks, all)?;
         self.halo.recv_element_forces(comm, &mut self.blocks, all)?;
         self.blocks.remove_masses(&mut self.nodes);
-        erosion::leave_surface(comm, &mut self.blocks, &self.nodes, &gone)?;
+        erosion::leave_surface(comm, &mut self.blocks, &self.nodes, &self.halo, &gone)?;
         self.renew_without(comm, self.tree.clone(), parts)
     }
 

@@ -22,6 +22,8 @@
 //! Motion between two renewals adds nothing: boxes and classes are those of the last renewal, and
 //! the next one is due before the relative motion exceeds b (`ghosts.rs`).
 
+use crate::contact::surface::Surface;
+use crate::nodes::Nodes;
 use crumple_proto::boxes::{Aabb, CutTree};
 
 /// Relative amount by which the buffer is wider than computed, so that round-off of coordinates
@@ -81,7 +83,7 @@ pub fn half_width(tree: &CutTree, bounds: &[Aabb], covered: f64) -> f64 {
     (widest + covered) * (1.0 + ROUND_OFF)
 }
 
-/// Numbers of elements and nodes by class, at the last renewal.
+/// Numbers of elements and nodes by class, at the last renewal or update of the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClassCounts {
     /// Own elements in the internal box.
@@ -92,6 +94,14 @@ pub struct ClassCounts {
     pub exterior: u64,
     /// Ghost nodes.
     pub exterior_nodes: u64,
+}
+
+impl ClassCounts {
+    /// Counts ghost elements and ghost nodes.
+    pub fn count_exterior(&mut self, surface: &Surface, nodes: &Nodes) {
+        self.exterior = surface.ghost_elements().count() as u64;
+        self.exterior_nodes = (nodes.len() - nodes.local_count) as u64;
+    }
 }
 
 #[cfg(test)]

@@ -68,6 +68,15 @@ pub struct GhostLink {
     pub export: Vec<u32>,
     /// Ghosts here that the other worker owns.
     pub import: Vec<u32>,
+    /// Local nodes that the other worker has as local nodes too, ascending.
+    pub shared: Vec<u32>,
+    /// Half thickness and scale of the other worker's surface at the nodes of `shared` [length].
+    pub widths: Vec<[f64; 2]>,
+    /// Box in which the other worker needs the segments of this one as ghosts, if any can be
+    /// there; at the positions of the last renewal.
+    pub supplies: Option<Aabb>,
+    /// True if this worker can need segments of the other one as ghosts.
+    pub needs: bool,
     /// True if both workers have a common node, so that both may need the same contact pairs.
     pub shares_nodes: bool,
     /// Region in which own contact nodes could approach the other worker's elements.
@@ -118,6 +127,16 @@ impl Ghosts {
     /// Returns the connections of a worker, without users of nodes.
     pub fn new(links: Vec<GhostLink>) -> Self {
         Self { links, ..Self::default() }
+    }
+
+    /// Returns for each of the workers whether the update of a surface concerns it and this one:
+    /// workers with common nodes or with ghosts of each other.
+    pub fn neighbours(&self, workers: usize) -> Vec<bool> {
+        let mut neighbours = vec![false; workers];
+        for l in &self.links {
+            neighbours[l.worker] = !l.shared.is_empty() || l.supplies.is_some() || l.needs;
+        }
+        neighbours
     }
 
     /// Returns the other workers that have node `i`, as local or ghost node.

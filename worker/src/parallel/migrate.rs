@@ -5,9 +5,10 @@ use crate::contact::Contact;
 use crate::contact::pairs::PairHistory;
 use crate::fem::blocks::LocalElement;
 use crate::math::row::Row;
-use crate::nodes::OuterStepMean;
+use crate::nodes::{Nodes, OuterStepMean};
+use crate::parallel::ghosts::Ghosts;
 use crate::parallel::history_message::{put_histories, take_histories};
-use crate::parallel::partition::{LocalMesh, PartitionData};
+use crate::parallel::partition::{LocalMesh, Memories, PartitionData};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
@@ -246,7 +247,10 @@ fn pack_local(
     count: usize,
     to: impl Fn(&LocalElement) -> usize,
 ) -> Result<Vec<Vec<u64>>, RankLost> {
-    let memories = gather_memories(comm, local, contact)?;
+    let memories = match contact {
+        Some(contact) => gather_memories(comm, &local.nodes, &local.halo, contact)?,
+        None => Memories::new(),
+    };
     let elements = local.blocks.blocks.iter().flat_map(|b| {
         let own = local.blocks.elements[b.first..b.first + b.count].iter().enumerate();
         own.map(|(i, e)| (&e.record, e.nodes, b.columns(i), to(e)))
@@ -297,24 +301,27 @@ pub fn centre(x: &[Row], nodes: [u32; 8], shape: Shape) -> [f64; 3] {
 
 /// Returns the pair histories of local nodes, in ascending order of pair keys. Owners of pairs
 /// send them to the other workers that have the node.
-fn gather_memories(
+///
+/// # Errors
+/// A worker is gone.
+pub fn gather_memories(
     comm: &mut dyn Transport,
-    local: &LocalMesh,
-    contact: Option<&Contact>,
-) -> Result<BTreeMap<NodeId, Vec<PairHistory>>, RankLost> {
-    let mut all: BTreeMap<NodeId, Vec<PairHistory>> = BTreeMap::new();
-    let Some(contact) = contact else { return Ok(all) };
+    nodes: &Nodes,
+    halo: &Ghosts,
+    contact: &Contact,
+) -> Result<Memories, RankLost> {
+    let mut all = Memories::new();
     let mut parcels = vec![Mailbox::default(); comm.size() - 1];
     for (slave, list) in contact.pair_histories().filter(|(_, l)| !l.is_empty()) {
-        let id = local.nodes.id[slave as usize];
-        for &user in local.halo.users_of(slave) {
+        let id = nodes.id[slave as usize];
+        for &user in halo.users_of(slave) {
             put_histories(&mut parcels[user as usize], id, list);
         }
         all.entry(id).or_default().extend(list);
     }
     let me = comm.rank() - 1;
     let mut partners = vec![false; parcels.len()];
-    for link in &local.halo.links {
+    for link in &halo.links {
         partners[link.worker] = link.shares_nodes;
     }
     let parcels = parcels.into_iter().map(Mailbox::into_words).collect();

@@ -11,3 +11,4 @@ pub mod migrate;
 pub mod pair_exchange;
 pub mod partition;
 pub mod reduction;
+pub mod surface_update;

@@ -8,8 +8,9 @@ use crate::contact::beams::with_edges;
 use crate::contact::edges::contact_edges;
 use crate::contact::enforce::by_segments;
 use crate::contact::pairs::PairHistory;
-use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
+use crate::contact::surface::{ContactParts, NOT_LOCAL, OwnScales, Segment, Surface};
 use crate::fem::blocks::{Blocks, Class, LocalElement, RemoteCorner};
+use crate::fem::elements::build_block;
 use crate::math::row::xyz;
 use crate::nodes::{Nodes, OuterStepMean};
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes, half_width};
@@ -20,6 +21,7 @@ use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
+use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{
     Mailbox, RankLost, Transport, exchange_all, exchange_with, gather_all,
@@ -98,7 +100,7 @@ struct WireCorner {
 /// Segment of a ghost element.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct WireSegment {
+pub(super) struct WireSegment {
     id: SegmentId,
     nodes: [NodeId; 4],
     behind: [NodeId; 4],
@@ -111,9 +113,15 @@ struct WireSegment {
 /// Node of a ghost element.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct WireNode {
+pub(super) struct WireNode {
     record: NodeRecord,
     owner: u64,
+}
+
+impl WireNode {
+    pub(super) fn record_and_owner(&self) -> (NodeRecord, u32) {
+        (self.record, self.owner as u32)
+    }
 }
 
 /// Builds a worker's local mesh from its partition. With `fresh`, nodal masses are assembled from
@@ -159,10 +167,18 @@ pub fn build_local_mesh(
     });
     let mut elements: Vec<(LocalElement, Vec<f64>)> = elements.collect();
     let parts = ContactParts::from_settings(settings);
-    let of_elements = || Surface::new(elements.iter().map(|e| &e.0), &nodes, &parts);
-    let mut surface = settings.contact.as_ref().map(|_| of_elements());
+    let own = || elements.iter().map(|e| &e.0);
+    let mut surface = settings.contact.as_ref().map(|_| Surface::new(own(), &nodes, &parts));
+    if let Some(surface) = &mut surface
+        && solids_can_fail(comm, settings, own())?
+    {
+        surface.include_hidden(own(), &nodes, &parts);
+    }
     let around = match &mut surface {
-        Some(surface) => share_scales(comm, settings, &nodes, surface)?,
+        Some(surface) => {
+            let largest = share_scales(comm, surface, 0)?.0;
+            covered(settings, surface, largest)
+        }
         None => 0.5 * settings.buffer,
     };
     let regions = match &surface {
@@ -213,9 +229,8 @@ pub fn build_local_mesh(
         if let Some(regions) = &halo.regions {
             surface.collect_slaves_in(&nodes, |x| regions.tree.worker_of(x) == me);
         }
-        send_users(comm, &nodes, &mut halo, &shared)?;
-        classes.exterior = surface.ghost_elements().count() as u64;
-        classes.exterior_nodes = (nodes.len() - nodes.local_count) as u64;
+        send_users(comm, &nodes, &mut halo)?;
+        classes.count_exterior(surface, &nodes);
     }
     Ok(LocalMesh { nodes, blocks, halo, surface, boxes, classes, memories })
 }
@@ -238,24 +253,40 @@ fn copied_elements(
     surface.segments.iter().filter(is_copied).map(|s| s.id.elem()).collect()
 }
 
-/// Agrees on the scales and offsets of all surfaces. Returns the distance around a worker's contact
-/// entities within which it needs ghosts, equal on all workers [length].
-fn share_scales(
+/// Returns true if solids can fail on any worker, so that solids behind them come to the surface
+/// between two renewals. All workers call this together.
+fn solids_can_fail<'a>(
     comm: &mut dyn Transport,
     settings: &Settings,
-    nodes: &Nodes,
+    mut elements: impl Iterator<Item = &'a LocalElement>,
+) -> Result<bool, RankLost> {
+    let can_fail = |part| build_block(settings, part, Shape::Hex8).is_ok_and(|e| e.can_fail());
+    let fallible: Vec<bool> = (0..settings.parts.len()).map(can_fail).collect();
+    // The second decomposition is renewed with its ghosts after each failure.
+    if settings.has_second_decomposition() || !fallible.contains(&true) {
+        return Ok(false);
+    }
+    let here = elements.any(|e| e.record.shape.is_solid() && fallible[e.record.part as usize]);
+    Ok(gather_all(comm, vec![u64::from(here)])?.iter().any(|w| w[0] == 1))
+}
+
+/// Agrees on the scales and offsets of all surfaces. Returns the largest scale of any worker's
+/// surface [length] and the largest `count` of any worker.
+///
+/// # Errors
+/// A worker is gone.
+pub(super) fn share_scales(
+    comm: &mut dyn Transport,
     surface: &mut Surface,
-) -> Result<f64, RankLost> {
-    let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
-    let short = surface.short_edge(nodes);
-    let mine = [surface.largest_scale(), smallest, short, surface.largest_offset];
-    let scales = gather_all(comm, vec![mine])?;
+    count: usize,
+) -> Result<(f64, usize), RankLost> {
+    let OwnScales { largest, smallest, short, offset } = surface.own_scales;
+    let scales = gather_all(comm, vec![[largest, smallest, short, offset, count as f64]])?;
     let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
-    let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
     surface.largest_offset = of_all(3).fold(0.0, f64::max);
-    Ok(covered(settings, surface, largest))
+    Ok((of_all(0).fold(0.0, f64::max), of_all(4).fold(0.0, f64::max) as usize))
 }
 
 /// Exchanges the boxes of all workers.
@@ -331,6 +362,8 @@ fn link_element_forces(
             at_shared.iter().filter(|c| settings.subcycles > 1 && !c.4).map(|c| c.3).collect();
         links.push(GhostLink {
             worker,
+            shared: list.clone(),
+            widths: vec![[0.0; 2]; list.len()],
             element_forces_out: at_shared.iter().map(|c| c.3).collect(),
             fast_out,
             ..GhostLink::default()
@@ -339,7 +372,6 @@ fn link_element_forces(
     let sharing: Vec<bool> = shared.iter().map(|list| !list.is_empty()).collect();
     let others = exchange_with(comm, parcels, &sharing)?;
     let mut foreign = Vec::new();
-    let mut widths = Vec::new();
     for (link, theirs) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
         link.element_forces_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
@@ -349,17 +381,25 @@ fn link_element_forces(
                 link.fast_in.push((blocks.own_slots() + foreign.len()) as u32);
             }
             foreign.push(RemoteCorner { node, elem: c.elem, slow });
-            widths.push((node, c.half, c.scale));
+            let place = link.shared.binary_search(&node).expect("a corner at a shared node");
+            link.widths[place] = [c.half, c.scale];
         }
     }
-    if let Some(s) = surface {
-        widths.into_iter().for_each(|(n, half, scale)| s.include_remote(n, half, scale));
+    if let Some(surface) = surface {
+        links.iter().for_each(|link| include_widths(surface, link));
     }
     blocks.build_assembly(nodes.local_count, &foreign, |id| {
         settings.loads.pressures.iter().any(|p| p.faces_of(id).next().is_some())
     });
     links.retain(|l| l.worker != me);
     Ok(Ghosts::new(links))
+}
+
+/// Raises the half thickness and scale of shared nodes to those of the other worker's surface.
+pub(super) fn include_widths(surface: &mut Surface, link: &GhostLink) {
+    for (&node, &[half, scale]) in link.shared.iter().zip(&link.widths) {
+        surface.include_remote(node, half, scale);
+    }
 }
 
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
@@ -372,11 +412,13 @@ pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f6
 }
 
 /// Returns the box around a worker's own slaves, edges and, where segments touch segments, the
-/// nodes of these; `surface` has own segments only.
+/// nodes of these; nodes that can come to the surface count as well. `surface` has own segments
+/// only.
 pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
     let is_met = with_edges(settings) || settings.contact.as_ref().is_some_and(by_segments);
     let of_edges = if is_met { contact_edges(surface) } else { Vec::new() };
-    Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
+    let all = surface.slaves.iter().chain(&of_edges).chain(&surface.hidden);
+    Aabb::around(all.map(|&i| xyz(&nodes.x[i as usize])))
 }
 
 /// Returns true if an entity in the box `held` could be within `grow` of the box `seeking`.
@@ -410,28 +452,28 @@ fn copy_ghosts(
     let partners: Vec<bool> =
         (0..slave_boxes.len()).map(|w| reaches(me, w) || reaches(w, me)).collect();
     let offer = |(w, b): (usize, &Aabb)| match w != me && reaches(w, me) {
-        true => segments_near(nodes, surface, &b.grown(grow), sent).into_words(),
+        true => {
+            let grown = b.grown(grow);
+            let near =
+                surface.segments.iter().filter(|s| grown.intersects(&s.bounds(&nodes.x, 0.0)));
+            pack_segments(nodes, near, sent).into_words()
+        }
         false => Vec::new(),
     };
     let offers = slave_boxes.iter().enumerate().map(offer).collect();
-    let mut segments: Vec<WireSegment> = Vec::new();
-    let mut copies: Vec<WireNode> = Vec::new();
+    let mut arrived = Arrived::default();
     for words in exchange_with(comm, offers, &partners)?.into_iter().filter(|w| !w.is_empty()) {
         let mut mail = Mailbox::from_words(words);
-        let [count, corners] = mail.take::<[u64; 2]>();
-        segments.extend(mail.take_many::<WireSegment>(count as usize));
-        copies.extend(mail.take_many::<WireNode>(corners as usize));
+        arrived.take(&mut mail);
         while !mail.is_read() {
             let (id, list) = take_histories(&mut mail).expect("workers send whole messages");
             memories.insert(id, list);
         }
     }
-    copies.retain(|c| nodes.local_index(c.record.id).is_none());
-    copies.sort_unstable_by_key(|c| c.record.id);
-    copies.dedup_by_key(|c| c.record.id);
-    copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
-    add_segments(nodes, surface, &segments);
-    request_states(comm, nodes, halo, &copies, held_bounds.len())?;
+    let added = arrived.unknown_nodes(nodes);
+    nodes.add_ghosts(added.iter().map(WireNode::record_and_owner));
+    add_segments(nodes, surface, &arrived.segments);
+    request_states(comm, nodes, halo, &added, held_bounds.len())?;
     let own = slave_boxes[me];
     Ok(if own.is_empty() { Aabb::EMPTY } else { own.grown(grow) })
 }
@@ -452,20 +494,47 @@ fn set_reaches(
             link.is_distant = near.is_empty();
             link.margin = buffer + mine.distance(theirs);
         }
+        let needs = |seeking: &Aabb, held: &Aabb| seeking.grown(grow).intersects(held);
+        link.needs = needs(&slave_boxes[me], theirs);
+        let others = &slave_boxes[link.worker];
+        link.supplies = needs(others, &held_bounds[me]).then(|| others.grown(grow));
         link.both_distant = !are_near(&slave_boxes[me], theirs, grow)
             && !are_near(&slave_boxes[link.worker], &held_bounds[me], grow);
     }
 }
 
-/// Returns a message with the segments that reach into a box: their number and that of their nodes,
-/// the segments, the nodes, and the pair histories of the nodes in `memories`.
-fn segments_near(
+/// Segments and nodes of other workers that have arrived.
+#[derive(Default)]
+pub(super) struct Arrived {
+    pub(super) segments: Vec<WireSegment>,
+    nodes: Vec<WireNode>,
+}
+
+impl Arrived {
+    /// Takes the items of [`pack_segments`] from a message.
+    pub(super) fn take(&mut self, mail: &mut Mailbox) {
+        let [count, corners] = mail.take::<[u64; 2]>();
+        self.segments.extend(mail.take_many::<WireSegment>(count as usize));
+        self.nodes.extend(mail.take_many::<WireNode>(corners as usize));
+    }
+
+    /// Returns the nodes that this worker does not have yet, in ascending id.
+    pub(super) fn unknown_nodes(&mut self, nodes: &Nodes) -> Vec<WireNode> {
+        let mut unknown = std::mem::take(&mut self.nodes);
+        unknown.retain(|c| nodes.index_of(c.record.id).is_none());
+        unknown.sort_unstable_by_key(|c| c.record.id);
+        unknown.dedup_by_key(|c| c.record.id);
+        unknown
+    }
+}
+
+/// Returns a message with segments: their number and that of their nodes, the segments, the nodes,
+/// and the pair histories of the nodes in `memories`.
+pub(super) fn pack_segments<'a>(
     nodes: &Nodes,
-    surface: &Surface,
-    b: &Aabb,
+    segments: impl Iterator<Item = &'a Segment> + Clone,
     memories: Option<&Memories>,
 ) -> Mailbox {
-    let near = surface.segments.iter().filter(|s| b.intersects(&s.bounds(&nodes.x, 0.0)));
     let pack = |s: &Segment| WireSegment {
         id: s.id,
         nodes: s.nodes.map(|n| nodes.id[n as usize]),
@@ -477,8 +546,8 @@ fn segments_near(
         scale: s.scale,
         part: u64::from(s.part),
     };
-    let packed: Vec<WireSegment> = near.clone().map(pack).collect();
-    let mut corners: Vec<u32> = near.flat_map(|s| s.nodes).collect();
+    let packed: Vec<WireSegment> = segments.clone().map(pack).collect();
+    let mut corners: Vec<u32> = segments.flat_map(|s| s.nodes).collect();
     corners.sort_unstable();
     corners.dedup();
     let node = |&i: &u32| WireNode {
@@ -498,7 +567,7 @@ fn segments_near(
 }
 
 /// Adds the segments of other workers to the surface.
-fn add_segments(nodes: &Nodes, surface: &mut Surface, segments: &[WireSegment]) {
+pub(super) fn add_segments(nodes: &Nodes, surface: &mut Surface, segments: &[WireSegment]) {
     let local = |id: NodeId| nodes.index_of(id).expect("a worker has all nodes of a segment");
     surface.segments.extend(segments.iter().map(|s| Segment {
         id: s.id,
@@ -514,11 +583,11 @@ fn add_segments(nodes: &Nodes, surface: &mut Surface, segments: &[WireSegment]) 
     surface.segments.sort_unstable_by_key(|s| s.id);
 }
 
-/// Asks the owners of ghost nodes for their states, which they send in every step.
+/// Asks the owners of new ghost nodes for their states, which they send in every step.
 ///
 /// # Errors
 /// A worker is gone.
-fn request_states(
+pub(super) fn request_states(
     comm: &mut dyn Transport,
     nodes: &Nodes,
     halo: &mut Ghosts,
@@ -532,8 +601,8 @@ fn request_states(
     let requests = exchange_all(comm, (0..workers).map(wanted).collect())?;
     for link in &mut halo.links {
         let number = |&id: &NodeId| nodes.index_of(id).expect("requested nodes are local");
-        link.export = requests[link.worker].iter().map(number).collect();
-        link.import = wanted(link.worker).iter().map(number).collect();
+        link.export.extend(requests[link.worker].iter().map(number));
+        link.import.extend(wanted(link.worker).iter().map(number));
         // A segment may come from one worker while its far corner belongs to another one, which
         // is not nearer for this reason.
         link.both_distant &= link.export.is_empty() && link.import.is_empty();
@@ -542,23 +611,23 @@ fn request_states(
 }
 
 /// Sends the list of workers that have an owned node to each of these workers.
-fn send_users(
+pub(super) fn send_users(
     comm: &mut dyn Transport,
     nodes: &Nodes,
     halo: &mut Ghosts,
-    shared: &[Vec<u32>],
 ) -> Result<(), RankLost> {
     let me = nodes.me;
     let mut users: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
     for link in &halo.links {
         let own = |i: &&u32| nodes.is_owned(**i as usize);
-        let with = shared[link.worker].iter().filter(own).chain(&link.export);
+        let with = link.shared.iter().filter(own).chain(&link.export);
         with.for_each(|&i| users[i as usize].push(link.worker as u32));
     }
     let mut parcels = vec![Mailbox::default(); comm.size() - 1];
-    let mut partners: Vec<bool> = shared.iter().map(|list| !list.is_empty()).collect();
+    let mut partners = vec![false; comm.size() - 1];
     for link in &halo.links {
-        partners[link.worker] |= !link.export.is_empty() || !link.import.is_empty();
+        let lists = [&link.shared, &link.export, &link.import];
+        partners[link.worker] = lists.iter().any(|list| !list.is_empty());
     }
     for (i, list) in users.iter_mut().enumerate() {
         list.sort_unstable();
@@ -585,7 +654,7 @@ fn send_users(
             users[i as usize].sort_unstable();
         }
     }
-    halo.user_start = vec![0];
+    (halo.users, halo.user_start) = (Vec::new(), vec![0]);
     for list in &users {
         halo.users.extend(list);
         halo.user_start.push(halo.users.len() as u32);

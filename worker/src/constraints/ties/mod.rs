@@ -174,8 +174,8 @@ impl Ties {
         }
     }
 
-    /// Releases slaves whose face belongs to an element that has just failed on any worker. The
-    /// local mesh must be built again afterwards. Collective.
+    /// Releases slaves whose face belongs to an element that has just failed on any worker. Returns
+    /// true if there are any; the local mesh must be built again then. Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -184,9 +184,9 @@ impl Ties {
         comm: &mut dyn Transport,
         failed: &[ElemId],
         nodes: &mut Nodes,
-    ) -> Result<(), RankLost> {
+    ) -> Result<bool, RankLost> {
         if self.is_empty() {
-            return Ok(());
+            return Ok(false);
         }
         let failed: HashSet<ElemId> = failed.iter().copied().collect();
         let holds =
@@ -224,7 +224,7 @@ impl Ties {
         if self.definitions.is_empty() {
             *self = Self::default();
         }
-        Ok(())
+        Ok(!released.is_empty())
     }
 
     /// Finds the slaves and masters that are present here, and sets up the exchange.
