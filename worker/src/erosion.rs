@@ -12,7 +12,7 @@ use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 /// Number of cycles between two searches for failed elements. Until then a failed element carries
 /// no force.
@@ -29,7 +29,7 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
     })
 }
 
-/// What has left the contact surface, as far as a worker is concerned.
+/// Failures that concern a worker.
 #[derive(Default)]
 pub struct Failures {
     /// Own elements that have failed.
@@ -105,21 +105,19 @@ pub fn leave_surface(
 /// Frees the faces of own solids that failed solids covered. Returns true if there are any.
 fn free_faces_behind(blocks: &mut Blocks, nodes: &Nodes, bared: &[FaceNodes]) -> bool {
     let here = |face: &&FaceNodes| nodes.local_index(face[0]).is_some();
-    let bared: Vec<FaceNodes> = bared.iter().filter(here).copied().collect();
+    let bared: HashSet<&FaceNodes> = bared.iter().filter(here).collect();
     if bared.is_empty() {
         return false;
     }
-    let mut opposing: HashMap<FaceNodes, Vec<(usize, usize)>> = HashMap::new();
-    for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| e.record.shape.is_solid()) {
-        for (f, face) in faces_of(&e.record.nodes, e.record.shape.faces()).enumerate() {
-            opposing.entry(face).or_default().push((i, f));
+    let mut frees_any = false;
+    let records = blocks.elements.iter_mut().map(|e| &mut e.record);
+    for record in records.filter(|r| r.shape.is_solid() && !r.failed) {
+        for (f, face) in faces_of(&record.nodes, record.shape.faces()).enumerate() {
+            if bared.contains(&face) {
+                frees_any |= record.free_faces >> f & 1 == 0;
+                record.free_faces |= 1 << f;
+            }
         }
     }
-    let mut any = false;
-    for &(i, f) in bared.iter().filter_map(|face| opposing.get(face)).flatten() {
-        let record = &mut blocks.elements[i].record;
-        any |= !record.failed && record.free_faces >> f & 1 == 0;
-        record.free_faces |= 1 << f;
-    }
-    any
+    frees_any
 }

@@ -23,7 +23,7 @@ pub(crate) const ACCOUNTS: [&str; 10] = [
     "cpu of renewals [s]",
     "low redecompositions",
     "high redecompositions",
-    "renewals after erosion",
+    "surface updates",
     "interior elements",
     "interface elements",
     "exterior elements",

@@ -48,7 +48,7 @@ fn columns(length: &str, time: &str) -> Vec<String> {
         "pairs",
         "messages",
         "bytes",
-        "renewals after erosion",
+        "surface updates",
     ];
     header.extend(counts.map(String::from));
     header.extend(PHASES[..TIMED].iter().map(|phase| format!("cpu {phase} [s]")));

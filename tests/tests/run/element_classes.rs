@@ -177,7 +177,7 @@ fn ghosts_of_solids_are_interface_elements_too() {
 /// renews its members.
 #[test]
 fn ghosts_follow_elements_that_fail() {
-    let sets = ["material.\"mild steel\".failure_strain=0.02"];
+    let sets = ["material.mild steel.failure_strain=0.02"];
     for workers in [2, 4, 7] {
         let (trace, partitions) = watch("can-crush", &sets, workers, [400, 0]);
         let [ghosts, ..] = check(&partitions, workers);

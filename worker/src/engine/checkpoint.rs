@@ -43,7 +43,7 @@ pub struct CommonState {
     started: Vec<bool>,
     /// See [`Contact::common`].
     contact_pairs: u64,
-    /// Number of renewals after erosion.
+    /// Number of updates of the contact surface because elements have failed.
     erosions: u64,
 }
 

@@ -15,7 +15,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, OwnSection, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, exchange_with};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 /// Element in a message, followed by `columns` numbers: history and energies.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -398,6 +398,7 @@ mod tests {
     use crate::contact::pairs::PairKey;
     use crate::math::row::V3;
     use crumple_proto::ids::SegmentId;
+    use std::collections::BTreeMap;
 
     /// Encoded data are decoded to the same bits: elements of all shapes with history of any
     /// length, empty lists, pair histories of several nodes.

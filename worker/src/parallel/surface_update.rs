@@ -1,11 +1,12 @@
 //! Update of the contact surface after elements have failed, without a renewal.
 //!
 //! Failed elements take their segments away, and solids behind them get new ones. The nodes of
-//! a worker, its elements and its box do not change, so only workers with such elements, their
-//! neighbours' ghosts and the nodes in between are concerned: each worker sends one message to each
-//! neighbour, with the new segments that the neighbour needs as ghosts. All other workers keep
-//! their surface and the results of their searches. The box within which a worker needs ghosts was
-//! made at the last renewal for all nodes that can come to the surface ([`Surface::hidden`]).
+//! a worker, its elements and its box do not change, so only workers with such elements or with
+//! ghosts of such elements are concerned. All others keep their surface and the results of their
+//! searches. Neighbours exchange the thickness at common nodes and the new segments that are needed
+//! as ghosts; all workers agree on the scales of the surface and on whether there are new ghost
+//! nodes. The box within which a worker needs ghosts was made at the last renewal for all nodes
+//! that can come to the surface ([`Surface::hidden`]).
 
 use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::erosion::Failures;
@@ -144,6 +145,7 @@ fn add_ghosts(
     for s in &mut surface.segments {
         s.nodes.iter_mut().chain(&mut s.behind).for_each(renumber);
     }
-    request_states(comm, nodes, halo, added, comm.size() - 1)?;
+    let workers = comm.size() - 1;
+    request_states(comm, nodes, halo, added, workers)?;
     send_users(comm, nodes, halo)
 }

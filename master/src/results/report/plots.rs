@@ -266,7 +266,7 @@ impl ColumnFile {
             line("low redecompositions", "low (new boxes)")?,
             line("high redecompositions", "high (membership)")?,
         ];
-        let erosions = line("renewals after erosion", "after erosion");
+        let erosions = line("surface updates", "surface updates");
         lines.extend(erosions.filter(|l| l.values.iter().any(|v| *v != 0.0)));
         let note = "Total since the start.";
         Some(Plot {
