@@ -1,6 +1,7 @@
 //! Harness of the tests across crates: engines side by side without a master, step by step; the
 //! binary with a deadline.
 
+pub mod brittle;
 pub mod browser;
 pub mod client;
 pub mod fields;

@@ -2,100 +2,16 @@
 //! contact from then on, whichever workers own either.
 
 use crumple::input::job::Model;
+use crumple_tests::brittle::{SIDE, rod_on_plate};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
-
-/// Side of all cubes [mm].
-const SIDE: f64 = 5.0;
-/// Gap between rod and plate at the start [mm].
-const GAP: f64 = 0.5;
-
-/// Adds `count` cubes from `from`, layer by layer; `part` gives the part of a layer. Returns their
-/// nodes.
-fn add_cubes(
-    scene: &mut Scene,
-    count: [usize; 3],
-    from: [f64; 3],
-    part: impl Fn(usize) -> u32,
-) -> Vec<u32> {
-    let first = scene.count() + 1;
-    let [a, b, c] = count;
-    let id = |[i, j, k]: [usize; 3]| first + ((k * (b + 1) + j) * (a + 1) + i) as u32;
-    for n in 0..(a + 1) * (b + 1) * (c + 1) {
-        let step = [n % (a + 1), n / (a + 1) % (b + 1), n / ((a + 1) * (b + 1))];
-        scene.node(std::array::from_fn(|axis| from[axis] + SIDE * step[axis] as f64));
-    }
-    for n in 0..a * b * c {
-        let [i, j, k] = [n % a, n / a % b, n / (a * b)];
-        let face = |k| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(id);
-        let (below, above) = (face(k), face(k + 1));
-        scene.solid(part(k), std::array::from_fn(|n| if n < 4 { below[n] } else { above[n - 4] }));
-    }
-    (first..=scene.count()).collect()
-}
-
-/// Returns a job in which a rod, one cube wide, strikes a plate whose upper layer is brittle and
-/// whose lower layer is not.
-fn rod_on_plate() -> Model {
-    let mut scene = Scene::default();
-    let plate = add_cubes(&mut scene, [5, 5, 2], [0.0; 3], |layer| if layer == 1 { 2 } else { 1 });
-    let rod = add_cubes(&mut scene, [1, 1, 4], [10.5, 9.5, 2.0 * SIDE + GAP], |_| 3);
-    scene.set_named("floor", &plate[..36]);
-    scene.set_named("rod", &rod);
-    let text = format!(
-        r#"
-        title = "A rod through a brittle layer"
-        units = "mm, ms, kg"
-        end_time = 0.25
-        {}
-        [[material]]
-        name = "tough"
-        law = "elastic"
-        density = 7.85e-6
-        youngs_modulus = 200.0
-        poisson = 0.3
-        [[material]]
-        name = "brittle"
-        law = "j2"
-        density = 7.85e-6
-        youngs_modulus = 200.0
-        poisson = 0.3
-        yield_stress = 0.2
-        failure_strain = 0.02
-        [[material]]
-        name = "heavy"
-        law = "elastic"
-        density = 2.4e-5
-        youngs_modulus = 200.0
-        poisson = 0.3
-        [[part]]
-        id = 1
-        material = "tough"
-        [[part]]
-        id = 2
-        material = "brittle"
-        [[part]]
-        id = 3
-        material = "heavy"
-        [[fix]]
-        nodes = "floor"
-        dofs = ["x", "y", "z"]
-        [[initial_velocity]]
-        nodes = "rod"
-        velocity = [0.0, 0.0, -100.0]
-        [contact]
-        "#,
-        scene.mesh_text(),
-    );
-    model_of(&text, &[])
-}
 
 /// The rod goes through the brittle layer and rebounds from the lower one, whose faces are
 /// exposed only after the upper layer has failed. Without these faces it would fall through the
 /// whole plate.
 #[test]
 fn what_was_behind_a_failed_element_is_touched() {
-    let model = rod_on_plate();
+    let model = rod_on_plate(2);
     let top = |e: &crumple_worker::engine::Engine| {
         e.contact.as_ref().map_or(0, |c| c.surface.segments.len())
     };
@@ -130,14 +46,17 @@ fn what_was_behind_a_failed_element_is_touched() {
 /// behind them.
 #[test]
 fn deletion_gives_the_same_bits_on_any_number_of_workers() {
-    let model = rod_on_plate();
-    let alone = run_side_by_side(&model, 1, 400, 0);
-    assert_eq!(alone.trouble, None);
-    for (workers, every) in [(2, 0), (3, 7), (5, 0)] {
-        let many = run_side_by_side(&model, workers, 400, every);
-        let differs = many.pairs.iter().zip(&alone.pairs).position(|(a, b)| a != b);
-        assert_eq!(differs, None, "cycle in which the pairs of {workers} workers differ");
-        assert_eq!(many.digest(), alone.digest(), "{workers} workers");
+    for layers in [2, 4] {
+        let model = rod_on_plate(layers);
+        let alone = run_side_by_side(&model, 1, 400, 0);
+        assert_eq!(alone.trouble, None);
+        for (workers, every) in [(2, 0), (3, 7), (5, 0), (8, 0)] {
+            let many = run_side_by_side(&model, workers, 400, every);
+            let differs = many.pairs.iter().zip(&alone.pairs).position(|(a, b)| a != b);
+            let what = format!("{layers} layers, {workers} workers");
+            assert_eq!(differs, None, "{what}: cycle in which pairs differ");
+            assert_eq!(many.digest(), alone.digest(), "{what}");
+        }
     }
 }
 
