@@ -11,6 +11,7 @@ mod rigid;
 mod setting;
 mod spring;
 mod tie;
+mod truss;
 mod wall;
 
 pub use beam::{BeamInput, BeamSection, Weld};
@@ -24,6 +25,7 @@ pub use rigid::Rigid;
 pub use setting::Setting;
 pub use spring::SpringInput;
 pub use tie::TieInput;
+pub use truss::TrussInput;
 pub use wall::WallInput;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -48,7 +50,7 @@ pub struct Job {
     #[serde(default)]
     pub placeholders: Vec<String>,
     /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
-    /// `shells`, `solids`, `beams` or `springs`.
+    /// `shells`, `solids`, `beams`, `springs` or `trusses`.
     pub mesh: MeshSource,
     /// Options of the mesh generator.
     #[serde(default)]
@@ -133,7 +135,7 @@ impl Job {
 }
 
 /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
-/// `shells`, `solids`, `beams` or `springs`.
+/// `shells`, `solids`, `beams`, `springs` or `trusses`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
@@ -142,8 +144,8 @@ pub struct MeshSource {
     pub generator: Option<String>,
     /// Mesh file in the folder of the job: Gmsh MSH, Abaqus input, Nastran bulk data, VTK (XML and
     /// legacy), STL or EXODUS II, recognised by its content; or a TOML file with `nodes`, `shells`,
-    /// `solids`, `beams`, `springs` and `node_sets` as below. Its parts and node sets are listed by
-    /// `crumple import`, which writes a job for it.
+    /// `solids`, `beams`, `springs`, `trusses` and `node_sets` as below. Its parts and node sets
+    /// are listed by `crumple import`, which writes a job for it.
     #[serde(default)]
     pub file: Option<String>,
     /// LS-DYNA keyword deck in the folder of the job: mesh, node sets, parts, materials and all
@@ -181,6 +183,9 @@ pub struct MeshSource {
     /// Springs and dampers as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
+    /// Trusses as `[id, part id, n1, n2]`.
+    #[serde(default)]
+    pub trusses: Vec<Vec<u64>>,
     /// Thicknesses of single shells as `[id, thickness]` [length]; all other shells have the
     /// thickness of their part. This also applies to shells of a generator or a deck. A mesh file
     /// has its own list.
@@ -256,8 +261,8 @@ impl Default for Time {
 pub struct Elements {
     /// Floating-point precision of the stresses and forces of shells and solids: `double` or
     /// `single`. `single` computes twice as many elements at once and halves the size of their
-    /// state. Nodes, their motion and masses, contact, beams and springs are always in double
-    /// precision. For the loss of accuracy see `cases/studies/README.md`, precision.
+    /// state. Nodes, their motion and masses, contact, beams, trusses and springs are always in
+    /// double precision. For the loss of accuracy see `cases/studies/README.md`, precision.
     pub precision: Precision,
 }
 
@@ -328,6 +333,9 @@ pub struct Part {
     /// Makes this a part of beams.
     #[serde(default)]
     pub beam: Option<BeamInput>,
+    /// Makes this a part of trusses.
+    #[serde(default)]
+    pub truss: Option<TrussInput>,
     /// Shell thickness [length]. A part of solids has none.
     #[serde(default)]
     pub thickness: f64,

@@ -19,12 +19,14 @@ pub enum Shape {
     /// Beam with two nodes; in a mesh from a file a third one lies in the plane of the first
     /// and second axis.
     Beam2,
+    /// Truss with two nodes.
+    Truss2,
 }
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 5] =
-        [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
+    pub const ALL: [Shape; 6] =
+        [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2, Shape::Truss2];
 
     /// Returns the number of corner nodes.
     pub fn corners(self) -> usize {
@@ -32,7 +34,7 @@ impl Shape {
             Shape::Quad4 => 4,
             Shape::Tri3 => 3,
             Shape::Hex8 => 8,
-            Shape::Line2 | Shape::Beam2 => 2,
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
         }
     }
 
@@ -42,7 +44,7 @@ impl Shape {
         match self {
             Shape::Quad4 | Shape::Tri3 => 4,
             Shape::Hex8 => 8,
-            Shape::Line2 | Shape::Beam2 => 2,
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
         }
     }
 
@@ -60,13 +62,18 @@ impl Shape {
                 [2, 3, 7, 6],
                 [3, 0, 4, 7],
             ],
-            Shape::Line2 | Shape::Beam2 => &[],
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => &[],
         }
     }
 
     /// Returns true if its nodes have rotational degrees of freedom.
     pub fn turns(self) -> bool {
         self.is_shell() || self == Shape::Beam2
+    }
+
+    /// Returns true for bars, which have a cross section about the line between their nodes.
+    pub fn is_bar(self) -> bool {
+        matches!(self, Shape::Beam2 | Shape::Truss2)
     }
 
     /// Returns true for shells.

@@ -123,7 +123,7 @@ fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
     match element.shape {
         Shape::Hex8 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
-        Shape::Line2 | Shape::Beam2 => measure_line(x),
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 => measure_line(x),
     }
 }
 
@@ -142,7 +142,7 @@ pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
                 (0..x.len()).for_each(|c| jacobians[c] = dot(corner(c, x), twice) / length);
             }
         }
-        Shape::Line2 | Shape::Beam2 => {}
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 => {}
     }
     jacobians
 }

@@ -8,4 +8,5 @@ mod rigid;
 mod sections;
 mod springs;
 mod ties;
+mod trusses;
 mod walls;

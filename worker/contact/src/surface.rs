@@ -12,7 +12,6 @@ use crumple_math::vector_range::VectorRange;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, SegmentId};
 use crumple_proto::job::Part;
-use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -166,7 +165,7 @@ impl ContactParts {
         let half = |(i, p): (usize, &Part)| {
             let takes_part =
                 contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
-            if p.beam.is_some() {
+            if beams::has_bars(p) {
                 return contact
                     .filter(|_| takes_part)
                     .and_then(|c| beams::half(c, p))
@@ -217,7 +216,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
         return Vec::new();
     };
     let shape = e.record.shape;
-    if shape == Shape::Beam2 {
+    if shape.is_bar() {
         return line_of(e, nodes, half, parts.limit).into_iter().collect();
     }
     let shell = shape.is_shell();
@@ -248,7 +247,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
     (0..shape.faces().len()).filter(is_free).map(segment).collect()
 }
 
-/// Returns the line of a beam with a radius. Returns `None` for a beam without length if the
+/// Returns the line of a beam or truss with a radius. Returns `None` for one without length if the
 /// length limits the radius.
 fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<Segment> {
     let [a, b] = [e.nodes[0], e.nodes[1]];

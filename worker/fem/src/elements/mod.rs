@@ -6,6 +6,7 @@ mod beam;
 mod belytschko_tsay;
 mod bounds;
 mod c0_triangle;
+mod fibre;
 mod fully_integrated_quad;
 mod hexahedron;
 #[cfg(test)]
@@ -37,6 +38,7 @@ mod statics;
 mod stretched_tests;
 #[cfg(test)]
 pub(crate) mod testing;
+mod truss;
 #[cfg(test)]
 mod unstrained_tests;
 
@@ -242,6 +244,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     c0_triangle::ROW,
     hexahedron::ROW,
     beam::ROW,
+    truss::ROW,
     spring::ROW,
 ];
 
@@ -354,22 +357,15 @@ pub fn points_of(part: &Part) -> usize {
 
 /// The formulation that a part wants for a shape: the first of the shape if it does not say.
 fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> {
-    if part.spring.is_some() && shape != Shape::Line2 {
-        let what =
-            format!("part {}: it has [part.spring] and other elements", section::label(part));
-        return Err(Problem::error(
-            "spring",
-            what,
-            "remove [part.spring], or move the other elements to another part",
-        ));
-    }
-    if part.beam.is_some() && shape != Shape::Beam2 {
-        let what = format!("part {}: it has [part.beam] and other elements", section::label(part));
-        return Err(Problem::error(
-            "beam",
-            what,
-            "remove [part.beam], or move the other elements to another part",
-        ));
+    let sections = [
+        ("spring", part.spring.is_some(), Shape::Line2),
+        ("beam", part.beam.is_some(), Shape::Beam2),
+        ("truss", part.truss.is_some(), Shape::Truss2),
+    ];
+    if let Some((key, ..)) = sections.into_iter().find(|(_, given, own)| *given && shape != *own) {
+        let what = format!("part {}: it has [part.{key}] and other elements", section::label(part));
+        let help = format!("remove [part.{key}], or move the other elements to another part");
+        return Err(Problem::error(key, what, help));
     }
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));

@@ -20,6 +20,7 @@ pub fn part(thickness: f64) -> Part {
         material: "sheet".into(),
         spring: None,
         beam: None,
+        truss: None,
         thickness,
         offset: 0.0,
         contact_thickness: None,
