@@ -21,12 +21,21 @@ pub enum Shape {
     Beam2,
     /// Truss with two nodes.
     Truss2,
+    /// Particle with one node.
+    Point1,
 }
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 6] =
-        [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2, Shape::Truss2];
+    pub const ALL: [Shape; 7] = [
+        Shape::Quad4,
+        Shape::Tri3,
+        Shape::Hex8,
+        Shape::Line2,
+        Shape::Beam2,
+        Shape::Truss2,
+        Shape::Point1,
+    ];
 
     /// Returns the number of corner nodes.
     pub fn corners(self) -> usize {
@@ -35,6 +44,7 @@ impl Shape {
             Shape::Tri3 => 3,
             Shape::Hex8 => 8,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
+            Shape::Point1 => 1,
         }
     }
 
@@ -45,11 +55,13 @@ impl Shape {
             Shape::Quad4 | Shape::Tri3 => 4,
             Shape::Hex8 => 8,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
+            Shape::Point1 => 1,
         }
     }
 
     /// Returns the corners of each face, whose right-hand normal points outwards. The face of a
-    /// shell has the shell's own corners (a triangle repeats its third). Lines have no faces.
+    /// shell has the shell's own corners (a triangle repeats its third). Lines and particles have no
+    /// faces.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
@@ -62,7 +74,7 @@ impl Shape {
                 [2, 3, 7, 6],
                 [3, 0, 4, 7],
             ],
-            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => &[],
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => &[],
         }
     }
 

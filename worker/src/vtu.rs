@@ -226,6 +226,7 @@ impl Cells {
             Shape::Quad4 => 9,
             Shape::Hex8 => 12,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 3,
+            Shape::Point1 => 1,
         });
     }
 

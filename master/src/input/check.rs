@@ -30,6 +30,7 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         (Shape::Hex8, "solids"),
         (Shape::Beam2, "beams"),
         (Shape::Truss2, "trusses"),
+        (Shape::Point1, "particles"),
         (Shape::Line2, "springs"),
     ];
     let counts = kinds.map(|(shape, name)| (count(shape), name));

@@ -4,6 +4,7 @@ mod bars;
 mod beams;
 mod free_rotation;
 mod loads;
+mod particles;
 mod rigid;
 mod sections;
 mod springs;

@@ -111,7 +111,7 @@ fn a_truss_yields_along_its_law() {
 }
 
 /// A net of trusses falls on a plate and rebounds: its nodes and lines touch with a radius. The
-/// bits are the same on 1, 2 and 3 workers with forced renewals of the boxes; momentum is conserved.
+/// bits are the same on 1, 2 and 3 workers with forced renewals; momentum is conserved.
 #[test]
 fn a_net_falls_on_a_plate_with_the_same_bits() {
     let mut scene = Scene::default();

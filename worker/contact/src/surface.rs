@@ -12,6 +12,7 @@ use crumple_math::vector_range::VectorRange;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, SegmentId};
 use crumple_proto::job::Part;
+use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -88,6 +89,9 @@ pub struct Surface {
     pub part_sets: Vec<Vec<u32>>,
     /// True if some segments are lines; see [`Surface::link_faces`].
     pub has_lines: bool,
+    /// Nodes of own particles, ascending, each with the index of its part. They have no segments
+    /// around them.
+    pub points: Vec<(u32, u32)>,
 }
 
 impl Segment {
@@ -142,8 +146,8 @@ impl Segment {
 
 /// Parts that take part in contact, and their thickness in contact.
 pub struct ContactParts {
-    /// Per part, `None` if it takes no part: half thickness of shells, radius of beams, 0 for
-    /// solids [length]; true if it overrides the thickness of single shells; factor on the
+    /// Per part, `None` if it takes no part: half thickness of shells, radius of beams and of
+    /// particles, 0 for solids [length]; true if it overrides the thickness of single shells; factor on the
     /// result.
     half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam as a
@@ -165,6 +169,9 @@ impl ContactParts {
         let half = |(i, p): (usize, &Part)| {
             let takes_part =
                 contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
+            if let Some(particles) = &p.particles {
+                return takes_part.then_some((particles.radius(), true, 1.0));
+            }
             if beams::has_bars(p) {
                 return contact
                     .filter(|_| takes_part)
@@ -267,6 +274,13 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
     })
 }
 
+/// Returns the node and the part of a particle in contact, and its radius [length].
+fn point_of(e: &LocalElement, parts: &ContactParts) -> Option<((u32, u32), f64)> {
+    let is_point = e.record.shape == Shape::Point1 && !e.record.failed;
+    let radius = parts.half_thickness(&e.record).filter(|_| is_point)?;
+    Some(((e.nodes[0], e.record.part), radius))
+}
+
 /// Computes the shortest edge of an element at the start [length].
 fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
     let at = |c: usize| V3::from(xyz(&nodes.x0[e.nodes[c] as usize]));
@@ -282,11 +296,13 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 impl Surface {
     /// Builds the segments of elements, and thickness and scale of the local nodes.
     pub fn new<'a>(
-        elements: impl Iterator<Item = &'a LocalElement>,
+        elements: impl Iterator<Item = &'a LocalElement> + Clone,
         nodes: &Nodes,
         parts: &ContactParts,
     ) -> Self {
+        let points = elements.clone().filter_map(|e| point_of(e, parts));
         let mut s = Self {
+            points: points.clone().map(|(point, _)| point).collect(),
             segments: elements.flat_map(|e| segments_of(e, nodes, parts)).collect(),
             slaves: Vec::new(),
             node_half: vec![0.0; nodes.local_count],
@@ -301,6 +317,8 @@ impl Surface {
             g.nodes.iter().for_each(|&n| s.include_remote(n, g.half_thickness, g.scale));
             s.largest_offset = s.largest_offset.max(g.offset.abs());
         }
+        points.for_each(|((node, _), radius)| s.include_remote(node, radius, radius));
+        s.points.sort_unstable();
         s
     }
 
@@ -348,6 +366,7 @@ impl Surface {
         let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
         for place in 0..self.slaves.len() {
             let mut parts: Vec<u32> = self.around(place).map(|s| s.part).collect();
+            parts.extend(self.part_of_point(self.slaves[place]));
             parts.sort_unstable();
             parts.dedup();
             let next = known.len() as u32;
@@ -402,10 +421,16 @@ impl Surface {
     }
 
     /// Returns the lowest part around the slave with index `i` in `slaves`, and the lowest
-    /// segment of this part.
+    /// segment of this part. A particle has its part and no segment.
     pub fn precedes(&self, i: usize) -> (u32, SegmentId) {
-        let first = self.segments.get(self.first[i] as usize);
-        first.map_or((u32::MAX, SegmentId(u64::MAX)), |s| (s.part, s.id))
+        let none = || (self.part_of_point(self.slaves[i]).unwrap_or(u32::MAX), SegmentId(u64::MAX));
+        self.segments.get(self.first[i] as usize).map_or_else(none, |s| (s.part, s.id))
+    }
+
+    /// Returns the part of the particle at a node, if there is one.
+    fn part_of_point(&self, node: u32) -> Option<u32> {
+        let place = self.points.binary_search_by_key(&node, |p| p.0).ok()?;
+        Some(self.points[place].1)
     }
 
     /// Returns the slower wave speed of two parts, of those that are known [length/time].
@@ -423,8 +448,8 @@ impl Surface {
 
     /// Computes the area of the surface that belongs to the slave node of a pair: a quarter
     /// of each quad around it, a third of each triangle and half of each beam, which is a strip as
-    /// wide as its diameter [length^2]. Faces of solids count with their projection against the
-    /// pair's normal. If some nodes of a segment carry no
+    /// wide as its diameter; the square around a particle [length^2]. Faces of solids count with
+    /// their projection against the pair's normal. If some nodes of a segment carry no
     /// contact force, their fraction of the area is left out: the contact surface below ends
     /// within the segment.
     pub fn area_of(
@@ -450,6 +475,9 @@ impl Surface {
                 (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
             seen * borne / (count * count)
         };
+        if self.part_of_point(slave).is_some() {
+            return 4.0 * self.node_half[slave as usize].powi(2);
+        }
         self.around(self.slaves.partition_point(|&s| s < slave)).map(of).sum()
     }
 

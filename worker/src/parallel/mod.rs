@@ -9,5 +9,6 @@ pub mod ghosts;
 pub mod history_message;
 pub mod migrate;
 pub mod pair_exchange;
+pub mod particles;
 pub mod partition;
 pub mod reduction;

@@ -246,7 +246,9 @@ fn share_scales(
     nodes: &Nodes,
     surface: &mut Surface,
 ) -> Result<f64, RankLost> {
-    let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
+    let scales = surface.segments.iter().map(|s| s.scale);
+    let radii = surface.points.iter().map(|p| surface.node_scale[p.0 as usize]);
+    let smallest = scales.chain(radii).fold(f64::INFINITY, f64::min);
     let short = surface.short_edge(nodes);
     let mine = [surface.largest_scale(), smallest, short, surface.largest_offset];
     let scales = gather_all(comm, vec![mine])?;

@@ -17,6 +17,7 @@ mod motion_tests;
 #[cfg(test)]
 mod offset_tests;
 mod parameters;
+pub mod particle;
 mod pass;
 #[cfg(test)]
 mod plate_tests;
@@ -54,6 +55,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use particle::Fluid;
 use pass::{GroupCorners, ShellGroups, SolidGroups, Totals};
 
 /// Output fields of an element.
@@ -136,6 +138,12 @@ pub trait Element: Send + Sync {
     /// Returns the stiffness and damping of a spring or damper. It has no mass; the masses of its
     /// nodes determine its stable step.
     fn discrete(&self) -> Option<Discrete> {
+        None
+    }
+
+    /// Returns the numbers of the fluid of a particle. Its density and force are sums over
+    /// neighbours, which are in its columns before each pass.
+    fn fluid(&self) -> Option<&Fluid> {
         None
     }
 
@@ -245,6 +253,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     hexahedron::ROW,
     beam::ROW,
     truss::ROW,
+    particle::ROW,
     spring::ROW,
 ];
 
@@ -361,6 +370,7 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
         ("spring", part.spring.is_some(), Shape::Line2),
         ("beam", part.beam.is_some(), Shape::Beam2),
         ("truss", part.truss.is_some(), Shape::Truss2),
+        ("particles", part.particles.is_some(), Shape::Point1),
     ];
     if let Some((key, ..)) = sections.into_iter().find(|(_, given, own)| *given && shape != *own) {
         let what = format!("part {}: it has [part.{key}] and other elements", section::label(part));

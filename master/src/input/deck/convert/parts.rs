@@ -99,7 +99,7 @@ impl DeckConverter {
                 Shape::Tri3 => shapes.triangles = true,
                 Shape::Hex8 => shapes.solids = true,
                 // Their sections have no conditions.
-                Shape::Line2 | Shape::Beam2 | Shape::Truss2 => {}
+                Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
             }
         }
         all

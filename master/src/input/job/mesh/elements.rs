@@ -51,6 +51,7 @@ pub(super) fn check(
         let Some(x) = corners(element, at, path, few) else { continue };
         match element.shape {
             Shape::Line2 => {} // its part determines if it needs a length
+            Shape::Point1 => {}
             Shape::Beam2 => beam(element, &x, at, path(), few),
             Shape::Truss2 => truss(element, &x, path(), few),
             Shape::Hex8 => solid(element, &x, path(), few),
