@@ -60,8 +60,8 @@ impl Shape {
     }
 
     /// Returns the corners of each face, whose right-hand normal points outwards. The face of a
-    /// shell has the shell's own corners (a triangle repeats its third). Lines and particles have no
-    /// faces.
+    /// shell has the shell's own corners (a triangle repeats its third). Lines and particles have
+    /// none.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],

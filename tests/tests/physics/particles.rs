@@ -1,7 +1,8 @@
 //! Fluids of particles: waves compared with acoustics, conserved momentum, the energy balance, and
 //! the same bits on any number of workers. Units mm, ms, kg.
 
-use crumple::input::job::Model;
+use crumple::input::job::{self, Model};
+use crumple_tests::restart::{Plan, run_interrupted};
 use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
 use crumple_worker::energy::momentum;
@@ -32,7 +33,8 @@ fn block(scene: &mut Scene, part: u32, n: [usize; 3], from: [f64; 3]) -> Vec<u32
 }
 
 /// Returns the gradient of the coordinate x by the sum over the neighbours in the lattice, with the
-/// smoothing length 1.2: a wave that is long against the spacing has this speed, over that of sound.
+/// smoothing length 1.2: a wave that is long against the spacing has this speed, over that of
+/// sound.
 fn gradient_of_lattice() -> f64 {
     let places = || (-2i32..=2).map(f64::from);
     let all = places().flat_map(|x| places().map(move |y| (x, y)));
@@ -144,7 +146,8 @@ fn momentum_and_energy_are_conserved() {
     assert!(energies.internal > 0.0 && energies.contact < 0.0, "{energies:?}");
 }
 
-/// The drop breaks up and spreads over the boxes of all workers, also with forced renewals.
+/// The drop breaks up and spreads over the boxes of all workers, also with forced renewals and
+/// after a restart on another number of workers.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let model = collision();
@@ -153,6 +156,10 @@ fn bits_do_not_depend_on_workers() {
     for (workers, force) in [(2, 0), (3, 0), (4, 0), (2, 7), (3, 11), (4, 13)] {
         let parallel = run_side_by_side(&model, workers, 200, force);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
+    }
+    for workers in [[3, 2], [1, 4]] {
+        let plan = Plan { at: 70, cycles: 200, workers };
+        assert_eq!(serial.digest(), run_interrupted(&model, plan), "{plan:?}");
     }
 }
 
@@ -163,4 +170,31 @@ fn a_drop_splashes_with_the_same_bits() {
     let [one, three] = [1, 3].map(|workers| run_side_by_side(&model, workers, 150, 0));
     assert!(one.trouble.is_none(), "{:?}", one.trouble);
     assert_eq!(one.digest(), three.digest());
+}
+
+/// All that is wrong with particles is reported at once.
+#[test]
+fn what_particles_cannot_be_is_reported_at_once() {
+    let mut scene = Scene::default();
+    let nodes = block(&mut scene, 1, [2, 2, 2], [0.0; 3]);
+    scene.particle(1, nodes[0]);
+    let text = format!(
+        "end_time = 1.0\n{}[time]\nsubcycles = 2\n[parallel]\ncontact = \"rcb\"\n{}\
+         [[rigid]]\nname = \"body\"\nparts = [1]\n[contact]\n",
+        scene.mesh_text(),
+        fluid(1, "smoothing = 3.0\nviscosity = [-1.0, 0.0]")
+            .replace("[part.particles]", "skin = true\n[part.particles]")
+    );
+    let report = job::read_text("job.toml".into(), text, &[]).err().unwrap().to_string();
+    for wanted in [
+        "have no subcycles",
+        "does not know particles",
+        "cannot be rigid",
+        "node of a particle",
+        "smoothing is 3",
+        "viscosity.0 is -1",
+        "cannot be a skin",
+    ] {
+        assert!(report.contains(wanted), "{wanted}: {report}");
+    }
 }

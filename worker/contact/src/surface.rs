@@ -147,8 +147,8 @@ impl Segment {
 /// Parts that take part in contact, and their thickness in contact.
 pub struct ContactParts {
     /// Per part, `None` if it takes no part: half thickness of shells, radius of beams and of
-    /// particles, 0 for solids [length]; true if it overrides the thickness of single shells; factor on the
-    /// result.
+    /// particles, 0 for solids [length]; true if it overrides the thickness of single shells;
+    /// factor on the result.
     half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam as a
     /// multiple of its length.

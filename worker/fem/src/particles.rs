@@ -224,3 +224,95 @@ impl Particles {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::job::ParticlesInput;
+
+    const STEP: f64 = 1e-3;
+
+    /// Returns particles of two fluids about a distance of 1 apart, with ids in no order.
+    fn cloud() -> Vec<ParticleState> {
+        let mut random = 1u64;
+        let mut number = move || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (random >> 40) as f64 / (1u64 << 24) as f64 - 0.5
+        };
+        let state = |k: u64| ParticleState {
+            id: ElemId(k * 75 % 343),
+            part: k % 2,
+            x: [k / 49, k / 7 % 7, k % 7].map(|c| c as f64 + 0.6 * number()),
+            v: [0, 1, 2].map(|_| 50.0 * number()),
+            density: 1e-6 * (1.0 + 0.1 * number()),
+        };
+        (0..343).map(state).collect()
+    }
+
+    fn fluid(smoothing: f64) -> Option<Fluid> {
+        Some(Fluid::new(&ParticlesInput {
+            spacing: 1.0,
+            density: 1e-6,
+            sound_speed: 1500.0,
+            exponent: 7.0,
+            tension: 0.0,
+            viscosity: [1.0, 2.0],
+            smoothing,
+            contact_radius: None,
+        }))
+    }
+
+    /// Returns the sums of the particles that `is_own` selects, with all others within reach as
+    /// ghosts, whose densities are those of `whole`.
+    fn sums(
+        cloud: &[ParticleState],
+        is_own: impl Fn(&ParticleState) -> bool,
+        whole: Option<&Particles>,
+    ) -> (Particles, Vec<(ElemId, ParticleSums)>) {
+        let fluids = vec![fluid(1.2), fluid(1.3)];
+        let mut particles = Particles { fluids, smoothing: 1.3, ..Particles::default() };
+        let mut own: Vec<ParticleState> = cloud.iter().filter(|s| is_own(s)).copied().collect();
+        own.sort_by_key(|s| s.id);
+        particles.start(own.iter().copied());
+        let (bounds, _) = particles.bounds();
+        let reach = particles.reach(100.0, STEP);
+        let near = bounds.grown(reach);
+        let ghosts: Vec<ParticleState> =
+            cloud.iter().filter(|s| !is_own(s) && near.contains(s.x)).copied().collect();
+        particles.find_candidates(&ghosts, reach);
+        particles.update_densities(STEP);
+        if let Some(whole) = whole {
+            let densities: Vec<f64> = whole.densities(&ghosts).collect();
+            particles.set_densities(&ghosts, &densities);
+        }
+        let sums = own.iter().map(|s| s.id).zip(particles.sums()).collect();
+        (particles, sums)
+    }
+
+    /// The neighbours of two workers together are those of one: the sums have the same bits.
+    #[test]
+    fn sums_do_not_depend_on_the_owners() {
+        let cloud = cloud();
+        let (whole, all) = sums(&cloud, |_| true, None);
+        let mut both = sums(&cloud, |s| s.x[0] + s.x[1] < 5.0, Some(&whole)).1;
+        both.extend(sums(&cloud, |s| s.x[0] + s.x[1] >= 5.0, Some(&whole)).1);
+        both.sort_by_key(|s| s.0);
+        assert!(both == all);
+    }
+
+    /// Forces between two particles are opposite and along their line: their sum and their moment
+    /// are the round-off of sums.
+    #[test]
+    fn forces_conserve_momentum_and_angular_momentum() {
+        let cloud = cloud();
+        let (whole, all) = sums(&cloud, |_| true, None);
+        let forces = || all.iter().map(|s| V3::from(s.1.force));
+        let size: f64 = forces().map(|f| f.norm()).sum();
+        assert!(size > 0.0 && forces().sum::<V3>().norm() < 1e-14 * size, "{size}");
+        let moment = |(id, sums): &(ElemId, ParticleSums)| {
+            let state = &whole.states[whole.index_of(*id).unwrap()];
+            V3::from(state.x).cross(&V3::from(sums.force))
+        };
+        assert!(all.iter().map(moment).sum::<V3>().norm() < 1e-13 * size);
+    }
+}
