@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of a run: the deformed shells at given times.
+"""Pictures of a run: the deformed shells, solids and particles at given times.
 
 Views: from the side (the whole, and the front of the far side close up, seen from the middle), at
 an angle, and close up at the front. Grey lines are the outline before the deformation.
@@ -282,6 +282,8 @@ def panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, ba
         scalars=array,
         preference="cell",
         cmap=colours,
+        point_size=9,  # of particles
+        render_points_as_spheres=True,
         ambient=0.2,
         clim=[limits[0] - 0.5, limits[0] + count - 0.5] if whole else limits,
         n_colors=count if whole else 256,

@@ -59,6 +59,11 @@ impl Builder {
         self.elements.push((part, Shape::Tri3, corners.to_vec()));
     }
 
+    /// Adds a particle of a part at a node.
+    pub fn particle(&mut self, part: u32, node: usize) {
+        self.elements.push((part, Shape::Point1, vec![node]));
+    }
+
     /// Adds a body of solids with `count` elements along each of three directions, which form a
     /// right-handed system. `place` returns the position of node (i, j, k) [length]. Returns the
     /// nodes with k as the fastest index, then j.

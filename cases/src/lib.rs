@@ -30,6 +30,8 @@ mod panel;
 mod plate;
 #[path = "../slide/mesh.rs"]
 mod slide;
+#[path = "../splash/mesh.rs"]
+mod splash;
 #[path = "../strip/mesh.rs"]
 mod strip;
 #[path = "../tube/mesh.rs"]
@@ -85,6 +87,7 @@ pub const GENERATORS: &[Generator] = &[
     panel::GENERATOR,
     plate::GENERATOR,
     slide::GENERATOR,
+    splash::GENERATOR,
     strip::GENERATOR,
     tube::GENERATOR,
     tumble::GENERATOR,

@@ -3,7 +3,7 @@
 use crate::{GENERATORS, generate};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -439,6 +439,23 @@ fn bars_are_shells_or_solids() {
     for mesh in [shells, solids] {
         assert_sound(&mesh);
     }
+}
+
+/// The drop of `splash` is a ball of particles above the plate, each with a node of its own.
+#[test]
+fn splash_has_a_ball_of_particles() {
+    let mesh = made("splash", "");
+    let (particles, shells): (Vec<&MeshElement>, Vec<&MeshElement>) =
+        mesh.elements.iter().partition(|e| e.shape == Shape::Point1);
+    assert_eq!((particles.len(), shells.len()), (925, 400));
+    let nodes: BTreeSet<_> = particles.iter().map(|e| e.nodes[0]).collect();
+    assert_eq!(nodes, mesh.node_sets["drop"].iter().copied().collect());
+    assert_eq!(nodes.len(), 925);
+    let lowest = mesh.nodes.iter().filter(|n| nodes.contains(&n.id)).map(|n| n.x[2]);
+    assert_eq!(lowest.fold(f64::INFINITY, f64::min), 1.0, "the gap");
+    assert_eq!(mesh.node_sets["edge"].len(), 80);
+    let wrong = generate("splash", &scene("spacing = 7.0\ngap = -1.0")).err().unwrap();
+    assert_eq!(wrong[0].path, "scene.gap");
 }
 
 /// Every plate of `drop` is separate, above the shell, and does not touch its neighbours.

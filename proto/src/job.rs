@@ -5,12 +5,14 @@ mod checkpoint;
 mod contact;
 mod loads;
 mod output;
+mod particles;
 mod require;
 mod restart;
 mod rigid;
 mod setting;
 mod spring;
 mod tie;
+mod truss;
 mod wall;
 
 pub use beam::{BeamInput, BeamSection, Weld};
@@ -18,12 +20,14 @@ pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
 pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
+pub use particles::ParticlesInput;
 pub use require::{ElementReduction, Quantity, Requirement, RowReduction};
 pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
 pub use setting::Setting;
 pub use spring::SpringInput;
 pub use tie::TieInput;
+pub use truss::TrussInput;
 pub use wall::WallInput;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -48,7 +52,7 @@ pub struct Job {
     #[serde(default)]
     pub placeholders: Vec<String>,
     /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
-    /// `shells`, `solids`, `beams` or `springs`.
+    /// `shells`, `solids`, `beams`, `springs`, `trusses` or `particles`.
     pub mesh: MeshSource,
     /// Options of the mesh generator.
     #[serde(default)]
@@ -133,7 +137,7 @@ impl Job {
 }
 
 /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
-/// `shells`, `solids`, `beams` or `springs`.
+/// `shells`, `solids`, `beams`, `springs`, `trusses` or `particles`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
@@ -142,8 +146,8 @@ pub struct MeshSource {
     pub generator: Option<String>,
     /// Mesh file in the folder of the job: Gmsh MSH, Abaqus input, Nastran bulk data, VTK (XML and
     /// legacy), STL or EXODUS II, recognised by its content; or a TOML file with `nodes`, `shells`,
-    /// `solids`, `beams`, `springs` and `node_sets` as below. Its parts and node sets are listed by
-    /// `crumple import`, which writes a job for it.
+    /// `solids`, `beams`, `springs`, `trusses`, `particles` and `node_sets` as below. Its parts and
+    /// node sets are listed by `crumple import`, which writes a job for it.
     #[serde(default)]
     pub file: Option<String>,
     /// LS-DYNA keyword deck in the folder of the job: mesh, node sets, parts, materials and all
@@ -181,6 +185,12 @@ pub struct MeshSource {
     /// Springs and dampers as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
+    /// Trusses as `[id, part id, n1, n2]`.
+    #[serde(default)]
+    pub trusses: Vec<Vec<u64>>,
+    /// Particles as `[id, part id, n1]`; no other element has their nodes.
+    #[serde(default)]
+    pub particles: Vec<Vec<u64>>,
     /// Thicknesses of single shells as `[id, thickness]` [length]; all other shells have the
     /// thickness of their part. This also applies to shells of a generator or a deck. A mesh file
     /// has its own list.
@@ -256,8 +266,9 @@ impl Default for Time {
 pub struct Elements {
     /// Floating-point precision of the stresses and forces of shells and solids: `double` or
     /// `single`. `single` computes twice as many elements at once and halves the size of their
-    /// state. Nodes, their motion and masses, contact, beams and springs are always in double
-    /// precision. For the loss of accuracy see `cases/studies/README.md`, precision.
+    /// state. Nodes, their motion and masses, contact, beams, trusses, springs and particles are
+    /// always in double precision. For the loss of accuracy see `cases/studies/README.md`,
+    /// precision.
     pub precision: Precision,
 }
 
@@ -319,7 +330,7 @@ pub struct Part {
     /// Name in messages, in results and for `--set part.NAME.key`.
     #[serde(default)]
     pub name: String,
-    /// Name of the material. A part of springs has none.
+    /// Name of the material. A part of springs or particles has none.
     #[serde(default)]
     pub material: String,
     /// Makes this a part of springs and dampers.
@@ -328,6 +339,12 @@ pub struct Part {
     /// Makes this a part of beams.
     #[serde(default)]
     pub beam: Option<BeamInput>,
+    /// Makes this a part of trusses.
+    #[serde(default)]
+    pub truss: Option<TrussInput>,
+    /// Makes this a part of particles of a fluid.
+    #[serde(default)]
+    pub particles: Option<ParticlesInput>,
     /// Shell thickness [length]. A part of solids has none.
     #[serde(default)]
     pub thickness: f64,

@@ -19,12 +19,23 @@ pub enum Shape {
     /// Beam with two nodes; in a mesh from a file a third one lies in the plane of the first
     /// and second axis.
     Beam2,
+    /// Truss with two nodes.
+    Truss2,
+    /// Particle with one node.
+    Point1,
 }
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 5] =
-        [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
+    pub const ALL: [Shape; 7] = [
+        Shape::Quad4,
+        Shape::Tri3,
+        Shape::Hex8,
+        Shape::Line2,
+        Shape::Beam2,
+        Shape::Truss2,
+        Shape::Point1,
+    ];
 
     /// Returns the number of corner nodes.
     pub fn corners(self) -> usize {
@@ -32,7 +43,8 @@ impl Shape {
             Shape::Quad4 => 4,
             Shape::Tri3 => 3,
             Shape::Hex8 => 8,
-            Shape::Line2 | Shape::Beam2 => 2,
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
+            Shape::Point1 => 1,
         }
     }
 
@@ -42,12 +54,14 @@ impl Shape {
         match self {
             Shape::Quad4 | Shape::Tri3 => 4,
             Shape::Hex8 => 8,
-            Shape::Line2 | Shape::Beam2 => 2,
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
+            Shape::Point1 => 1,
         }
     }
 
     /// Returns the corners of each face, whose right-hand normal points outwards. The face of a
-    /// shell has the shell's own corners (a triangle repeats its third). Lines have no faces.
+    /// shell has the shell's own corners (a triangle repeats its third). Lines and particles have
+    /// none.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
@@ -60,13 +74,18 @@ impl Shape {
                 [2, 3, 7, 6],
                 [3, 0, 4, 7],
             ],
-            Shape::Line2 | Shape::Beam2 => &[],
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => &[],
         }
     }
 
     /// Returns true if its nodes have rotational degrees of freedom.
     pub fn turns(self) -> bool {
         self.is_shell() || self == Shape::Beam2
+    }
+
+    /// Returns true for bars, which have a cross section about the line between their nodes.
+    pub fn is_bar(self) -> bool {
+        matches!(self, Shape::Beam2 | Shape::Truss2)
     }
 
     /// Returns true for shells.

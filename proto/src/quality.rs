@@ -109,7 +109,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
     }
     let mut q = q?;
     if sides.is_empty() {
-        // There are only springs of zero length.
+        // There are only particles and springs of zero length.
         (sides, q.min_side.value) = (vec![0.0], 0.0);
     }
     let middle = sides.len() / 2;
@@ -123,7 +123,8 @@ fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
     match element.shape {
         Shape::Hex8 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
-        Shape::Line2 | Shape::Beam2 => measure_line(x),
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 => measure_line(x),
+        Shape::Point1 => measure_line(&[x[0], x[0]]),
     }
 }
 
@@ -142,7 +143,7 @@ pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
                 (0..x.len()).for_each(|c| jacobians[c] = dot(corner(c, x), twice) / length);
             }
         }
-        Shape::Line2 | Shape::Beam2 => {}
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
     }
     jacobians
 }
@@ -171,7 +172,7 @@ fn twice_area(x: &[Coordinates]) -> Coordinates {
     }
 }
 
-/// Measures a line: only its length, unless it is zero.
+/// Measures a line: only its length, unless it is zero, as of a particle.
 fn measure_line(x: &[Coordinates]) -> Figures {
     let length = norm(sub(x[1], x[0]));
     let sides = if length > 0.0 { vec![length] } else { Vec::new() };

@@ -11,6 +11,7 @@ use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum_sums};
 use crate::erosion::{Failures, erode};
 use crate::fem::blocks::Blocks;
+use crate::fem::particles::Particles;
 use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
@@ -53,6 +54,8 @@ pub struct Engine {
     pub blocks: Blocks,
     /// Connections to other workers: shared nodes and ghosts.
     pub halo: Ghosts,
+    /// Particles, if the job has any.
+    pub particles: Option<Particles>,
     /// Contact, if the job has any.
     pub contact: Option<Contact>,
     /// Contact pairs that other workers know.
@@ -110,6 +113,7 @@ impl Engine {
             clock: Clock::new(&settings, stable_dt),
             loads: Loads::new(&settings.loads),
             constraints,
+            particles: Particles::new(&settings),
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
             pair_exchange: PairExchange::default(),
             motion: MotionTracker::since(&[]),
@@ -462,7 +466,8 @@ fn elasticity(settings: &Settings) -> Elasticity {
     let of = |part: &crumple_proto::job::Part| {
         let material = settings.materials.iter().find(|m| m.name == part.material);
         let law = material.and_then(|m| crate::fem::materials::build(m).ok());
-        law.map_or((0.0, 0.0), |law| {
+        let fluid = part.particles.as_ref().map(|p| (p.bulk_modulus(), p.sound_speed));
+        law.map_or(fluid.unwrap_or_default(), |law| {
             (law.elastic().youngs_modulus, law.elastic().plate_wave_speed())
         })
     };

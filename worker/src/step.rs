@@ -9,6 +9,7 @@ use crate::erosion;
 use crate::fem::blocks::Portion;
 use crate::fem::elements::PassTotals;
 use crate::math::rigid_motion::RigidMotion;
+use crate::parallel::particles::sum_over_neighbours;
 use crate::parallel::reduction::{Limits, StepContribution};
 use crate::time::ElementSet;
 use crate::time::StepSizes;
@@ -18,7 +19,8 @@ use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
-const STAGES: [StepStage; 14] = [
+const STAGES: [StepStage; 15] = [
+    with_particles(Phase::Elements, sum_over_particles),
     always(Phase::Elements, element_forces),
     always(Phase::Halo, exchange_element_forces),
     always(Phase::Assemble, accelerate),
@@ -45,10 +47,15 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     engine.timer.begin_cycle(engine.clock.cycle, comm);
     // A single worker has no load to share out.
     engine.blocks.timed = engine.timer.is_sampled() && comm.size() > 2;
-    let has_contact = engine.contact.is_some();
+    let has = |needs: Needs| match needs {
+        Needs::Nothing => true,
+        Needs::Contact => engine.contact.is_some(),
+        Needs::Particles => engine.particles.is_some(),
+    };
+    let due: [bool; STAGES.len()] = std::array::from_fn(|i| has(STAGES[i].needs));
     let logged = tracing::enabled!(Level::TRACE);
     let _step = logged.then(|| tracing::trace_span!("step", cycle = engine.clock.cycle).entered());
-    for stage in STAGES.iter().filter(|stage| has_contact || !stage.needs_contact) {
+    for (stage, _) in STAGES.iter().zip(due).filter(|(_, due)| *due) {
         (stage.run)(engine, comm, &mut cycle)?;
         let took = engine.timer.lap_of_stage(stage.phase, comm);
         if logged {
@@ -61,23 +68,35 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     Ok(cycle.agreed)
 }
 
+/// Feature of a job that a stage belongs to.
+#[derive(Clone, Copy)]
+enum Needs {
+    Nothing,
+    Contact,
+    Particles,
+}
+
 /// A stage of the step.
 struct StepStage {
     /// The phase for which its time is booked.
     phase: Phase,
-    /// True if it does nothing in jobs without contact.
-    needs_contact: bool,
+    /// Its feature; jobs without it leave the stage out.
+    needs: Needs,
     run: StageFunction,
 }
 
 type StageFunction = fn(&mut Engine, &mut dyn Transport, &mut Cycle) -> Result<(), RankLost>;
 
 const fn always(phase: Phase, run: StageFunction) -> StepStage {
-    StepStage { phase, needs_contact: false, run }
+    StepStage { phase, needs: Needs::Nothing, run }
 }
 
 const fn with_contact(phase: Phase, run: StageFunction) -> StepStage {
-    StepStage { phase, needs_contact: true, run }
+    StepStage { phase, needs: Needs::Contact, run }
+}
+
+const fn with_particles(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs: Needs::Particles, run }
 }
 
 /// Values that one stage hands to a later one.
@@ -109,6 +128,18 @@ impl Cycle {
             agreed: StepConsensus::default(),
         }
     }
+}
+
+/// Sums over the neighbours of particles: their densities at the present time, and the forces
+/// between them.
+fn sum_over_particles(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    _: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, blocks, particles, .. } = engine;
+    let Some(particles) = particles else { return Ok(()) };
+    sum_over_neighbours(comm, nodes, blocks, particles, clock.last_dt)
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements

@@ -225,7 +225,8 @@ impl Cells {
             Shape::Tri3 => 5,
             Shape::Quad4 => 9,
             Shape::Hex8 => 12,
-            Shape::Line2 | Shape::Beam2 => 3,
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 3,
+            Shape::Point1 => 1,
         });
     }
 

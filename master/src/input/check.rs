@@ -29,6 +29,8 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         (Shape::Tri3, "triangles"),
         (Shape::Hex8, "solids"),
         (Shape::Beam2, "beams"),
+        (Shape::Truss2, "trusses"),
+        (Shape::Point1, "particles"),
         (Shape::Line2, "springs"),
     ];
     let counts = kinds.map(|(shape, name)| (count(shape), name));
@@ -290,7 +292,7 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
             |p: &Part| Some(format!("part {} with radius {}", p.id, figure(beams::half(c, p)?)));
         let beams: Vec<String> = model.settings.parts.iter().filter_map(radius).collect();
         if !beams.is_empty() {
-            writeln!(out, "             beams in contact as lines: {}", beams.join(", "))?;
+            writeln!(out, "             bars in contact as lines: {}", beams.join(", "))?;
         }
     }
     for c in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {

@@ -80,9 +80,10 @@ pub struct ContactInput {
     /// Contact between edges: free edges of shells, folds, and sharp edges of solids. Without it
     /// edges pass through each other between their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
-    /// Contact of beams, as lines with a radius (`part.beam.contact_radius`): with each other, with
-    /// edges of shells and solids, and with nodes, along their whole length. Without this key as
-    /// `edges`. If false, other bodies pass through beams.
+    /// Contact of beams and trusses, as lines with a radius (`part.beam.contact_radius`,
+    /// `part.truss.contact_radius`): with each other, with edges of shells and solids, and with
+    /// nodes, along their whole length. Without this key as `edges`. If false, other bodies pass
+    /// through beams and trusses.
     pub beams: Option<bool>,
     /// Largest contact thickness of a shell as a multiple of its shortest side, and of a beam as a
     /// multiple of its length; 0 for no limit. Without a limit, shells with sides shorter than

@@ -45,6 +45,8 @@ pub struct Scene {
     solids: Vec<Vec<u32>>,
     beams: Vec<Vec<u32>>,
     springs: Vec<Vec<u32>>,
+    trusses: Vec<Vec<u32>>,
+    particles: Vec<Vec<u32>>,
     /// Shells with their own thickness [m].
     thicknesses: Vec<(u32, f64)>,
     sets: Vec<(String, Vec<u32>)>,
@@ -166,6 +168,16 @@ impl Scene {
         self.springs.push(std::iter::once(part).chain(nodes).collect());
     }
 
+    /// Adds a truss of a part between two nodes. Ids follow those of the springs.
+    pub fn truss(&mut self, part: u32, nodes: [u32; 2]) {
+        self.trusses.push(std::iter::once(part).chain(nodes).collect());
+    }
+
+    /// Adds a particle of a part at a node. Ids follow those of the trusses.
+    pub fn particle(&mut self, part: u32, node: u32) {
+        self.particles.push(vec![part, node]);
+    }
+
     /// Adds a grid of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
     pub fn grid(&mut self, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Grid {
         self.grid_of(part, n, place, Self::node)
@@ -229,9 +241,16 @@ impl Scene {
     }
 
     /// Gives all nodes and elements so far other ids in the job, by their numbers from 1. Elements
-    /// count from shells to springs.
+    /// count from shells to particles.
     pub fn renumber(&mut self, node: impl Fn(u32) -> u32, element: impl Fn(u32) -> u32) {
-        let kinds = [&self.shells, &self.solids, &self.beams, &self.springs];
+        let kinds = [
+            &self.shells,
+            &self.solids,
+            &self.beams,
+            &self.springs,
+            &self.trusses,
+            &self.particles,
+        ];
         let elements: usize = kinds.iter().map(|rows| rows.len()).sum();
         self.node_ids = (1..=self.count()).map(node).collect();
         self.element_ids = (1..=elements as u32).map(element).collect();
@@ -376,6 +395,8 @@ impl Scene {
             ("solids", &self.solids),
             ("beams", &self.beams),
             ("springs", &self.springs),
+            ("trusses", &self.trusses),
+            ("particles", &self.particles),
         ] {
             let _ = write!(text, "]\n{kind} = [\n");
             for row in rows {

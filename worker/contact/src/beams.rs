@@ -1,5 +1,5 @@
-//! Beams in contact: each element is a round bar about the line between its nodes, with rounded
-//! ends, so that nothing catches between two consecutive beams.
+//! Beams and trusses in contact: each element is a round bar about the line between its nodes, with
+//! rounded ends, so that nothing catches between two consecutive beams.
 //!
 //! A beam is in contact by its nodes and by its line. The line is both a segment for nodes
 //! (`local_search.rs`) and an edge for edges (`edges.rs`). Lines with a common node do not touch
@@ -11,14 +11,23 @@
 //! dimension of the section, or the square root of the area if only the area is given.) The
 //! diameter of a beam is limited to its length where `thickness_limit` requires this.
 
-use crumple_proto::job::{BeamInput, BeamSection, ContactInput, Part};
+use crumple_proto::job::{BeamInput, BeamSection, ContactInput, Part, TrussInput};
 use crumple_proto::partition::Settings;
 use std::f64::consts::PI;
+
+/// Returns the radius of the circle with an area [length].
+fn of_area(area: f64) -> f64 {
+    (area / PI).sqrt()
+}
+
+/// Returns the contact radius of trusses [length].
+fn of_truss(truss: &TrussInput) -> f64 {
+    truss.contact_radius.unwrap_or_else(|| of_area(truss.area))
+}
 
 /// Returns the contact radius of beams with a section [length]. Returns `None` for welds without
 /// a contact radius, which are between the parts that they join.
 pub fn radius(beam: &BeamInput) -> Option<f64> {
-    let of_area = |area: f64| (area / PI).sqrt();
     let of_section = || match beam.section {
         BeamSection::Tube => beam.radius,
         BeamSection::Rectangle | BeamSection::I => of_area(beam.height * beam.width),
@@ -27,11 +36,18 @@ pub fn radius(beam: &BeamInput) -> Option<f64> {
     beam.contact_radius.or_else(|| beam.weld.is_none().then(of_section))
 }
 
-/// Returns the contact radius of a beam part in any of its interfaces, or `None` if the part is
-/// not in contact [length].
+/// Returns true for parts of beams or trusses.
+pub fn has_bars(part: &Part) -> bool {
+    part.beam.is_some() || part.truss.is_some()
+}
+
+/// Returns the contact radius of a part of beams or trusses in any of its interfaces, or `None` if
+/// it is not in contact [length].
 pub fn half(contact: &ContactInput, part: &Part) -> Option<f64> {
     let touches = |c: ContactInput| c.has_beams() && c.takes_part(part.id);
-    part.beam.as_ref().and_then(radius).filter(|_| contact.each().any(touches))
+    let of_truss = || part.truss.as_ref().map(of_truss);
+    let radius = part.beam.as_ref().map_or_else(of_truss, radius);
+    radius.filter(|_| contact.each().any(touches))
 }
 
 /// Returns true if edges are needed: either all edges can touch, or those of beams can.

@@ -4,6 +4,7 @@
 //! its two parts. If a node or an edge belongs to several parts, the pair belongs to the last of
 //! their interfaces.
 
+use crate::beams;
 use crate::friction_table::FrictionTable;
 use crumple_proto::job::{ContactInput, Part};
 
@@ -58,7 +59,7 @@ impl Interfaces {
     /// Builds the interfaces of a job's contact, with its parts.
     pub fn of_parts(contact: &ContactInput, parts: &[Part]) -> Self {
         let ids: Vec<u32> = parts.iter().map(|p| p.id).collect();
-        Self::with(contact, &ids, |part| parts[part].beam.is_some())
+        Self::with(contact, &ids, |part| beams::has_bars(&parts[part]))
     }
 
     /// Builds the interfaces of a job's contact, with the ids of its parts by their indices.

@@ -107,6 +107,9 @@ pub struct Surface {
     pub part_sets: Vec<Vec<u32>>,
     /// True if some segments are lines; see [`Surface::link_faces`].
     pub has_lines: bool,
+    /// Nodes of own particles, ascending, each with the index of its part. They have no segments
+    /// around them.
+    pub points: Vec<(u32, u32)>,
 }
 
 impl Segment {
@@ -161,9 +164,9 @@ impl Segment {
 
 /// Parts that take part in contact, and their thickness in contact.
 pub struct ContactParts {
-    /// Per part, `None` if it takes no part: half thickness of shells, radius of beams, 0 for
-    /// solids [length]; true if it overrides the thickness of single shells; factor on the
-    /// result.
+    /// Per part, `None` if it takes no part: half thickness of shells, radius of beams and of
+    /// particles, 0 for solids [length]; true if it overrides the thickness of single shells;
+    /// factor on the result.
     half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam as a
     /// multiple of its length.
@@ -184,7 +187,10 @@ impl ContactParts {
         let half = |(i, p): (usize, &Part)| {
             let takes_part =
                 contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
-            if p.beam.is_some() {
+            if let Some(particles) = &p.particles {
+                return takes_part.then_some((particles.radius(), true, 1.0));
+            }
+            if beams::has_bars(p) {
                 return contact
                     .filter(|_| takes_part)
                     .and_then(|c| beams::half(c, p))
@@ -235,7 +241,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
         return Vec::new();
     };
     let shape = e.record.shape;
-    if shape == Shape::Beam2 {
+    if shape.is_bar() {
         return line_of(e, nodes, half, parts.limit).into_iter().collect();
     }
     let shell = shape.is_shell();
@@ -266,7 +272,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
     (0..shape.faces().len()).filter(is_free).map(segment).collect()
 }
 
-/// Returns the line of a beam with a radius. Returns `None` for a beam without length if the
+/// Returns the line of a beam or truss with a radius. Returns `None` for one without length if the
 /// length limits the radius.
 fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<Segment> {
     let [a, b] = [e.nodes[0], e.nodes[1]];
@@ -286,6 +292,13 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
     })
 }
 
+/// Returns the node and the part of a particle in contact, and its radius [length].
+fn point_of(e: &LocalElement, parts: &ContactParts) -> Option<((u32, u32), f64)> {
+    let is_point = e.record.shape == Shape::Point1 && !e.record.failed;
+    let radius = parts.half_thickness(&e.record).filter(|_| is_point)?;
+    Some(((e.nodes[0], e.record.part), radius))
+}
+
 /// Computes the shortest edge of an element at the start [length].
 fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
     let at = |c: usize| V3::from(xyz(&nodes.x0[e.nodes[c] as usize]));
@@ -301,11 +314,13 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 impl Surface {
     /// Builds the segments of elements, and thickness and scale of the local nodes.
     pub fn new<'a>(
-        elements: impl Iterator<Item = &'a LocalElement>,
+        elements: impl Iterator<Item = &'a LocalElement> + Clone,
         nodes: &Nodes,
         parts: &ContactParts,
     ) -> Self {
+        let points = elements.clone().filter_map(|e| point_of(e, parts));
         let mut s = Self {
+            points: points.clone().map(|(point, _)| point).collect(),
             segments: elements.flat_map(|e| segments_of(e, nodes, parts)).collect(),
             slaves: Vec::new(),
             node_half: vec![0.0; nodes.local_count],
@@ -323,6 +338,12 @@ impl Surface {
             own.smallest = own.smallest.min(g.scale);
             own.offset = own.offset.max(g.offset.abs());
         }
+        for ((node, _), radius) in points {
+            s.include_remote(node, radius, radius);
+            own.largest = own.largest.max(radius);
+            own.smallest = own.smallest.min(radius);
+        }
+        s.points.sort_unstable();
         own.short = s.short_edge(nodes);
         (s.own_scales, s.largest_offset) = (own, own.offset);
         s
@@ -393,6 +414,7 @@ impl Surface {
         let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
         for place in 0..self.slaves.len() {
             let mut parts: Vec<u32> = self.around(place).map(|s| s.part).collect();
+            parts.extend(self.part_of_point(self.slaves[place]));
             parts.sort_unstable();
             parts.dedup();
             let next = known.len() as u32;
@@ -447,10 +469,16 @@ impl Surface {
     }
 
     /// Returns the lowest part around the slave with index `i` in `slaves`, and the lowest
-    /// segment of this part.
+    /// segment of this part. A particle has its part and no segment.
     pub fn precedes(&self, i: usize) -> (u32, SegmentId) {
-        let first = self.segments.get(self.first[i] as usize);
-        first.map_or((u32::MAX, SegmentId(u64::MAX)), |s| (s.part, s.id))
+        let none = || (self.part_of_point(self.slaves[i]).unwrap_or(u32::MAX), SegmentId(u64::MAX));
+        self.segments.get(self.first[i] as usize).map_or_else(none, |s| (s.part, s.id))
+    }
+
+    /// Returns the part of the particle at a node, if there is one.
+    fn part_of_point(&self, node: u32) -> Option<u32> {
+        let place = self.points.binary_search_by_key(&node, |p| p.0).ok()?;
+        Some(self.points[place].1)
     }
 
     /// Returns the slower wave speed of two parts, of those that are known [length/time].
@@ -468,8 +496,8 @@ impl Surface {
 
     /// Computes the area of the surface that belongs to the slave node of a pair: a quarter
     /// of each quad around it, a third of each triangle and half of each beam, which is a strip as
-    /// wide as its diameter [length^2]. Faces of solids count with their projection against the
-    /// pair's normal. If some nodes of a segment carry no
+    /// wide as its diameter; the square around a particle [length^2]. Faces of solids count with
+    /// their projection against the pair's normal. If some nodes of a segment carry no
     /// contact force, their fraction of the area is left out: the contact surface below ends
     /// within the segment.
     pub fn area_of(
@@ -495,6 +523,9 @@ impl Surface {
                 (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
             seen * borne / (count * count)
         };
+        if self.part_of_point(slave).is_some() {
+            return 4.0 * self.node_half[slave as usize].powi(2);
+        }
         self.around(self.slaves.partition_point(|&s| s < slave)).map(of).sum()
     }
 

@@ -4,6 +4,7 @@
 //! together: the sum has the same bits on every worker.
 
 mod block;
+mod particles;
 mod places;
 mod steps;
 

@@ -5,6 +5,7 @@
 //! - [`elements`], [`materials`]: formulations and laws; [`parameter`], [`registry`]: their keys,
 //!   and tables of laws that can be extended
 //! - [`blocks`], [`columns`]: elements of a part and their history; [`assembly`]: nodal sums
+//! - [`particles`]: sums over the neighbours of particles
 
 pub mod assembly;
 pub mod blocks;
@@ -13,6 +14,7 @@ pub mod elements;
 pub mod materials;
 pub mod nodes;
 pub mod parameter;
+pub mod particles;
 pub mod registry;
 pub mod testing;
 pub mod time;

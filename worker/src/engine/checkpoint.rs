@@ -11,6 +11,7 @@ use crate::constraints::{ConstraintState, Constraints};
 use crate::contact::Contact;
 use crate::contact::state::ContactState;
 use crate::energy::Ledger;
+use crate::fem::particles::Particles;
 use crate::histories::{ContactSums, Histories};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
@@ -164,6 +165,7 @@ impl Engine {
             boxes: _,
             classes: _,
             halo: _,
+            particles: _,
             pair_exchange: _,
             loads: _,
             motion: _,
@@ -248,6 +250,7 @@ impl Engine {
             clock: common.clock,
             loads: Loads::new(&settings.loads),
             constraints,
+            particles: Particles::new(&settings),
             contact: contact.map(|c| Contact::new(c, &super::elasticity(&settings))),
             pair_exchange: PairExchange::default(),
             motion: MotionTracker::since(&[]),

@@ -9,6 +9,7 @@ pub mod ghosts;
 pub mod history_message;
 pub mod migrate;
 pub mod pair_exchange;
+pub mod particles;
 pub mod partition;
 pub mod reduction;
 pub mod surface_update;

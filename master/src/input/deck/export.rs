@@ -126,10 +126,12 @@ fn line(text: &str) -> String {
 
 /// Returns a model as a deck.
 pub fn export(model: &Model) -> Result<String, String> {
-    let beams = model.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).count();
+    let beams =
+        model.mesh.elements.iter().filter(|e| e.shape.is_bar() || e.shape == Shape::Point1).count();
     if beams > 0 {
         return Err(format!(
-            "{beams} beams cannot be written as a deck yet: remove them from the mesh"
+            "{beams} beams, trusses or particles cannot be written as a deck yet: remove them from \
+             the mesh"
         ));
     }
     let job = &model.job;

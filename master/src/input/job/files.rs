@@ -69,12 +69,14 @@ pub(super) fn read_mesh(
 
 /// Returns the number of meshes that the job gives without a deck.
 fn count_sources(given: &MeshSource) -> usize {
-    let MeshSource { nodes, shells, solids, beams, springs, .. } = given;
+    let MeshSource { nodes, shells, solids, beams, springs, trusses, particles, .. } = given;
     let has_rows = !(nodes.is_empty()
         && shells.is_empty()
         && solids.is_empty()
         && beams.is_empty()
-        && springs.is_empty());
+        && springs.is_empty()
+        && trusses.is_empty()
+        && particles.is_empty());
     let sources =
         [given.generator.is_some(), given.file.is_some(), given.exodus.is_some(), has_rows];
     sources.iter().filter(|&&given| given).count()

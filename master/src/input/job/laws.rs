@@ -119,6 +119,8 @@ impl BuiltElements {
             let idle = match &settings.parts[index] {
                 Part { spring: Some(_), .. } => Shape::Line2,
                 Part { beam: Some(_), .. } => Shape::Beam2,
+                Part { truss: Some(_), .. } => Shape::Truss2,
+                Part { particles: Some(_), .. } => Shape::Point1,
                 Part { element: Some(name), .. } if name == "hexahedron" => Shape::Hex8,
                 Part { thickness: 0.0, element: None, .. } => Shape::Hex8,
                 _ => Shape::Quad4,

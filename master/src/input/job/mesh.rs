@@ -135,17 +135,36 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
             (corners.len() == 2).then_some(Shape::Line2)
         }));
     }
+    for (index, row) in source.trusses.iter().enumerate() {
+        let kind =
+            ElementList { list: "trusses", called: "a truss", help: "write [id, part id, n1, n2]" };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
+            (corners.len() == 2).then_some(Shape::Truss2)
+        }));
+    }
+    for (index, row) in source.particles.iter().enumerate() {
+        let kind = ElementList {
+            list: "particles",
+            called: "a particle",
+            help: "write [id, part id, n1]",
+        };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
+            (corners.len() == 1).then_some(Shape::Point1)
+        }));
+    }
     assign(&mut mesh, &THICKNESS, &source.thicknesses, &mut few);
     assign(&mut mesh, &OFFSET, &source.offsets, &mut few);
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
     // Without this, references to an omitted row would be reported as errors.
-    let lists = [
+    let lists = vec![
         ("shells", source.shells.len()),
         ("solids", source.solids.len()),
         ("beams", source.beams.len()),
         ("springs", source.springs.len()),
+        ("trusses", source.trusses.len()),
+        ("particles", source.particles.len()),
     ];
     let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;

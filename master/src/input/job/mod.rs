@@ -23,6 +23,7 @@ mod loads;
 mod mesh;
 mod model;
 mod numbering;
+mod particles;
 mod placeholders;
 pub mod report;
 mod requirements;
@@ -235,6 +236,7 @@ fn build(
     let mesh = mesh?;
     let smallest = quality.as_ref().map_or(0.0, |q| q.min_side.value);
     let nodes = constrain(&job, &mesh, &mut settings, smallest, findings);
+    particles::check(&job, &mesh, &settings, findings);
     if findings.any_error() {
         return None;
     }

@@ -4,7 +4,7 @@ use super::validate::{JobProblems, nearest};
 use super::{contact, requirements, walls};
 use crate::features;
 use crumple_proto::histories::HistoryRequests;
-use crumple_proto::job::{ContactInput, Job, Part, Setting};
+use crumple_proto::job::{ContactInput, Job, Part, ParticlesInput, Setting};
 use crumple_proto::loads::ResolvedLoads;
 use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
@@ -265,7 +265,12 @@ pub fn settings(
     /// zone in a coarse mesh.
     const COARSE: f64 = 4.0;
     let decomposition = BoxDecomposition::new(&job.parallel);
-    let (smallest, median) = sides.unwrap_or((0.0, 0.0));
+    let (mut smallest, mut median) = sides.unwrap_or((0.0, 0.0));
+    // The spacing is the side of a particle.
+    for spacing in job.part.iter().filter_map(|p| Some(p.particles.as_ref()?.spacing)) {
+        smallest = if smallest > 0.0 { spacing.min(smallest) } else { spacing };
+        median = if median > 0.0 { median } else { spacing };
+    }
     let mut order: Vec<usize> = (0..job.part.len()).collect();
     order.sort_by_key(|&i| job.part[i].id);
     let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
@@ -274,7 +279,9 @@ pub fn settings(
         let touches = |part: &&Part| contact.takes_part(part.id);
         let thickness = |part: &Part| {
             let shell = || own.get(&part.id).map_or(part.thickness, |t| t.max(part.thickness));
-            beams::half(&contact, part).map_or_else(shell, |radius| 2.0 * radius)
+            let radius = part.particles.as_ref().map(ParticlesInput::radius);
+            let radius = radius.or_else(|| beams::half(&contact, part));
+            radius.map_or_else(shell, |radius| 2.0 * radius)
         };
         let thickest = parts.iter().filter(touches).map(thickness).fold(0.0, f64::max);
         let skin = (0.25 * median).max((0.4 * thickest).min(median));

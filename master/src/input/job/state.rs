@@ -282,10 +282,12 @@ pub fn elements(
     start
 }
 
-/// Returns the largest `sqrt(E/rho)` of a job's materials [length/time].
+/// Returns the largest `sqrt(E/rho)` of a job's materials, or speed of sound of its fluids
+/// [length/time].
 pub fn fastest_wave(job: &Job) -> f64 {
     let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
-    job.material.iter().filter_map(wave).fold(0.0, f64::max)
+    let fluids = job.part.iter().filter_map(|p| Some(p.particles.as_ref()?.sound_speed));
+    job.material.iter().filter_map(wave).chain(fluids).fold(0.0, f64::max)
 }
 
 /// Returns the mass added by mass scaling to all elements [mass].

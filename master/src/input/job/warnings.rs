@@ -85,9 +85,9 @@ fn beams_without_contact(
     settings: &Settings,
     mesh: &Mesh,
 ) -> Option<Problem> {
+    let is_weld = |p: &Part| p.beam.as_ref().is_some_and(|b| b.weld.is_some());
     let without = |p: &&Part| {
-        let is_bare =
-            p.beam.as_ref().is_some_and(|b| b.weld.is_none()) && beams::half(contact, p).is_none();
+        let is_bare = beams::has_bars(p) && !is_weld(p) && beams::half(contact, p).is_none();
         is_bare && mesh.elements.iter().any(|e| e.part == p.id)
     };
     let ids: Vec<String> =

@@ -170,8 +170,8 @@ impl FieldSource {
                 let corner = |k: usize| at[k.min(at.len() - 1)];
                 match at.len() {
                     8 => solids.push((element, std::array::from_fn(corner))),
-                    // Beams and springs have neither stress nor thickness in the fields.
-                    2 => {}
+                    // Bars, springs and particles have no place in this format yet.
+                    1 | 2 => {}
                     _ => shells.push((element, std::array::from_fn(corner))),
                 }
                 begin = end as usize;

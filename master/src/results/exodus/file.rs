@@ -190,6 +190,7 @@ fn blocks(first: &Snapshot) -> Result<Vec<WrittenBlock>, String> {
             (_, 4) => "SHELL4",
             (_, 3) => "TRISHELL3",
             (_, 2) => "BEAM2",
+            (_, 1) => "SPHERE",
             (kind, _) => return Err(format!("cells of VTK type {kind} with {corners} nodes")),
         };
         // The largest group of corners of a part has its id.

@@ -35,13 +35,14 @@ mod section;
 mod tests;
 
 use self::section::FibreSection;
+use super::fibre::FibreMaterial;
 use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
-    energy_places, law_column,
+    energy_places,
 };
 use crate::columns::ElementState;
-use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
+use crate::materials::{MAX_POINTS, PlaneStress};
 use crate::parameter::Values;
 use crumple_math::lanes::LANES;
 use crumple_math::row::{V3, xyz};
@@ -82,21 +83,12 @@ const ENDS: usize = 2;
 /// curvature there.
 const SECTIONS: [(f64, f64, f64); 3] =
     [(1.0 / 6.0, -4.0, -2.0), (2.0 / 3.0, -1.0, 1.0), (1.0 / 6.0, 2.0, 4.0)];
-/// Number of stress columns of a fibre, before those of the law: along, across, shear.
-const STRESS: usize = 3;
-/// Largest number of columns of a fibre.
-const MOST: usize = 8;
-/// Largest number of corrections of the strain across a fibre, and the residual stress across that
-/// is accepted, over the modulus.
-const CORRECTIONS: usize = 20;
-const SETTLED: f64 = 1e-13;
 /// Largest strain increment of a valid step.
-const STRAIN_LIMIT: f64 = 0.5;
+pub(super) const STRAIN_LIMIT: f64 = 0.5;
 
 /// Parameters of beams.
 pub struct Beam {
-    law: Box<dyn PlaneStress>,
-    elastic: Elastic,
+    material: FibreMaterial,
     section: FibreSection,
     /// Area [length^2]; second moments about the second and third axis, torsion constant
     /// [length^4].
@@ -104,11 +96,6 @@ pub struct Beam {
     /// Shear areas for bending about the second and the third axis [length^2]; 0 for no shear
     /// deformation.
     shear_areas: [f64; 2],
-    /// Number of columns of a fibre.
-    stride: usize,
-    /// Columns of a fibre with its effective plastic strain, and with the mark of its failure.
-    plastic_strain: Option<usize>,
-    failed: Option<usize>,
     weld: Option<Weld>,
 }
 
@@ -128,25 +115,19 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResul
     if let Some(weld) = &beam.weld {
         check_weld(weld, &mut say);
     }
-    let history = law.history();
-    if STRESS + history.len() > MOST {
+    let material = FibreMaterial::new(law);
+    if material.is_none() {
         say("material", "beams cannot store the history of its law".into(), "use another law");
     }
-    if !problems.is_empty() {
-        return Err(problems);
-    }
+    let Some(material) = material.filter(|_| problems.is_empty()) else { return Err(problems) };
     let section = FibreSection::new(beam);
     Ok(Box::new(Beam {
         weld: beam.weld.clone(),
-        elastic: law.elastic(),
+        material,
         moments: section.moments(),
         // A force along the third axis bends about the second one.
         shear_areas: [beam.shear_areas[1], beam.shear_areas[0]],
         section,
-        stride: STRESS + history.len(),
-        plastic_strain: law_column(history, "plastic_strain", STRESS),
-        failed: law_column(history, "failed", STRESS),
-        law,
     }))
 }
 
@@ -301,17 +282,17 @@ impl Beam {
         let (mut axial, mut torque, mut bending, mut largest) = (0.0, 0.0, [0.0; 4], 0.0f64);
         for (number, (weight, of_first, of_last)) in SECTIONS.into_iter().enumerate() {
             let [about_y, about_z] = [of_first * y1 + of_last * y2, of_first * z1 + of_last * z2];
-            let from = FIBRES + number * self.section.fibres.len() * self.stride;
+            let from = FIBRES + number * self.section.fibres.len() * self.material.stride;
             for (batch, fibres) in self.section.fibres.chunks(MAX_POINTS).enumerate() {
-                let from = from + batch * MAX_POINTS * self.stride;
+                let from = from + batch * MAX_POINTS * self.material.stride;
                 let mut strain = [[0.0; 3]; MAX_POINTS];
                 for (strain, f) in strain.iter_mut().zip(fibres) {
                     *strain = [du + f.z * about_y - f.y * about_z, 0.0, f.arm * twist];
                     largest = largest.max(strain[0].abs());
                 }
-                let fibre_states = &mut state[from..from + fibres.len() * self.stride];
-                self.strain(fibre_states, &mut strain[..fibres.len()], dt);
-                for (state, f) in fibre_states.chunks_exact(self.stride).zip(fibres) {
+                let fibre_states = &mut state[from..from + fibres.len() * self.material.stride];
+                self.material.strain(fibre_states, &mut strain[..fibres.len()], dt);
+                for (state, f) in fibre_states.chunks_exact(self.material.stride).zip(fibres) {
                     let along = weight * f.area * state[0];
                     axial += along;
                     torque += weight * f.area * f.arm * state[2];
@@ -324,7 +305,8 @@ impl Beam {
         }
         state[SUMS] = bending[0] + bending[1];
         state[SUMS + 1] = bending[2] + bending[3];
-        torque += self.elastic.shear_modulus() * self.section.torsion * deformed[5] / start;
+        torque +=
+            self.material.elastic.shear_modulus() * self.section.torsion * deformed[5] / start;
 
         // 3. Forces in space.
         let moments =
@@ -345,51 +327,16 @@ impl Beam {
     /// Returns the part of an increment of the mean rotation of the ends about the second (0) or
     /// third (1) axis that is shear.
     fn shear(&self, state: &mut [f64], axis: usize, turned: f64, length: f64) -> f64 {
-        let stiffness = self.elastic.shear_modulus() * self.shear_areas[axis] * length;
+        let stiffness = self.material.elastic.shear_modulus() * self.shear_areas[axis] * length;
         if stiffness == 0.0 {
             return 0.0;
         }
-        let phi =
-            12.0 * self.elastic.youngs_modulus * self.moments[1 + axis] / (stiffness * length);
+        let phi = 12.0 * self.material.elastic.youngs_modulus * self.moments[1 + axis]
+            / (stiffness * length);
         let left = state[SUMS + axis] / stiffness - state[SHEARED + axis];
         let strain = (phi * turned + left) / (1.0 + phi);
         state[SHEARED + axis] += strain;
         strain
-    }
-
-    /// Updates fibres for zero stress across. The strain across is found by the secant method, from
-    /// the elastic one.
-    fn strain(&self, states: &mut [f64], strain: &mut [[f64; 3]], dt: f64) {
-        let n = strain.len();
-        let stiff = self.elastic.plane_stress()[0];
-        let mut trial = [0.0; MAX_POINTS * MOST];
-        let trial = &mut trial[..states.len()];
-        let mut through = [0.0; MAX_POINTS];
-        let mut before = [(0.0, 0.0); MAX_POINTS];
-        for (k, eps) in strain.iter_mut().enumerate() {
-            eps[1] = -self.elastic.poisson * eps[0] - states[k * self.stride + 1] / stiff;
-        }
-        for correction in 0..CORRECTIONS {
-            trial.copy_from_slice(states);
-            let points = Points { state: trial, strain, thickness_strain: &mut through[..n] };
-            self.law.update_one(points, dt);
-            let mut settled = true;
-            for (k, eps) in strain.iter_mut().enumerate() {
-                let left = trial[k * self.stride + 1];
-                if left.abs() <= SETTLED * stiff {
-                    continue;
-                }
-                let (old, old_left) = std::mem::replace(&mut before[k], (eps[1], left));
-                let slope = (left - old_left) / (eps[1] - old);
-                let secant = correction > 0 && slope.is_finite() && slope > 0.0;
-                eps[1] -= left / if secant { slope } else { stiff };
-                settled = false;
-            }
-            if settled {
-                break;
-            }
-        }
-        states.copy_from_slice(trial);
     }
 }
 
@@ -421,7 +368,7 @@ fn put_turn(columns: &mut [f64], turn: &Rotation) {
 
 impl Element for Beam {
     fn columns(&self) -> usize {
-        FIBRES + SECTIONS.len() * self.section.fibres.len() * self.stride
+        FIBRES + SECTIONS.len() * self.section.fibres.len() * self.material.stride
     }
 
     fn names(&self) -> Vec<String> {
@@ -436,9 +383,7 @@ impl Element for Beam {
             .chain(several("shear rotation", SUMS - SHEARED))
             .chain(several("moment sum", FIBRES - SUMS));
         let fibres = (0..SECTIONS.len() * self.section.fibres.len()).flat_map(|fibre| {
-            let names = ["stress along", "stress across", "stress shear"];
-            let names = names.into_iter().chain(self.law.history().iter().copied());
-            names.map(move |name| format!("fibre {fibre} {name}"))
+            self.material.names().map(move |name| format!("fibre {fibre} {name}"))
         });
         own.chain(fibres).collect()
     }
@@ -522,25 +467,27 @@ impl Element for Beam {
     }
 
     fn can_fail(&self) -> bool {
-        self.failed.is_some() || self.weld.is_some()
+        self.material.failed.is_some() || self.weld.is_some()
     }
 
     fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields {
         let state = history.to_vec();
         let along = (V3::from(x[1]) - V3::from(x[0])).try_normalize(0.0).unwrap_or_default();
         let (mut fields, mut mean) = (ElementFields::default(), 0.0);
-        for fibre in state[FIBRES..].chunks_exact(self.stride) {
+        for fibre in state[FIBRES..].chunks_exact(self.material.stride) {
             let (direct, shear) = (fibre[0], fibre[2]);
             fields.von_mises = fields.von_mises.max((direct * direct + 3.0 * shear * shear).sqrt());
-            fields.plastic_strain =
-                fields.plastic_strain.max(self.plastic_strain.map_or(0.0, |column| fibre[column]));
+            fields.plastic_strain = fields
+                .plastic_strain
+                .max(self.material.plastic_strain.map_or(0.0, |column| fibre[column]));
         }
-        for (section, (weight, ..)) in
-            state[FIBRES..].chunks_exact(self.section.fibres.len() * self.stride).zip(SECTIONS)
+        for (section, (weight, ..)) in state[FIBRES..]
+            .chunks_exact(self.section.fibres.len() * self.material.stride)
+            .zip(SECTIONS)
         {
             let of = |(fibre, f): (&[f64], &section::Fibre)| fibre[0] * f.area;
             let force: f64 =
-                section.chunks_exact(self.stride).zip(&self.section.fibres).map(of).sum();
+                section.chunks_exact(self.material.stride).zip(&self.section.fibres).map(of).sum();
             mean += weight * force / self.moments[0];
         }
         let dyad = |i: usize, j: usize| mean * along[i] * along[j];
@@ -555,7 +502,7 @@ impl Beam {
     /// start.
     fn masses(&self, length: f64) -> (f64, f64) {
         let [area, iy, iz, _] = self.moments;
-        let line = self.elastic.density * length;
+        let line = self.material.elastic.density * length;
         // Half of the beam about its end; the section's own inertia is used for any axis.
         (0.5 * line * area, line * (area * length * length / 24.0 + 0.5 * iy.max(iz)))
     }
@@ -564,8 +511,9 @@ impl Beam {
     /// length at the start, and shear forces on the present one; the shorter of them is safe.
     fn step(&self, length: f64) -> f64 {
         let [area, iy, iz, torsion] = self.moments;
-        let (mass, inertia) = (self.elastic.density * area * length, self.masses(length).1);
-        let (e, g) = (self.elastic.youngs_modulus, self.elastic.shear_modulus());
+        let (mass, inertia) =
+            (self.material.elastic.density * area * length, self.masses(length).1);
+        let (e, g) = (self.material.elastic.youngs_modulus, self.material.elastic.shear_modulus());
         let axial = 4.0 * e * area / (mass * length);
         let bending =
             6.0 * e * iy.max(iz) / length * (1.0 / inertia + 8.0 / (mass * length * length));
@@ -577,8 +525,8 @@ impl Beam {
     /// Returns true if it is broken or all of its fibres have failed.
     fn is_gone(&self, state: &[f64]) -> bool {
         let of_all = |column: usize| {
-            state[FIBRES..].chunks_exact(self.stride).all(|fibre| fibre[column] > 0.5)
+            state[FIBRES..].chunks_exact(self.material.stride).all(|fibre| fibre[column] > 0.5)
         };
-        state[BROKEN] > 0.5 || self.failed.is_some_and(of_all)
+        state[BROKEN] > 0.5 || self.material.failed.is_some_and(of_all)
     }
 }

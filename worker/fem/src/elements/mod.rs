@@ -6,6 +6,7 @@ mod beam;
 mod belytschko_tsay;
 mod bounds;
 mod c0_triangle;
+mod fibre;
 mod fully_integrated_quad;
 mod hexahedron;
 #[cfg(test)]
@@ -16,6 +17,7 @@ mod motion_tests;
 #[cfg(test)]
 mod offset_tests;
 mod parameters;
+pub mod particle;
 mod pass;
 #[cfg(test)]
 mod plate_tests;
@@ -37,6 +39,7 @@ mod statics;
 mod stretched_tests;
 #[cfg(test)]
 pub(crate) mod testing;
+mod truss;
 #[cfg(test)]
 mod unstrained_tests;
 
@@ -52,6 +55,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use particle::Fluid;
 use pass::{GroupCorners, ShellGroups, SolidGroups, Totals};
 
 /// Output fields of an element.
@@ -134,6 +138,12 @@ pub trait Element: Send + Sync {
     /// Returns the stiffness and damping of a spring or damper. It has no mass; the masses of its
     /// nodes determine its stable step.
     fn discrete(&self) -> Option<Discrete> {
+        None
+    }
+
+    /// Returns the numbers of the fluid of a particle. Its density and force are sums over
+    /// neighbours, which are in its columns before each pass.
+    fn fluid(&self) -> Option<&Fluid> {
         None
     }
 
@@ -242,6 +252,8 @@ pub const ELEMENTS: &[ElementEntry] = &[
     c0_triangle::ROW,
     hexahedron::ROW,
     beam::ROW,
+    truss::ROW,
+    particle::ROW,
     spring::ROW,
 ];
 
@@ -354,22 +366,16 @@ pub fn points_of(part: &Part) -> usize {
 
 /// The formulation that a part wants for a shape: the first of the shape if it does not say.
 fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> {
-    if part.spring.is_some() && shape != Shape::Line2 {
-        let what =
-            format!("part {}: it has [part.spring] and other elements", section::label(part));
-        return Err(Problem::error(
-            "spring",
-            what,
-            "remove [part.spring], or move the other elements to another part",
-        ));
-    }
-    if part.beam.is_some() && shape != Shape::Beam2 {
-        let what = format!("part {}: it has [part.beam] and other elements", section::label(part));
-        return Err(Problem::error(
-            "beam",
-            what,
-            "remove [part.beam], or move the other elements to another part",
-        ));
+    let sections = [
+        ("spring", part.spring.is_some(), Shape::Line2),
+        ("beam", part.beam.is_some(), Shape::Beam2),
+        ("truss", part.truss.is_some(), Shape::Truss2),
+        ("particles", part.particles.is_some(), Shape::Point1),
+    ];
+    if let Some((key, ..)) = sections.into_iter().find(|(_, given, own)| *given && shape != *own) {
+        let what = format!("part {}: it has [part.{key}] and other elements", section::label(part));
+        let help = format!("remove [part.{key}], or move the other elements to another part");
+        return Err(Problem::error(key, what, help));
     }
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));

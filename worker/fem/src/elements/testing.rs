@@ -20,6 +20,8 @@ pub fn part(thickness: f64) -> Part {
         material: "sheet".into(),
         spring: None,
         beam: None,
+        truss: None,
+        particles: None,
         thickness,
         offset: 0.0,
         contact_thickness: None,

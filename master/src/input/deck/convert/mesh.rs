@@ -369,7 +369,7 @@ impl Rows {
     pub fn lists(&self) -> ListLengths {
         let [shells, solids, springs, beams] =
             [&self.shells, &self.solids, &self.springs, &self.beams].map(|list| list.len());
-        [("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
+        vec![("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
     }
 
     /// Returns the mesh and the places of its data.
@@ -411,7 +411,7 @@ fn narrow(part: u64, numbers: &mut MeshLine<'_, '_>) -> Option<u32> {
 }
 
 /// Names of the lists of elements in a job's `[mesh]`, with their lengths.
-pub type ListLengths = [(&'static str, usize); 4];
+pub type ListLengths = Vec<(&'static str, usize)>;
 
 /// Places of the mesh data.
 #[derive(Debug, Default)]

@@ -98,7 +98,8 @@ impl DeckConverter {
                 Shape::Quad4 => shapes.quads = true,
                 Shape::Tri3 => shapes.triangles = true,
                 Shape::Hex8 => shapes.solids = true,
-                Shape::Line2 | Shape::Beam2 => {} // their sections have no conditions
+                // Their sections have no conditions.
+                Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
             }
         }
         all

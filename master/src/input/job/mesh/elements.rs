@@ -51,7 +51,9 @@ pub(super) fn check(
         let Some(x) = corners(element, at, path, few) else { continue };
         match element.shape {
             Shape::Line2 => {} // its part determines if it needs a length
+            Shape::Point1 => {}
             Shape::Beam2 => beam(element, &x, at, path(), few),
+            Shape::Truss2 => truss(element, &x, path(), few),
             Shape::Hex8 => solid(element, &x, path(), few),
             Shape::Quad4 | Shape::Tri3 => match outline(&x) {
                 ShapeOutline::Concave => {
@@ -97,6 +99,7 @@ fn corners(
                 "a spring needs two different nodes; for a spring to the ground, fix its other \
                  node by a [[fix]]"
             }
+            Shape::Beam2 | Shape::Truss2 => "a bar needs two different ends; correct or remove it",
             _ => "a triangle repeats its last node only; correct or remove the element",
         };
         few.error("repeated", path(), message, help);
@@ -116,6 +119,14 @@ fn corners(
 fn no_node(element: &MeshElement, node: NodeId, path: String, few: &mut Few<'_>) {
     let message = format!("element {}: there is no node {}", element.id, node.0);
     few.error("no node", path, message, "add the node or correct the element");
+}
+
+/// Reports a truss without length.
+fn truss(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>) {
+    if x[0] == x[1] {
+        let message = format!("truss {}: its nodes are at one point", element.id);
+        few.error("no length", path, message, "move its nodes apart, or remove the truss");
+    }
 }
 
 /// Reports a beam whose third node gives no direction.
