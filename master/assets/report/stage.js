@@ -63,6 +63,14 @@ class StageMarks {
   }
 }
 
+/** An open eye, or one that is crossed out. */
+function eyeIcon(open) {
+  const icon = drawn("svg", { viewBox: "0 0 20 12", width: 20, height: 12, fill: "none", stroke: "currentColor", "stroke-width": 1.4 });
+  icon.append(drawn("path", { d: "M1 6Q10 -3 19 6Q10 15 1 6Z" }), drawn("circle", { cx: 10, cy: 6, r: 2.4, fill: "currentColor" }));
+  if (!open) icon.append(drawn("path", { d: "M3 11L17 1" }));
+  return icon;
+}
+
 /** The list of parts: an eye hides or shows a part, a second box makes it transparent. */
 function partsList(place, parts, shown, ghosts, changed) {
   place.replaceChildren(
@@ -70,7 +78,7 @@ function partsList(place, parts, shown, ghosts, changed) {
       const item = document.createElement("li");
       const eye = document.createElement("button");
       const dress = () => {
-        eye.textContent = shown[part] ? "👁" : "–";
+        eye.replaceChildren(eyeIcon(shown[part]));
         eye.setAttribute("aria-pressed", String(shown[part]));
         item.classList.toggle("hidden-part", !shown[part]);
       };
