@@ -16,7 +16,7 @@ class Histories {
     this.timeUnit = timeUnit;
     this.objects = about.objects.map(({ kind, name, quantities }) => {
       const all = quantities.map(([title, unit]) => ({ title, unit, values: floats() }));
-      return { kind, label: kind === "model" ? "model" : `${kind} ${name}`, quantities: [...all, ...magnitudes(all)] };
+      return { kind, name, label: kind === "model" ? "model" : `${kind} ${name}`, quantities: [...all, ...magnitudes(all)] };
     });
   }
 

@@ -13,8 +13,8 @@ const METRES = { m: 1, cm: 1e-2, mm: 1e-3, in: 0.0254, ft: 0.3048 };
 const GRAVITY = 9.80665;
 /** Longest windows of the head injury criteria [ms]. */
 const HEAD_WINDOWS = [15, 36];
-/** Mirrored points at each end of a filtered signal, in periods of the class; the filter has died away over them. */
-const RUN_IN = 1;
+/** Mirrored points at each end of a filtered signal, in periods of the class. Over four, a transient falls to 1e-15. */
+const RUN_IN = 4;
 
 /** The points of a curve at which both values are finite. */
 function withoutGaps(x, y) {
@@ -138,7 +138,7 @@ function crushOf(displacement, force) {
   const end = farthest(displacement);
   const peak = peakOf(force);
   const stroke = Math.abs(displacement[end] - displacement[0]);
-  const energy = Math.abs(integral(displacement, force)[end]);
+  const energy = Number.isFinite(stroke) ? Math.abs(integral(displacement, force)[end]) : NaN;
   const mean = stroke > 0 ? energy / stroke : NaN;
   const highest = Math.abs(force[peak]);
   return { peak: highest, at: Math.abs(displacement[peak] - displacement[0]), stroke, energy, mean, efficiency: mean / highest };
