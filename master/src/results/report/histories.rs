@@ -49,7 +49,7 @@ pub struct HistoryObject {
 
 /// Description of the packed columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Histories {
+pub struct ReportHistories {
     /// Number of rows.
     pub rows: usize,
     /// Objects in the order of their columns.
@@ -105,7 +105,7 @@ impl KindFile {
     }
 }
 
-impl Histories {
+impl ReportHistories {
     /// Reads the histories of the run in `dir`, as far as the files are intact. Damage is named by
     /// the readers of the plots.
     pub fn read(dir: &Path) -> Self {
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn objects_have_their_quantities_at_the_times_of_the_history() {
         let dir = folder();
-        let h = Histories::read(dir.path());
+        let h = ReportHistories::read(dir.path());
         assert_eq!((h.rows, h.objects.len(), h.time[3]), (4, 3, 0.3));
         assert_eq!(h.objects[0].quantities[1], ["pairs".to_owned(), String::new()]);
         assert_eq!((h.objects[2].kind, h.objects[2].name.as_str()), ("node", "head 9"));
@@ -231,13 +231,16 @@ mod tests {
         assert_eq!(h.columns[5][..3], [3.0, 5.0, 7.0]);
         assert!(h.columns[5][3].is_nan() && h.columns[3][2].is_nan());
         assert!(h.left_out().is_empty());
-        assert_eq!(Histories::read(tempfile::tempdir().unwrap().path()), Histories::default());
+        assert_eq!(
+            ReportHistories::read(tempfile::tempdir().unwrap().path()),
+            ReportHistories::default()
+        );
     }
 
     #[test]
     fn what_does_not_fit_is_thinned_and_named() {
         let dir = folder();
-        let h = Histories::with_limits(dir.path(), 8, 4);
+        let h = ReportHistories::with_limits(dir.path(), 8, 4);
         assert_eq!((h.objects.len(), h.rows), (2, 3), "rows 0, 2 and the last");
         assert_eq!(h.time, [0.0, 0.2, 0.3]);
         let said = h.left_out().join(" ");

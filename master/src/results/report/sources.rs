@@ -1,6 +1,6 @@
 //! Files in the folder of a run other than the fields: summary, histories, log and job.
 
-use super::histories::Histories;
+use super::histories::ReportHistories;
 use super::paths::{self, WallPath};
 use super::plots::{ColumnFile, Plots};
 use super::{single_forces, workers};
@@ -25,7 +25,7 @@ pub struct RunFiles {
     /// Plots of the history and of the files with forces.
     pub plots: Plots,
     /// All histories.
-    pub histories: Histories,
+    pub histories: ReportHistories,
     /// Warnings of the run, the most severe first.
     pub warnings: Vec<String>,
     /// Files that could not be read.
@@ -83,7 +83,7 @@ impl RunFiles {
             }
             Err(why) => sources.problems.push(why),
         }
-        sources.histories = Histories::read(dir);
+        sources.histories = ReportHistories::read(dir);
         sources.paths = paths::read(&dir.join("walls.csv"));
         sources.warnings = sources.of_summary();
         sources.warnings.extend(log(&dir.join("log.jsonl")));
