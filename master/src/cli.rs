@@ -92,10 +92,13 @@ pub enum Command {
     ///
     /// `crumple run` does this at its end. This command makes the page again, from the files in the
     /// folder only. The page opens from disk, without a network. Runs that failed or were stopped
-    /// are accepted.
+    /// are accepted. With a second folder it makes compare.html in the first one: both runs in
+    /// step, with their plots laid over each other.
     Report {
         /// Folder of results.
         dir: PathBuf,
+        /// Folder of a second run, to compare.
+        second: Option<PathBuf>,
     },
     /// Write a job for a mesh file of another program, and print what became of its content.
     ///

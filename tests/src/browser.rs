@@ -127,6 +127,26 @@ impl Browser {
         self.call("Emulation.setEmulatedMedia", json!({"features": [feature]}));
     }
 
+    /// Lets the page be as on paper, or as on a screen.
+    pub fn print_media(&mut self, print: bool) {
+        let media = if print { "print" } else { "screen" };
+        self.call("Emulation.setEmulatedMedia", json!({"media": media}));
+    }
+
+    /// Saves files of the page into a folder.
+    pub fn keep_downloads(&mut self, folder: &Path) {
+        let params = json!({"behavior": "allow", "downloadPath": folder});
+        self.call("Page.setDownloadBehavior", params);
+    }
+
+    /// Returns the page as PDF, on A4.
+    pub fn printed(&mut self) -> Vec<u8> {
+        let paper = json!({"paperWidth": 8.27, "paperHeight": 11.69});
+        let printed = self.call("Page.printToPDF", paper);
+        let bytes = BASE64_STANDARD.decode(printed["data"].as_str().unwrap_or_default());
+        bytes.expect("base64")
+    }
+
     /// Returns the value of an expression.
     ///
     /// # Panics

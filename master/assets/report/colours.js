@@ -50,26 +50,26 @@ function roundUp(value) {
 }
 
 /**
- * Ways to colour the model. Each has a title, `colour(frame, element)`, which returns bytes, and either `top`, the end
- * of its scale, or `kinds`, the list for the legend.
+ * Ways to colour the model. Each has a title, `colour(frame, element)`, which returns bytes, and either `low` and `top`,
+ * the ends of its scale, with `value(frame, element)` and `paint(value)`, or `kinds`, the list for the legend. A quantity
+ * of nodes has `node(frame, node)` in place of `value`.
  */
 function colourings(model, facts) {
   const ways = [];
+  const moves = model.frames.length > 1; // else there is no change to show
+  const decoded = ([least, most]) => (number) => (number === NO_VALUE ? NaN : least + (number / (NO_VALUE - 1)) * (most - least));
   facts.scalars.forEach((scalar, s) => {
     const range = model.ranges[s];
     if (!range) return;
-    const low = Math.min(range[0], 0);
-    const value = (number) => range[0] + (number / (NO_VALUE - 1)) * (range[1] - range[0]);
-    const way = { title: scalar.title, unit: scalar.unit, low, most: range[1], top: roundUp(usual(model, s, value) || range[1]) };
-    way.value = (frame, element) => {
-      const number = frame.scalars[s][element];
-      return number === NO_VALUE ? NaN : value(number);
-    };
-    way.colour = (frame, element) => {
-      const v = way.value(frame, element);
-      return Number.isNaN(v) ? NOTHING : onScale((v - low) / (way.top - low || 1));
-    };
-    ways.push(way);
+    const value = decoded(range);
+    ways.push(scaled(model, { ...scalar, range, value: (frame, element) => value(frame.scalars[s][element]) }));
+    if (scalar.title === "thickness" && moves) ways.push(thicknessChange(model, ways[ways.length - 1]));
+  });
+  if (moves) ways.push(displacementOf(model, facts.length_unit));
+  facts.node_scalars.forEach((scalar, s) => {
+    const range = model.node_ranges[s];
+    const value = range && decoded(range);
+    if (range) ways.push(scaled(model, { ...scalar, range, node: (frame, node) => value(frame.nodeScalars[s][node]) }));
   });
   const parts = model.parts.map((id, i) => {
     const name = facts.part_names[id];
@@ -85,9 +85,61 @@ function colourings(model, facts) {
   return ways;
 }
 
-/** 95th percentile of the elements at the last time, so that a few torn elements do not spoil the scale. */
-function usual(model, s, value) {
+/** A way with a scale: from 0, or from below it where values are negative. */
+function scaled(model, way) {
+  const [least, most] = way.range;
+  const usual = usualOf(model, way);
+  way.most = most;
+  way.least = least;
+  way.top = roundUp(usual[1] > 0 ? usual[1] : most);
+  way.low = least < 0 ? -roundUp(usual[0] < 0 ? -usual[0] : -least) : 0;
+  way.paint = (v) => (Number.isNaN(v) ? NOTHING : onScale((v - way.low) / (way.top - way.low || 1)));
+  if (way.value) way.colour = (frame, element) => way.paint(way.value(frame, element));
+  return way;
+}
+
+/** Change of the thickness since the first time of an element. */
+function thicknessChange(model, thickness) {
+  const first = Float32Array.from({ length: model.elements }, (_, e) => {
+    const frame = model.frames.find((f) => f.state[e]);
+    return frame ? thickness.value(frame, e) : NaN;
+  });
+  const value = (frame, element) => 100 * (thickness.value(frame, element) / first[element] - 1);
+  return scaled(model, { title: "thickness change", unit: "%", value, range: rangeOfElements(model, value) });
+}
+
+/** Lowest and highest value of the elements that exist, over all times. */
+function rangeOfElements(model, value) {
+  let [low, high] = [0, 0];
+  for (const frame of model.frames) {
+    for (let e = 0; e < model.elements; e++) {
+      const v = frame.state[e] ? value(frame, e) : NaN;
+      if (v < low) low = v;
+      if (v > high) high = v;
+    }
+  }
+  return [low, high];
+}
+
+/** Displacement of the nodes since the first time of the page. */
+function displacementOf(model, unit) {
+  const place = (frame, node, c) => frame.grid.origin[c] + frame.grid.unit * frame.position[c][node];
+  const [first] = model.frames;
+  const node = (frame, number) => {
+    let sum = 0;
+    for (let c = 0; c < 3; c++) sum += (place(frame, number, c) - place(first, number, c)) ** 2;
+    return Math.sqrt(sum);
+  };
+  let most = 0;
+  for (const frame of model.frames) for (let n = 0; n < model.nodes; n++) most = Math.max(most, node(frame, n));
+  return scaled(model, { title: "displacement", unit, node, range: [0, most] });
+}
+
+/** 5th and 95th percentile at the last time, so that a few torn elements do not spoil the scale. */
+function usualOf(model, way) {
   const last = model.frames[model.frames.length - 1];
-  const there = last.scalars[s].filter((number, e) => number !== NO_VALUE && last.state[e]).sort();
-  return there.length ? value(there[Math.floor(0.95 * (there.length - 1))]) : 0;
+  const count = way.node ? model.nodes : model.elements;
+  const values = Float32Array.from({ length: count }, (_, i) => (way.node ? way.node(last, i) : last.state[i] ? way.value(last, i) : NaN));
+  const there = values.filter((v) => !Number.isNaN(v)).sort();
+  return there.length ? [0.05, 0.95].map((share) => there[Math.floor(share * (there.length - 1))]) : [0, 0];
 }

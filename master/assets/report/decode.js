@@ -55,6 +55,12 @@ function signed(number) {
   return (number >>> 1) ^ -(number & 1);
 }
 
+/** Ids of nodes or elements: their lower words, then their upper words. */
+function ids(read, count) {
+  const [low, high] = [read.chain(count), read.chain(count)];
+  return Float64Array.from(low, (word, i) => word + 2 ** 32 * high[i]);
+}
+
 /** A scalar that is not finite. */
 const NO_VALUE = 65535;
 
@@ -63,6 +69,8 @@ function decode(bytes, model) {
   const read = new Columns(bytes);
   const corners = read.chain(4 * model.faces);
   const owners = [read.chain(model.faces), read.chain(model.faces)];
+  const elementIds = ids(read, model.elements);
+  const nodeIds = ids(read, model.nodes);
   const part = read.plain(model.elements, 2);
   const ofElements = () => new Uint16Array(model.elements);
   const ofNodes = () => new Uint16Array(model.nodes);
@@ -70,6 +78,7 @@ function decode(bytes, model) {
     state: new Uint8Array(model.elements),
     worker: ofElements(),
     scalars: model.ranges.map(ofElements),
+    nodeScalars: model.node_ranges.map(ofNodes),
     position: [ofNodes(), ofNodes(), ofNodes()],
   };
   const frames = model.frames.map((grid) => {
@@ -79,11 +88,12 @@ function decode(bytes, model) {
       state: read.bytesSince(before.state),
       worker: read.since(before.worker),
       scalars: before.scalars.map((column) => read.since(column)),
+      nodeScalars: before.nodeScalars.map((column) => read.since(column)),
       position: before.position.map((column) => read.since(column)),
     };
     before = frame;
     return frame;
   });
   if (read.at !== bytes.length) throw new Error(`the picture has ${bytes.length} bytes, but needs ${read.at}`);
-  return { ...model, corners, owners, part, frames };
+  return { ...model, corners, owners, elementIds, nodeIds, part, frames };
 }

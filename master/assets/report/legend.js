@@ -17,10 +17,12 @@ function legend(place, way, shown, changed) {
     bar.style.background = `linear-gradient(to top, ${SCALE.map(css).join(",")})`;
     scale.append(bar);
     for (let i = 4; i >= 0; i--) {
-      const beyond = i === 4 && way.most > way.top * (1 + 1e-6) ? "≥ " : "";
-      scale.append(make("span", "tick", beyond + digits(way.low + (i / 4) * (way.top - way.low))));
+      const above = i === 4 && way.most > way.top + 1e-6 * Math.abs(way.top);
+      const below = i === 0 && way.least < way.low - 1e-6 * Math.abs(way.low);
+      scale.append(make("span", "tick", (above ? "≥ " : below ? "≤ " : "") + digits(way.low + (i / 4) * (way.top - way.low))));
     }
-    place.append(scale, make("p", "most", `largest ${digits(way.most)}`));
+    const least = way.least < 0 ? `least ${digits(way.least)}, ` : "";
+    place.append(scale, make("p", "most", `${least}largest ${digits(way.most)}`));
     return;
   }
   const list = make("ul");

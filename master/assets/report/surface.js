@@ -9,8 +9,16 @@ uniform float between;
 varying vec3 seen;
 varying vec3 tint;
 varying vec3 where;
+#ifdef CUT
+uniform vec4 plane;
+varying float beyond;
+#endif
 void main() {
-  vec4 at = modelViewMatrix * vec4(mix(position, next, between), 1.0);
+  vec3 world = mix(position, next, between);
+#ifdef CUT
+  beyond = dot(plane.xyz, world) - plane.w;
+#endif
+  vec4 at = modelViewMatrix * vec4(world, 1.0);
   seen = at.xyz;
   tint = colour;
   where = place;
@@ -24,10 +32,17 @@ const FRAGMENT = `
 uniform float edges;
 uniform float lit;
 uniform vec3 edgeColour;
+uniform float opacity;
 varying vec3 seen;
 varying vec3 tint;
 varying vec3 where;
+#ifdef CUT
+varying float beyond;
+#endif
 void main() {
+#ifdef CUT
+  if (beyond > 0.0) discard;
+#endif
   vec3 shade = tint;
   if (lit > 0.5) {
     vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
@@ -45,40 +60,72 @@ void main() {
     float room = smoothstep(3.0, 12.0, 1.0 / max(wide.x, wide.y));
     shade = mix(shade, edgeColour, 0.65 * room * (1.0 - smoothstep(0.35, 1.1, least)));
   }
-  gl_FragColor = vec4(shade, 1.0);
+  gl_FragColor = vec4(shade, opacity);
 }`;
 
 const NOBODY = 0;
 
+/** Groups of a geometry: opaque parts, and parts that one can look through. */
+const [OPAQUE, GHOST] = [0, 1];
+
 class Surface {
   constructor(model) {
     this.model = model;
+    /** Parts that are transparent, colours that run smoothly between nodes, and the factor on displacements. */
+    this.style = { ghosts: model.parts.map(() => false), smooth: false, scale: 1 };
     const areas = [];
     const lines = [];
     for (let f = 0; f < model.faces; f++) (model.corners[4 * f + 1] === model.corners[4 * f + 2] ? lines : areas).push(f);
-    const uniforms = (lit) => ({ between: { value: 0 }, edges: { value: lit }, lit: { value: lit }, edgeColour: { value: new THREE.Vector3() } });
-    const material = (lit) =>
-      new THREE.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: uniforms(lit), side: THREE.DoubleSide });
-    this.areas = new Patches(model, areas, 4, (geometry) => new THREE.Mesh(geometry, material(1)));
-    this.lines = new Patches(model, lines, 2, (geometry) => new THREE.LineSegments(geometry, material(0)));
+    const between = { value: 0 };
+    this.uniforms = { between, edges: { value: 1 }, edgeColour: { value: new THREE.Vector3() }, plane: { value: new Float32Array(4) } };
+    this.opacity = { value: 0.25 };
+    const material = (lit, opacity, more) => {
+      // Objects of uniforms are shared, so that one value reaches all materials.
+      const uniforms = { ...this.uniforms, edges: lit ? this.uniforms.edges : { value: 0 }, lit: { value: lit }, opacity };
+      return new THREE.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms, side: THREE.DoubleSide, ...more });
+    };
+    const materials = (lit) => [material(lit, { value: 1 }), material(lit, this.opacity, { transparent: true, depthWrite: false })];
+    this.areas = new Patches(model, areas, 4, (geometry) => new THREE.Mesh(geometry, materials(1)));
+    this.lines = new Patches(model, lines, 2, (geometry) => new THREE.LineSegments(geometry, materials(0)));
     this.all = [this.areas, this.lines];
     this.objects = this.all.map((patches) => patches.object);
   }
 
   /** Shows the frame, interpolated to the next one; only parts for which `shown` is true. */
   show(frame, next, way, shown) {
-    for (const patches of this.all) patches.show(frame, next, way, shown);
+    for (const patches of this.all) patches.show(frame, next, way, shown, this.style);
   }
 
   between(fraction) {
-    for (const patches of this.all) patches.object.material.uniforms.between.value = fraction;
+    this.uniforms.between.value = fraction;
   }
 
   edges(on, colour) {
-    const { edges, edgeColour } = this.areas.object.material.uniforms;
-    edges.value = on ? 1 : 0;
-    edgeColour.value.set(...colour.map((c) => c / 255));
+    this.uniforms.edges.value = on ? 1 : 0;
+    this.uniforms.edgeColour.value.set(...colour.map((c) => c / 255));
   }
+
+  /** Hides what is beyond a plane (normal, and its distance along the normal); null shows all. */
+  cut(plane) {
+    this.plane = plane;
+    if (plane) this.uniforms.plane.value.set(plane);
+    for (const { material } of this.objects) {
+      for (const one of material) {
+        // A discard costs time even if it is not taken, so it is compiled only if needed.
+        if ("CUT" in one.defines === Boolean(plane)) continue;
+        one.defines = plane ? { CUT: "" } : {};
+        one.needsUpdate = true;
+      }
+    }
+  }
+}
+
+/** Value of a quantity on a face: that of its element, or the mean of its nodes. */
+function faceValue(way, frame, element, nodes) {
+  if (!way.node) return way.value(frame, element);
+  let sum = 0;
+  for (const node of nodes) sum += way.node(frame, node);
+  return sum / nodes.length;
 }
 
 /** Faces with this number of corners. Faces share no corners, because every face has its own colour. */
@@ -89,6 +136,8 @@ class Patches {
     this.corners = corners;
     const count = corners * faces.length;
     this.node = new Uint32Array(count);
+    /** Element of each face that is seen, else -1. */
+    this.seen = new Int32Array(faces.length).fill(-1);
     const place = new Float32Array(3 * count);
     faces.forEach((f, i) => {
       const of = model.corners.subarray(4 * f, 4 * f + 4);
@@ -119,25 +168,62 @@ class Patches {
     this.object.visible = faces.length > 0;
   }
 
-  show(frame, next, way, shown) {
+  /** The nodes of a face, each once. */
+  nodes(i) {
+    const first = this.corners * i;
+    const isTriangle = this.corners === 4 && this.node[first + 2] === this.node[first + 3];
+    return this.node.subarray(first, first + this.corners - (isTriangle ? 1 : 0));
+  }
+
+  show(frame, next, way, shown, { ghosts, smooth, scale }) {
     if (!this.faces.length) return;
-    this.put(this.now, frame);
-    this.put(this.next, next);
+    this.put(this.now, frame, scale);
+    this.put(this.next, next, scale);
     const { owners, part } = this.model;
-    const { corners, faces } = this;
-    const index = this.index.array;
-    let used = 0;
+    const { corners, faces, seen } = this;
+    const runs = smooth && !way.kinds;
+    const sums = runs && !way.node ? new Float32Array(2 * this.model.nodes) : null;
     for (let i = 0; i < faces.length; i++) {
       const one = owners[0][faces[i]];
       const other = owners[1][faces[i]];
       const hasOne = frame.state[one - 1] > 0;
       const hasOther = other !== NOBODY && frame.state[other - 1] > 0;
-      if (hasOne === hasOther) continue;
-      const element = (hasOne ? one : other) - 1;
-      if (!shown[part[element]]) continue;
+      const element = hasOne === hasOther ? -1 : (hasOne ? one : other) - 1;
+      seen[i] = element >= 0 && shown[part[element]] ? element : -1;
+      if (seen[i] < 0) continue;
+      if (sums) {
+        const value = way.value(frame, element);
+        for (const node of Number.isFinite(value) ? this.nodes(i) : []) {
+          sums[2 * node] += value;
+          sums[2 * node + 1]++;
+        }
+      }
+      if (runs) continue;
+      const colour = way.node ? way.paint(faceValue(way, frame, element, this.nodes(i))) : way.colour(frame, element);
       const first = corners * i;
-      const colour = way.colour(frame, element);
       for (let c = first; c < first + corners; c++) this.colour.array.set(colour, 4 * c);
+    }
+    const atNode = way.node ? (node) => way.node(frame, node) : (node) => sums[2 * node] / sums[2 * node + 1];
+    for (let k = 0; runs && k < this.node.length; k++) {
+      if (seen[Math.floor(k / corners)] >= 0) this.colour.array.set(way.paint(atNode(this.node[k])), 4 * k);
+    }
+    this.used = this.fillIndex(0, (element) => !ghosts[part[element]]);
+    const end = this.fillIndex(this.used, (element) => ghosts[part[element]]);
+    this.geometry.clearGroups();
+    this.geometry.addGroup(0, this.used, OPAQUE);
+    if (end > this.used) this.geometry.addGroup(this.used, end - this.used, GHOST);
+    this.index.needsUpdate = true;
+    this.colour.needsUpdate = true;
+  }
+
+  /** Adds the seen faces of these elements to the index, from a place on, and returns its end. */
+  fillIndex(from, takes) {
+    const { corners, seen } = this;
+    const index = this.index.array;
+    let used = from;
+    for (let i = 0; i < seen.length; i++) {
+      if (seen[i] < 0 || !takes(seen[i])) continue;
+      const first = corners * i;
       index[used++] = first;
       index[used++] = first + 1;
       if (corners === 2) continue;
@@ -147,18 +233,32 @@ class Patches {
       index[used++] = first + 2;
       index[used++] = first + 3;
     }
-    this.geometry.setDrawRange(0, used);
-    this.index.needsUpdate = true;
-    this.colour.needsUpdate = true;
+    return used;
   }
 
-  put(attribute, frame) {
+  /** Coordinates in a frame, with the displacements since the first one times `scale`. */
+  put(attribute, frame, scale) {
     const { origin, unit } = frame.grid;
+    const first = this.model.frames[0];
     for (let c = 0; c < 3; c++) {
       const column = frame.position[c];
       for (let i = 0; i < this.node.length; i++) attribute.array[3 * i + c] = origin[c] + unit * column[this.node[i]];
+      if (scale === 1) continue;
+      const start = first.position[c];
+      for (let i = 0; i < this.node.length; i++) {
+        const x = first.grid.origin[c] + first.grid.unit * start[this.node[i]];
+        attribute.array[3 * i + c] = x + scale * (attribute.array[3 * i + c] - x);
+      }
     }
     attribute.needsUpdate = true;
+  }
+
+  /** The present place of a corner. */
+  place(corner, fraction) {
+    return [0, 1, 2].map((c) => {
+      const now = this.now.array[3 * corner + c];
+      return now + fraction * (this.next.array[3 * corner + c] - now);
+    });
   }
 }
 

@@ -39,6 +39,9 @@ class View {
     this.drawn = 0;
     this.sharpness = 1;
     this.free = 1;
+    this.parallel = false;
+    /** Called after each drawing. */
+    this.after = () => {};
   }
 
   /** Shows another model from the same place of the camera. */
@@ -61,7 +64,7 @@ class View {
     for (const object of objects) {
       this.scene.remove(object);
       object.geometry.dispose();
-      object.material.dispose();
+      [object.material].flat().forEach((material) => material.dispose());
     }
   }
 
@@ -104,6 +107,32 @@ class View {
     this.controls.update();
   }
 
+  /** Has lines of view in parallel, or through one point. */
+  flatten(parallel) {
+    this.parallel = parallel;
+    // The point under the cursor is found with a camera in perspective only.
+    this.controls.zoomToCursor = !parallel;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  /** Height of what is seen at the target of the camera. */
+  height() {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return 2 * distance * Math.tan((0.5 * this.camera.fov * Math.PI) / 180);
+  }
+
+  /** Replaces the projection of the camera by a parallel one, of the same size at its target. */
+  project() {
+    const { camera, canvas } = this;
+    const half = 0.5 * this.height();
+    const shift = (2 * half * (camera.view?.offsetX ?? 0)) / (canvas.clientHeight || 1);
+    const distance = camera.position.distanceTo(this.controls.target);
+    const deep = Math.max(...this.boxes[0].high.map((a, c) => a - this.whole.low[c]), ...this.whole.high.map((a, c) => a - this.whole.low[c]), half);
+    camera.projectionMatrix.makeOrthographic(shift - half * camera.aspect, shift + half * camera.aspect, half, -half, distance - 20 * deep, distance + 20 * deep);
+    camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
+  }
+
   /** Looks from a named direction at the whole space that the model sweeps. */
   look(name) {
     const direction = new THREE.Vector3(...VIEWS[name]);
@@ -133,8 +162,19 @@ class View {
     this.draw();
   }
 
-  /** Shows the model between two frames. */
-  show(first, fraction, way, shown, model, changed) {
+  /** Moves the camera such that it looks at a point. */
+  centre(point) {
+    this.place((_, target) => target.set(...point));
+  }
+
+  /** The place of a point on the canvas [pixels]. */
+  pixels(point) {
+    const { x, y } = point.clone().project(this.camera);
+    return { x: 0.5 * (1 + x) * this.canvas.clientWidth, y: 0.5 * (1 - y) * this.canvas.clientHeight };
+  }
+
+  /** Shows the model between two frames. `moved` is called before it is drawn. */
+  show(first, fraction, way, shown, model, changed, moved = () => {}) {
     const frames = model.frames;
     const last = frames.length - 1;
     const next = Math.min(first + 1, last);
@@ -152,6 +192,7 @@ class View {
       this.camera.position.add(step);
       this.controls.target.add(step);
     }
+    moved();
     this.controls.update();
     this.draw();
   }
@@ -183,8 +224,10 @@ class View {
   }
 
   draw() {
+    if (this.parallel) this.project();
     this.renderer.render(this.scene, this.camera);
     this.drawn++;
+    this.after();
   }
 
   /** Share of the pixels that are not background. */

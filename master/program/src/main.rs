@@ -41,7 +41,7 @@ fn main() -> ExitCode {
         Command::Manual { dir } => crumple::cli::pages::manual(&dir),
         Command::Advise { dir } => crumple::analysis::advise::run(&dir),
         Command::Bench(args) => crumple::analysis::bench::run(&args),
-        Command::Report { dir } => crumple::results::report::run(&dir),
+        Command::Report { dir, second } => crumple::results::report::run(&dir, second.as_deref()),
         Command::Import(args) => crumple::input::mesh_file::import::run(&args),
         Command::ExportDeck(args) => crumple::input::deck::export::run(&args),
         Command::Scale(args) => crumple::analysis::scale::run(&args),

@@ -8,6 +8,7 @@ mod logs;
 mod paraview;
 mod provenance;
 mod report;
+mod report_page;
 mod study;
 mod trace;
 mod vtkhdf;

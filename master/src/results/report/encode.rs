@@ -2,14 +2,15 @@
 //! compressed.
 //!
 //! Order of the file: corners of the faces (u32, each minus the one before); their two owners
-//! (u32, plus one, zero for none); the parts of the elements (u16, index into the list of the
-//! description). Then for each time: states of the elements (u8), workers (u16), the scalars
-//! (u16), x, y and z of the nodes (u16). Each column is the difference from the same column at
+//! (u32, plus one, zero for none); the ids of elements and nodes (lower words, then upper words, as
+//! the corners); the parts of the elements (u16, index into the list of the description). Then for
+//! each time: states of the elements (u8), workers (u16), the scalars (u16), the scalars of the
+//! nodes, x, y and z of the nodes (u16). Each column is the difference from the same column at
 //! the previous time, in zigzag coding (0, -1, 1, -2, ...), the lowest bytes of all numbers
 //! first, so that small changes give mostly zeros. `decode.js` is the decoder.
 
 use super::scene::PageScene;
-use super::series::{ABSENT, MeshSeries, SCALARS};
+use super::series::{ABSENT, FieldFrame, MeshSeries, NODE_SCALARS, SCALARS};
 use super::surface::NO_ELEMENT;
 use flate2::{Compression, write::ZlibEncoder};
 use serde::Serialize;
@@ -33,6 +34,8 @@ pub struct Description {
     pub parts: Vec<u32>,
     /// Minimum and maximum of each scalar over all times; none if it has no value.
     pub ranges: Vec<Option<[f32; 2]>>,
+    /// The same for the scalars of nodes.
+    pub node_ranges: Vec<Option<[f32; 2]>>,
     /// Times.
     pub frames: Vec<Quantizer>,
     /// Number of elements that are hidden at some time because a node has no finite coordinates.
@@ -76,16 +79,16 @@ impl Quantizer {
 
 /// Encodes a scene; returns the description and the bytes.
 pub fn encode(series: &MeshSeries, scene: &PageScene) -> (Description, Vec<u8>) {
-    let mut out = PackedColumns(ZlibEncoder::new(Vec::new(), Compression::new(LEVEL)));
-    let corners: Vec<u32> = scene.faces.iter().flat_map(|f| f.corners).collect();
-    let before = std::iter::once(&0).chain(&corners);
-    out.u32(corners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));
+    let mut out = PackedColumns::new();
+    out.chain(scene.faces.iter().flat_map(|f| f.corners));
     for side in 0..2 {
         let owner = |o: u32| if o == NO_ELEMENT { 0 } else { o + 1 };
-        let owners: Vec<u32> = scene.faces.iter().map(|f| owner(f.owners[side])).collect();
-        let before = std::iter::once(&0).chain(&owners);
-        out.u32(owners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));
+        out.chain(scene.faces.iter().map(|f| owner(f.owners[side])));
     }
+    let ids_of_elements = scene.elements.iter().map(|&e| series.elements[e as usize].id);
+    let ids_of_nodes = scene.nodes.iter().map(|&n| series.node_ids[n as usize]);
+    out.ids(&ids_of_elements.collect::<Vec<_>>());
+    out.ids(&ids_of_nodes.collect::<Vec<_>>());
     let mut parts: Vec<u32> =
         scene.elements.iter().map(|&e| series.elements[e as usize].part).collect();
     let of_element = parts.clone();
@@ -93,13 +96,16 @@ pub fn encode(series: &MeshSeries, scene: &PageScene) -> (Description, Vec<u8>) 
     parts.dedup();
     out.u16(of_element.iter().map(|p| parts.partition_point(|a| a < p) as u16));
 
-    let ranges: Vec<_> = (0..SCALARS.len()).map(|s| range(series, scene, s)).collect();
+    let of_elements = |s: usize| range(series, scene, &scene.elements, |frame| &frame.scalars[s]);
+    let of_nodes = |s: usize| range(series, scene, &scene.nodes, |frame| &frame.node_scalars[s]);
+    let ranges: Vec<_> = (0..SCALARS.len()).map(of_elements).collect();
+    let node_ranges: Vec<_> = (0..NODE_SCALARS.len()).map(of_nodes).collect();
+    let both = [&ranges[..], &node_ranges[..]];
     let mut before = EncodedColumns::new(scene);
     let mut hidden = vec![false; scene.elements.len()];
     let mut grids = Vec::new();
     for &k in &scene.frames {
-        let (columns, grid) =
-            EncodedColumns::at_time(series, scene, k, &ranges, &before, &mut hidden);
+        let (columns, grid) = EncodedColumns::at_time(series, scene, k, both, &before, &mut hidden);
         out.bytes(columns.state.iter().zip(&before.state).map(|(a, b)| a.wrapping_sub(*b)));
         for (now, then) in columns.numbers.iter().zip(&before.numbers) {
             out.u16(now.iter().zip(then).map(|(a, b)| zigzag16(a.wrapping_sub(*b))));
@@ -113,6 +119,7 @@ pub fn encode(series: &MeshSeries, scene: &PageScene) -> (Description, Vec<u8>) 
         nodes: scene.nodes.len(),
         parts,
         ranges,
+        node_ranges,
         frames: grids,
         nowhere: hidden.iter().filter(|h| **h).count(),
     };
@@ -126,16 +133,18 @@ const LEVEL: u32 = 6;
 /// One time in integers.
 struct EncodedColumns {
     state: Vec<u8>,
-    /// Workers, scalars, coordinates.
-    numbers: [Vec<u16>; 1 + SCALARS.len() + 3],
+    /// Workers, scalars of elements, scalars of nodes, coordinates.
+    numbers: [Vec<u16>; OF_ELEMENTS + NODE_SCALARS.len() + 3],
 }
+
+/// Number of columns with a number per element.
+const OF_ELEMENTS: usize = 1 + SCALARS.len();
 
 impl EncodedColumns {
     /// Creates the columns from which the first time is subtracted.
     fn new(scene: &PageScene) -> Self {
         let of_elements = || vec![0; scene.elements.len()];
-        let columns = 1 + SCALARS.len();
-        let column = |c| if c < columns { of_elements() } else { vec![0; scene.nodes.len()] };
+        let column = |c| if c < OF_ELEMENTS { of_elements() } else { vec![0; scene.nodes.len()] };
         Self { state: vec![0; scene.elements.len()], numbers: std::array::from_fn(column) }
     }
 
@@ -143,7 +152,7 @@ impl EncodedColumns {
         series: &MeshSeries,
         scene: &PageScene,
         k: usize,
-        ranges: &[Option<[f32; 2]>],
+        [ranges, node_ranges]: [&[Option<[f32; 2]>]; 2],
         before: &Self,
         hidden: &mut [bool],
     ) -> (Self, Quantizer) {
@@ -161,18 +170,15 @@ impl EncodedColumns {
             columns.state[i] = if nowhere { ABSENT } else { there };
             columns.numbers[0][i] = frame.worker.get(e).copied().unwrap_or(0);
             for (s, range) in ranges.iter().enumerate() {
-                let value = frame.scalars[s].get(e).copied().filter(|v| v.is_finite());
-                columns.numbers[1 + s][i] = match (value, range) {
-                    (Some(v), Some([low, high])) if high > low => {
-                        ((v - low) / (high - low) * MOST_VALUE).round() as u16
-                    }
-                    (Some(_), Some(_)) => 0,
-                    _ => NO_VALUE,
-                };
+                columns.numbers[1 + s][i] = number(&frame.scalars[s], e, *range, SCALARS[s].unit());
             }
         }
-        let first = 1 + SCALARS.len();
+        let first = OF_ELEMENTS + NODE_SCALARS.len();
         for (i, &node) in scene.nodes.iter().enumerate() {
+            for (s, range) in node_ranges.iter().enumerate() {
+                columns.numbers[OF_ELEMENTS + s][i] =
+                    number(&frame.node_scalars[s], node as usize, *range, NODE_SCALARS[s].unit());
+            }
             for (c, x) in at(node).into_iter().enumerate() {
                 let number =
                     if x.is_finite() { grid.number(x, c) } else { before.numbers[first + c][i] };
@@ -183,15 +189,32 @@ impl EncodedColumns {
     }
 }
 
-/// Returns minimum and maximum of a scalar over the times of the scene.
-fn range(series: &MeshSeries, scene: &PageScene, scalar: usize) -> Option<[f32; 2]> {
-    let of_frame = |&k: &usize| {
-        scene.elements.iter().filter_map(move |&e| series.frames[k].scalars[scalar].get(e as usize))
-    };
-    let values = scene.frames.iter().flat_map(of_frame).filter(|v| v.is_finite());
-    values.fold(None, |range: Option<[f32; 2]>, &v| {
-        Some(range.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)]))
-    })
+/// Returns the integer of a value of a column, a multiple of `unit`.
+fn number(column: &[f32], place: usize, range: Option<[f32; 2]>, unit: f32) -> u16 {
+    match (column.get(place).filter(|v| v.is_finite()), range) {
+        (Some(v), Some([low, high])) if high > low => {
+            (((v - low) / (high - low) * MOST_VALUE / unit).round() * unit).min(MOST_VALUE) as u16
+        }
+        (Some(_), Some(_)) => 0,
+        _ => NO_VALUE,
+    }
+}
+
+/// Returns minimum and maximum of a column over the times of the scene, at these places.
+fn range<'s>(
+    series: &'s MeshSeries,
+    scene: &PageScene,
+    places: &[u32],
+    column: impl Fn(&'s FieldFrame) -> &'s Vec<f32>,
+) -> Option<[f32; 2]> {
+    let mut range: Option<[f32; 2]> = None;
+    for &k in &scene.frames {
+        let values = column(&series.frames[k]);
+        for &v in places.iter().filter_map(|&p| values.get(p as usize)).filter(|v| v.is_finite()) {
+            range = Some(range.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)]));
+        }
+    }
+    range
 }
 
 fn zigzag16(difference: u16) -> u16 {
@@ -205,9 +228,25 @@ fn zigzag32(difference: u32) -> u32 {
 }
 
 /// Columns on their way to compression, which cannot fail because it writes to memory.
-struct PackedColumns(ZlibEncoder<Vec<u8>>);
+pub struct PackedColumns(ZlibEncoder<Vec<u8>>);
 
 impl PackedColumns {
+    /// Creates a file without columns.
+    pub fn new() -> Self {
+        Self(ZlibEncoder::new(Vec::new(), Compression::new(LEVEL)))
+    }
+
+    /// Adds a column whose numbers are stored as differences from the previous one.
+    pub fn chain(&mut self, numbers: impl Iterator<Item = u32>) {
+        let mut last = 0u32;
+        self.u32(numbers.map(|n| zigzag32(n.wrapping_sub(std::mem::replace(&mut last, n)))));
+    }
+
+    fn ids(&mut self, ids: &[u64]) {
+        self.chain(ids.iter().map(|id| *id as u32));
+        self.chain(ids.iter().map(|id| (id >> 32) as u32));
+    }
+
     fn bytes(&mut self, bytes: impl Iterator<Item = u8>) {
         let bytes: Vec<u8> = bytes.collect();
         let _ = self.0.write_all(&bytes);
@@ -223,7 +262,8 @@ impl PackedColumns {
         (0..4).for_each(|place| self.bytes(numbers.iter().map(|n| n.to_le_bytes()[place])));
     }
 
-    fn finish(self) -> Vec<u8> {
+    /// Returns the bytes of all columns.
+    pub fn finish(self) -> Vec<u8> {
         self.0.finish().unwrap_or_default()
     }
 }
@@ -289,11 +329,18 @@ mod tests {
             assert_eq!(corners[4 * i..4 * i + 4], face.corners);
             assert_eq!([owners[0][i], owners[1][i]], face.owners.map(|o| o.wrapping_add(1)));
         }
+        for ids in [&series.elements.iter().map(|e| e.id).collect::<Vec<_>>(), &series.node_ids] {
+            let (low, high) = (read.chain(ids.len()), read.chain(ids.len()));
+            for (i, id) in ids.iter().enumerate() {
+                assert_eq!(u64::from(low[i]) + (u64::from(high[i]) << 32), *id);
+            }
+        }
         assert_eq!(read.column(d.elements, 2), [0, 1, 0, 1]);
         assert_eq!((d.parts.clone(), d.nowhere), (vec![0, 1], 0));
+        let coordinates = OF_ELEMENTS + NODE_SCALARS.len();
         let mut state = vec![0; d.elements];
         let mut numbers = vec![vec![0; d.elements]; 1 + SCALARS.len()];
-        numbers.extend(vec![vec![0; d.nodes]; 3]);
+        numbers.extend(vec![vec![0; d.nodes]; NODE_SCALARS.len() + 3]);
         for (k, grid) in d.frames.iter().enumerate() {
             let frame = &series.frames[k];
             let change = read.column(d.elements, 1);
@@ -310,14 +357,21 @@ mod tests {
                     let back = low + number as f32 / MOST_VALUE * (high - low);
                     assert_eq!(number == u32::from(NO_VALUE), value.is_nan());
                     assert!(
-                        value.is_nan() || (back - value).abs() <= 0.51 / MOST_VALUE * (high - low)
+                        value.is_nan()
+                            || (back - value).abs()
+                                <= 0.51 * SCALARS[s].unit() / MOST_VALUE * (high - low)
                     );
                 }
             }
+            let [low, high] = d.node_ranges[0].unwrap();
+            for (n, &number) in numbers[OF_ELEMENTS].iter().enumerate() {
+                let back = low + number as f32 / MOST_VALUE * (high - low);
+                let off = (back - frame.node_scalars[0][n]).abs();
+                assert!(off <= 0.51 * NODE_SCALARS[0].unit() / MOST_VALUE * (high - low));
+            }
             for (n, x) in frame.position.iter().enumerate() {
                 for c in 0..3 {
-                    let back =
-                        grid.origin[c] + f64::from(numbers[1 + SCALARS.len() + c][n]) * grid.unit;
+                    let back = grid.origin[c] + f64::from(numbers[coordinates + c][n]) * grid.unit;
                     assert!((back - f64::from(x[c])).abs() <= 0.5 * grid.unit, "{back} {}", x[c]);
                 }
             }

@@ -1,5 +1,6 @@
 //! `crumple report`: one page that shows a run, made only from the files in its folder.
 //!
+//! - `histories`: all histories, for the plot workbench
 //! - `sources`: summary, history and log; `plots`, `single_forces`, `tables`: their display
 //! - `series`: the field files, joined; `surface`: the visible faces
 //! - `scene`: the selection for the page; `encode`: the selection as bytes
@@ -7,6 +8,7 @@
 //! - `page`: the page; its scripts are in `master/assets/report`
 
 mod encode;
+mod histories;
 mod page;
 mod paths;
 mod plots;
@@ -22,15 +24,18 @@ mod workers;
 use crate::results::fields::{COLLECTION, DIR};
 use crate::stdout::say;
 use encode::Description;
+use page::escape;
 use scene::PageScene;
 use serde_json::json;
-use series::{Dimension, MeshSeries, SCALARS};
+use series::{Dimension, MeshSeries, NODE_SCALARS, SCALARS, Scalar};
 use sources::RunFiles;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Name of the page in the folder of a run.
 pub const FILE: &str = "report.html";
+/// Name of the page of two runs, in the folder of the first one.
+pub const PAIR_FILE: &str = "compare.html";
 /// Maximum size of the page [bytes]. A browser opens such a page at once, and it can be sent by
 /// mail.
 pub const MOST_BYTES: usize = 20_000_000;
@@ -57,9 +62,14 @@ pub struct Made {
     pub problems: Vec<String>,
 }
 
-/// Makes the page of the run in `dir` and returns the exit code.
-pub fn run(dir: &Path) -> u8 {
-    match write(dir, false) {
+/// Makes the page of the run in `dir`, or with a second run the page of both in step, and returns
+/// the exit code.
+pub fn run(dir: &Path, second: Option<&Path>) -> u8 {
+    let made = match second {
+        Some(second) => write_pair(dir, second),
+        None => write(dir, false),
+    };
+    match made {
         Ok(made) => {
             made.problems.iter().for_each(|problem| eprintln!("warning: {problem}"));
             say!("{made}");
@@ -90,17 +100,72 @@ impl std::fmt::Display for Made {
 /// The folder has no results, or the page cannot be written.
 pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
     let began = Instant::now();
-    let mut last = began;
-    let mut say = |what: &str| {
+    let mut say = progress(quiet);
+    let run = read(dir, &mut say)?;
+    finish(&dir.join(FILE), make(&run, None, MOST_BYTES, &mut say), began)
+}
+
+/// Makes the page of two runs in step, in the folder of the first one.
+///
+/// # Errors
+/// A folder has no results, the runs have different units, or the page cannot be written.
+fn write_pair(dir: &Path, second: &Path) -> Result<Made, String> {
+    let began = Instant::now();
+    let mut say = progress(false);
+    let runs = [read(dir, &mut say)?, read(second, &mut say)?];
+    let units = [0, 1].map(|i| runs[i].sources.units());
+    if units[0] != units[1] {
+        return Err(format!(
+            "{} has the units `{}` and {} has `{}`: runs in different units cannot be compared",
+            dir.display(),
+            units[0],
+            second.display(),
+            units[1]
+        ));
+    }
+    let names = [dir, second].map(|dir| dir.display().to_string());
+    let other = SecondRun { run: &runs[1], names: [&names[0], &names[1]] };
+    finish(&dir.join(PAIR_FILE), make(&runs[0], Some(&other), MOST_BYTES, &mut say), began)
+}
+
+/// Returns a function that prints progress to standard error if it takes longer than a second,
+/// unless `quiet` is true.
+fn progress(quiet: bool) -> impl FnMut(&str) {
+    let mut last = Instant::now();
+    move |what: &str| {
         if !quiet && last.elapsed() > PATIENCE {
             last = Instant::now();
             eprintln!("report: {what}");
         }
-    };
+    }
+}
+
+fn finish(path: &Path, made: (String, Vec<String>), began: Instant) -> Result<Made, String> {
+    let (page, problems) = made;
+    crumple_worker::vtu::write_whole(path, |out| out.write_all(page.as_bytes()))
+        .map_err(|e| e.to_string())?;
+    Ok(Made { path: path.to_owned(), bytes: page.len(), took: began.elapsed(), problems })
+}
+
+/// A run with its fields.
+#[derive(Debug, Default)]
+struct ReadRun {
+    sources: RunFiles,
+    series: MeshSeries,
+}
+
+/// The second run of a page, and the names of both.
+struct SecondRun<'a> {
+    run: &'a ReadRun,
+    names: [&'a str; 2],
+}
+
+/// Reads the results in a folder.
+fn read(dir: &Path, say: &mut dyn FnMut(&str)) -> Result<ReadRun, String> {
     let mut sources = RunFiles::read(dir);
     let collection = dir.join(DIR).join(COLLECTION);
     let series = match collection.exists() {
-        true => series::read(&collection, MOST_TIMES, &mut sources.problems, &mut say),
+        true => series::read(&collection, MOST_TIMES, &mut sources.problems, say),
         false => MeshSeries::default(),
     };
     if sources.summary.is_none() && sources.history.is_none() && series.frames.is_empty() {
@@ -114,11 +179,7 @@ pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
             missing.join("\n  ")
         ));
     }
-    let (page, problems) = make(&sources, &series, MOST_BYTES, &mut say);
-    let path = dir.join(FILE);
-    crumple_worker::vtu::write_whole(&path, |out| out.write_all(page.as_bytes()))
-        .map_err(|e| e.to_string())?;
-    Ok(Made { path, bytes: page.len(), took: began.elapsed(), problems })
+    Ok(ReadRun { sources, series })
 }
 
 /// Removes the page of an older run.
@@ -128,64 +189,113 @@ pub fn forget(dir: &Path) {
 
 /// Makes the page, of at most `room` bytes, and lists the problems.
 fn make(
-    sources: &RunFiles,
-    series: &MeshSeries,
+    first: &ReadRun,
+    second: Option<&SecondRun<'_>>,
     room: usize,
     say: &mut dyn FnMut(&str),
 ) -> (String, Vec<String>) {
-    let problems = sources.problems.clone();
-    let mut warnings = sources.warnings.clone();
-    warnings.extend(problems.iter().map(|p| format!("Not read: {p}")));
-    let mut left_out = Vec::new();
-    if let Some(history) = sources.history.as_ref().filter(|h| h.shown() < h.rows) {
-        left_out.push(format!(
-            "The plots show {} of the {} rows of history.csv.",
-            history.shown(),
-            history.rows
-        ));
+    let runs: Vec<&ReadRun> = std::iter::once(first).chain(second.map(|s| s.run)).collect();
+    let problems: Vec<String> = runs.iter().flat_map(|r| r.sources.problems.clone()).collect();
+    // Lines about one of two runs begin with its name.
+    let of = |i: usize, line: String| match second {
+        Some(second) => format!("{}: {line}", second.names[i]),
+        None => line,
+    };
+    let (mut warnings, mut left_out) = (Vec::new(), Vec::new());
+    for (i, ReadRun { sources, .. }) in runs.iter().enumerate() {
+        let unread = sources.problems.iter().map(|p| format!("Not read: {p}"));
+        warnings.extend(sources.warnings.iter().cloned().chain(unread).map(|w| (i, of(i, w))));
+        if let Some(history) = sources.history.as_ref().filter(|h| h.shown() < h.rows) {
+            let line = format!(
+                "The plots show {} of the {} rows of history.csv.",
+                history.shown(),
+                history.rows
+            );
+            left_out.push(of(i, line));
+        }
+        left_out.extend(sources.histories.left_out().into_iter().map(|line| of(i, line)));
     }
-    let title = match sources.title() {
-        "" => "Crumple report",
-        title => title,
-    };
-    let units = match sources.units() {
-        "" => String::new(),
-        units => format!("units {units}"),
-    };
-    let lines = [sources.ending(), units];
-    let subtitle =
-        lines.iter().filter(|l| !l.is_empty()).map(String::as_str).collect::<Vec<_>>().join(" · ");
-    let tables = sources.summary.as_ref().map_or(String::new(), tables::tables);
-    let write =
-        |warnings: &[String], left_out: &[String], model: Option<&Description>, picture: &[u8]| {
-            let facts = facts(sources, model);
-            let content = page::Content {
-                title,
-                subtitle: &subtitle,
-                warnings,
-                left_out,
-                tables: &tables,
-                facts: &facts,
-                picture,
-            };
-            page::page(&content)
+    let tables: String = (0..runs.len())
+        .filter_map(|i| {
+            let tables = tables::tables(runs[i].sources.summary.as_ref()?);
+            let head = second.map_or(String::new(), |s| {
+                format!("<section class=\"table\"><h2>{}</h2></section>\n", escape(s.names[i]))
+            });
+            Some(head + &tables)
+        })
+        .collect();
+    let histories: Vec<Vec<u8>> = runs.iter().map(|r| r.sources.histories.packed()).collect();
+    let (title, subtitle) = headline(&runs, second);
+    let write = |warnings: &[(usize, String)], left_out: &[String], drawn: &[Option<Drawn>]| {
+        let model = |i: usize| drawn.get(i).and_then(Option::as_ref).map(|d: &Drawn| &d.0);
+        let picture =
+            |i: usize| drawn.get(i).and_then(Option::as_ref).map_or(&[][..], |d: &Drawn| &d.1);
+        let mut all = facts(&first.sources, model(0));
+        if let Some(second) = second {
+            all["second"] = facts(&second.run.sources, model(1));
+            all["second"]["first_name"] = json!(second.names[0]);
+            all["second"]["name"] = json!(second.names[1]);
+        }
+        let content = page::Content {
+            title: &title,
+            subtitle: &subtitle,
+            warnings,
+            left_out,
+            tables: &tables,
+            facts: &page::json(&all),
+            pictures: [picture(0), picture(1)],
+            histories: [&histories[0], histories.get(1).map_or(&[][..], Vec::as_slice)],
         };
-    let bare = write(&warnings, &left_out, None, &[]);
-    if series.frames.is_empty() {
+        page::page(&content)
+    };
+    let bare = write(&warnings, &left_out, &[]);
+    let pictures = runs.iter().filter(|r| !r.series.frames.is_empty()).count();
+    if pictures == 0 {
         return (bare, problems);
     }
     // Base64: four characters of the page per three bytes.
-    let bytes = room.saturating_sub(bare.len() + DESCRIPTION) / 4 * 3;
-    let (scene, description, picture) = fit(series, bytes, say);
-    if description.nowhere > 0 {
-        let count = description.nowhere;
-        warnings.push(format!(
-            "{count} elements are hidden at times when one of their nodes has non-finite \
-             coordinates."
-        ));
+    let bytes = room.saturating_sub(bare.len() + pictures * DESCRIPTION) / pictures / 4 * 3;
+    let mut drawn = Vec::new();
+    for (i, ReadRun { sources, series }) in runs.iter().enumerate() {
+        if series.frames.is_empty() {
+            drawn.push(None);
+            continue;
+        }
+        let (scene, description, picture) = fit(series, bytes, say);
+        if description.nowhere > 0 {
+            let line = format!(
+                "{} elements are hidden at times when one of their nodes has non-finite \
+                 coordinates.",
+                description.nowhere
+            );
+            warnings.push((i, of(i, line)));
+        }
+        let lines = left_out_of(series, &scene, &description, sources);
+        left_out.extend(lines.into_iter().map(|line| of(i, line)));
+        drawn.push(Some((description, picture)));
     }
-    left_out.extend(left_out_of(series, &scene, &description, sources));
-    (write(&warnings, &left_out, Some(&description), &picture), problems)
+    (write(&warnings, &left_out, &drawn), problems)
+}
+
+/// Description and bytes of a picture.
+type Drawn = (Description, Vec<u8>);
+
+/// Returns title and subtitle of the page.
+fn headline(runs: &[&ReadRun], second: Option<&SecondRun<'_>>) -> (String, String) {
+    let units = match runs[0].sources.units() {
+        "" => String::new(),
+        units => format!("units {units}"),
+    };
+    let (title, mut lines) = match second {
+        Some(SecondRun { names, .. }) => {
+            let ending = |i: usize| format!("{}: {}", names[i], runs[i].sources.ending());
+            (format!("{} and {}", names[0], names[1]), vec![ending(0), ending(1)])
+        }
+        None => (runs[0].sources.title().to_owned(), vec![runs[0].sources.ending()]),
+    };
+    lines.push(units);
+    lines.retain(|line| !line.is_empty());
+    (if title.is_empty() { "Crumple report".into() } else { title }, lines.join(" · "))
 }
 
 /// Returns the scene with as many times and faces as fit into `room` bytes.
@@ -257,33 +367,46 @@ fn left_out_of(
          interpolated between output times, colours are those of the previous output time.",
         unit.trim_end()
     ));
-    out.push("Stress components, velocities and ghost elements are in fields/ only.".into());
+    out.push("Stress components and ghost elements are in fields/ only.".into());
     out
 }
 
-/// Returns the scalars with their units, for the scripts.
+/// Returns the scalars of elements with their units, for the scripts.
 fn scalars(sources: &RunFiles) -> Vec<serde_json::Value> {
+    with_units(&SCALARS, sources)
+}
+
+/// Returns the scalars of nodes with their units, for the scripts.
+fn node_scalars(sources: &RunFiles) -> Vec<serde_json::Value> {
+    with_units(&NODE_SCALARS, sources)
+}
+
+fn with_units(scalars: &[Scalar], sources: &RunFiles) -> Vec<serde_json::Value> {
     let [length, stress] = sources.length_and_stress();
+    let velocity = sources.velocity();
     let unit = |dimension| match dimension {
         Dimension::None => "",
         Dimension::Length => &length,
         Dimension::Stress => &stress,
+        Dimension::Velocity => &velocity,
     };
-    SCALARS.iter().map(|s| json!({ "title": s.title, "unit": unit(s.dimension) })).collect()
+    scalars.iter().map(|s| json!({ "title": s.title, "unit": unit(s.dimension) })).collect()
 }
 
-/// Returns the data for the scripts.
-fn facts(sources: &RunFiles, model: Option<&Description>) -> String {
+/// Returns the data of a run for the scripts.
+fn facts(sources: &RunFiles, model: Option<&Description>) -> serde_json::Value {
     let [length, _] = sources.length_and_stress();
-    page::json(&json!({
+    json!({
         "time_unit": sources.history.as_ref().map_or("", |h| h.unit("time")),
         "length_unit": length,
         "scalars": scalars(sources),
+        "node_scalars": node_scalars(sources),
         "part_names": sources.part_names(),
         "walls": sources.walls(),
         "plots": sources.plots,
+        "histories": sources.histories,
         "model": model,
-    }))
+    })
 }
 
 #[cfg(test)]
@@ -306,29 +429,49 @@ mod tests {
             series.frames.push(next);
         }
         series.written = series.frames.len();
-        let sources = RunFiles::default();
-        let whole = make(&sources, &series, MOST_BYTES, &mut |_| {}).0;
+        let run = ReadRun { series, ..ReadRun::default() };
+        let made = |room| make(&run, None, room, &mut |_| {}).0;
+        let whole = made(MOST_BYTES);
         assert!(!whole.contains("output times.") && !whole.contains("coarsened"));
-        let bare = make(&sources, &MeshSeries::default(), MOST_BYTES, &mut |_| {}).0.len();
+        let bare = make(&ReadRun::default(), None, MOST_BYTES, &mut |_| {}).0.len();
         let picture = whole.len() - bare;
         let room = bare + DESCRIPTION + picture * 6 / 10;
-        let fewer = make(&sources, &series, room, &mut |_| {}).0;
+        let fewer = made(room);
         assert!(
             fewer.len() <= room
                 && fewer.contains("of the 40 output times.")
                 && !fewer.contains("coarsened")
         );
         let room = bare + DESCRIPTION + picture / 10;
-        let coarser = make(&sources, &series, room, &mut |_| {}).0;
+        let coarser = made(room);
         assert!(
             coarser.len() <= room
                 && coarser.contains("shows 12 of the 40 output times")
                 && coarser.contains("was coarsened")
         );
+        assert!(made(0).len() < bare + DESCRIPTION, "the loop also ends without room");
+        let both = SecondRun { run: &run, names: ["a<b", "c"] };
+        let room = bare + 2 * DESCRIPTION + picture;
+        let pair = make(&run, Some(&both), room, &mut |_| {}).0;
         assert!(
-            make(&sources, &series, 0, &mut |_| {}).0.len() < bare + DESCRIPTION,
-            "the loop also ends without room"
+            pair.len() <= room && pair.matches("of the 40 output times.").count() == 2,
+            "two runs share the room"
         );
+        assert!(pair.contains("a&lt;b and c") && pair.contains("c: The picture shows"));
+    }
+
+    #[test]
+    fn runs_in_different_units_are_not_compared() {
+        let dirs = ["mm, ms, kg", "m, s, kg"].map(|units| {
+            let dir = tempfile::tempdir().unwrap();
+            let summary = json!({ "status": "completed", "units": units }).to_string();
+            std::fs::write(dir.path().join("summary.json"), summary).unwrap();
+            dir
+        });
+        let error = write_pair(dirs[0].path(), dirs[1].path()).unwrap_err();
+        assert!(error.contains("`mm, ms, kg`") && error.contains("`m, s, kg`"), "{error}");
+        let made = write_pair(dirs[0].path(), dirs[0].path()).unwrap();
+        assert!(made.path.ends_with(PAIR_FILE));
     }
 
     #[test]

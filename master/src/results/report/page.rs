@@ -8,7 +8,7 @@ const STYLE: [&str; 2] = [
     include_str!("../../../assets/vendor/uPlot.min.css"),
     include_str!("../../../assets/report/page.css"),
 ];
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 21] = [
     include_str!("../../../assets/vendor/three.min.js"),
     include_str!("../../../assets/vendor/uPlot.min.js"),
     include_str!("../../../assets/report/decode.js"),
@@ -18,7 +18,17 @@ const SCRIPTS: [&str; 11] = [
     include_str!("../../../assets/report/walls.js"),
     include_str!("../../../assets/report/keys.js"),
     include_str!("../../../assets/report/view.js"),
+    include_str!("../../../assets/report/pick.js"),
+    include_str!("../../../assets/report/stage.js"),
+    include_str!("../../../assets/report/forces.js"),
     include_str!("../../../assets/report/plots.js"),
+    include_str!("../../../assets/report/signal.js"),
+    include_str!("../../../assets/report/histories.js"),
+    include_str!("../../../assets/report/chart.js"),
+    include_str!("../../../assets/report/workbench.js"),
+    include_str!("../../../assets/report/figures.js"),
+    include_str!("../../../assets/report/share.js"),
+    include_str!("../../../assets/report/second.js"),
     include_str!("../../../assets/report/main.js"),
 ];
 
@@ -29,25 +39,30 @@ pub struct Content<'a> {
     pub title: &'a str,
     /// Subtitle, as text.
     pub subtitle: &'a str,
-    /// Warnings, the most severe first, as text.
-    pub warnings: &'a [String],
+    /// Warnings, the most severe first: number of the run, and text.
+    pub warnings: &'a [(usize, String)],
     /// Omitted content, as text.
     pub left_out: &'a [String],
     /// Tables, as HTML.
     pub tables: &'a str,
     /// Data for the scripts, as JSON.
     pub facts: &'a str,
-    /// The picture, compressed.
-    pub picture: &'a [u8],
+    /// The pictures of up to two runs, compressed.
+    pub pictures: [&'a [u8]; 2],
+    /// The histories of up to two runs, compressed.
+    pub histories: [&'a [u8]; 2],
 }
 
 /// Returns the complete page.
 pub fn page(content: &Content<'_>) -> String {
     let items =
         |all: &[String]| all.iter().map(|w| format!("<li>{}</li>", escape(w))).collect::<String>();
+    let warned = |all: &[(usize, String)]| {
+        all.iter().map(|(run, text)| warning(text, *run == 0)).collect::<String>()
+    };
     let warnings = match content.warnings {
         [] => "<p class=\"none\">No warnings.</p>".into(),
-        all => format!("<ul>{}</ul>", items(all)),
+        all => format!("<ul>{}</ul>", warned(all)),
     };
     let scripts: String =
         SCRIPTS.iter().map(|script| format!("<script>\n{script}\n</script>\n")).collect();
@@ -61,12 +76,35 @@ pub fn page(content: &Content<'_>) -> String {
             ("left_out", &items(content.left_out)),
             ("tables", content.tables),
             ("facts", content.facts),
-            ("picture", &BASE64_STANDARD.encode(content.picture)),
+            ("picture", &BASE64_STANDARD.encode(content.pictures[0])),
+            ("histories", &BASE64_STANDARD.encode(content.histories[0])),
+            ("second_picture", &BASE64_STANDARD.encode(content.pictures[1])),
+            ("second_histories", &BASE64_STANDARD.encode(content.histories[1])),
             ("style", &STYLE.concat()),
             ("scripts", &scripts),
             ("version", env!("CARGO_PKG_VERSION")),
         ],
     )
+}
+
+/// Returns a warning as an item of a list, with the time that it names, so that the scripts can
+/// show it; with the element or node as well if `places` is true: the first run has the pointer.
+fn warning(text: &str, places: bool) -> String {
+    let after = |word: &str| {
+        let number = |rest: &str| {
+            let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
+            rest[..end.unwrap_or(rest.len())].trim_end_matches('.').parse::<f64>().ok()
+        };
+        let mut all = text.match_indices(word).map(|(at, _)| number(&text[at + word.len()..]));
+        all.find_map(|n| n.filter(|n| n.is_finite()))
+    };
+    let named = [("time", "time "), ("element", "element "), ("node", "node ")];
+    let data: String = named
+        .into_iter()
+        .take(if places { 3 } else { 1 })
+        .filter_map(|(key, word)| Some(format!(" data-{key}=\"{}\"", after(word)?)))
+        .collect();
+    format!("<li{data}>{}</li>", escape(text))
 }
 
 /// Returns the template with each `{{name}}` replaced once. Inserted text is not searched again.
@@ -113,7 +151,7 @@ mod tests {
     fn every_marker_of_the_template_is_filled_and_what_is_put_in_is_left_alone() {
         let hostile = "</script><script>alert(1)</script> & \"{{facts}}\" '";
         let facts = json(&hostile);
-        let warnings = [hostile.to_owned()];
+        let warnings = [(0, hostile.to_owned())];
         let content = Content {
             title: hostile,
             subtitle: hostile,
@@ -136,11 +174,35 @@ mod tests {
         let without = fill(TEMPLATE, &[]);
         assert!(!without.contains("{{") && !without.contains("}}"));
         for name in [
-            "title", "subtitle", "kind", "warnings", "left_out", "tables", "facts", "picture",
-            "style", "scripts",
+            "title",
+            "subtitle",
+            "kind",
+            "warnings",
+            "left_out",
+            "tables",
+            "facts",
+            "picture",
+            "histories",
+            "second_picture",
+            "second_histories",
+            "style",
+            "scripts",
         ] {
             assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name} is missing on the page");
         }
+    }
+
+    #[test]
+    fn a_warning_has_its_time_and_place() {
+        let text = "at time 2.500000e0 part `a`: it sinks; element 7000000000001 at (1, 2, 3). Why";
+        assert!(
+            warning(text, true)
+                .starts_with("<li data-time=\"2.5\" data-element=\"7000000000001\">at")
+        );
+        assert_eq!(warning("a node 17.", true), "<li data-node=\"17\">a node 17.</li>");
+        assert!(warning(text, false).starts_with("<li data-time=\"2.5\">at"));
+        let bare = "an element inverts, time nan";
+        assert_eq!(warning(bare, true), format!("<li>{bare}</li>"));
     }
 
     /// The page makes no network request: no file, font or picture has an address.

@@ -139,8 +139,11 @@ pub(super) mod tests {
         let nodes = row * (long + 1);
         let frame =
             FieldFrame { position: (0..nodes).map(place).collect(), ..FieldFrame::default() };
-        let series =
-            MeshSeries { nodes: nodes as usize, frames: vec![frame], ..MeshSeries::default() };
+        let series = MeshSeries {
+            node_ids: (0..nodes.into()).collect(),
+            frames: vec![frame],
+            ..MeshSeries::default()
+        };
         let quad = |e: u32| {
             let (i, j) = (e / wide, e % wide);
             VisibleFace {

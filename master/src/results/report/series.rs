@@ -3,10 +3,11 @@
 
 use crate::results::field_file::{self, FieldStep, PieceArrays};
 use crumple_worker::vtu::{self, Array};
+use nalgebra::Matrix3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// A scalar per element that the page can show.
+/// A scalar per element or per node that the page can show.
 pub struct Scalar {
     /// Its array in the field files.
     pub array: &'static Array,
@@ -14,6 +15,26 @@ pub struct Scalar {
     pub title: &'static str,
     /// Its dimension.
     pub dimension: Dimension,
+    /// Its value, from the components of the array.
+    of: fn(&[f32]) -> f32,
+    /// True if 4096 steps are enough, which compress better than 65535.
+    coarse: bool,
+}
+
+impl Scalar {
+    /// Returns the step of its integers.
+    pub fn unit(&self) -> f32 {
+        if self.coarse { 16.0 } else { 1.0 }
+    }
+
+    /// Returns its values.
+    ///
+    /// # Errors
+    /// The piece lacks the array.
+    fn values(&self, piece: &PieceArrays) -> Result<Vec<f32>, String> {
+        let components = piece.f32(self.array.name)?;
+        Ok(components.chunks_exact(self.array.components).map(self.of).collect())
+    }
 }
 
 /// Dimension of a scalar. The page shows it in the units of the job.
@@ -25,14 +46,67 @@ pub enum Dimension {
     Length,
     /// Force per area.
     Stress,
+    /// Length per time.
+    Velocity,
+}
+
+/// A scalar that is the only component of its array.
+const fn plain(array: &'static Array, title: &'static str, dimension: Dimension) -> Scalar {
+    Scalar { array, title, dimension, of: |c| c[0], coarse: false }
+}
+
+/// A scalar from several components of an array.
+const fn derived(
+    array: &'static Array,
+    title: &'static str,
+    dimension: Dimension,
+    of: fn(&[f32]) -> f32,
+) -> Scalar {
+    Scalar { array, title, dimension, of, coarse: true }
 }
 
 /// Scalars per element, in the order of the page.
-pub const SCALARS: [Scalar; 3] = [
-    Scalar { array: &vtu::PLASTIC_STRAIN, title: "plastic strain", dimension: Dimension::None },
-    Scalar { array: &vtu::VON_MISES, title: "von Mises stress", dimension: Dimension::Stress },
-    Scalar { array: &vtu::THICKNESS, title: "thickness", dimension: Dimension::Length },
+pub const SCALARS: [Scalar; 6] = [
+    plain(&vtu::PLASTIC_STRAIN, "plastic strain", Dimension::None),
+    plain(&vtu::VON_MISES, "von Mises stress", Dimension::Stress),
+    plain(&vtu::THICKNESS, "thickness", Dimension::Length),
+    derived(&vtu::STRESS, "pressure", Dimension::Stress, pressure),
+    derived(&vtu::STRESS, "largest principal stress", Dimension::Stress, largest_principal),
+    derived(&vtu::STRESS, "triaxiality", Dimension::None, triaxiality),
 ];
+
+/// Scalars per node, in the order of the page.
+pub const NODE_SCALARS: [Scalar; 1] =
+    [derived(&vtu::VELOCITY, "velocity", Dimension::Velocity, |v| {
+        v.iter().map(|c| c * c).sum::<f32>().sqrt()
+    })];
+
+/// Returns minus the mean of the normal components of a stress xx, yy, zz, xy, yz, zx.
+fn pressure(s: &[f32]) -> f32 {
+    -(s[0] + s[1] + s[2]) / 3.0
+}
+
+/// Returns the largest principal stress.
+fn largest_principal(s: &[f32]) -> f32 {
+    if s.iter().any(|c| !c.is_finite()) {
+        return f32::NAN;
+    }
+    let s = [0, 1, 2, 3, 4, 5].map(|i| f64::from(s[i]));
+    Matrix3::new(s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]).symmetric_eigenvalues().max()
+        as f32
+}
+
+/// Returns the mean stress over the von Mises stress, both of the same point; none without stress.
+fn triaxiality(s: &[f32]) -> f32 {
+    let p = pressure(s);
+    let normal: f32 = s[..3].iter().map(|c| (c + p).powi(2)).sum();
+    let shear: f32 = s[3..6].iter().map(|c| c * c).sum();
+    let von_mises = (1.5 * normal + 3.0 * shear).sqrt();
+    if von_mises > LEAST_MISES * p.abs() { -p / von_mises } else { f32::NAN }
+}
+
+/// Von Mises stress over pressure below which the stress is hydrostatic to round-off.
+const LEAST_MISES: f32 = 1e-4;
 
 /// Shape of an element, from its VTK cell type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +152,8 @@ pub struct SeriesElement {
     pub corners: [u32; 8],
     /// Id of its part.
     pub part: u32,
+    /// Id.
+    pub id: u64,
 }
 
 /// Code of an absent element in [`FieldFrame::state`]. The code of a present one is its class plus
@@ -97,6 +173,8 @@ pub struct FieldFrame {
     pub worker: Vec<u16>,
     /// A column for each of [`SCALARS`].
     pub scalars: [Vec<f32>; SCALARS.len()],
+    /// A column for each of [`NODE_SCALARS`].
+    pub node_scalars: [Vec<f32>; NODE_SCALARS.len()],
 }
 
 /// All times.
@@ -104,8 +182,8 @@ pub struct FieldFrame {
 pub struct MeshSeries {
     /// Elements by index.
     pub elements: Vec<SeriesElement>,
-    /// Number of nodes.
-    pub nodes: usize,
+    /// Ids of the nodes by index.
+    pub node_ids: Vec<u64>,
     /// Times in their order.
     pub frames: Vec<FieldFrame>,
     /// Number of times that the run wrote. `frames` may be a selection of them.
@@ -144,7 +222,8 @@ pub fn read(
         if at == 0 {
             // All times have about the size of the first.
             let s = &reader.series;
-            let each = 3 * s.nodes + (SCALARS.len() + 1) * s.elements.len();
+            let (nodes, elements) = (s.node_ids.len(), s.elements.len());
+            let each = (3 + NODE_SCALARS.len()) * nodes + (SCALARS.len() + 1) * elements;
             chosen = spread(steps.len(), most.min(MOST_NUMBERS / each.max(1)).max(2));
         }
         at += 1;
@@ -206,19 +285,26 @@ impl SeriesReader {
     fn join(&mut self, piece: &PieceArrays, frame: &mut FieldFrame) -> Result<(), String> {
         let points = piece.f32(vtu::POINTS.name)?;
         let mut nodes = Vec::with_capacity(piece.points);
-        for (id, x) in piece.i64(vtu::NODE_ID.name)?.iter().zip(points.chunks_exact(3)) {
+        let node_scalars: Vec<_> =
+            NODE_SCALARS.iter().map(|s| s.values(piece)).collect::<Result<_, _>>()?;
+        let ids = piece.i64(vtu::NODE_ID.name)?;
+        for (at, (id, x)) in ids.iter().zip(points.chunks_exact(3)).enumerate() {
             let next = self.node_of.len() as u32;
             let node = *self.node_of.entry(*id).or_insert(next);
+            if node == next {
+                self.series.node_ids.push(*id as u64);
+            }
             put(&mut frame.position, node, [x[0], x[1], x[2]], [f32::NAN; 3]);
+            for (column, values) in frame.node_scalars.iter_mut().zip(&node_scalars) {
+                put(column, node, values[at], f32::NAN);
+            }
             nodes.push(node);
         }
-        self.series.nodes = self.node_of.len();
         let (corners, ends) = (piece.i64("connectivity")?, piece.i64("offsets")?);
-        let (kinds, ids) = (piece.u8("types")?, piece.i64(vtu::ELEMENT_ID.name)?);
+        let (kinds, ids_of_cells) = (piece.u8("types")?, piece.i64(vtu::ELEMENT_ID.name)?);
         let (parts, classes) = (piece.u32(vtu::PART.name)?, piece.u8(vtu::CLASS.name)?);
         let workers = piece.u32(vtu::WORKER.name)?;
-        let scalars: Vec<_> =
-            SCALARS.iter().map(|s| piece.f32(s.array.name)).collect::<Result<_, _>>()?;
+        let scalars: Vec<_> = SCALARS.iter().map(|s| s.values(piece)).collect::<Result<_, _>>()?;
         let mut begin = 0;
         for cell in 0..piece.cells {
             let of_cell = &corners[begin..ends[cell] as usize];
@@ -228,7 +314,7 @@ impl SeriesReader {
                 continue;
             };
             let next = self.series.elements.len() as u32;
-            let element = *self.element_of.entry(ids[cell]).or_insert(next);
+            let element = *self.element_of.entry(ids_of_cells[cell]).or_insert(next);
             if element == next {
                 let mut numbers = [0; 8];
                 numbers
@@ -239,6 +325,7 @@ impl SeriesReader {
                     shape,
                     corners: numbers,
                     part: parts[cell],
+                    id: ids_of_cells[cell] as u64,
                 });
             }
             put(&mut frame.state, element, classes[cell].saturating_add(1), ABSENT);
@@ -263,6 +350,26 @@ fn put<T: Clone>(column: &mut Vec<T>, place: u32, value: T, none: T) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Uniaxial tension of 3 along a turned axis, and the same with a pressure of 2.
+    #[test]
+    fn invariants_of_a_stress() {
+        let n = [0.6f32, 0.0, 0.8];
+        let uniaxial = [n[0] * n[0], 0.0, n[2] * n[2], 0.0, 0.0, n[2] * n[0]].map(|c| 3.0 * c);
+        assert!((pressure(&uniaxial) + 1.0).abs() < 1e-6);
+        assert!((largest_principal(&uniaxial) - 3.0).abs() < 1e-6);
+        assert!((triaxiality(&uniaxial) - 1.0 / 3.0).abs() < 1e-6);
+        let mut pressed = uniaxial;
+        pressed[..3].iter_mut().for_each(|c| *c -= 2.0);
+        assert!((pressure(&pressed) - 1.0).abs() < 1e-6);
+        assert!((largest_principal(&pressed) - 1.0).abs() < 1e-6);
+        assert!((triaxiality(&pressed) + 1.0 / 3.0).abs() < 1e-6);
+        assert!(
+            triaxiality(&[0.0; 6]).is_nan()
+                && triaxiality(&[-1.0, -1.0, -1.0, 0., 0., 0.]).is_nan()
+        );
+        assert!(largest_principal(&[f32::NAN; 6]).is_nan());
+    }
 
     #[test]
     fn times_are_spread_evenly_with_the_first_and_the_last() {

@@ -1,5 +1,6 @@
 //! Files in the folder of a run other than the fields: summary, histories, log and job.
 
+use super::histories::ReportHistories;
 use super::paths::{self, WallPath};
 use super::plots::{ColumnFile, Plots};
 use super::{single_forces, workers};
@@ -23,6 +24,8 @@ pub struct RunFiles {
     pub paths: Vec<WallPath>,
     /// Plots of the history and of the files with forces.
     pub plots: Plots,
+    /// All histories.
+    pub histories: ReportHistories,
     /// Warnings of the run, the most severe first.
     pub warnings: Vec<String>,
     /// Files that could not be read.
@@ -80,6 +83,7 @@ impl RunFiles {
             }
             Err(why) => sources.problems.push(why),
         }
+        sources.histories = ReportHistories::read(dir);
         sources.paths = paths::read(&dir.join("walls.csv"));
         sources.warnings = sources.of_summary();
         sources.warnings.extend(log(&dir.join("log.jsonl")));
@@ -199,12 +203,22 @@ impl RunFiles {
         self.summary.as_ref().and_then(|s| s.get("walls")?.as_array()).map_or(&[], Vec::as_slice)
     }
 
+    /// Returns the label of a velocity in the job's units, empty if they are not known.
+    pub fn velocity(&self) -> String {
+        match self.unit_words()[..] {
+            [length, time, _, ..] => format!("{length}/{time}"),
+            _ => String::new(),
+        }
+    }
+
+    fn unit_words(&self) -> Vec<&str> {
+        self.units().split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect()
+    }
+
     /// Returns labels of length and stress in the job's units, from their first three words:
     /// length, time, mass.
     pub fn length_and_stress(&self) -> [String; 2] {
-        let words: Vec<&str> =
-            self.units().split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
-        match words[..] {
+        match self.unit_words()[..] {
             ["mm", "ms", "kg", ..] => ["mm".into(), "GPa".into()],
             ["mm", "s", "t" | "tonne", ..] => ["mm".into(), "MPa".into()],
             ["m", "s", "kg", ..] => ["m".into(), "Pa".into()],

@@ -3,11 +3,11 @@
 
 use super::encode::encode;
 use super::paths;
-use super::scalars;
 use super::scene::PageScene;
 use super::series::{MeshSeries, read_state};
 use super::sources::{self, RunFiles};
 use super::surface::faces;
+use super::{node_scalars, scalars};
 use crate::results::field_file::{self, FieldStep};
 use crate::results::fields::{COLLECTION, DIR};
 use base64::{Engine, prelude::BASE64_STANDARD};
@@ -78,6 +78,8 @@ impl PictureState {
             "faces_seen": scene.faces_seen,
             "times": outputs(dir).iter().map(|step| step.time).collect::<Vec<_>>(),
             "scalars": scalars(&sources),
+            "node_scalars": node_scalars(&sources),
+            "length_unit": sources.length_and_stress()[0],
             "part_names": sources.part_names(),
             "walls": sources.walls(),
             "model": model,

@@ -86,7 +86,7 @@ pub fn without_repeats(corners: [u32; 4]) -> Option<[u32; 4]> {
 
 #[cfg(test)]
 pub mod tests {
-    use super::super::series::{FieldFrame, SCALARS, SeriesElement};
+    use super::super::series::{FieldFrame, SeriesElement};
     use super::*;
 
     /// Returns a row of `count` cubes. All are present at the first time, and those of `later` at
@@ -97,6 +97,7 @@ pub mod tests {
             shape: CellShape::Hexahedron,
             corners: [0, 1, 2, 3, 4, 5, 6, 7].map(|k: u32| node(i + k / 4, k % 4)),
             part: i % 2,
+            id: (1 << 40) + 7 * u64::from(i),
         };
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let at = |shift: f32| {
@@ -112,12 +113,12 @@ pub mod tests {
             scalars: std::array::from_fn(|s| {
                 (0..count).map(|e| (e * (s as u32 + 1)) as f32 * time as f32).collect()
             }),
+            node_scalars: [(0..4 * (count + 1)).map(|n| n as f32 * time as f32).collect()],
             state,
         };
-        assert_eq!(SCALARS.len(), 3);
         MeshSeries {
             elements: (0..count).map(cube).collect(),
-            nodes: 4 * (count as usize + 1),
+            node_ids: (0..4 * u64::from(count + 1)).map(|n| 3 * n + 1).collect(),
             frames: vec![frame(0.0, vec![1; count as usize]), frame(2.0, later.to_vec())],
             written: 2,
             unknown_shapes: 0,

@@ -1,0 +1,533 @@
+//! The report page in Chromium, as an engineer uses it: every control, the formulas behind the
+//! curves, files that are saved, links, print, and two runs in step.
+
+use crumple_tests::browser::Browser;
+use crumple_tests::program::{Ended, crumple_with, root, run};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// A short crush of a coarse tube, with the motion of nodes of its head.
+fn crushed(more: &[&str]) -> Ended {
+    let dir = tempfile::tempdir().unwrap();
+    let job = fs::read_to_string(root().join("cases/tube/job.toml")).unwrap();
+    let job =
+        job.replace("[output]\n", "[output]\nnode = [{ name = \"head\", nodes = \"head\" }]\n");
+    fs::write(dir.path().join("job.toml"), job).unwrap();
+    let folder = dir.path().display().to_string();
+    let settings = [
+        "end_time=0.4",
+        "scene.elements=4",
+        "output.history_interval=0.002",
+        "output.field_interval=0.05",
+    ];
+    let mut args = vec!["run", &folder, "--workers", "1"];
+    settings.iter().chain(more).for_each(|setting| args.extend(["--set", setting]));
+    run(crumple_with(&args)).with_code(0)
+}
+
+/// Opens a page, and waits until its picture is drawn.
+fn opened(page: &Path, fragment: &str) -> Option<Browser> {
+    let mut browser = Browser::start()?;
+    open(&mut browser, page, fragment);
+    Some(browser)
+}
+
+fn open(browser: &mut Browser, page: &Path, fragment: &str) {
+    browser.open("about:blank"); // a page does not look at a fragment again
+    browser.open(&format!("file://{}#{fragment}", page.display()));
+    browser.wait("the page is drawn", "document.documentElement.dataset.state === 'ready'");
+}
+
+fn sound(browser: &mut Browser) {
+    assert_eq!(browser.evaluate("document.documentElement.dataset.errors"), "0");
+    let problems = browser.problems();
+    assert!(problems.is_empty(), "{problems:#?}");
+}
+
+/// Drives the page by the ids of its controls, and notes which were used.
+struct Controls {
+    browser: Browser,
+    used: BTreeSet<String>,
+}
+
+impl Controls {
+    /// Sets the value of a list or field, or the state of a box, as a user does.
+    fn set(&mut self, id: &str, value: impl Into<Value>) {
+        let value = value.into();
+        let key = if value.is_boolean() { "checked" } else { "value" };
+        self.browser.evaluate(&format!(
+            "(() => {{ const e = byId({id:?}); if (e.closest('[hidden]')) throw new \
+            Error('hidden'); \
+             e.{key} = {value}; if (e.{key} !== {value}) throw new Error(e.{key}); \
+             e.dispatchEvent(new Event('input', {{ bubbles: true }})); \
+             e.dispatchEvent(new Event('change', {{ bubbles: true }})); }})()"
+        ));
+        self.used.insert(id.into());
+    }
+
+    fn click(&mut self, id: &str) {
+        self.browser.click(&format!("#{id}"));
+        self.used.insert(id.into());
+    }
+
+    fn number(&mut self, script: &str) -> f64 {
+        let value = self.browser.evaluate(script);
+        value.as_f64().unwrap_or_else(|| panic!("{script}: {value}"))
+    }
+
+    fn text(&mut self, id: &str) -> String {
+        let text = self.browser.evaluate(&format!("byId({id:?}).innerText"));
+        text.as_str().unwrap_or_else(|| panic!("{id}: {text}")).to_owned()
+    }
+
+    /// The pixels of the picture as text.
+    fn pixels(&mut self) -> Value {
+        self.browser.evaluate("(crumple.view.draw(), crumple.view.canvas.toDataURL())")
+    }
+
+    /// Does something that must change the picture.
+    fn changes(&mut self, what: &str, act: impl FnOnce(&mut Self)) {
+        let before = self.pixels();
+        act(self);
+        assert_ne!(self.pixels(), before, "{what} changes the picture");
+    }
+}
+
+/// Gain of a filter class for a sine of `ratio` times the class, far from the ends [dB].
+fn gain(browser: &mut Browser, class: u32, ratio: f64) -> f64 {
+    let script = format!(
+        "(() => {{ const rate = 1000 * {class}, count = Math.ceil(8 * 1000 / Math.min({ratio}, \
+        1)); \
+         const x = Float64Array.from({{ length: count }}, (_, i) => i / rate); \
+         const y = filtered(x, x.map((t) => Math.sin(2 * Math.PI * {class} * {ratio} * t)), \
+         {class}, 1); \
+         const inside = y.subarray(Math.floor(count / 4), Math.floor(3 * count / 4)); \
+         return 20 * Math.log10(inside.reduce((most, v) => Math.max(most, Math.abs(v)), 0)); }})()"
+    );
+    browser.evaluate(&script).as_f64().unwrap()
+}
+
+/// SAE J211-1 gives a corridor for each class: pass band within 0.5 dB, down to -1 dB at its end;
+/// from 0.5 to -4 dB at 5/3 of the class; beyond it not above a fall of 9 dB per octave and not
+/// below one of 24 dB per octave, as long as the upper limit is above -40 dB. The formulas of its
+/// annex C have -3 dB at 5/3 of the class.
+#[test]
+fn filters_stay_in_the_corridor_of_the_standard() {
+    let ended = crushed(&["end_time=0.01"]);
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "") else { return };
+    for class in [60, 180, 600, 1000] {
+        for ratio in [0.1, 0.3, 0.6] {
+            let gain = gain(&mut browser, class, ratio);
+            assert!((-0.5..0.5).contains(&gain), "CFC {class} at {ratio}: {gain} dB");
+        }
+        assert!((-1.0..0.5).contains(&gain(&mut browser, class, 1.0)));
+        let corner = gain(&mut browser, class, 5.0 / 3.0);
+        let half = 20.0 * 0.5f64.sqrt().log10();
+        assert!((corner - half).abs() < 0.02, "CFC {class}: {corner} dB at the corner");
+        for octaves in [0.5, 1.0, 2.0, 3.0] {
+            let gain = gain(&mut browser, class, 5.0 / 3.0 * f64::exp2(octaves));
+            let corridor = -4.0 - 24.0 * octaves..0.5 - 9.0 * octaves;
+            assert!(corridor.contains(&gain), "CFC {class}, {octaves} octaves: {gain} dB");
+        }
+    }
+    // No delay, and constants and straight lines pass, also at the ends.
+    let line = "(() => { const x = Float64Array.from({ length: 500 }, (_, i) => i / 1e4); \
+                const y = filtered(x, x.map((t) => 3 + 40 * t), 180, 1); \
+                return Math.max(...y.map((v, i) => Math.abs(v - 3 - 40 * x[i]))); })()";
+    assert!(browser.evaluate(line).as_f64().unwrap() < 1e-9);
+    let refused = "(() => { try { const x = Float64Array.from({ length: 100 }, (_, i) => i); \
+                   filtered(x, x, 60, 1e-2); } catch (error) { return error.message; } })()";
+    let said = browser.evaluate(refused).to_string();
+    assert!(said.contains("reduce output.history_interval"), "{said}");
+    sound(&mut browser);
+}
+
+/// Closed forms: a constant acceleration has HIC = T a^2.5 for the longest window T; a half sine of
+/// amplitude A and duration T has HIC = 2/pi (sin x)^2.5 / x^1.5 T A^2.5 with tan x = 5/3 x
+/// (0.4146 T A^2.5); a force that grows with the displacement does the work F u/2.
+#[test]
+fn figures_have_their_closed_forms() {
+    let ended = crushed(&["end_time=0.01"]);
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "") else { return };
+    let mut value = |script: &str| browser.evaluate(script).as_f64().unwrap();
+    let time = "Float64Array.from({ length: 20001 }, (_, i) => i * 1e-5)";
+    let constant = value(&format!(
+        "(() => {{ const t = {time}; return headInjury(t, \
+        t.map(() => 60), 0.015).value; }})()"
+    ));
+    assert!((constant / (0.015 * 60f64.powf(2.5)) - 1.0).abs() < 1e-9, "{constant}");
+    let sine = value(&format!(
+        "(() => {{ const t = {time}; return headInjury(t, t.map((t) => \
+        t < 0.03 ? 80 * Math.sin(Math.PI * t / 0.03) : 0), 0.036).value; }})()"
+    ));
+    let mut x = 1.0f64;
+    (0..100).for_each(|_| x = (5.0 / 3.0 * x).atan());
+    let share = 2.0 / std::f64::consts::PI * x.sin().powf(2.5) / x.powf(1.5);
+    assert!((share - 0.4146).abs() < 1e-4, "{share}");
+    let exact = share * 0.03 * 80f64.powf(2.5);
+    assert!((sine / exact - 1.0).abs() < 1e-4, "{sine} for {exact}: 3000 rows per pulse");
+    // Down to -30 with the force 2 u, then back to -20 without force.
+    let crush = "(() => { const u = Float64Array.from({ length: 401 }, (_, i) => \
+                 (i <= 300 ? -0.1 * i : -30 + 0.1 * (i - 300))); \
+                 return crushOf(u, u.map((v, i) => (i <= 300 ? 2 * v : 0))); })()";
+    let figures = browser.evaluate(crush);
+    let exact = [
+        ("peak", 60.0),
+        ("at", 30.0),
+        ("stroke", 30.0),
+        ("energy", 900.0),
+        ("mean", 30.0),
+        ("efficiency", 0.5),
+    ];
+    for (key, exact) in exact {
+        let value = figures[key].as_f64().unwrap();
+        assert!((value / exact - 1.0).abs() < 1e-9, "{key}: {value} for {exact}");
+    }
+    let twice = "(() => { const t = Float64Array.from({ length: 101 }, (_, i) => i / 100); \
+                 const v = integral(t, t.map(() => 6)); return integral(t, v)[100]; })()";
+    assert!((browser.evaluate(twice).as_f64().unwrap() - 3.0).abs() < 1e-12);
+    sound(&mut browser);
+}
+
+/// Every control is used once, by its effect. At the end no control of the page may be left.
+#[test]
+fn every_control_has_its_effect() {
+    let ended = crushed(&[]);
+    let page = ended.out().join("report.html");
+    let Some(browser) = opened(&page, "") else { return };
+    let mut page = Controls { browser, used: BTreeSet::new() };
+    picture(&mut page);
+    picking(&mut page);
+    workbench(&mut page);
+    figures(&mut page);
+    leaving(&mut page);
+    let all = "[...document.querySelectorAll('button, input, select')].map((e) => e.id || \
+               (e.dataset.view ? 'view-' + e.dataset.view : e.className || 'part-box'))";
+    let all: BTreeSet<String> = serde_json::from_value(page.browser.evaluate(all)).unwrap();
+    // Contact forces are offered if there is contact between parts.
+    let hidden = ["forces"].map(String::from);
+    let left: Vec<_> = all.iter().filter(|id| !page.used.contains(*id)).collect();
+    assert_eq!(left, hidden.iter().collect::<Vec<_>>(), "controls that no test uses");
+    sound(&mut page.browser);
+}
+
+fn picture(page: &mut Controls) {
+    page.set("slider", "0.35");
+    assert!(page.text("clock").contains("0.35"), "{}", page.text("clock"));
+    page.set("speed", "4");
+    page.click("play");
+    page.browser
+        .wait("it has played to its end", "!crumple.playing && crumple.time === crumple.end");
+    let titles = page.browser.evaluate("crumple.ways.map((way) => way.title)");
+    for title in titles.as_array().unwrap() {
+        let number = page
+            .browser
+            .evaluate(&format!("String(crumple.ways.findIndex((way) => way.title === {title}))"));
+        page.set("colour", number);
+        let legend = page.text("legend");
+        assert!(legend.contains(title.as_str().unwrap()), "{legend}");
+    }
+    for title in [
+        "displacement",
+        "velocity",
+        "pressure",
+        "largest principal stress",
+        "triaxiality",
+        "thickness change",
+    ] {
+        assert!(titles.as_array().unwrap().contains(&json!(title)), "{titles} has no {title}");
+    }
+    let way = |title: &str| format!("String(crumple.ways.findIndex((w) => w.title === {title:?}))");
+    let strain = page.browser.evaluate(&way("plastic strain"));
+    page.set("colour", strain);
+    page.changes("another end of the scale", |page| page.set("top", "0.01"));
+    page.changes("another begin of the scale", |page| page.set("bottom", "-0.01"));
+    page.changes("smooth colours", |page| page.set("smooth", true));
+    page.changes("no edges", |page| page.set("edges", false));
+    page.changes("no walls", |page| page.set("walls", false));
+    page.set("follow", true);
+    for view in ["front", "side", "top", "iso"] {
+        page.changes(view, |page| page.browser.click(&format!("[data-view={view}]")));
+        page.used.insert(format!("view-{view}"));
+    }
+    page.changes("parallel lines of view", |page| page.set("parallel", true));
+    page.changes("displacements times 3", |page| page.set("magnify", "3"));
+    page.set("magnify", "1");
+    page.changes("a section", |page| page.set("cut-axis", "y"));
+    page.changes("its place", |page| page.set("cut-place", "-5"));
+    page.changes("the other side", |page| page.set("cut-flip", true));
+    page.set("cut-axis", "none");
+    page.browser.evaluate("document.querySelectorAll('details').forEach((d) => (d.open = true))");
+    page.changes("a hidden part", |page| page.browser.click(".parts-list .eye"));
+    page.changes("all parts", |page| page.click("parts-all"));
+    page.changes("no part", |page| page.click("parts-none"));
+    page.click("parts-all");
+    page.changes("a transparent part", |page| page.browser.click(".parts-list input"));
+    page.changes("its opacity", |page| page.set("opacity", "0.8"));
+    page.used.extend(["eye".into(), "part-box".into()]);
+    let way = page.browser.evaluate(&way("part"));
+    page.set("colour", way);
+    page.changes("the legend hides a part", |page| page.browser.click("#legend button"));
+    page.click("parts-all");
+    page.browser.picture("report-controls");
+}
+
+/// A click into the picture picks the element that is drawn there: its outline is around the
+/// pointer. Ids are those of the mesh.
+fn picking(page: &mut Controls) {
+    page.browser.click("[data-view=iso]");
+    page.browser.click("#canvas");
+    let picked = page.text("picked");
+    assert!(picked.contains("element ") && picked.contains("nearest node"), "{picked}");
+    let around = "(() => { const { picker, view } = crumple; const all = \
+                  picker.corners().flatMap(([patches, corners]) => corners.map((c) => \
+                  view.pixels(new THREE.Vector3(...patches.place(c, 0))))); const [x, y] = \
+                  [view.canvas.clientWidth / 2, view.canvas.clientHeight / 2]; const inside = \
+                  (v, at) \
+                  => Math.min(...v) <= at + 1 && Math.max(...v) >= at - 1; return \
+                  inside(all.map((p) \
+                  => p.x), x) && inside(all.map((p) => p.y), y); })()";
+    assert_eq!(page.browser.evaluate(around), true, "the element is around the pointer");
+    page.click("picked-none");
+    assert_eq!(page.browser.evaluate("byId('picked').hidden"), true);
+    page.set("find-kind", "node");
+    page.set("find-id", "3");
+    page.click("find");
+    assert!(page.text("picked").contains("node 3"), "{}", page.text("picked"));
+    // Its displacement over time is that of the history of the same id.
+    page.click("picked-course");
+    let last = page.number("crumple.bench.curves.at(-1).y.at(-1)");
+    let moved = "(() => { const p = crumple; const node = p.model.nodeIds.indexOf(3); const x = \
+    (f) => \
+                 [0, 1, 2].map((c) => f.grid.origin[c] + f.grid.unit * f.position[c][node]); \
+                 const [a, \
+                 b] = [x(p.model.frames[0]), x(p.model.frames.at(-1))]; return \
+                 Math.hypot(...a.map((v, \
+                 c) => v - b[c])); })()";
+    let moved = page.number(moved);
+    assert!(moved > 0.0 && (last / moved - 1.0).abs() < 1e-6, "{last} {moved}");
+    page.set("find-kind", "element");
+    page.set("find-id", "999999");
+    page.click("find");
+    assert!(page.text("words").contains("no element 999999"), "{}", page.text("words"));
+    page.set("find-id", "2");
+    page.click("find");
+    assert!(page.text("picked").contains("element 2"), "{}", page.text("picked"));
+}
+
+fn workbench(page: &mut Controls) {
+    let first = page.browser.evaluate("crumple.bench.curves[0].label").to_string();
+    assert!(
+        first.contains("wall floor over displacement"),
+        "force over displacement first: {first}"
+    );
+    page.click("bench-clear");
+    page.set("bench-object", "model");
+    page.set("bench-quantity", "kinetic");
+    page.set("bench-over-object", "model");
+    page.set("bench-over", "time");
+    page.set("bench-operation", "integral");
+    page.click("bench-add");
+    let sum = page.number("crumple.bench.curves[0].y.at(-1)");
+    let wanted = page.number(
+        "integral(crumple.read.time, \
+        crumple.read.quantity(crumple.read.object('model'), 'kinetic').values).at(-1)",
+    );
+    assert!(sum > 0.0 && (sum / wanted - 1.0).abs() < 1e-12);
+    page.set("bench-operation", "value");
+    page.set("bench-object", "wall floor");
+    page.set("bench-quantity", "mean force (magnitude)");
+    page.set("bench-filter", "CFC 600");
+    page.click("bench-add");
+    let table = page.text("bench-curves");
+    assert!(table.contains("CFC 600 of wall floor") && table.contains("kN"), "{table}");
+    assert_eq!(page.number("document.querySelectorAll('#bench-chart .peak').length"), 2.0);
+    page.set("bench-marks", false);
+    assert_eq!(page.number("document.querySelectorAll('#bench-chart .peak').length"), 0.0);
+    page.set("bench-marks", true);
+    page.browser.click("#bench-curves .remove");
+    page.used.insert("remove".into());
+    assert_eq!(page.number("crumple.bench.curves.length"), 1.0);
+    // A click into the chart selects the time of its nearest point.
+    page.browser.evaluate("crumple.go(0)");
+    page.browser.click("#bench-chart svg");
+    assert!(page.number("crumple.time") > 0.0);
+    page.browser.picture("report-workbench");
+}
+
+fn figures(page: &mut Controls) {
+    let row = |page: &mut Controls| -> Vec<f64> {
+        let cells = "[...byId('crush-table').tBodies[0].rows[0].cells].slice(1).map((c) => \
+                     Number(c.textContent))";
+        serde_json::from_value(page.browser.evaluate(cells)).unwrap()
+    };
+    let first = row(page);
+    let [peak, _, mean, ratio, stroke, energy, specific] = first[..] else { panic!("{first:?}") };
+    assert!((stroke - 0.4 * 15.0).abs() < 0.1, "the head moves at 15 mm/ms: {stroke}");
+    assert!(
+        (mean * stroke / energy - 1.0).abs() < 1e-3 && (mean / peak / ratio - 1.0).abs() < 1e-3
+    );
+    assert!(specific > energy, "the tube has less than a kilogram");
+    page.set("crush-direction", "z");
+    assert!((row(page)[4] / stroke - 1.0).abs() < 0.01, "it moves along z");
+    page.set("crush-filter", "CFC 1000");
+    assert!(row(page)[0] < peak, "the filter lowers the peak");
+    page.set("crush-mass", "part 1 tube");
+    let other = "byId('crush-over').options[1].value";
+    let other = page.browser.evaluate(other);
+    page.set("crush-over", other);
+    let before = page.text("head-table");
+    assert!(before.contains("HIC15") && before.contains("node head"), "{before}");
+    page.set("head-filter", "none");
+    assert_ne!(page.text("head-table"), before);
+}
+
+/// Files, the link, and the jump from a warning.
+fn leaving(page: &mut Controls) {
+    let folder = tempfile::tempdir().unwrap();
+    page.browser.keep_downloads(folder.path());
+    let mut saved = |page: &mut Controls, id: &str, name: &str| {
+        page.click(id);
+        let path = folder.path().join(name);
+        let began = std::time::Instant::now();
+        while fs::metadata(&path).map_or(0, |about| about.len()) == 0 {
+            assert!(began.elapsed().as_secs() < 200, "{name} is not saved");
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        let bytes = fs::read(&path).unwrap();
+        fs::remove_file(&path).unwrap();
+        bytes
+    };
+    let csv = String::from_utf8(saved(page, "bench-csv", "curves.csv")).unwrap();
+    let rows = page.number("crumple.bench.curves[0].x.length");
+    assert!(csv.starts_with("time [ms],") && csv.lines().count() as f64 == rows + 1.0);
+    assert!(saved(page, "bench-svg", "curves.svg").starts_with(b"<svg"));
+    assert!(saved(page, "crush-csv", "crush.csv").starts_with(b"force,peak [kN]"));
+    assert!(saved(page, "save-picture", "picture.png").starts_with(b"\x89PNG"));
+    assert!(saved(page, "save-film", "film.webm").starts_with(b"\x1a\x45\xdf\xa3"), "EBML");
+    page.browser.evaluate("crumple.go(0.3)");
+    page.click("link");
+    page.browser.wait("the link is there", "byId('words').textContent.includes('link')");
+    let link = page.browser.evaluate("location.hash.slice(1)");
+    let state = "[crumple.time, crumple.way.title, crumple.picker.name(), \
+    byId('parallel').checked, \
+                 crumple.view.surface.style.ghosts[0], \
+                 crumple.view.camera.position.toArray().map((x) => x.toFixed(2)).join()]";
+    let before = page.browser.evaluate(state);
+    let path = page.browser.evaluate("location.pathname");
+    open(&mut page.browser, Path::new(path.as_str().unwrap()), link.as_str().unwrap());
+    assert_eq!(page.browser.evaluate(state), before, "{link}");
+}
+
+/// A warning with a time and an element has a button that shows both.
+#[test]
+fn a_warning_jumps_to_its_time_and_element() {
+    let ended = crushed(&[]);
+    let log = ended.out().join("log.jsonl");
+    let line = json!({"level": "WARN", "fields": {"warning": "at time 2.000000e-1 part `tube`: it \
+        folds; element 5 at (1, 2, 3). A cure"}});
+    let text = fs::read_to_string(&log).unwrap_or_default();
+    fs::write(&log, format!("{text}{line}\n")).unwrap();
+    run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "") else { return };
+    browser.click("#warnings li[data-element='5'] button");
+    assert_eq!(browser.evaluate("crumple.time"), 0.2);
+    assert_eq!(browser.evaluate("crumple.picker.name()"), "element 5");
+    sound(&mut browser);
+}
+
+/// Contact forces of two bars are equal and opposite; their arrows are drawn at a link that asks
+/// for them.
+#[test]
+fn contact_forces_are_arrows() {
+    let ended = run(crumple_with(&[
+        "run",
+        "cases/bars",
+        "--workers",
+        "1",
+        "--set",
+        "output.field_interval=0.01",
+    ]))
+    .with_code(0);
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "time=0") else { return };
+    let parts = browser.evaluate("crumple.arrows.parts.length");
+    assert_eq!(parts, 2);
+    browser.evaluate(
+        "(() => { const f = crumple.arrows.parts[0].force; const size = (i) => \
+        Math.hypot(...f.map((q) \
+         => q.values[i])); let best = 0; crumple.read.time.forEach((_, i) => { if (size(i) > \
+         size(best)) best = i; }); crumple.go(crumple.read.time[best]); })()",
+    );
+    browser.click("#forces");
+    let points = browser.evaluate("[...crumple.arrows.object.geometry.attributes.position.array]");
+    let points: Vec<f64> = serde_json::from_value(points).unwrap();
+    assert_eq!(points.len(), 2 * 10 * 3, "two arrows of five lines");
+    let along =
+        |arrow: usize| [0, 1, 2].map(|c| points[30 * arrow + 3 + c] - points[30 * arrow + c]);
+    let (a, b) = (along(0), along(1));
+    let size = a.iter().map(|c| c * c).sum::<f64>().sqrt();
+    assert!(size > 0.0 && (0..3).all(|c| (a[c] + b[c]).abs() < 1e-3 * size), "{a:?} {b:?}");
+    sound(&mut browser);
+}
+
+/// On paper the page has no controls, and nothing is wider than the paper.
+#[test]
+fn the_page_fits_paper() {
+    let ended = crushed(&[]);
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "") else { return };
+    let pdf = browser.printed();
+    assert!(pdf.starts_with(b"%PDF"));
+    assert_eq!(browser.evaluate("byId('print').classList.contains('made')"), true);
+    browser.resize(703, 1000); // A4 without margins, at 96 pixels per inch
+    browser.print_media(true);
+    let wide = browser.evaluate(
+        "[...document.querySelectorAll('body *')].filter((e) => e.getBoundingClientRect().right > \
+         document.documentElement.clientWidth + 1).map((e) => `${e.tagName} ${e.id} \
+         ${e.className}`)",
+    );
+    assert_eq!(wide, json!([]), "wider than the paper");
+    let shown = browser.evaluate(
+        "[getComputedStyle(byId('controls')).display, \
+        getComputedStyle(byId('print')).display]",
+    );
+    assert_eq!(shown, json!(["none", "block"]));
+    browser.picture("report-print");
+    sound(&mut browser);
+}
+
+/// Two runs are in step: one time, one camera, one scale, and plots with the lines of both.
+#[test]
+fn two_runs_are_compared_in_step() {
+    let runs = [crushed(&[]), crushed(&["part.tube.thickness=1.4"])];
+    let folders = [0, 1].map(|i| runs[i].out().display().to_string());
+    let said = run(crumple_with(&["report", &folders[0], &folders[1]])).with_code(0).said();
+    assert!(said.contains("compare.html"), "{said}");
+    let file = runs[0].out().join("compare.html");
+    assert!(fs::metadata(&file).unwrap().len() < 20_000_000);
+    let Some(mut browser) = opened(&file, "time=0.3&colour=von Mises stress") else { return };
+    let state = "[crumple.second.way.title, crumple.second.way.top === crumple.way.top, \
+                 crumple.second.model.frames[crumple.second.frame].time <= 0.3]";
+    assert_eq!(browser.evaluate(state), json!(["von Mises stress", true, true]));
+    browser.click("[data-view=top]");
+    let cameras = "[crumple.view, crumple.second.view].map((v) => \
+                   v.camera.position.toArray().map((x) => x.toFixed(6)))";
+    let cameras = browser.evaluate(cameras);
+    assert_eq!(cameras[0], cameras[1], "one camera");
+    browser.evaluate("(() => { byId('smooth').click(); byId('parallel').click(); })()");
+    let same = "crumple.second.view.surface.style.smooth && crumple.second.view.parallel";
+    assert_eq!(browser.evaluate(same), true);
+    let plots = browser.evaluate("document.getElementById('plots').innerText").to_string();
+    for folder in &folders {
+        assert!(plots.contains(&format!("total ({folder})")), "{plots}");
+    }
+    let labels = browser.evaluate("crumple.bench.curves.map((c) => c.label)").to_string();
+    assert!(folders.iter().all(|folder| labels.contains(folder)), "{labels}");
+    let rows =
+        "[...byId('crush-table').tBodies[0].rows].map((r) => Number(r.cells[1].textContent))";
+    let peaks: Vec<f64> = serde_json::from_value(browser.evaluate(rows)).unwrap();
+    assert!(peaks.len() == 2 && peaks[1] > 1.1 * peaks[0], "a thicker tube is stronger: {peaks:?}");
+    browser.picture("report-pair");
+    sound(&mut browser);
+}
