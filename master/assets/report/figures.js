@@ -84,9 +84,12 @@ class Figures {
       if (!quantity) continue;
       const [seconds, unit] = [secondsOf(histories), accelerationUnit(quantity.unit)];
       if (!unit) throw new Error(NO_UNITS);
-      const { x, y } = withoutGaps(histories.time, quantity.values);
+      const { x, kept } = withoutGaps(histories.time, quantity.values);
       if (x.length < 2) continue;
-      const values = this.after(byId("head-filter").value, histories, x, y).map((a) => (a * unit) / GRAVITY);
+      // Each channel is filtered, and the criterion takes the resultant.
+      const channel = (axis) => Float64Array.from(kept, (row) => component(histories, object, "acceleration", axis).values[row]);
+      const axes = ["x", "y", "z"].map((axis) => this.after(byId("head-filter").value, histories, x, channel(axis)));
+      const values = x.map((_, i) => (Math.hypot(...axes.map((values) => values[i])) * unit) / GRAVITY);
       out.push({ label: labelOf(object, name), time: x.map((t) => t * seconds), values, peak: values[peakOf(values)] });
     }
     return out;

@@ -388,7 +388,7 @@ fn figures(page: &mut Controls) {
 fn leaving(page: &mut Controls) {
     let folder = tempfile::tempdir().unwrap();
     page.browser.keep_downloads(folder.path());
-    let mut saved = |page: &mut Controls, id: &str, name: &str| {
+    let saved = |page: &mut Controls, id: &str, name: &str| {
         page.click(id);
         let path = folder.path().join(name);
         let began = std::time::Instant::now();
