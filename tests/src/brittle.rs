@@ -33,8 +33,8 @@ fn add_cubes(
     (first..=scene.count()).collect()
 }
 
-/// Returns a job in which a rod, one cube wide, strikes a plate whose uppermost layer is brittle and
-/// whose other layers are not.
+/// Returns a job in which a rod, one cube wide, strikes a plate whose uppermost layer is brittle
+/// and whose other layers are not.
 pub fn rod_on_plate(layers: usize) -> Model {
     let mut scene = Scene::default();
     let part = |layer| if layer + 1 == layers { 2 } else { 1 };

@@ -40,7 +40,7 @@ class Picker {
     const take = (share, patches, i, hit) => {
       if ((!best || share < best.share) && seen(hit)) best = { share, patches, i, hit };
     };
-    const { areas, lines } = surface;
+    const { areas, lines, points } = surface;
     for (let i = 0; i < areas.seen.length; i++) {
       if (areas.seen[i] < 0) continue;
       const corners = [0, 1, 2, 3].map((c) => new THREE.Vector3(...areas.place(4 * i + c, fraction)));
@@ -49,14 +49,15 @@ class Picker {
         if (share !== null) take(share, areas, i, near.clone().addScaledVector(far, share));
       }
     }
-    for (let i = 0; i < lines.seen.length; i++) {
-      if (lines.seen[i] < 0) continue;
-      const ends = [0, 1].map((c) => new THREE.Vector3(...lines.place(2 * i + c, fraction)));
+    const thin = [lines, points].flatMap((patches) => Array.from(patches.seen, (element, i) => ({ patches, element, i })));
+    for (const { patches, i } of thin.filter(({ element }) => element >= 0)) {
+      const { corners } = patches;
+      const ends = [0, corners - 1].map((c) => new THREE.Vector3(...patches.place(corners * i + c, fraction)));
       const [a, b] = ends.map((end) => this.view.pixels(end));
       const along = Math.min(Math.max(((left - a.x) * (b.x - a.x) + (top - a.y) * (b.y - a.y)) / ((b.x - a.x) ** 2 + (b.y - a.y) ** 2 || 1), 0), 1);
       if (Math.hypot(a.x + along * (b.x - a.x) - left, a.y + along * (b.y - a.y) - top) > NEAR_LINE) continue;
       const hit = ends[0].clone().addScaledVector(ends[1].clone().sub(ends[0]), along);
-      take(hit.clone().sub(near).dot(far) / far.lengthSq(), lines, i, hit);
+      take(hit.clone().sub(near).dot(far) / far.lengthSq(), patches, i, hit);
     }
     if (!best) return this.pick(-1, -1);
     const { patches, i, hit } = best;

@@ -1,11 +1,14 @@
 "use strict";
-// The faces of the model as triangles and lines, between two of its times.
+// The faces of the model as triangles, lines and points, between two of its times.
 
 const VERTEX = `
 attribute vec3 next;
 attribute vec3 colour;
 attribute vec3 place;
 uniform float between;
+#ifdef POINTS
+uniform float size;
+#endif
 varying vec3 seen;
 varying vec3 tint;
 varying vec3 where;
@@ -23,6 +26,9 @@ void main() {
   tint = colour;
   where = place;
   gl_Position = projectionMatrix * at;
+#ifdef POINTS
+  gl_PointSize = size;
+#endif
 }`;
 
 // Flat shading: the normal of a face follows from the derivatives of the position between pixels. The light is next to
@@ -44,6 +50,12 @@ void main() {
   if (beyond > 0.0) discard;
 #endif
   vec3 shade = tint;
+#ifdef POINTS
+  vec2 off = 2.0 * gl_PointCoord - 1.0;
+  float height = 1.0 - dot(off, off);
+  if (height < 0.0) discard;
+  shade *= 0.5 + 0.5 * sqrt(height);
+#endif
   if (lit > 0.5) {
     vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
     if (normal.z < 0.0) normal = -normal;
@@ -64,6 +76,8 @@ void main() {
 }`;
 
 const NOBODY = 0;
+/** Width of a point [pixels of the page]. */
+const POINT_SIZE = 7;
 
 /** Groups of a geometry: opaque parts, and parts that one can look through. */
 const [OPAQUE, GHOST] = [0, 1];
@@ -73,11 +87,16 @@ class Surface {
     this.model = model;
     /** Parts that are transparent, colours that run smoothly between nodes, and the factor on displacements. */
     this.style = { ghosts: model.parts.map(() => false), smooth: false, scale: 1 };
-    const areas = [];
-    const lines = [];
-    for (let f = 0; f < model.faces; f++) (model.corners[4 * f + 1] === model.corners[4 * f + 2] ? lines : areas).push(f);
+    const [areas, lines, points] = [[], [], []];
+    for (let f = 0; f < model.faces; f++) {
+      const [a, b, c] = model.corners.subarray(4 * f, 4 * f + 3);
+      (b !== c ? areas : a !== b ? lines : points).push(f);
+    }
     const between = { value: 0 };
-    this.uniforms = { between, edges: { value: 1 }, edgeColour: { value: new THREE.Vector3() }, plane: { value: new Float32Array(4) } };
+    this.uniforms = {
+      between, edges: { value: 1 }, edgeColour: { value: new THREE.Vector3() }, plane: { value: new Float32Array(4) },
+      size: { value: POINT_SIZE * devicePixelRatio },
+    };
     this.opacity = { value: 0.25 };
     const material = (lit, opacity, more) => {
       // Objects of uniforms are shared, so that one value reaches all materials.
@@ -87,7 +106,10 @@ class Surface {
     const materials = (lit) => [material(lit, { value: 1 }), material(lit, this.opacity, { transparent: true, depthWrite: false })];
     this.areas = new Patches(model, areas, 4, (geometry) => new THREE.Mesh(geometry, materials(1)));
     this.lines = new Patches(model, lines, 2, (geometry) => new THREE.LineSegments(geometry, materials(0)));
-    this.all = [this.areas, this.lines];
+    const spots = [material(0, { value: 1 }), material(0, this.opacity, { transparent: true, depthWrite: false })];
+    for (const one of spots) Object.assign(one, { defines: { POINTS: "" } });
+    this.points = new Patches(model, points, 1, (geometry) => new THREE.Points(geometry, spots));
+    this.all = [this.areas, this.lines, this.points];
     this.objects = this.all.map((patches) => patches.object);
   }
 
@@ -113,7 +135,8 @@ class Surface {
       for (const one of material) {
         // A discard costs time even if it is not taken, so it is compiled only if needed.
         if ("CUT" in one.defines === Boolean(plane)) continue;
-        one.defines = plane ? { CUT: "" } : {};
+        const { CUT, ...others } = one.defines;
+        one.defines = plane ? { ...others, CUT: "" } : others;
         one.needsUpdate = true;
       }
     }
@@ -157,7 +180,7 @@ class Patches {
     this.now = changing(new Float32Array(3 * count), 3);
     this.next = changing(new Float32Array(3 * count), 3);
     this.colour = changing(new Uint8Array(4 * count), 4, true);
-    this.index = changing(new Uint32Array((corners === 4 ? 6 : 2) * faces.length), 1);
+    this.index = changing(new Uint32Array((corners === 4 ? 6 : corners) * faces.length), 1);
     this.geometry.setAttribute("position", this.now);
     this.geometry.setAttribute("next", this.next);
     this.geometry.setAttribute("colour", this.colour);
@@ -225,6 +248,7 @@ class Patches {
       if (seen[i] < 0 || !takes(seen[i])) continue;
       const first = corners * i;
       index[used++] = first;
+      if (corners === 1) continue;
       index[used++] = first + 1;
       if (corners === 2) continue;
       index[used++] = first + 2;

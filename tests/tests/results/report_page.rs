@@ -531,3 +531,31 @@ fn two_runs_are_compared_in_step() {
     browser.picture("report-pair");
     sound(&mut browser);
 }
+
+/// Particles are drawn as points, and can be picked.
+#[test]
+fn particles_are_drawn_and_picked() {
+    let scene = root().join("cases/splash").display().to_string();
+    let settings =
+        ["scene.radius=3", "scene.shells=8", "end_time=0.02", "output.field_interval=0.01"];
+    let mut args = vec!["run", &scene, "--workers", "1"];
+    settings.iter().for_each(|setting| args.extend(["--set", setting]));
+    let ended = run(crumple_with(&args)).with_code(0);
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "") else { return };
+    let points = "crumple.view.surface.points";
+    let count = browser.evaluate(&format!("{points}.seen.filter((e) => e >= 0).length"));
+    assert!(count.as_f64().is_some_and(|count| count > 50.0), "{count}");
+    let drawn = browser.evaluate(&format!("[{points}.object.isPoints, {points}.object.visible]"));
+    assert_eq!(drawn, json!([true, true]));
+    // The outermost particle, which no other one hides.
+    let picked = browser.evaluate(&format!(
+        "(() => {{ const p = {points}; \
+         const at = (i) => crumple.view.pixels(new THREE.Vector3(...p.place(i, 0))); \
+         let best = 0; \
+         for (let i = 1; i < p.seen.length; i++) if (at(i).x < at(best).x) best = i; \
+         crumple.picker.at(at(best).x, at(best).y); \
+         return [crumple.picker.element, p.seen[best]]; }})()"
+    ));
+    assert_eq!(picked[0], picked[1], "the particle under the pointer");
+    sound(&mut browser);
+}

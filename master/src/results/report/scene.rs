@@ -64,10 +64,11 @@ impl PageScene {
         let mut had = HashSet::new();
         let merged = |f: &VisibleFace| {
             let corners = f.corners.map(stands);
-            let line = f.corners[1] == f.corners[2];
-            let corners = match line {
-                true => Some(corners).filter(|c| c[0] != c[1]),
-                false => without_repeats(corners),
+            let [a, b, c, _] = f.corners;
+            let corners = match (a == b, b == c) {
+                (true, true) => Some(corners),
+                (false, true) => Some(corners).filter(|c| c[0] != c[1]),
+                _ => without_repeats(corners),
             }?;
             let mut key = corners;
             key.sort_unstable();

@@ -111,6 +111,8 @@ const LEAST_MISES: f32 = 1e-4;
 /// Shape of an element, from its VTK cell type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellShape {
+    /// One corner.
+    Point,
     /// Two corners.
     Line,
     /// Three corners.
@@ -125,6 +127,7 @@ impl CellShape {
     /// Returns the number of corners.
     pub fn corners(self) -> usize {
         match self {
+            Self::Point => 1,
             Self::Line => 2,
             Self::Triangle => 3,
             Self::Quad => 4,
@@ -134,6 +137,7 @@ impl CellShape {
 
     fn of_vtk(number: u8, corners: usize) -> Option<Self> {
         match (number, corners) {
+            (1, 1) => Some(Self::Point),
             (3, 2) => Some(Self::Line),
             (5, 3) => Some(Self::Triangle),
             (9, 4) => Some(Self::Quad),

@@ -1,10 +1,11 @@
-//! The visible faces of the elements: shells and lines, and the faces of solids that are outside
-//! at some time.
+//! The visible faces of the elements: shells, lines and points, and the faces of solids that are
+//! outside at some time.
 
 use super::series::{ABSENT, CellShape, MeshSeries};
 use std::collections::HashMap;
 
-/// A face with up to four corners. A triangle repeats its third, a line its second.
+/// A face with up to four corners. A triangle repeats its third, a line its second, a point its
+/// first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VisibleFace {
     /// Indices of its nodes.
@@ -29,6 +30,9 @@ pub fn faces(series: &MeshSeries) -> Vec<VisibleFace> {
         let owner = number as u32;
         let c = e.corners;
         match e.shape {
+            CellShape::Point => {
+                faces.push(VisibleFace { corners: [c[0]; 4], owners: [owner, NO_ELEMENT] })
+            }
             CellShape::Line => faces.push(VisibleFace {
                 corners: [c[0], c[1], c[1], c[1]],
                 owners: [owner, NO_ELEMENT],
