@@ -62,7 +62,7 @@ pub struct Extras {
     pub low: u64,
     /// Number of high redecompositions so far.
     pub high: u64,
-    /// Number of renewals because elements have failed, so far.
+    /// Number of updates of the contact surface because elements have failed, so far.
     pub erosions: u64,
     /// Interior, interface and exterior elements of all workers.
     pub classes: [u64; 3],

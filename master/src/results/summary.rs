@@ -106,7 +106,7 @@ pub struct Redecompositions {
     pub low: u64,
     /// Membership updates.
     pub high: u64,
-    /// Renewals because elements have failed; the master does not order them.
+    /// Updates of the contact surface because elements have failed; the master does not order them.
     pub erosion: u64,
 }
 

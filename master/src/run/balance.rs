@@ -248,7 +248,7 @@ impl Balance {
         enough.map(|[seconds, pairs]| seconds / pairs).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the number of renewals because elements have failed.
+    /// Returns the number of updates of the contact surface because elements have failed.
     pub fn erosions(&self) -> u64 {
         self.last.iter().map(|r| r.erosions).max().unwrap_or(0)
     }

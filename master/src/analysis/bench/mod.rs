@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::io::IsTerminal;
 
-/// Exit codes as in README.md.
+/// Exit codes as in `docs/reference/exit-codes.md`.
 const DONE: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const FAILED: u8 = 3;

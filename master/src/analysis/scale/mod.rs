@@ -33,7 +33,7 @@ use kernels::{Kernels, STEPS, Watch};
 use model::{CostModel, Network, PredictedStep, WorkerStep};
 use std::ops::ControlFlow;
 
-/// Exit codes as in README.md.
+/// Exit codes as in `docs/reference/exit-codes.md`.
 const DONE: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const FAILED: u8 = 3;

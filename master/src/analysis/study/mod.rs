@@ -22,7 +22,7 @@ use runs::Ending;
 use spec::Study;
 use std::path::PathBuf;
 
-/// Exit codes as in README.md.
+/// Exit codes as in `docs/reference/exit-codes.md`.
 const COMPLETED: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const STOPPED: u8 = 130;
