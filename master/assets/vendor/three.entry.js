@@ -8,6 +8,7 @@ export {
   Mesh,
   MeshBasicMaterial,
   PerspectiveCamera,
+  Points,
   REVISION,
   Scene,
   ShaderMaterial,
