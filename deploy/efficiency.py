@@ -404,12 +404,12 @@ def report(args, runs, results, marks, named):
         "",
         paragraph(
             "- **Measured**: wall(1) / (N wall(N)). Only for N up to the"
-            f" {args.cores} cores of this machine.",
+            f" {args.cores} cores of the machine above.",
             "  ",
         ),
         paragraph(
             "- **Modelled**: cpu(1) / (N (critical path + redecomposition + messages)). This is not"
-            " a measurement on N processors: the N workers shared the cores of this machine.",
+            " a measurement on N processors: the N workers shared the cores of the machine above.",
             "  ",
         ),
         paragraph(

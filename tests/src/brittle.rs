@@ -36,6 +36,11 @@ fn add_cubes(
 /// Returns a job in which a rod, one cube wide, strikes a plate whose uppermost layer is brittle
 /// and whose other layers are not.
 pub fn rod_on_plate(layers: usize) -> Model {
+    rod_on_plate_with(layers, "")
+}
+
+/// Returns the job of [`rod_on_plate`] with these lines in `[contact]`, or after it.
+pub fn rod_on_plate_with(layers: usize, contact: &str) -> Model {
     let mut scene = Scene::default();
     let part = |layer| if layer + 1 == layers { 2 } else { 1 };
     let plate = add_cubes(&mut scene, [5, 5, layers], [0.0; 3], part);
@@ -85,6 +90,7 @@ pub fn rod_on_plate(layers: usize) -> Model {
         nodes = "rod"
         velocity = [0.0, 0.0, -100.0]
         [contact]
+        {contact}
         "#,
         scene.mesh_text(),
     );

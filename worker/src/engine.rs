@@ -9,7 +9,7 @@ use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum_sums};
-use crate::erosion::{Failures, erode};
+use crate::erosion::erode;
 use crate::fem::blocks::Blocks;
 use crate::fem::particles::Particles;
 use crate::histories::{Histories, HistoryState};
@@ -23,7 +23,7 @@ use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{Cuts, LocalMesh, Memories, PartitionData, build_local_mesh};
 pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
-use crate::parallel::surface_update::update;
+use crate::parallel::surface_update::{Failures, update};
 use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
@@ -234,7 +234,11 @@ impl Engine {
         comm: &mut dyn Transport,
         failures: &Failures,
     ) -> Result<(), RankLost> {
-        let Some(contact) = &mut self.contact else { return Ok(()) };
+        let Some(contact) = &mut self.contact else {
+            self.timer.lap(Phase::Renewal);
+            return Ok(());
+        };
+        contact.transfer_marks(&self.nodes); // ghosts may get other indices
         let memories = gather_memories(comm, &self.nodes, &self.halo, contact)?;
         let mesh = (&mut self.nodes, &self.blocks, &mut self.halo);
         let (surface, reference) = (&mut contact.surface, self.motion.reference());

@@ -10,6 +10,7 @@
 use crate::fem::blocks::Blocks;
 use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
+use crate::parallel::surface_update::Failures;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
 use std::collections::HashSet;
@@ -27,24 +28,6 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
         face.sort_unstable();
         face
     })
-}
-
-/// Failures that concern a worker.
-#[derive(Default)]
-pub struct Failures {
-    /// Own elements that have failed.
-    pub own: Vec<ElemId>,
-    /// Elements of neighbours that have failed.
-    pub of_others: HashSet<ElemId>,
-    /// True if faces of own solids have become free.
-    pub frees_faces: bool,
-}
-
-impl Failures {
-    /// Returns true if the segments of own elements change.
-    pub fn concern_own(&self) -> bool {
-        !self.own.is_empty() || self.frees_faces
-    }
 }
 
 /// Marks own elements that have failed, and frees the faces of own solids that failed solids of any

@@ -67,9 +67,17 @@ class Page {
     }
     if (!runs.length) return;
     byId("bench").hidden = false;
-    this.read = runs[0].histories;
+    // Forces and courses of the picture are those of the first run.
+    this.read = this.facts.histories.rows ? runs[0].histories : null;
     this.bench = new Workbench(runs, (time) => this.go(time));
     this.figures = new Figures(runs);
+  }
+
+  /** Says why there is no plot workbench. */
+  withoutHistories(why) {
+    byId("bench").hidden = true;
+    const note = Object.assign(document.createElement("p"), { className: "notice", textContent: `There is no plot workbench: ${why}` });
+    byId("plots").prepend(note);
   }
 
   /** Makes the picture. Throws if this is not possible. */
@@ -477,6 +485,10 @@ async function begin() {
   if (page.plots) resized(byId("plots"), () => page.plots.fit());
   try {
     await page.histories();
+  } catch (error) {
+    page.withoutHistories(error.message);
+  }
+  try {
     await page.picture();
     root.dataset.state = "ready";
   } catch (error) {

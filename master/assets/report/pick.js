@@ -118,7 +118,7 @@ class Picker {
     const points = [];
     for (const [patches, corners] of this.corners()) {
       const places = corners.map((corner) => patches.place(corner, fraction));
-      if (this.element >= 0) places.forEach((place, i) => points.push(...place, ...places[(i + 1) % places.length]));
+      if (places.length > 1) places.forEach((place, i) => points.push(...place, ...places[(i + 1) % places.length]));
       else {
         const half = CROSS * this.view.height();
         for (let c = 0; c < 3; c++) for (const side of [-half, half]) points.push(...places[0].map((x, d) => (d === c ? x + side : x)));

@@ -131,12 +131,12 @@ function meanOf(x, y) {
 }
 
 /**
- * Figures of a crush, from the start to the largest displacement: peak of the force and the displacement there,
+ * Figures of a crush, from the start to the largest displacement (to the end, if no displacement is known): peak of the force and the displacement there,
  * stroke, absorbed energy, mean force (energy over stroke), and mean over peak.
  */
 function crushOf(displacement, force) {
   const end = farthest(displacement);
-  const peak = peakOf(force);
+  const peak = peakOf(Number.isFinite(displacement[end]) ? force.subarray(0, end + 1) : force);
   const stroke = Math.abs(displacement[end] - displacement[0]);
   const energy = Number.isFinite(stroke) ? Math.abs(integral(displacement, force)[end]) : NaN;
   const mean = stroke > 0 ? energy / stroke : NaN;
@@ -152,7 +152,7 @@ function headInjury(time, acceleration, longest) {
   if (time.length < 2) return { value: NaN, from: NaN, to: NaN };
   const { places, step, values } = evenly(time, acceleration);
   const sums = integral(places, values);
-  const most = Math.min(Math.round(longest / step), values.length - 1);
+  const most = Math.min(Math.floor(longest / step + 1e-9), values.length - 1);
   // (integral / duration^0.6)^2.5 is the criterion: one power per duration instead of one per interval.
   let best = { value: 0, from: 0, to: 0 };
   for (let long = 1; long <= most; long++) {

@@ -2,7 +2,7 @@
 //! contact from then on, whichever workers own either.
 
 use crumple::input::job::Model;
-use crumple_tests::brittle::{SIDE, rod_on_plate};
+use crumple_tests::brittle::{SIDE, rod_on_plate, rod_on_plate_with};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
 
@@ -46,14 +46,23 @@ fn what_was_behind_a_failed_element_is_touched() {
 /// behind them.
 #[test]
 fn deletion_gives_the_same_bits_on_any_number_of_workers() {
-    for layers in [2, 4] {
-        let model = rod_on_plate(layers);
+    let interface = "[[contact.interface]]\nname = \"rod\"\nparts = [3]\nfriction = 0.3";
+    let cases = [
+        (2, ""),
+        (4, ""),
+        (4, "edges = true\nfriction = 0.2"),
+        (4, "law = \"mortar\""),
+        (4, "law = \"penalty\"\nfriction = 0.2"),
+        (4, interface),
+    ];
+    for (layers, contact) in cases {
+        let model = rod_on_plate_with(layers, contact);
         let alone = run_side_by_side(&model, 1, 400, 0);
         assert_eq!(alone.trouble, None);
         for (workers, every) in [(2, 0), (3, 7), (5, 0), (8, 0)] {
             let many = run_side_by_side(&model, workers, 400, every);
             let differs = many.pairs.iter().zip(&alone.pairs).position(|(a, b)| a != b);
-            let what = format!("{layers} layers, {workers} workers");
+            let what = format!("{layers} layers, {workers} workers, {contact}");
             assert_eq!(differs, None, "{what}: cycle in which pairs differ");
             assert_eq!(many.digest(), alone.digest(), "{what}");
         }

@@ -158,6 +158,11 @@ fn figures_have_their_closed_forms() {
         t.map(() => 60), 0.015).value; }})()"
     ));
     assert!((constant / (0.015 * 60f64.powf(2.5)) - 1.0).abs() < 1e-9, "{constant}");
+    // Rows 2 ms apart: windows of 14 ms, not of 16.
+    let coarse = "Float64Array.from({ length: 101 }, (_, i) => i * 2e-3)";
+    let whole =
+        value(&format!("(() => headInjury({coarse}, {coarse}.map(() => 60), 0.015).value)()"));
+    assert!((whole / (0.014 * 60f64.powf(2.5)) - 1.0).abs() < 1e-9, "{whole}");
     let sine = value(&format!(
         "(() => {{ const t = {time}; return headInjury(t, t.map((t) => \
         t < 0.03 ? 80 * Math.sin(Math.PI * t / 0.03) : 0), 0.036).value; }})()"
@@ -168,10 +173,10 @@ fn figures_have_their_closed_forms() {
     assert!((share - 0.4146).abs() < 1e-4, "{share}");
     let exact = share * 0.03 * 80f64.powf(2.5);
     assert!((sine / exact - 1.0).abs() < 1e-4, "{sine} for {exact}: 3000 rows per pulse");
-    // Down to -30 with the force 2 u, then back to -20 without force.
+    // Down to -30 with the force 2 u, then back to -20 with a larger one, which does not count.
     let crush = "(() => { const u = Float64Array.from({ length: 401 }, (_, i) => \
                  (i <= 300 ? -0.1 * i : -30 + 0.1 * (i - 300))); \
-                 return crushOf(u, u.map((v, i) => (i <= 300 ? 2 * v : 0))); })()";
+                 return crushOf(u, u.map((v, i) => (i <= 300 ? 2 * v : 100))); })()";
     let figures = browser.evaluate(crush);
     let exact = [
         ("peak", 60.0),
@@ -557,5 +562,8 @@ fn particles_are_drawn_and_picked() {
          return [crumple.picker.element, p.seen[best]]; }})()"
     ));
     assert_eq!(picked[0], picked[1], "the particle under the pointer");
+    let outline = "crumple.picker.outline.geometry.getAttribute('position').array";
+    let extent = browser.evaluate(&format!("Math.max(...{outline}) - Math.min(...{outline})"));
+    assert!(extent.as_f64().is_some_and(|extent| extent > 0.0), "a cross marks it: {extent}");
     sound(&mut browser);
 }

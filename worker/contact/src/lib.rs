@@ -218,6 +218,12 @@ impl Contact {
         }
     }
 
+    /// Transfers the marks of nodes in the record of searches to the parts, because nodes get other
+    /// indices.
+    pub fn transfer_marks(&mut self, nodes: &Nodes) {
+        self.record.renew(&self.surface.segments, nodes.len());
+    }
+
     /// Sets a new surface and the pair histories of its slaves. The next call of
     /// [`Self::refresh_candidates`] searches again.
     pub fn renew(

@@ -531,7 +531,7 @@ impl Surface {
 
     /// Returns the number of bytes in use, without spare capacity of lists.
     pub fn bytes(&self) -> usize {
-        let lists = [&self.slaves, &self.face_start, &self.faces, &self.first];
+        let lists = [&self.slaves, &self.hidden, &self.face_start, &self.faces, &self.first];
         size_of_val(&self.segments[..])
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
             + size_of_val(&self.node_half[..])

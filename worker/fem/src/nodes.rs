@@ -345,3 +345,35 @@ impl Nodes {
         self.local_index(id).or_else(exterior)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ghosts stay in ascending id, and those that stay keep their state.
+    #[test]
+    fn new_ghosts_are_put_among_the_others() {
+        let record = |id: u64| NodeRecord {
+            id: NodeId(id),
+            x: [id as f64, 0.5, -0.0],
+            v: [0.0, id as f64, 0.0],
+            w: [0.0, 0.0, id as f64],
+            mass: 2.0 * id as f64,
+            inertia: 3.0,
+            fixed: id % 64,
+            ..NodeRecord::default()
+        };
+        let mut nodes = Nodes::new(&[record(12), record(30)], 1, true);
+        assert!(nodes.add_ghosts([10, 20].map(|id| (record(id), 0))).is_empty());
+        let before = [2, 3].map(|i| nodes.record(i));
+        let moved = nodes.add_ghosts([15, 25, 5].map(|id| (record(id), 2)));
+        assert_eq!(moved, [3, 5], "10 and 20");
+        assert_eq!(nodes.id, [12, 30, 5, 10, 15, 20, 25].map(NodeId));
+        assert_eq!(nodes.owner, [1, 1, 2, 0, 2, 0, 2]);
+        let after: Vec<NodeRecord> = moved.iter().map(|&i| nodes.record(i as usize)).collect();
+        assert_eq!(after, before);
+        let rows =
+            [&nodes.x, &nodes.v, &nodes.w, &nodes.w_next, &nodes.inv_mass, &nodes.inv_inertia];
+        assert!(rows.iter().all(|rows| rows.len() == 7) && nodes.local_count == 2);
+    }
+}

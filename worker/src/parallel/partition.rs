@@ -429,7 +429,7 @@ pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
 /// Copies the segments of other workers' interface elements, with their nodes, that reach into
 /// the external box: those that could touch the slaves and edges for which this worker searches
 /// before the next renewal.
-/// `grow` is the distance from [`share_scales`]. Returns the external box.
+/// `grow` is the distance from [`covered`]. Returns the external box.
 ///
 /// # Errors
 /// A worker is gone.

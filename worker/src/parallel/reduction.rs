@@ -46,7 +46,7 @@ pub struct StepConsensus {
 pub struct StepContribution {
     /// Totals over its elements.
     pub totals: PassTotals,
-    /// True if elements have failed since the local mesh was built.
+    /// True if elements have failed and are still in the contact surface.
     pub eroded: bool,
     /// Fraction of the permitted approach since distant workers last exchanged their motion; 1
     /// triggers an exchange.

@@ -1,15 +1,15 @@
 //! Update of the contact surface after elements have failed, without a renewal.
 //!
-//! Failed elements take their segments away, and solids behind them get new ones. The nodes of
-//! a worker, its elements and its box do not change, so only workers with such elements or with
-//! ghosts of such elements are concerned. All others keep their surface and the results of their
-//! searches. Neighbours exchange the thickness at common nodes and the new segments that are needed
-//! as ghosts; all workers agree on the scales of the surface and on whether there are new ghost
-//! nodes. The box within which a worker needs ghosts was made at the last renewal for all nodes
-//! that can come to the surface ([`Surface::hidden`]).
+//! Failed elements take their segments away, and solids behind them get new ones. The nodes of a
+//! worker, its elements and its box do not change, so only some workers are concerned: those with
+//! such elements or with solids behind them, those with ghosts of either, and those with a common
+//! node whose thickness changes. All others keep their surface and the results of their searches.
+//! Neighbours exchange the thickness at common nodes and the new segments that are needed as
+//! ghosts; all workers agree on the scales of the surface and on whether there are new ghost nodes.
+//! The box within which a worker needs ghosts was made at the last renewal for all nodes that can
+//! come to the surface ([`Surface::hidden`]).
 
 use crate::contact::surface::{ContactParts, Segment, Surface};
-use crate::erosion::Failures;
 use crate::fem::blocks::Blocks;
 use crate::math::row::Row;
 use crate::nodes::Nodes;
@@ -18,10 +18,28 @@ use crate::parallel::partition::{
     Arrived, WireNode, add_segments, include_widths, pack_segments, request_states, send_users,
     share_scales,
 };
-use crumple_proto::ids::SegmentId;
+use crumple_proto::ids::{ElemId, SegmentId};
 use crumple_proto::partition::Settings;
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
 use std::collections::HashSet;
+
+/// Failures that concern a worker.
+#[derive(Default)]
+pub struct Failures {
+    /// Own elements that have failed.
+    pub own: Vec<ElemId>,
+    /// Elements of neighbours that have failed.
+    pub of_others: HashSet<ElemId>,
+    /// True if faces of own solids have become free.
+    pub frees_faces: bool,
+}
+
+impl Failures {
+    /// Returns true if the segments of own elements change.
+    pub fn concern_own(&self) -> bool {
+        !self.own.is_empty() || self.frees_faces
+    }
+}
 
 /// Result of [`update`].
 pub struct SurfaceUpdate {

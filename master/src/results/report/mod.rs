@@ -182,9 +182,11 @@ fn read(dir: &Path, say: &mut dyn FnMut(&str)) -> Result<ReadRun, String> {
     Ok(ReadRun { sources, series })
 }
 
-/// Removes the page of an older run.
+/// Removes the pages of an older run.
 pub fn forget(dir: &Path) {
-    let _ = std::fs::remove_file(dir.join(FILE)); // the file may not exist
+    for page in [FILE, PAIR_FILE] {
+        let _ = std::fs::remove_file(dir.join(page)); // the file may not exist
+    }
 }
 
 /// Makes the page, of at most `room` bytes, and lists the problems.
@@ -505,7 +507,9 @@ mod tests {
             made.problems[1].contains("piece_000.vtu")
                 && made.problems[2].contains("piece_001.vtu")
         );
+        let pair = dir.path().join(PAIR_FILE);
+        std::fs::write(&pair, "").unwrap();
         forget(dir.path());
-        assert!(!made.path.exists());
+        assert!(!made.path.exists() && !pair.exists());
     }
 }

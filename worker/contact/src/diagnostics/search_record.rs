@@ -19,8 +19,8 @@ pub struct SearchRecord {
 }
 
 impl SearchRecord {
-    /// Transfers the marks of nodes to the parts of `segments` and clears them. The nodes then
-    /// get new numbers; `count` is their new number.
+    /// Transfers the marks of nodes to the parts of `segments` and clears them. `count` is the
+    /// number of nodes from now on; they may have other indices then.
     pub fn renew(&mut self, segments: &[Segment], count: usize) {
         self.parts = self.of_parts(segments);
         self.nodes.clear();
