@@ -48,9 +48,9 @@ function magnitudeOf(object, word) {
   return object.quantities.find(({ title }) => title.endsWith(`${word} (magnitude)`));
 }
 
-/** The objects with a displacement, those that move the farthest first. */
+/** The objects that move, those that move the farthest first. */
 function movedObjects(objects) {
   const far = (object) => magnitudeOf(object, "displacement").values.reduce((most, u) => (u > most ? u : most), 0);
   const all = objects.filter((object) => magnitudeOf(object, "displacement")).map((object) => [far(object), object]);
-  return all.sort((a, b) => b[0] - a[0]).map(([, object]) => object);
+  return all.filter(([most]) => most > 0).sort((a, b) => b[0] - a[0]).map(([, object]) => object);
 }
