@@ -1,7 +1,7 @@
 //! Particles among the own elements: their states for the sums over neighbours, and the sums.
 
 use super::Blocks;
-use crate::elements::particle::{DENSITY, FORCE, STEP};
+use crate::elements::particle::{COLUMNS, DENSITY, FORCE, STEP};
 use crate::nodes::Nodes;
 use crate::particles::{ParticleState, ParticleSums};
 use crumple_math::row::xyz;
@@ -28,7 +28,8 @@ impl Blocks {
     /// Stores the sums of an own particle, where its element finds them.
     pub fn set_particle(&mut self, [block, i]: [usize; 2], sums: &ParticleSums) {
         let history = &mut self.blocks[block].history;
-        let mut columns = history.element(i).to_vec();
+        let state = history.element(i);
+        let mut columns: [f64; COLUMNS] = std::array::from_fn(|column| state.at(column));
         (columns[DENSITY], columns[STEP]) = (sums.density, sums.stable_dt);
         columns[FORCE..FORCE + 3].copy_from_slice(&sums.force);
         history.set(i, &columns);

@@ -39,12 +39,11 @@ use super::fibre::FibreMaterial;
 use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
-    energy_places,
+    SingleElement,
 };
 use crate::columns::ElementState;
 use crate::materials::{MAX_POINTS, PlaneStress};
 use crate::parameter::Values;
-use crumple_math::lanes::LANES;
 use crumple_math::row::{V3, xyz};
 use crumple_proto::job::{BeamInput, BeamSection, Part, Weld};
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -396,31 +395,18 @@ impl Element for Beam {
         self.masses((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 
-    /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
-        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
-            pass.double();
-        let groups = groups.as_chunks::<LANES>().0;
-        let (mut totals, columns) = (PassTotals::NONE, self.columns());
-        let mut state = vec![0.0; columns];
-        for i in range.start * LANES..(range.end * LANES).min(count) {
-            let (group, lane) = (i / LANES, i % LANES);
-            let [internal, _] = energy_places(i, LANES);
-            let of_group = &mut history[group * columns..(group + 1) * columns];
-            state
-                .iter_mut()
-                .zip(of_group.iter())
-                .for_each(|(s, column)| *s = column.as_array()[lane]);
-            let at = |rows: &[[f64; 4]], c: usize| {
-                V3::from(xyz(&rows[groups[group * ENDS + c][lane] as usize]))
-            };
+        let (nodes, dt) = (pass.nodes, pass.dt);
+        pass.one_by_one::<ENDS>(self.columns(), |element, out| {
+            let SingleElement { index, nodes: of_element, state, internal } = element;
+            let at = |rows: &[[f64; 4]], c: usize| V3::from(xyz(&rows[of_element[c]]));
             let ends = Ends {
                 x: [0, 1].map(|c| at(nodes.x, c)),
                 v: [0, 1].map(|c| at(nodes.v, c)),
                 w: [0, 1].map(|c| at(nodes.w, c)),
             };
-            let mut r = self.respond(&mut state, &ends, dt);
-            let gone = self.is_gone(&state);
+            let mut r = self.respond(state, &ends, dt);
+            let gone = self.is_gone(state);
             if gone {
                 (r.force, r.moments, r.sound) = (V3::zeros(), [V3::zeros(); 2], true);
             }
@@ -429,28 +415,17 @@ impl Element for Beam {
                 [r.force, r.moments[0], r.moments[1]].iter().zip(moves).zip((FORCES..).step_by(3))
             {
                 let before = V3::from_column_slice(&state[column..column + 3]);
-                energies[internal] +=
-                    if gone { 0.0 } else { 0.5 * dt * (before + now).dot(&moved) };
+                *internal += if gone { 0.0 } else { 0.5 * dt * (before + now).dot(&moved) };
                 state[column..column + 3].copy_from_slice(now.as_slice());
             }
-            let slot = i * ENDS;
+            let slot = index * ENDS;
             for c in 0..3 {
                 (out.force[slot][c], out.force[slot + 1][c]) = (-r.force[c], r.force[c]);
                 (out.moment[slot][c], out.moment[slot + 1][c]) = (r.moments[0][c], r.moments[1][c]);
             }
-            if !gone {
-                totals.stable_dt = totals
-                    .stable_dt
-                    .min(self.step((ends.x[1] - ends.x[0]).norm().min(state[LENGTH])));
-            }
-            if !r.sound && totals.trouble.is_none() {
-                totals.trouble = Some(i);
-            }
-            for (s, column) in state.iter().zip(of_group) {
-                column.as_mut_array()[lane] = *s;
-            }
-        }
-        totals
+            let step = || self.step((ends.x[1] - ends.x[0]).norm().min(state[LENGTH]));
+            (if gone { f64::INFINITY } else { step() }, r.sound)
+        })
     }
 
     fn stable_dt(&self, x: &[[f64; 3]], _: OwnSection) -> f64 {

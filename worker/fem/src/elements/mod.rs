@@ -56,7 +56,7 @@ use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use particle::Fluid;
-use pass::{GroupCorners, ShellGroups, SolidGroups, Totals};
+use pass::{GroupCorners, ShellGroups, SingleElement, SolidGroups, Totals};
 
 /// Output fields of an element.
 #[derive(Clone, Copy, Debug, Default)]

@@ -28,10 +28,9 @@
 use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
-    energy_places,
+    SingleElement,
 };
 use crate::columns::ElementState;
-use crumple_math::lanes::LANES;
 use crumple_math::row::xyz;
 use crumple_proto::job::{Part, ParticlesInput};
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -194,29 +193,18 @@ impl Element for Particle {
 
     /// Takes the sums over neighbours from the columns, where they are before the pass.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
-        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
-            pass.double();
-        let groups = groups.as_chunks::<LANES>().0;
-        let mut totals = PassTotals::NONE;
-        for i in range.start * LANES..(range.end * LANES).min(count) {
-            let (group, lane) = (i / LANES, i % LANES);
-            let [internal, _] = energy_places(i, LANES);
-            let columns = &mut history[group * COLUMNS..(group + 1) * COLUMNS];
-            let state: [f64; COLUMNS] = std::array::from_fn(|k| columns[k].as_array()[lane]);
-            let v = xyz(&nodes.v[groups[group][lane] as usize]);
+        let (nodes, dt) = (pass.nodes, pass.dt);
+        pass.one_by_one::<1>(COLUMNS, |element, out| {
+            let SingleElement { index, nodes: [node], state, internal } = element;
+            let v = xyz(&nodes.v[node]);
             for c in 0..3 {
-                let (now, before) = (state[FORCE + c], state[BEFORE + c]);
-                energies[internal] -= 0.5 * dt * (before + now) * v[c];
-                columns[BEFORE + c].as_mut_array()[lane] = now;
-                out.force[i][c] = -now;
+                let now = state[FORCE + c];
+                let before = std::mem::replace(&mut state[BEFORE + c], now);
+                *internal -= 0.5 * dt * (before + now) * v[c];
+                out.force[index][c] = -now;
             }
-            totals.stable_dt = totals.stable_dt.min(state[STEP]);
-            let sound = state[DENSITY] > 0.0 && state.iter().all(|s| s.is_finite());
-            if !sound && totals.trouble.is_none() {
-                totals.trouble = Some(i);
-            }
-        }
-        totals
+            (state[STEP], state[DENSITY] > 0.0 && state.iter().all(|s| s.is_finite()))
+        })
     }
 
     fn stable_dt(&self, _: &[[f64; 3]], _: OwnSection) -> f64 {

@@ -79,6 +79,52 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     pub energies: &'a mut [f64],
 }
 
+/// One element of a pass, see [`ElementPass::one_by_one`].
+pub(super) struct SingleElement<'a, const C: usize> {
+    /// Its index in the block. Its slots are C times this index and those that follow.
+    pub index: usize,
+    /// Its local nodes.
+    pub nodes: [usize; C],
+    /// Its history columns, which are stored afterwards.
+    pub state: &'a mut [f64],
+    /// Its internal energy so far [energy].
+    pub internal: &'a mut f64,
+}
+
+impl ElementPass<'_> {
+    /// Computes elements with C nodes and this number of history columns one by one, because a
+    /// scene has few of them. `compute` sets the element nodal forces of an element, and returns
+    /// its stable step [time] and true if the element is valid.
+    pub(super) fn one_by_one<const C: usize>(
+        self,
+        columns: usize,
+        mut compute: impl FnMut(SingleElement<'_, C>, &mut ElementNodalForces<'_>) -> (f64, bool),
+    ) -> PassTotals {
+        let ElementPass { range, count, groups, history, mut out, energies, .. } = self.double();
+        let groups = groups.as_chunks::<LANES>().0;
+        let (mut totals, mut state) = (PassTotals::NONE, vec![0.0; columns]);
+        for index in range.start * LANES..(range.end * LANES).min(count) {
+            let (group, lane) = (index / LANES, index % LANES);
+            let of_group = &mut history[group * columns..(group + 1) * columns];
+            for (s, column) in state.iter_mut().zip(of_group.iter()) {
+                *s = column.as_array()[lane];
+            }
+            let element = SingleElement {
+                index,
+                nodes: std::array::from_fn(|c| groups[group * C + c][lane] as usize),
+                state: &mut state,
+                internal: &mut energies[energy_places(index, LANES)[0]],
+            };
+            let (stable_dt, is_valid) = compute(element, &mut out);
+            totals.add(&PassTotals { stable_dt, trouble: (!is_valid).then_some(index) });
+            for (s, column) in state.iter().zip(of_group) {
+                column.as_mut_array()[lane] = *s;
+            }
+        }
+        totals
+    }
+}
+
 /// Results of a kernel for a group, in addition to the forces.
 pub(super) struct Totals<R: Real> {
     /// Stable step [time].

@@ -13,10 +13,9 @@
 
 use super::{
     Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
-    PassTotals, energy_places, section,
+    PassTotals, SingleElement, section,
 };
 use crate::columns::ElementState;
-use crumple_math::lanes::LANES;
 use crumple_math::row::{V3, xyz};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -172,18 +171,10 @@ impl Element for Spring {
         (0.0, 0.0)
     }
 
-    /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
-        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
-            pass.double();
-        let groups = groups.as_chunks::<LANES>().0;
-        let mut totals = PassTotals::NONE;
-        for i in range.start * LANES..(range.end * LANES).min(count) {
-            let (group, lane) = (i / LANES, i % LANES);
-            let [internal, _] = energy_places(i, LANES);
-            let columns = &mut history[group * COLUMNS..(group + 1) * COLUMNS];
-            let mut state: [f64; COLUMNS] = std::array::from_fn(|k| columns[k].as_array()[lane]);
-            let ends = [0, 1].map(|c| groups[group * ENDS + c][lane] as usize);
+        let (nodes, dt) = (pass.nodes, pass.dt);
+        pass.one_by_one::<ENDS>(COLUMNS, |element, out| {
+            let SingleElement { index, nodes: ends, state, internal } = element;
             let [x, v] = [nodes.x, nodes.v]
                 .map(|rows| V3::from(xyz(&rows[ends[1]])) - V3::from(xyz(&rows[ends[0]])));
             let (length, along) = self.measure(&x);
@@ -193,20 +184,14 @@ impl Element for Spring {
             let force =
                 self.elongation.value(length - state[LENGTH]) + self.rate.value(along.dot(&v));
             let force = along * force;
+            let slot = index * ENDS;
             for c in 0..3 {
                 let before = std::mem::replace(&mut state[FORCE + c], force[c]);
-                energies[internal] += 0.5 * (before + force[c]) * v[c] * dt;
-            }
-            columns.iter_mut().zip(state).for_each(|(column, s)| column.as_mut_array()[lane] = s);
-            let slot = i * ENDS;
-            for c in 0..3 {
+                *internal += 0.5 * (before + force[c]) * v[c] * dt;
                 (out.force[slot][c], out.force[slot + 1][c]) = (-force[c], force[c]);
             }
-            if !force.iter().all(|f| f.is_finite()) && totals.trouble.is_none() {
-                totals.trouble = Some(i);
-            }
-        }
-        totals
+            (f64::INFINITY, force.iter().all(|f| f.is_finite()))
+        })
     }
 
     fn stable_dt(&self, _: &[[f64; 3]], _: OwnSection) -> f64 {

@@ -21,12 +21,11 @@ use super::fibre::FibreMaterial;
 use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
-    energy_places,
+    SingleElement,
 };
 use crate::columns::ElementState;
 use crate::materials::PlaneStress;
 use crate::parameter::Values;
-use crumple_math::lanes::LANES;
 use crumple_math::row::{V3, xyz};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -130,44 +129,28 @@ impl Element for Truss {
         (0.5 * self.material.elastic.density * self.area * length, 0.0)
     }
 
-    /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
-        let ElementPass { range, count, groups, history, nodes, dt, out, energies, .. } =
-            pass.double();
-        let groups = groups.as_chunks::<LANES>().0;
-        let (mut totals, columns) = (PassTotals::NONE, self.columns());
-        let mut state = vec![0.0; columns];
-        for i in range.start * LANES..(range.end * LANES).min(count) {
-            let (group, lane) = (i / LANES, i % LANES);
-            let [internal, _] = energy_places(i, LANES);
-            let of_group = &mut history[group * columns..(group + 1) * columns];
-            let of_lane = of_group.iter().map(|column| column.as_array()[lane]);
-            state.iter_mut().zip(of_lane).for_each(|(s, column)| *s = column);
-            let ends = [0, 1].map(|c| groups[group * ENDS + c][lane] as usize);
+        let (nodes, dt) = (pass.nodes, pass.dt);
+        pass.one_by_one::<ENDS>(self.columns(), |element, out| {
+            let SingleElement { index, nodes: ends, state, internal } = element;
             let [line, v] = [nodes.x, nodes.v]
                 .map(|rows| V3::from(xyz(&rows[ends[1]])) - V3::from(xyz(&rows[ends[0]])));
-            let (mut force, mut sound) = self.respond(&mut state, &line, dt);
-            let gone = self.is_gone(&state);
+            let (mut force, is_valid) = self.respond(state, &line, dt);
+            let gone = self.is_gone(state);
             if gone {
-                (force, sound) = (V3::zeros(), true);
+                force = V3::zeros();
             } else {
                 let before = V3::from_column_slice(&state[FORCE..FIBRE]);
-                energies[internal] += 0.5 * dt * (before + force).dot(&v);
-                totals.stable_dt = totals.stable_dt.min(self.step(state[NOW].min(state[LENGTH])));
+                *internal += 0.5 * dt * (before + force).dot(&v);
             }
             state[FORCE..FIBRE].copy_from_slice(force.as_slice());
-            let slot = i * ENDS;
+            let slot = index * ENDS;
             for c in 0..3 {
                 (out.force[slot][c], out.force[slot + 1][c]) = (-force[c], force[c]);
             }
-            if !sound && totals.trouble.is_none() {
-                totals.trouble = Some(i);
-            }
-            for (s, column) in state.iter().zip(of_group) {
-                column.as_mut_array()[lane] = *s;
-            }
-        }
-        totals
+            let step = || self.step(state[NOW].min(state[LENGTH]));
+            if gone { (f64::INFINITY, true) } else { (step(), is_valid) }
+        })
     }
 
     fn stable_dt(&self, x: &[[f64; 3]], _: OwnSection) -> f64 {

@@ -4,6 +4,7 @@ use super::*;
 use crate::columns::HistoryColumns;
 use crate::elements::build_block;
 use crate::elements::testing::{elastic, part, passed, settings};
+use crumple_math::lanes::LANES;
 use crumple_proto::job::{BeamInput, Part, Precision};
 use crumple_proto::mesh::OwnSection;
 
