@@ -18,9 +18,10 @@ use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
+use crate::parallel::history_message::Memories;
 use crate::parallel::migrate::{centre, gather_memories, migrate, stay};
 use crate::parallel::pair_exchange::PairExchange;
-use crate::parallel::partition::{Cuts, LocalMesh, Memories, PartitionData, build_local_mesh};
+use crate::parallel::partition::{Cuts, LocalMesh, PartitionData, build_local_mesh};
 pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
 use crate::parallel::surface_update::{Failures, update};
@@ -218,7 +219,7 @@ impl Engine {
         let failures = erode(comm, &mut self.blocks, &self.nodes, &self.halo)?;
         self.inverted.extend(failures.own.iter().filter(|&&id| self.blocks.is_deleted(id)));
         let released = self.constraints.release_failed(comm, &failures.own, &mut self.nodes)?;
-        self.erosions += 1;
+        self.erosions += u64::from(self.contact.is_some());
         // Released nodes have another mass, which others have to learn. The second decomposition
         // has to find who searches for new segments.
         if released || self.settings.has_second_decomposition() {

@@ -3,6 +3,10 @@
 use crate::contact::pairs::PairHistory;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::Mailbox;
+use std::collections::BTreeMap;
+
+/// Pair histories by node.
+pub type Memories = BTreeMap<NodeId, Vec<PairHistory>>;
 
 /// Appends the pair histories of a node.
 pub fn put_histories(mail: &mut Mailbox, node: NodeId, list: &[PairHistory]) {

@@ -13,11 +13,11 @@ use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::fem::blocks::Blocks;
 use crate::math::row::Row;
 use crate::nodes::Nodes;
-use crate::parallel::ghosts::{GhostLink, Ghosts};
-use crate::parallel::partition::{
-    Arrived, WireNode, add_segments, include_widths, pack_segments, request_states, send_users,
-    share_scales,
+use crate::parallel::ghost_segments::{
+    Arrived, WireNode, add_segments, pack_segments, request_states, send_users,
 };
+use crate::parallel::ghosts::{GhostLink, Ghosts};
+use crate::parallel::partition::{include_widths, share_scales};
 use crumple_proto::ids::{ElemId, SegmentId};
 use crumple_proto::partition::Settings;
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
@@ -65,17 +65,16 @@ pub fn update(
 ) -> Result<SurfaceUpdate, RankLost> {
     let workers = comm.size() - 1;
     let parts = ContactParts::from_settings(settings);
-    let own_surface = || Surface::new(blocks.elements.iter(), nodes, &parts);
-    let mut fresh = failures.concern_own().then(own_surface);
+    let own_surface = |nodes: &Nodes| Surface::new(blocks.elements.iter(), nodes, &parts);
+    let mut fresh = failures.concern_own().then(|| own_surface(nodes));
 
-    let known: HashSet<SegmentId> = match &fresh {
-        Some(_) => old.segments.iter().filter(|s| s.own).map(|s| s.id).collect(),
-        None => HashSet::new(),
-    };
     let mut parcels = vec![Vec::new(); workers];
-    for link in fresh.iter().flat_map(|_| &halo.links) {
-        let surface = fresh.as_ref().expect("links are visited only then");
-        parcels[link.worker] = pack(nodes, surface, link, &known, reference).into_words();
+    if let Some(surface) = &fresh {
+        let own = old.segments.iter().filter(|s| s.own);
+        let known: HashSet<SegmentId> = own.map(|s| s.id).collect();
+        for link in &halo.links {
+            parcels[link.worker] = pack(nodes, surface, link, &known, reference).into_words();
+        }
     }
     let mut arrived = Arrived::default();
     let mut have_widths_changed = false;
@@ -113,8 +112,7 @@ pub fn update(
     if !is_concerned {
         return Ok(SurfaceUpdate { surface: None, has_new_ghosts });
     }
-    let own_surface = || Surface::new(blocks.elements.iter(), nodes, &parts);
-    let mut surface = fresh.unwrap_or_else(own_surface);
+    let mut surface = fresh.unwrap_or_else(|| own_surface(nodes));
     (surface.thinnest, surface.short, surface.largest_offset) = scales;
     surface.hidden.clone_from(&old.hidden);
     halo.links.iter().for_each(|link| include_widths(&mut surface, link));

@@ -22,10 +22,10 @@ use crumple_worker::math::row::xyz;
 use crumple_worker::nodes::Nodes;
 use crumple_worker::parallel::contact_decomposition::boxes_of_parts;
 use crumple_worker::parallel::convergence::distances;
+use crumple_worker::parallel::ghost_segments::{are_near, covered, seeking};
 use crumple_worker::parallel::ghosts;
 use crumple_worker::parallel::migrate::centre;
 use crumple_worker::parallel::pair_exchange::{self, TrafficEstimate};
-use crumple_worker::parallel::partition::{are_near, covered, seeking};
 use crumple_worker::parallel::reduction;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
