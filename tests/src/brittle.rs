@@ -96,3 +96,32 @@ pub fn rod_on_plate_with(layers: usize, contact: &str) -> Model {
     );
     model_of(&text, &[])
 }
+
+/// Returns the job of a block of `count` cubes along each edge in contact with itself, with these
+/// lines in its material.
+pub fn block(count: usize, material: &str) -> Model {
+    let mut scene = Scene::default();
+    add_cubes(&mut scene, [count; 3], [0.0; 3], |_| 1);
+    let text = format!(
+        r#"
+        title = "A block"
+        units = "mm, ms, kg"
+        end_time = 0.1
+        {}
+        [[material]]
+        name = "steel"
+        law = "j2"
+        density = 7.85e-6
+        youngs_modulus = 200.0
+        poisson = 0.3
+        yield_stress = 0.2
+        {material}
+        [[part]]
+        id = 1
+        material = "steel"
+        [contact]
+        "#,
+        scene.mesh_text(),
+    );
+    model_of(&text, &[])
+}

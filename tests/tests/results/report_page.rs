@@ -535,6 +535,15 @@ fn two_runs_are_compared_in_step() {
     assert!(peaks.len() == 2 && peaks[1] > 1.1 * peaks[0], "a thicker tube is stronger: {peaks:?}");
     browser.picture("report-pair");
     sound(&mut browser);
+
+    // Histories of the second run are not taken for those of the first one.
+    fs::remove_file(runs[0].out().join("history.csv")).unwrap();
+    run(crumple_with(&["report", &folders[0], &folders[1]])).with_code(0);
+    open(&mut browser, &file, "");
+    assert_eq!(browser.evaluate("crumple.read"), Value::Null);
+    let labels = browser.evaluate("crumple.bench.curves.map((c) => c.label)").to_string();
+    assert!(labels.contains(&folders[1]) && !labels.contains(&folders[0]), "{labels}");
+    sound(&mut browser);
 }
 
 /// Particles are drawn as points, and can be picked.

@@ -5,7 +5,7 @@
 use crumple::input::job::Model;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
-use crumple_tests::brittle::rod_on_plate;
+use crumple_tests::brittle::{block, rod_on_plate};
 use crumple_tests::{Trace, case, read, watch_side_by_side};
 use crumple_worker::contact::surface::{ContactParts, segments_of};
 use crumple_worker::engine::Engine;
@@ -27,6 +27,16 @@ struct Partition {
     nodes: BTreeMap<ElemId, Vec<u64>>,
     ghosts: BTreeSet<ElemId>,
     external: Aabb,
+    /// Half thickness and scale of the surface at nodes: those of own segments, and those that the
+    /// worker holds for its local nodes.
+    own_widths: BTreeMap<u64, [f64; 2]>,
+    held_widths: BTreeMap<u64, [f64; 2]>,
+    /// True without a second decomposition: with one, thickness includes that of ghosts.
+    with_boxes: bool,
+}
+
+fn larger(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].max(b[0]), a[1].max(b[1])]
 }
 
 fn partition_of(e: &Engine) -> Partition {
@@ -36,8 +46,8 @@ fn partition_of(e: &Engine) -> Partition {
         Some(_) => e.motion.reference(),
         None => &e.nodes.x,
     };
-    let mut elements = BTreeMap::new();
-    let mut nodes = BTreeMap::new();
+    let (mut elements, mut nodes) = (BTreeMap::new(), BTreeMap::new());
+    let mut own_widths = BTreeMap::new();
     for b in &e.blocks.blocks {
         for (i, element) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             // Storage follows the classes, and so does the order of computation.
@@ -55,6 +65,13 @@ fn partition_of(e: &Engine) -> Partition {
                 Some(_) => segments_of(element, &e.nodes, &parts),
                 None => Vec::new(),
             };
+            for s in &segments {
+                for &n in &s.nodes {
+                    let width =
+                        own_widths.entry(e.nodes.id[n as usize].label()).or_insert([0.0; 2]);
+                    *width = larger(*width, [s.half_thickness, s.scale]);
+                }
+            }
             let faces = segments.iter().map(|s| s.bounds(x, 0.0)).collect();
             elements.insert(element.record.id, (element.class, faces));
             let corners = element.nodes[..element.record.shape.corners()].iter();
@@ -64,6 +81,10 @@ fn partition_of(e: &Engine) -> Partition {
             );
         }
     }
+    let held_widths = e.contact.iter().flat_map(|c| {
+        let widths = c.surface.node_half.iter().zip(&c.surface.node_scale).map(|(&h, &s)| [h, s]);
+        e.nodes.id[..e.nodes.local_count].iter().map(|id| id.label()).zip(widths)
+    });
     let ghosts: BTreeSet<ElemId> =
         e.contact.iter().flat_map(|c| c.surface.ghost_elements()).collect();
     let of = |class| elements.values().filter(|v| v.0 == class).count() as u64;
@@ -79,6 +100,9 @@ fn partition_of(e: &Engine) -> Partition {
         nodes,
         ghosts,
         external: e.boxes.external,
+        own_widths,
+        held_widths: held_widths.collect(),
+        with_boxes: e.halo.regions.is_none(),
     }
 }
 
@@ -131,6 +155,18 @@ fn check(partitions: &BTreeMap<u64, Vec<Partition>>, workers: usize) -> [usize; 
             let interior = p.elements.values().filter(|e| e.0 == Class::Interior).count();
             let counts = [p.ghosts.len(), interior, p.elements.len() - interior];
             sums.iter_mut().zip(counts).for_each(|(s, c)| *s += c);
+        }
+        // All workers that have a node know its thickness in the surface of the whole model.
+        let mut widths: BTreeMap<u64, [f64; 2]> = BTreeMap::new();
+        for (&node, &width) in all.iter().flat_map(|p| &p.own_widths) {
+            let largest = widths.entry(node).or_insert(width);
+            *largest = larger(*largest, width);
+        }
+        for p in all.iter().filter(|p| p.with_boxes) {
+            for (node, held) in &p.held_widths {
+                let largest = widths.get(node).copied().unwrap_or_default();
+                assert_eq!(*held, largest, "cycle {cycle}, worker {}, node {node}", p.worker);
+            }
         }
         // Elements at shared nodes are interface elements.
         let mut holders: BTreeMap<u64, BTreeSet<u32>> = BTreeMap::new();
@@ -211,6 +247,22 @@ fn ghosts_follow_elements_that_fail() {
     check(&partitions, 4);
     let updates = partitions.last_key_value().map_or(0, |(_, all)| all[0].erosions);
     assert!(updates > 5 && trace.renewals > 1, "{updates} updates, {} renewals", trace.renewals);
+}
+
+/// A worker inside of a block has no surface, but gets ghosts if solids of the block can fail: its
+/// solids can come to the surface before its members are renewed.
+#[test]
+fn a_worker_inside_of_a_block_that_can_fail_has_an_external_box() {
+    for (failure, inside) in [("", 8), ("failure_strain = 0.1", 0)] {
+        let seen = Mutex::new(Vec::new());
+        let look = |e: &Engine| seen.lock().expect("no test fails here").push(partition_of(e));
+        // 2 x 2 x 2 cubes for each of 4 x 4 x 4 workers.
+        watch_side_by_side(&block(8, failure), 64, [1, 0], &look);
+        let all = seen.into_inner().expect("no test failed");
+        assert!(all.iter().all(|p| p.elements.len() == 8));
+        let empty = all.iter().filter(|p| p.external.is_empty()).count();
+        assert_eq!(empty, inside, "{failure}: workers without free faces need no ghosts");
+    }
 }
 
 /// Without contact nothing is copied, and the buffer holds the elements at shared nodes.
