@@ -1,5 +1,5 @@
-//! Ghost segments: which segments of other workers a worker gets, with their nodes, at a renewal and
-//! when elements fail (`surface_update.rs`).
+//! Ghost segments: which segments of other workers a worker gets, with their nodes, at a renewal
+//! and when elements fail (`surface_update.rs`).
 
 use crate::contact;
 use crate::contact::beams::with_edges;
