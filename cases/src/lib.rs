@@ -20,6 +20,8 @@ mod can_crush;
 mod corner;
 #[path = "../drop/mesh.rs"]
 mod drop;
+#[path = "../drum/mesh.rs"]
+mod drum;
 #[path = "../hertz/mesh.rs"]
 mod hertz;
 #[path = "../jeep-frame/mesh.rs"]
@@ -83,6 +85,7 @@ pub const GENERATORS: &[Generator] = &[
     can_crush::GENERATOR,
     corner::GENERATOR,
     drop::GENERATOR,
+    drum::GENERATOR,
     hertz::GENERATOR,
     panel::GENERATOR,
     plate::GENERATOR,

@@ -496,6 +496,7 @@ fn scenes_of_studies_are_whole() {
         include_str!("../hertz/job.toml"),
         include_str!("../slide/job.toml"),
         include_str!("../slide/reversal.toml"),
+        include_str!("../drum/job.toml"),
         include_str!("../corner/job.toml"),
         include_str!("../tube/job.toml"),
         include_str!("../strip/job.toml"),
@@ -515,6 +516,7 @@ fn scenes_of_studies_are_whole() {
     let finer = [
         ("hertz", "cells = 8\nsize = 6.0"),
         ("slide", "facets = 16\ncells = 4\ngap = -0.1"),
+        ("drum", "facets = 24\nturn = 45.0"),
         ("corner", "angle = 60.0\nturn = 45.0\nfacets = 9\ncells = 3"),
         ("tube", "elements = 5\nlength = 44.0"),
         ("strip", "along = 10\nacross = 2\nslant = -0.3"),

@@ -63,6 +63,12 @@ pub struct ContactInput {
     /// of Wang 2007, eq. 7). `mass` does not conserve angular momentum if the nodal masses of a
     /// segment differ (Lagrange). See `cases/studies/README.md`, hertz and tumble.
     pub weighting: String,
+    /// Surface that nodes touch: `flat` (the bilinear quads and triangles of the mesh) or `smooth`
+    /// (curved patches over them, with the mean normals of the nodes; Nagata 2005). With `smooth`,
+    /// nodes slide over curved bodies without a jump from segment to segment. Corners of more than
+    /// 45 degrees stay sharp. Edges and law `mortar` use the mesh. See
+    /// `docs/theory/contact-search.md`.
+    pub surface: String,
     /// Where a new contact of a node with a segment is judged: `end_of_step` (nearest point at the
     /// start of the step, and for solids if the node is over the face at the end) or
     /// `moving_surface` (time, point and normal of the first touch with the moving segment, the
@@ -215,6 +221,7 @@ impl ContactInput {
             search: self.search.clone(),
             skin: self.skin,
             weighting: self.weighting.clone(),
+            surface: self.surface.clone(),
             impact: self.impact.clone(),
             choice: self.choice.clone(),
             push_back: self.push_back.clone(),
@@ -278,6 +285,7 @@ impl Default for ContactInput {
             search: "cells".into(),
             skin: 0.0,
             weighting: "shape".into(),
+            surface: "flat".into(),
             impact: "end_of_step".into(),
             choice: "gap".into(),
             push_back: "own_face".into(),

@@ -52,6 +52,7 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
         (4, ""),
         (4, "edges = true\nfriction = 0.2"),
         (4, "law = \"mortar\""),
+        (4, "surface = \"smooth\""),
         (4, "law = \"penalty\"\nfriction = 0.2"),
         (4, interface),
     ];

@@ -84,6 +84,36 @@ fn a_second_decomposition_of_contact_changes_no_bit() {
     }
 }
 
+/// The normals of the smooth surface depend on all segments around a node: each worker has them,
+/// with either decomposition, between shells and between solids, with folds and elements that
+/// fail. Forced renewals move the boxes.
+#[test]
+fn a_smooth_surface_changes_the_motion_and_no_bit_with_the_workers() {
+    let smooth = "contact.surface=\"smooth\"";
+    let fails = "material.0.failure_strain=0.02";
+    for (name, cycles, sets) in [
+        ("tumble", 1200, &["contact.friction=0.2"][..]),
+        ("tumble", 900, &[fails]),
+        ("tube-crush", 2500, &["scene.elements=6"]),
+        ("pipe-whip", 150, &[]),
+        ("can-crush", 120, &[]),
+    ] {
+        let sets = &[sets, &[smooth]].concat();
+        let serial = run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
+        let flat = run_side_by_side(&read(&case(name), &sets[..sets.len() - 1]), 1, cycles, 0);
+        assert_ne!(serial.digest(), flat.digest(), "{name} {sets:?}: the option has no effect");
+        let with_rcb = read(&case(name), &[&sets[..], &["parallel.contact=\"rcb\""]].concat());
+        let with_boxes = read(&case(name), sets);
+        for (model, workers, force_every) in
+            [(&with_boxes, 2, 0), (&with_boxes, 5, 7), (&with_rcb, 3, 0)]
+        {
+            let parallel = run_side_by_side(model, workers, cycles, force_every);
+            let what = format!("{name} {sets:?}: {workers} workers, forced {force_every}");
+            assert_same(&serial, &parallel, &what);
+        }
+    }
+}
+
 /// Elements fail in contact, and their segments leave the surface; more workers than contact nodes
 /// leave some workers without any.
 #[test]

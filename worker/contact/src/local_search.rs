@@ -23,6 +23,7 @@ use crate::pair_geometry::PairGeometry;
 use crate::pairs::{Pair, PairHistory};
 use crate::projections::ProjectedPair;
 use crate::reach::{ACTIVE, REACH, reach};
+use crate::smooth_surface::SmoothPatch;
 use crate::surface::{Segment, Surface};
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{V3, xyz};
@@ -331,12 +332,21 @@ fn evaluate_pair(
     let at = V3::from(xyz(&nodes.x[slave as usize]));
     let offset = at - near.point;
     let apart = geometry.relative_to_middle(&offset);
-    if apart.norm() > REACH * scale + geometry.shift.norm() {
+    if apart.norm() > REACH * scale + geometry.shift.norm() + surface.largest_rise() {
         return None;
     }
     if geometry.shared_node_mask != 0 && !geometry.has_folded_over(nodes, &offset) {
         return None;
     }
+    let (smooth, on_smooth);
+    let (geometry, apart) = match detail.smooth && !segment.is_line() {
+        false => (geometry, apart),
+        true => {
+            smooth = SmoothPatch::new(nodes, surface, segment)?.project(&at, near.shape)?;
+            on_smooth = PairGeometry { near: &smooth, ..*geometry };
+            (&on_smooth, on_smooth.relative_to_middle(&(at - smooth.point)))
+        }
+    };
     let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
     let past = PastPairs::new(surface, geometry, memory, moved);
     let frame = contact_frame((nodes, surface), geometry, &past, (&apart, &offset));

@@ -38,10 +38,10 @@ impl Surface {
         self.largest_offset > 0.0 && self.interfaces.has_shell_offset(interface)
     }
 
-    /// Returns the largest distance by which the shifts of both sides of a pair can bring it into
-    /// contact from farther away [length].
+    /// Returns the largest distance by which the shifts of both sides of a pair and the smooth
+    /// surface can bring it into contact from farther away [length].
     pub fn shift_reach(&self) -> f64 {
-        2.0 * LARGEST_SHIFT * self.largest_offset
+        2.0 * LARGEST_SHIFT * self.largest_offset + self.largest_rise()
     }
 
     /// Returns the offset of a segment in an interface [length].

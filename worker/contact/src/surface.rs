@@ -2,6 +2,7 @@
 //! solid only, and beams all around. Nodes of the surface touch its segments.
 
 use crate::beams;
+use crate::detail::is_smooth;
 use crate::geometry::{Nearest, nearest, nearest_on_line};
 use crate::interfaces::Interfaces;
 use crumple_fem::blocks::LocalElement;
@@ -62,6 +63,29 @@ pub struct OwnScales {
     pub short: f64,
     /// Largest [`Segment::offset`], as an absolute value.
     pub offset: f64,
+    /// Longest side at the start, of hidden solids too; 0 if the surface is flat.
+    pub longest: f64,
+    /// Longest side or diagonal now, of hidden solids too; 0 if the surface is flat.
+    pub diameter: f64,
+}
+
+impl OwnScales {
+    /// Raises the longest side and the diameter to those of a face.
+    fn include_size(&mut self, face: &[u32; 4], nodes: &Nodes) {
+        const SIDES: [[usize; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 0]];
+        const DIAGONALS: [[usize; 2]; 2] = [[0, 2], [1, 3]];
+        let distance = |x: &[Row], [a, b]: [usize; 2]| {
+            let at = |k: usize| V3::from(xyz(&x[face[k] as usize]));
+            (at(a) - at(b)).norm()
+        };
+        for side in SIDES {
+            self.longest = self.longest.max(distance(&nodes.x0, side));
+            self.diameter = self.diameter.max(distance(&nodes.x, side));
+        }
+        for diagonal in DIAGONALS {
+            self.diameter = self.diameter.max(distance(&nodes.x, diagonal));
+        }
+    }
 }
 
 /// Segments and nodes of the contact surface that a worker knows.
@@ -86,6 +110,11 @@ pub struct Surface {
     pub node_scale: Vec<f64>,
     /// Largest [`Segment::offset`] of any worker, as an absolute value [length].
     pub largest_offset: f64,
+    /// Longest side of any worker's segments at the start [length]; 0 if the surface is flat.
+    pub longest_side: f64,
+    /// Longest side or diagonal of any worker's segments at the last renewal [length]; 0 if the
+    /// surface is flat.
+    pub diameter: f64,
     /// Smallest scale of a segment of any worker [length].
     pub thinnest: f64,
     /// 10th percentile of the shortest edges of segments, minimum over all workers [length].
@@ -94,6 +123,10 @@ pub struct Surface {
     pub face_start: Vec<u32>,
     /// Indices of the segments around each slave, ascending.
     pub faces: Vec<u32>,
+    /// Per local node the start of its range in `node_faces`; see [`Surface::link_nodes`].
+    pub node_face_start: Vec<u32>,
+    /// Indices of the segments around each node, ascending; empty if the surface is flat.
+    pub node_faces: Vec<u32>,
     /// Per slave the lowest of the segments around it, by part and then by id; `u32::MAX` if it
     /// has none.
     pub first: Vec<u32>,
@@ -175,6 +208,8 @@ pub struct ContactParts {
     /// empty if no interface uses offsets.
     offsets: Vec<(f64, f64)>,
     interfaces: Arc<Interfaces>,
+    /// True if nodes touch the smooth surface.
+    smooth: bool,
 }
 
 impl ContactParts {
@@ -210,6 +245,7 @@ impl ContactParts {
             limit: contact.map_or(0.0, |c| c.thickness_limit),
             offsets: settings.parts.iter().filter(|_| is_shifted).map(offset).collect(),
             interfaces,
+            smooth: contact.is_some_and(is_smooth),
         }
     }
 
@@ -344,6 +380,9 @@ impl Surface {
             own.smallest = own.smallest.min(radius);
         }
         s.points.sort_unstable();
+        if parts.smooth {
+            s.segments.iter().for_each(|g| own.include_size(&g.nodes, nodes));
+        }
         own.short = s.short_edge(nodes);
         (s.own_scales, s.largest_offset) = (own, own.offset);
         s
@@ -365,6 +404,10 @@ impl Surface {
             self.hidden.extend(&e.nodes[..e.record.shape.corners()]);
             let largest = &mut self.own_scales.largest;
             *largest = largest.max(SOLID_SCALE * shortest_edge(e, nodes));
+            if parts.smooth {
+                let faces = e.record.shape.faces().iter().map(|f| f.map(|c| e.nodes[c]));
+                faces.for_each(|face| self.own_scales.include_size(&face, nodes));
+            }
         }
         self.hidden.sort_unstable();
         self.hidden.dedup();

@@ -244,13 +244,16 @@ pub(super) fn share_scales(
     surface: &mut Surface,
     count: usize,
 ) -> Result<(f64, usize), RankLost> {
-    let OwnScales { largest, smallest, short, offset } = surface.own_scales;
-    let scales = gather_all(comm, vec![[largest, smallest, short, offset, count as f64]])?;
+    let OwnScales { largest, smallest, short, offset, longest, diameter } = surface.own_scales;
+    let own = [largest, smallest, short, offset, longest, diameter, count as f64];
+    let scales = gather_all(comm, vec![own])?;
     let of_all = |i: usize| scales.iter().map(move |w| w[0][i]);
     surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
-    surface.largest_offset = of_all(3).fold(0.0, f64::max);
-    Ok((of_all(0).fold(0.0, f64::max), of_all(4).fold(0.0, f64::max) as usize))
+    let most = |i: usize| of_all(i).fold(0.0, f64::max);
+    surface.largest_offset = most(3);
+    (surface.longest_side, surface.diameter) = (most(4), most(5));
+    Ok((most(0), most(6) as usize))
 }
 
 /// Returns the local nodes that each other worker has as well, ascending.

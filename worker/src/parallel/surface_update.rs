@@ -99,8 +99,8 @@ pub fn update(
     };
     let (_, most_added) = share_scales(comm, surface, added.len())?;
     let has_new_ghosts = most_added > 0;
-    let scales = (surface.thinnest, surface.short, surface.largest_offset);
-    (old.thinnest, old.short, old.largest_offset) = scales;
+    let scales = (surface.thinnest, surface.short, surface.largest_offset, surface.longest_side);
+    (old.thinnest, old.short, old.largest_offset, old.longest_side) = scales;
     if has_new_ghosts {
         add_ghosts(comm, nodes, halo, old, &added)?;
     }
@@ -113,7 +113,7 @@ pub fn update(
         return Ok(SurfaceUpdate { surface: None, has_new_ghosts });
     }
     let mut surface = fresh.unwrap_or_else(|| own_surface(nodes));
-    (surface.thinnest, surface.short, surface.largest_offset) = scales;
+    (surface.thinnest, surface.short, surface.largest_offset, surface.longest_side) = scales;
     surface.hidden.clone_from(&old.hidden);
     halo.links.iter().for_each(|link| include_widths(&mut surface, link));
     surface.collect_slaves(nodes);

@@ -40,9 +40,11 @@ pub fn from_list(tree: &mut Node) {
 pub(super) fn check(contact: &ContactInput, job: &Job, numbers: &mut NumberChecks<'_>) {
     numbers.word("contact.search", &contact.search, &laws::searches());
     numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
+    numbers.word("contact.surface", &contact.surface, &["flat", "smooth"]);
     numbers.word("contact.impact", &contact.impact, &["end_of_step", "moving_surface"]);
     numbers.word("contact.choice", &contact.choice, &["gap", "node_normal"]);
     numbers.word("contact.push_back", &contact.push_back, &["own_face", "last_face"]);
+    check_surface(contact, numbers);
     let limit = contact.thickness_limit;
     numbers.need(
         limit >= 0.0,
@@ -101,6 +103,26 @@ pub(super) fn check(contact: &ContactInput, job: &Job, numbers: &mut NumberCheck
         }
     }
     hidden(contact, job, &said, numbers);
+}
+
+/// Refuses a smooth surface with what computes with the mesh.
+fn check_surface(contact: &ContactInput, numbers: &mut NumberChecks<'_>) {
+    if contact.surface != "smooth" {
+        return;
+    }
+    let mut refuse = |what: &str, help: &str| {
+        let message = format!("a smooth surface does not work with {what}");
+        numbers.findings.add(Problem::error("contact.surface", message, help));
+    };
+    if contact.each().any(|c| c.law == "mortar") {
+        refuse("contact law mortar", "choose another law, or surface = \"flat\"");
+    }
+    if contact.impact == "moving_surface" {
+        refuse("impact = \"moving_surface\"", "choose impact = \"end_of_step\"");
+    }
+    if contact.push_back == "last_face" {
+        refuse("push_back = \"last_face\"", "choose push_back = \"own_face\"");
+    }
 }
 
 /// Warns of each interface that applies to no pair of parts: later interfaces name all its pairs,

@@ -1,0 +1,123 @@
+"""The tubes of B11, B12 and B13 as jobs with their own mesh, and their mean crush force.
+
+    python3 tubes.py CASE REFINE ELEMENT > job.toml     CASE is B11, B12a, B12b or B13
+    crumple run job.toml --out DIR
+    python3 tubes.py --force CASE DIR                   mean force [kN]
+
+REFINE = 1 is the mesh of the catalogue (`tests/verification/src/crush.rs`), 2 has half its sides.
+README.md has the results.
+"""
+
+import csv
+import math
+import sys
+
+# around, along, length, trigger, thickness, yield stress, modulus, head, thinning, depth
+CASES = {
+    "B11": (48, 60, 0.3, (0.01, 0.04), 1.5e-3, 250e6, 1e9, 650.0, True, 0.15),
+    "B12a": (40, 54, 0.2, (0.006, 0.029), 1.152e-3, 300e6, 0.0, 300.0, False, 0.12),
+    "B12b": (40, 54, 0.266, (0.008, 0.039), 1.63e-3, 300e6, 0.0, 300.0, False, 0.6 * 0.266),
+    "B13": (64, 40, 0.1, (0.0, 0.01), 1e-3, 200e6, 0.0, 100.0, False, 0.05),
+}
+SQUARES = {"B11": (0.06, 5e-4), "B12a": (0.03707, 4e-4), "B12b": (0.04931, 4e-4)}
+SPEED = 15.0
+
+
+def section(case, s):
+    """Point of the section, and the outward normal times the depth of the trigger [m]."""
+    if case == "B13":
+        y, x = math.sin(math.tau * s), math.cos(math.tau * s)
+        return (0.025 * x, 0.025 * y), (2e-4 * x, 2e-4 * y)
+    side, depth = SQUARES[case]
+    half, face, t = side / 2, int(4 * s), (4 * s) % 1
+    along, bulge = side * t - half, depth * math.sin(math.pi * t)
+    return [
+        ((half, along), (-bulge, 0.0)),
+        ((-along, half), (0.0, bulge)),
+        ((-half, -along), (bulge, 0.0)),
+        ((along, -half), (0.0, -bulge)),
+    ][face]
+
+
+def job(case, refine, element):
+    around, along, length, trigger, thickness, strength, modulus, head, thinning, depth = CASES[case]
+    around, along = 4 * round(around * refine / 4), round(along * refine)
+    low, high = trigger
+    out = [f'title = "{case}"\nunits = "m, s, kg"\nend_time = {1.3 * depth / SPEED!r}']
+    out.append("[mesh]\nnodes = [")
+    for i in range(along + 1):
+        z = length * i / along
+        wave = math.sin(math.pi * (z - low) / (high - low)) if low < z < high else 0.0
+        for k in range(around):
+            (x, y), (dx, dy) = section(case, k / around)
+            out.append(f"[{i * around + k + 1}, {x + wave * dx!r}, {y + wave * dy!r}, {z!r}],")
+    out.append("]\nshells = [")
+    for i in range(along):
+        for k in range(around):
+            a, b = i * around + k + 1, i * around + (k + 1) % around + 1
+            out.append(f"[{i * around + k + 1}, 1, {a}, {b}, {b + around}, {a + around}],")
+    top = list(range(along * around + 1, (along + 1) * around + 1))
+    out.append(f"""]
+[mesh.node_sets]
+head = {top}
+measured = {top[:: around // 8]}
+all = {list(range(1, (along + 1) * around + 1))}
+[output]
+field_interval = -1.0
+history_interval = 2e-5
+[[output.node]]
+nodes = "measured"
+[[material]]
+name = "steel"
+law = "j2"
+density = 7850.0
+youngs_modulus = 210e9
+poisson = 0.3
+yield_stress = {strength!r}
+hardening_modulus = {modulus!r}
+[[part]]
+id = 1
+material = "steel"
+thickness = {thickness!r}
+points = 5
+element = "{element}"
+thinning = {str(thinning).lower()}
+[[fix]]
+nodes = "head"
+dofs = ["x", "y", "rx", "ry", "rz"]
+[[mass]]
+nodes = "head"
+mass = {head!r}
+[[initial_velocity]]
+nodes = "all"
+velocity = [0.0, 0.0, -{SPEED!r}]
+[[wall]]
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+friction = 0.1
+[contact]
+friction = 0.1""")
+    return "\n".join(out)
+
+
+def force(case, folder):
+    """Energy that the head has lost at the depth, over the depth [kN]."""
+    head, depth = CASES[case][7], CASES[case][9]
+    motion = {}
+    with open(f"{folder}/nodes.csv") as file:
+        for row in csv.DictReader(file):
+            at = {name.split(" [")[0]: value for name, value in row.items()}
+            moved = motion.setdefault(float(at["time"]), [])
+            moved.append((-float(at["displacement z"]), float(at["velocity z"])))
+    means = [[sum(column) / len(rows) for column in zip(*rows)] for _, rows in sorted(motion.items())]
+    for (u, v), (next_u, next_v) in zip(means, means[1:]):
+        if next_u >= depth:
+            speed = v + (next_v - v) * (depth - u) / (next_u - u)
+            return 0.5e-3 * head * (SPEED**2 - speed**2) / depth
+    raise SystemExit(f"{folder}: the run ended before {depth} m")
+
+
+if sys.argv[1] == "--force":
+    print(f"{force(*sys.argv[2:4]):.2f}")
+else:
+    print(job(sys.argv[1], float(sys.argv[2]), sys.argv[3]))
