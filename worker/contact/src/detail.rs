@@ -1,6 +1,7 @@
-//! Options of the contact detail: the surface that nodes touch, where a new contact is judged, which of several contacts of a
-//! node comes first, and the normal at convex edges. The alternatives to the defaults are those of
-//! PRONTO3D; Attaway et al. (1998), "Detailed contact check".
+//! Options of the contact detail: the surface that nodes touch, where a new contact is judged,
+//! which of several contacts of a node comes first, and the normal at convex edges. The
+//! alternatives to the defaults are those of PRONTO3D; Attaway et al. (1998), "Detailed contact
+//! check".
 
 use crumple_proto::job::ContactInput;
 
