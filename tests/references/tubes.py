@@ -40,7 +40,8 @@ def section(case, s):
 
 
 def job(case, refine, element):
-    around, along, length, trigger, thickness, strength, modulus, head, thinning, depth = CASES[case]
+    around, along, length, trigger, thickness, strength, modulus, head = CASES[case][:8]
+    thinning, depth = CASES[case][8:]
     around, along = 4 * round(around * refine / 4), round(along * refine)
     low, high = trigger
     out = [f'title = "{case}"\nunits = "m, s, kg"\nend_time = {1.3 * depth / SPEED!r}']
@@ -109,7 +110,8 @@ def force(case, folder):
             at = {name.split(" [")[0]: value for name, value in row.items()}
             moved = motion.setdefault(float(at["time"]), [])
             moved.append((-float(at["displacement z"]), float(at["velocity z"])))
-    means = [[sum(column) / len(rows) for column in zip(*rows)] for _, rows in sorted(motion.items())]
+    ordered = [rows for _, rows in sorted(motion.items())]
+    means = [[sum(column) / len(rows) for column in zip(*rows)] for rows in ordered]
     for (u, v), (next_u, next_v) in zip(means, means[1:]):
         if next_u >= depth:
             speed = v + (next_v - v) * (depth - u) / (next_u - u)

@@ -89,7 +89,6 @@ fn a_second_decomposition_of_contact_changes_no_bit() {
 /// fail. Forced renewals move the boxes.
 #[test]
 fn a_smooth_surface_changes_the_motion_and_no_bit_with_the_workers() {
-    let smooth = "contact.surface=\"smooth\"";
     let fails = "material.0.failure_strain=0.02";
     for (name, cycles, sets) in [
         ("tumble", 1200, &["contact.friction=0.2"][..]),
@@ -97,13 +96,17 @@ fn a_smooth_surface_changes_the_motion_and_no_bit_with_the_workers() {
         ("tube-crush", 2500, &["scene.elements=6"]),
         ("pipe-whip", 150, &[]),
         ("can-crush", 120, &[]),
+        ("drum", 3000, &["scene.facets=20", "parallel.buffer=0.3"]),
     ] {
-        let sets = &[sets, &[smooth]].concat();
-        let serial = run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
-        let flat = run_side_by_side(&read(&case(name), &sets[..sets.len() - 1]), 1, cycles, 0);
+        let with_surface = |surface: &str, more: &[&str]| {
+            let surface = format!("contact.surface=\"{surface}\"");
+            read(&case(name), &[sets, &[surface.as_str()], more].concat())
+        };
+        let serial = run_side_by_side(&with_surface("smooth", &[]), 1, cycles, 0);
+        let flat = run_side_by_side(&with_surface("flat", &[]), 1, cycles, 0);
         assert_ne!(serial.digest(), flat.digest(), "{name} {sets:?}: the option has no effect");
-        let with_rcb = read(&case(name), &[&sets[..], &["parallel.contact=\"rcb\""]].concat());
-        let with_boxes = read(&case(name), sets);
+        let with_boxes = with_surface("smooth", &[]);
+        let with_rcb = with_surface("smooth", &["parallel.contact=\"rcb\""]);
         for (model, workers, force_every) in
             [(&with_boxes, 2, 0), (&with_boxes, 5, 7), (&with_rcb, 3, 0)]
         {

@@ -83,6 +83,14 @@ fn beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 
 /// Limit of the catalogue for hourglass energy over internal energy in the part that is crushed.
 const HOURGLASS_LIMIT: f64 = 0.05;
+/// Shell of a part without a key `element`.
+const DEFAULT_SHELL: &str = "stabilised_quad";
+const CONVERGED: &str =
+    "[C] own fully integrated shell on half the mesh, tests/references/tubes.py";
+const MESH: &str = "ten quads over a side are too coarse for the folds. Experiments: twelve, \
+                    fifteen and twenty quads: +4.7, -1.6 and +0.1 %; on this mesh without drilling \
+                    stiffness +5.7 %, with hourglass_coefficient = 0 +4.7 %, with three points \
+                    +3.2 %, with the fully integrated shell +9 %";
 /// Time over which the force on the head is averaged for its peak [s].
 const WINDOW: f64 = 1e-4;
 /// Returns the shells for every tube: all quads of the table.
@@ -257,21 +265,26 @@ impl Tube<'_> {
 
 impl Crushed {
     /// Returns the rows that every tube has; `limits` are the mean force over the last station
-    /// [N], its tolerance and source.
+    /// [N], its tolerance and source, and `converged` is that of a converged mesh [N].
     fn rows(
         &self,
-        variant: &str,
+        (variant, shell): (&str, &str),
         depth: f64,
         (mean, tolerance, source): (f64, f64, &'static str),
+        converged: f64,
     ) -> Vec<CheckRow> {
         let absorbed = self.absorbed.last().copied().unwrap_or(f64::NAN);
         let quantity = format!("mean force from 0 to {:.0} mm", 1e3 * depth);
+        let ours = 1e-3 * absorbed / depth;
+        let refined = CheckRow::new(format!("{quantity}, converged"), variant, "kN", ours).near(
+            1e-3 * converged,
+            0.05,
+            CONVERGED,
+        );
         vec![
-            CheckRow::new(quantity, variant, "kN", 1e-3 * absorbed / depth).near(
-                1e-3 * mean,
-                tolerance,
-                source,
-            ),
+            CheckRow::new(quantity, variant, "kN", ours).near(1e-3 * mean, tolerance, source),
+            // The defaults must be near their own limit; other shells are shown.
+            if shell == DEFAULT_SHELL { refined.known(MESH) } else { refined.recorded() },
             CheckRow::new("largest force, mean over 0.1 ms", variant, "kN", 1e-3 * self.peak),
             CheckRow::new("hourglass energy over internal energy", variant, "", self.hourglass)
                 .at_most(HOURGLASS_LIMIT, "limit of the catalogue: 5 %"),
@@ -344,9 +357,10 @@ fn square(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             );
         }
         all.extend(crushed.rows(
-            &variant,
+            (&variant, shell),
             0.15,
             (28.9e3, 0.08, "[C] OpenRadioss, QEPH 3.33 mm, its finest mesh"),
+            27.39e3,
         ));
         // A crush of 150 mm consumes 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
         all.push(
@@ -361,9 +375,9 @@ fn mean_force(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
     // 52.22 M0 (C/t)^(1/3) with M0 = 300 MPa t^2/4. The trigger is two fold lengths of the
     // formula.
-    for (side, thickness, length, trigger, expected) in [
-        (0.03707, 1.152e-3, 0.2, [0.006, 0.029], 16.5e3),
-        (0.04931, 1.63e-3, 0.266, [0.008, 0.039], 32.4e3),
+    for (side, thickness, length, trigger, expected, converged) in [
+        (0.03707, 1.152e-3, 0.2, [0.006, 0.029], 16.5e3, 13.26e3),
+        (0.04931, 1.63e-3, 0.266, [0.008, 0.039], 32.4e3, 25.65e3),
     ] {
         let section = square_section(side, 4e-4);
         let tube = Tube {
@@ -388,7 +402,7 @@ fn mean_force(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             let variant =
                 format!("lagrange, {shell}, {size}, mesh {:.1} mm, 300 MPa", 4e3 * side / 40.0);
             let reference = (expected, 0.2, "[V:S22] section, [D] 52.22 M0 (C/t)^(1/3)");
-            all.extend(crushed.rows(&variant, depth, reference));
+            all.extend(crushed.rows((&variant, shell), depth, reference, converged));
         }
     }
     Ok(all)
@@ -419,7 +433,8 @@ fn round(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     for shell in shells() {
         let crushed = tube.crush(bench, &format!("B13 {shell}"), [shell, "lagrange"], &[0.05])?;
         let variant = format!("lagrange, {shell}, 2.5 mm");
-        all.extend(crushed.rows(&variant, 0.05, (12.64e3, 0.2, "[V:S23] 72.3 (D/t)^0.32 M_p")));
+        let formula = (12.64e3, 0.2, "[V:S23] 72.3 (D/t)^0.32 M_p");
+        all.extend(crushed.rows((&variant, shell), 0.05, formula, 13.46e3));
         all.push(
             CheckRow::new(
                 "range of the radial displacement in a ring over its largest mean",
