@@ -210,7 +210,7 @@ mod tests {
             [job, ("a.toml", &format!("{MESH}{STEEL}{PART}lenght = 3\n")), ("mesh.toml", NODES)];
         let report = said(&files);
         assert!(
-            report.contains("a.toml:16:1") && report.contains("unknown key `lenght`"),
+            report.contains("a.toml:17:1") && report.contains("unknown key `lenght`"),
             "{report}"
         );
         let wrong = format!("{MESH}{STEEL}{PART}").replace("poisson = 0.3", "poisson = 0.8");
