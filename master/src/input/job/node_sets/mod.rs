@@ -20,7 +20,7 @@ use crumple_proto::job::{Job, Rigid, SetInput, SetRule};
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::quality;
-use region::Region;
+use region::SetRegion;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
@@ -86,7 +86,7 @@ fn references(job: &Job) -> impl Iterator<Item = (String, &str)> {
 
 /// Progress of a set by rule.
 #[derive(Clone)]
-enum Progress {
+enum SetProgress {
     Open,
     /// Its rule refers to sets that are being resolved.
     Begun,
@@ -109,7 +109,7 @@ struct Resolver<'a> {
     findings: &'a mut JobProblems,
     /// Indices of nodes.
     index: HashMap<NodeId, usize>,
-    progress: Vec<Progress>,
+    progress: Vec<SetProgress>,
     /// Default tolerance [length].
     tolerance: f64,
 }
@@ -117,7 +117,7 @@ struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     fn new(job: &'a Job, mesh: &'a Mesh, findings: &'a mut JobProblems) -> Self {
         let valid = check::check(job, mesh, findings);
-        let open = |valid| if valid { Progress::Open } else { Progress::Done(None) };
+        let open = |valid| if valid { SetProgress::Open } else { SetProgress::Done(None) };
         let side = || quality(mesh).map_or(0.0, |quality| quality.min_side.value);
         let by_side = job.set.iter().any(|s| s.tolerance.is_none());
         Self {
@@ -133,19 +133,19 @@ impl<'a> Resolver<'a> {
     /// Returns the nodes of the set by rule with this index; `None` if it has an error.
     fn rule(&mut self, i: usize) -> Option<Members> {
         match &self.progress[i] {
-            Progress::Done(nodes) => return nodes.clone(),
-            Progress::Begun => {
+            SetProgress::Done(nodes) => return nodes.clone(),
+            SetProgress::Begun => {
                 let message = format!("set `{}` refers to itself", self.job.set[i].name);
                 let help = "remove one of the references: a set comes from the mesh, parts, and \
                             sets that do not need it";
                 self.findings.add(Problem::error(format!("set.{i}"), message, help));
                 return None;
             }
-            Progress::Open => {}
+            SetProgress::Open => {}
         }
-        self.progress[i] = Progress::Begun;
+        self.progress[i] = SetProgress::Begun;
         let nodes = self.select(i).filter(|nodes| self.check_empty(i, nodes)).map(Rc::new);
-        self.progress[i] = Progress::Done(nodes.clone());
+        self.progress[i] = SetProgress::Done(nodes.clone());
         nodes
     }
 
@@ -155,7 +155,7 @@ impl<'a> Resolver<'a> {
         if !nodes.is_empty() || set.allow_empty {
             return true;
         }
-        let nearest = Region::of(set).map(|region| {
+        let nearest = SetRegion::of(set).map(|region| {
             let outside = self.mesh.nodes.iter().map(|n| region.outside(n.x));
             outside.fold(f64::INFINITY, f64::min)
         });
@@ -203,7 +203,7 @@ impl<'a> Resolver<'a> {
             | SetRule::Plane
             | SetRule::HalfSpace
             | SetRule::Cylinder => {
-                let region = Region::of(set)?;
+                let region = SetRegion::of(set)?;
                 let tolerance = set.tolerance.unwrap_or(self.tolerance);
                 let is_inside = |&n: &usize| region.outside(mesh.nodes[n].x) <= tolerance;
                 all.into_iter().filter(is_inside).collect()

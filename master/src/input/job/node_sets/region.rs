@@ -6,32 +6,30 @@ use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
 
-type Point = [f64; 3];
-
 /// Region of space.
-pub enum Region {
+pub enum SetRegion {
     /// Smallest and largest coordinates [length].
-    Box(Point, Point),
+    Box([f64; 3], [f64; 3]),
     /// Centre and radius [length].
-    Sphere(Point, f64),
-    /// Point and unit normal.
-    Plane(Point, Point),
-    /// Point and unit normal.
-    HalfSpace(Point, Point),
+    Sphere([f64; 3], f64),
+    /// [f64; 3] and unit normal.
+    Plane([f64; 3], [f64; 3]),
+    /// [f64; 3] and unit normal.
+    HalfSpace([f64; 3], [f64; 3]),
     /// Start of the axis, unit vector along it, radius and length [length].
-    Cylinder(Point, Point, f64, Option<f64>),
+    Cylinder([f64; 3], [f64; 3], f64, Option<f64>),
 }
 
-impl Region {
+impl SetRegion {
     /// Returns the region of a rule; `None` if the rule has none or lacks keys.
-    pub fn of(set: &SetInput) -> Option<Region> {
+    pub fn of(set: &SetInput) -> Option<SetRegion> {
         Some(match set.rule {
-            SetRule::Box => Region::Box(set.min?, set.max?),
-            SetRule::Sphere => Region::Sphere(set.point?, set.radius?),
-            SetRule::Plane => Region::Plane(set.point?, unit(set.normal?)),
-            SetRule::HalfSpace => Region::HalfSpace(set.point?, unit(set.normal?)),
+            SetRule::Box => SetRegion::Box(set.min?, set.max?),
+            SetRule::Sphere => SetRegion::Sphere(set.point?, set.radius?),
+            SetRule::Plane => SetRegion::Plane(set.point?, unit(set.normal?)),
+            SetRule::HalfSpace => SetRegion::HalfSpace(set.point?, unit(set.normal?)),
             SetRule::Cylinder => {
-                Region::Cylinder(set.point?, unit(set.axis?), set.radius?, set.length)
+                SetRegion::Cylinder(set.point?, unit(set.axis?), set.radius?, set.length)
             }
             _ => return None,
         })
@@ -39,15 +37,15 @@ impl Region {
 
     /// Returns how far a point is outside, 0 or below if it is inside. At the edges of a box and
     /// of the ends of a cylinder this is the largest distance from one of the surfaces [length].
-    pub fn outside(&self, x: Point) -> f64 {
+    pub fn outside(&self, x: [f64; 3]) -> f64 {
         match self {
-            Region::Box(min, max) => {
+            SetRegion::Box(min, max) => {
                 (0..3).map(|c| (min[c] - x[c]).max(x[c] - max[c])).fold(f64::MIN, f64::max)
             }
-            Region::Sphere(centre, radius) => length(minus(x, *centre)) - radius,
-            Region::Plane(point, normal) => dot(minus(x, *point), *normal).abs(),
-            Region::HalfSpace(point, normal) => -dot(minus(x, *point), *normal),
-            Region::Cylinder(start, axis, radius, size) => {
+            SetRegion::Sphere(centre, radius) => length(minus(x, *centre)) - radius,
+            SetRegion::Plane(point, normal) => dot(minus(x, *point), *normal).abs(),
+            SetRegion::HalfSpace(point, normal) => -dot(minus(x, *point), *normal),
+            SetRegion::Cylinder(start, axis, radius, size) => {
                 let from = minus(x, *start);
                 let along = dot(from, *axis);
                 let off = length(minus(from, axis.map(|a| a * along))) - radius;
@@ -57,19 +55,19 @@ impl Region {
     }
 }
 
-fn minus(a: Point, b: Point) -> Point {
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|c| a[c] - b[c])
 }
 
-fn dot(a: Point, b: Point) -> f64 {
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|c| a[c] * b[c]).sum()
 }
 
-fn length(a: Point) -> f64 {
+fn length(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }
 
-fn unit(a: Point) -> Point {
+fn unit(a: [f64; 3]) -> [f64; 3] {
     let largest = a.iter().fold(0.0f64, |most, c| most.max(c.abs()));
     let scaled = a.map(|c| c / largest);
     let size = length(scaled);
@@ -105,7 +103,7 @@ pub fn within(mesh: &Mesh, from: &[usize], distance: f64, among: &[usize]) -> Ve
     let at = |n: usize| mesh.nodes[n].x;
     // Cells have the size of the distance, so that the nodes in question are in 27 of them.
     let size = if distance > 0.0 { distance } else { 1.0 };
-    let cell = |x: Point| x.map(|c| (c / size).floor() as i64);
+    let cell = |x: [f64; 3]| x.map(|c| (c / size).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     from.iter().for_each(|&n| cells.entry(cell(at(n))).or_default().push(n));
     let is_near = |&n: &usize| {

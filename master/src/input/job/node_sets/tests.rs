@@ -43,7 +43,8 @@ fn job(more: &str) -> String {
     for (id, name, thickness) in [(1, "plate", 1.0), (2, "block", 0.0), (3, "strip", 1.0)] {
         let _ = write!(
             text,
-            "[[part]]\nid = {id}\nname = \"{name}\"\nmaterial = \"steel\"\nthickness = {thickness}\n"
+            "[[part]]\nid = {id}\nname = \"{name}\"\nmaterial = \"steel\"\n\
+             thickness = {thickness}\n"
         );
     }
     text + more
