@@ -70,7 +70,8 @@ fn one(
     };
     let direction = match kind {
         WallCard::Cylinder => head("axis", wall.axis.unwrap_or_default()),
-        WallCard::Sphere => wall.point.map(Number),
+        // A sphere has no direction, but a card has one.
+        WallCard::Sphere => [wall.point[0], wall.point[1], wall.point[2] + 1.0].map(Number),
         _ => head("normal", wall.normal.unwrap_or_default()),
     };
     let edge = wall.edge.map(|e| head("edge", e));
