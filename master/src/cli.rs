@@ -154,6 +154,9 @@ pub enum Command {
     },
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
+    /// List the materials of the library, for `use` in a material of a job, with the source of each
+    /// value.
+    Materials(MaterialsArgs),
     /// Report the warnings of a run, and what it did not need, part by part, with the settings.
     Advise {
         /// Folder of results of a run that completed.
@@ -366,6 +369,16 @@ pub struct SchemaArgs {
     /// Print the reference of jobs as Markdown instead: cases/REFERENCE.md.
     #[arg(long)]
     pub reference: bool,
+}
+
+/// `crumple materials`.
+#[derive(Args, Clone, Debug)]
+pub struct MaterialsArgs {
+    /// Name of a material, such as "steel DP600" [default: all].
+    pub material: Option<String>,
+    /// Units of the values, as in a job.
+    #[arg(long, value_name = "UNITS", default_value = "m, s, kg")]
+    pub units: String,
 }
 
 /// `crumple verify`.

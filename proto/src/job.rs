@@ -9,6 +9,7 @@ mod particles;
 mod require;
 mod restart;
 mod rigid;
+mod set;
 mod setting;
 mod spring;
 mod tie;
@@ -24,6 +25,7 @@ pub use particles::ParticlesInput;
 pub use require::{ElementReduction, Quantity, Requirement, RowReduction};
 pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
+pub use set::{SetInput, SetRule};
 pub use setting::Setting;
 pub use spring::SpringInput;
 pub use tie::TieInput;
@@ -44,6 +46,10 @@ pub struct Job {
     /// Consistent set of units, as a note for readers; the engine is unit-free.
     #[serde(default)]
     pub units: String,
+    /// Job files whose keys are merged below those of this one, such as `["parts.toml"]`. Paths are
+    /// relative to the folder of the file that includes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub include: Vec<String>,
     /// Simulated time at which the run ends [time].
     pub end_time: f64,
     /// Keys whose values are placeholders, such as `part.plate.thickness`: `crumple import` writes
@@ -58,6 +64,9 @@ pub struct Job {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub scene: toml::Table,
+    /// Node sets by rule.
+    #[serde(default)]
+    pub set: Vec<SetInput>,
     /// Settings of the time step.
     #[serde(default)]
     pub time: Time,
@@ -302,6 +311,10 @@ pub struct Parallel {
 pub struct MaterialSpec {
     /// Name that parts refer to.
     pub name: String,
+    /// Name of a material of the library, which `crumple materials` lists. It gives the law and all
+    /// values, in the units of the job; keys of the job replace them.
+    #[serde(default, rename = "use", skip_serializing_if = "Option::is_none")]
+    pub library: Option<String>,
     /// Name of the material law.
     pub law: String,
     /// Mass density [mass/length^3].

@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 pub struct ResolvedWall {
     /// Name in histories.
     pub name: String,
-    /// Point of a plane, corner of a rectangle or start of a cylinder's axis, at time 0
-    /// [length].
+    /// Point of a plane, corner of a rectangle, start of a cylinder's axis or centre of a sphere,
+    /// at time 0 [length].
     pub point: [f64; 3],
-    /// Unit normal of a plane or rectangle, unit vector along the axis of a cylinder.
+    /// Unit normal of a plane or rectangle, unit vector along the axis of a cylinder, any unit
+    /// vector of a sphere.
     pub direction: [f64; 3],
     /// Shape and size.
     pub form: WallForm,
@@ -44,6 +45,11 @@ pub enum WallForm {
         radius: f64,
         /// Length, 0 if infinite [length].
         length: f64,
+    },
+    /// Surface of a sphere.
+    Sphere {
+        /// Radius [length].
+        radius: f64,
     },
 }
 

@@ -1,5 +1,5 @@
 "use strict";
-// Rigid walls: planes, rectangles and cylinders, with lines on them. Infinite sides are drawn as far as the model sweeps.
+// Rigid walls: planes, rectangles, cylinders and spheres, with lines on them. Infinite sides are drawn as far as the model sweeps.
 // Moving walls have a path.
 
 /** Margin around the model, as a fraction of its size. */
@@ -10,8 +10,9 @@ const SIDES_OF_CYLINDER = 48;
 /** A surface and its lines; nothing for a wall without direction. */
 function wallObjects(wall, box) {
   const direction = wall.axis || wall.normal;
-  if (!direction || !(Math.hypot(...direction) > 0)) return null;
-  const { at, s, t, steps } = wall.axis ? cylinder(wall, box) : plane(wall, box);
+  const round = !direction && wall.radius > 0;
+  if (!round && !(direction && Math.hypot(...direction) > 0)) return null;
+  const { at, s, t, steps } = round ? sphere(wall) : wall.axis ? cylinder(wall, box) : plane(wall, box);
   const between = ([a, b], count) => Array.from({ length: count + 1 }, (_, i) => a + ((b - a) * i) / count);
   const along = between(s, steps[0]);
   const across = between(t, steps[1]);
@@ -82,6 +83,14 @@ function cylinder({ point, axis, radius, length }, box) {
       .addScaledVector(second, radius * Math.sin(turn))
       .toArray();
   return { at, s, t: [0, 2 * Math.PI], steps: [GRID_LINES, SIDES_OF_CYLINDER] };
+}
+
+function sphere({ point, radius }) {
+  const at = (height, turn) => {
+    const [x, y, z] = [Math.cos(height) * Math.cos(turn), Math.cos(height) * Math.sin(turn), Math.sin(height)];
+    return [point[0] + radius * x, point[1] + radius * y, point[2] + radius * z];
+  };
+  return { at, s: [-Math.PI / 2, Math.PI / 2], t: [0, 2 * Math.PI], steps: [SIDES_OF_CYLINDER / 2, SIDES_OF_CYLINDER] };
 }
 
 /** Displacement of a wall along its path at a time. */

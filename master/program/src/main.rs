@@ -48,6 +48,7 @@ fn main() -> ExitCode {
         Command::ExportD3plot { dir, file_size } => crumple::results::d3plot::run(&dir, file_size),
         Command::ExportVtkhdf { dir } => crumple::results::vtkhdf::run(&dir),
         Command::ExportExodus { dir } => crumple::results::exodus::run(&dir),
+        Command::Materials(args) => crumple::input::job::library::run(&args),
         Command::Schema(args) => crumple::input::reference::run(&args),
         Command::Study(args) => crumple::analysis::study::run(&args),
     })

@@ -3,19 +3,20 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Rigid wall that nodes may not enter: a plane, a rectangle, or the lateral surface of a cylinder.
-/// It is at rest, has a prescribed motion, or has a mass and moves along its normal.
+/// Rigid wall that nodes may not enter: a plane, a rectangle, the lateral surface of a cylinder, or
+/// a sphere. It is at rest, has a prescribed motion, or has a mass and moves along its normal.
 ///
-/// A rectangle or a cylinder stops nodes that come from outside and ignores nodes behind it. A wall
-/// does not act on fixed or prescribed degrees of freedom, and these do not stop a wall with a
-/// mass.
+/// Planes and rectangles have a `normal`, cylinders an `axis` and a `radius`, spheres a `radius`
+/// only. All but planes stop nodes that come from outside and ignore nodes behind them. A wall does
+/// not act on fixed or prescribed degrees of freedom, and these do not stop a wall with a mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallInput {
     /// Name in histories.
     #[serde(default)]
     pub name: String,
-    /// Point on the wall [length]: a corner of a rectangle, the start of the axis of a cylinder.
+    /// Point on the wall [length]: a corner of a rectangle, the start of the axis of a cylinder,
+    /// the centre of a sphere.
     pub point: [f64; 3],
     /// Normal of a plane or a rectangle, towards the model; it is normalised.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,7 +31,7 @@ pub struct WallInput {
     /// Direction of the axis of a cylinder, instead of `normal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
-    /// Radius of a cylinder [length].
+    /// Radius of a cylinder, or of a sphere, which has neither `normal` nor `axis` [length].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
     /// Length of a cylinder [length]; 0 for an infinite one. Its ends are open.

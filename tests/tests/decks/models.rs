@@ -291,6 +291,7 @@ fn shaped_walls_follow_curves() {
     let model = with(
         "*RIGIDWALL_GEOMETRIC_CYLINDER_MOTION_ID\n3,punch\n0\n0,-50,30,0,1,30,0.1\n5,100\n\
         4,1,0,0,-2\n\
+        *RIGIDWALL_GEOMETRIC_SPHERE_ID\n8,ball\n0\n1,2,60,1,2,61,0.2\n7.5\n\
         *RIGIDWALL_GEOMETRIC_FLAT_MOTION_DISPLAY\n0\n0,0,-5,0,0,-4\n1,0,-5,20,30\n4,0,0,0,1\n9\n\
         *DEFINE_CURVE\n4\n0.0,0.0\n20.0,40.0\n",
     );
@@ -304,6 +305,11 @@ fn shaped_walls_follow_curves() {
         (punch.displacement, punch.curve.as_deref()),
         (Some([0.0, 0.0, -1.0]), Some("curve-4")),
         "made a unit"
+    );
+    let ball = walls.iter().find(|w| w.name == "ball").unwrap();
+    assert_eq!(
+        (ball.point, ball.radius, ball.axis, ball.normal, ball.friction),
+        ([1.0, 2.0, 60.0], Some(7.5), None, None, 0.2)
     );
     let plate = walls.iter().find(|w| w.lengths.is_some()).unwrap();
     assert_eq!((plate.velocity, plate.nodes.as_deref()), (Some([0.0, 0.0, 1.0]), None));

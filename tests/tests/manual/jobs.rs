@@ -70,6 +70,22 @@ fn examples_of_jobs_fit_the_schema() {
     assert!(seen > 15, "only {seen} examples of jobs found");
 }
 
+/// The set by rule and the material of the library that the guide shows, in its complete job.
+#[test]
+fn sets_and_library_of_the_guide_are_read() {
+    let blocks = blocks("docs/guide/jobs.md");
+    let toml = || blocks.iter().filter(|block| block.language == "toml").map(|block| &block.text);
+    let having = |word: &str| toml().find(|text| text.contains(word)).expect("an example");
+    let text = [toml().next().unwrap(), having("[[set]]"), having("use = \"")].map(String::as_str);
+    let model = crumple::input::job::read_text("job.toml".into(), text.concat(), &[]);
+    let model = model.unwrap_or_else(|report| panic!("{report}"));
+    let clamped: Vec<u64> = model.mesh.node_sets["clamped"].iter().map(|id| id.0).collect();
+    assert_eq!(clamped, [1, 4]);
+    let rail = model.job.material.iter().find(|m| m.name == "rail").unwrap();
+    assert_eq!((rail.law.as_str(), rail.density), ("j2", 7.86e-6));
+    assert_eq!(rail.parameters["poisson"].as_float(), Some(0.3));
+}
+
 #[test]
 fn the_complete_job_of_the_guide_is_read() {
     let page = "docs/guide/jobs.md";

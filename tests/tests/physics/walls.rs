@@ -155,9 +155,52 @@ fn a_cylinder_catches_a_strip() {
     }
 }
 
+/// A strip, rigid or deformable, falls on a sphere off its centre, with friction: no node is ever
+/// inside, the impulse of the sphere is the change of momentum, and energy is in balance. A sphere
+/// that moves by prescribed motion ends where its velocity leads.
+#[test]
+fn a_sphere_dents_a_strip() {
+    let strip = [([-18.0, -3.0, 10.5], [40.0, 8.0], [20, 4])];
+    let mass = RHO * 40.0 * 8.0;
+    for (rigid, led) in [
+        ("", ""),
+        ("[[rigid]]\nname = \"strip\"\nparts = [1]\n[time]\ndt_max = 1e-3\n", ""),
+        ("", "velocity = [0.0, 0.0, 5.0]\n"),
+    ] {
+        let rest = format!(
+            "[[wall]]\npoint = [0.0, 0.0, 0.0]\nradius = 10.0\nfriction = 0.3\n{led}\
+             [[initial_velocity]]\nvelocity = [1.0, 0.0, -5.0]\n{rigid}"
+        );
+        let initial = 0.5 * mass * 26.0;
+        let (mut deepest, mut left) = (f64::INFINITY, 0.0f64);
+        let end = run_alone(&job(&strip, 0.5, &rest), |e| {
+            let centre = e.constraints.walls.each()[0].surface.position();
+            let off = |i: usize| {
+                let x = e.nodes.x[i];
+                (0..3).map(|c| (x[c] - centre[c]).powi(2)).sum::<f64>().sqrt() - 10.0
+            };
+            deepest = (0..e.nodes.local_count).map(off).fold(deepest, f64::min);
+            let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
+            left = left.max(energies.balance(initial).abs());
+        });
+        assert!(deepest > -1e-6, "{rigid}{led}: {deepest}");
+        let given = end.constraints.walls.impulse(0);
+        let change = momentum(&end.nodes).0;
+        let start = [mass, 0.0, -5.0 * mass];
+        for c in 0..3 {
+            let error = (given[c] - (change[c] - start[c])).abs();
+            assert!(error < 1e-9 * mass, "{rigid}{led}: {given:?} {change:?}");
+        }
+        assert!(given[2] > 0.1 * mass && given[0] < 0.0, "pressed and rubbed: {given:?}");
+        assert!(left < 0.01 * initial, "{rigid}{led}: {left} of {initial}");
+        let place = end.constraints.walls.each()[0].surface.position().z;
+        assert!((place - if led.is_empty() { 0.0 } else { 2.5 }).abs() < 1e-12, "{place}");
+    }
+}
+
 /// A wall with a mass throws two plates and a rigid one against each other, against a rectangle,
-/// a cylinder with prescribed motion, and a plane that acts on some nodes only: the same bits on
-/// 1, 2 and 4 workers, with forced renewals of the boxes.
+/// a cylinder and a sphere with prescribed motion, and a plane that acts on some nodes only: the
+/// same bits on 1, 2 and 4 workers, with forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let plates = [
@@ -172,6 +215,8 @@ fn bits_do_not_depend_on_workers() {
                 edge = [1.0, 0.0, 0.0]\nlengths = [15.0, 0.0]\n\
                 [[wall]]\npoint = [30.0, -20.0, 9.0]\naxis = [0.0, 1.0, 0.0]\nradius = 6.0\n\
                 velocity = [1.0, 0.0, -8.0]\nfriction = 0.1\n\
+                [[wall]]\npoint = [8.0, 6.0, 13.0]\nradius = 7.0\n\
+                velocity = [0.0, 1.0, -9.0]\nfriction = 0.2\n\
                 [[wall]]\npoint = [0.0, 0.0, 3.0]\nnormal = [0.0, 0.0, -1.0]\nmass = 0.004\n\
                 speed = 1.0\nnodes = \"part_1\"\n\
                 [[wall]]\npoint = [0.0, 0.0, 6.0]\nnormal = [0.0, 0.0, -1.0]\nexcept = \"part_2\"\n\

@@ -98,6 +98,30 @@ fn a_run_whose_files_were_changed_is_refused() {
     assert!(missing.contains(text(&job)), "{missing}");
 }
 
+/// A job of two files is reproduced; a change of the included one is noticed. The state is that of
+/// the job in one file.
+#[test]
+fn a_job_that_includes_another_is_reproduced() {
+    let (folder, job) = bars();
+    let out = folder.path().join("out");
+    run_into(&job, &out, &["--workers=1"]).with_code(0);
+    let whole = json(&out.join("summary.json"))["state_digest"].clone();
+    let text_of_job = fs::read_to_string(&job).unwrap();
+    let (head, parts) = text_of_job.split_at(text_of_job.find("[[material]]").unwrap());
+    fs::create_dir(folder.path().join("model")).unwrap();
+    let included = folder.path().join("model/parts.toml");
+    fs::write(&included, parts).unwrap();
+    fs::write(&job, format!("include = [\"model/parts.toml\"]\n{head}")).unwrap();
+    run_into(&job, &out, &["--workers=1", "--overwrite"]).with_code(0);
+    assert_eq!(json(&out.join("summary.json"))["state_digest"], whole);
+    let files = json(&out.join("provenance.json"))["starts"][0]["files"].to_string();
+    assert!(files.contains("model/parts.toml"), "{files}");
+    reproduce(&out, &[]).with_code(0);
+    fs::write(&included, format!("{parts}# a comment\n")).unwrap();
+    let refused = reproduce(&out, &[]).with_code(2).said();
+    assert!(refused.contains("model/parts.toml: its SHA-256"), "{refused}");
+}
+
 /// A run that continues without a change is reproduced by one run; one with a change is not.
 #[test]
 fn a_run_that_continued_is_reproduced_if_nothing_was_changed() {

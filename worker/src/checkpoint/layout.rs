@@ -96,7 +96,7 @@ mod tests {
         for name in ["Body", "Tie", "Ledger", "WallSurface"] {
             assert!(!all[name].is_empty(), "{name}");
         }
-        assert_eq!(all["SurfaceForm"].len(), 3, "{:?}", all["SurfaceForm"]);
+        assert_eq!(all["SurfaceForm"].len(), 4, "{:?}", all["SurfaceForm"]);
         assert_eq!(all["mean velocity"].last().unwrap(), "end at byte 56");
     }
 

@@ -1,11 +1,13 @@
 //! Converts a job file to a [`Model`] that can be decomposed and distributed, or to a list of all
 //! its errors.
 //!
-//! 1. `tree.rs`: TOML with the place of every value, merged over the deck of the job if it has
-//!    one (`deck`); `sets.rs` applies the command line
+//! 1. `tree.rs`: TOML with the place of every value, merged over the files that the job includes
+//!    (`include.rs`) and over its deck (`deck`); `sets.rs` applies the command line, `library.rs`
+//!    the library of materials
 //! 2. `validate.rs`: unknown keys, types and missing keys, by the schema of
 //!    [`crumple_proto::job::Job`]
-//! 3. `mesh.rs`: the mesh and its checks; `numbering.rs`: new numbers for badly numbered meshes
+//! 3. `mesh.rs`: the mesh and its checks; `node_sets/`: sets by rule; `numbering.rs`: new numbers
+//!    for badly numbered meshes
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: materials and elements of the worker;
 //!    `units.rs`
 //! 5. `state.rs`: initial state of nodes and elements, `springs.rs`: stable step of springs;
@@ -18,10 +20,13 @@
 mod contact;
 mod files;
 mod histories;
+mod include;
 pub mod laws;
+pub mod library;
 mod loads;
 mod mesh;
 mod model;
+mod node_sets;
 mod numbering;
 mod particles;
 mod placeholders;
@@ -108,12 +113,16 @@ fn deck_job(path: &Path) -> SourceFile {
 
 fn read_tree(
     path: PathBuf,
-    job: SourceFile,
+    mut job: SourceFile,
     sets: &[String],
     mut findings: JobProblems,
 ) -> Result<Model, Report> {
+    let own = std::mem::replace(&mut job.tree, Node::table(tree::Place::Whole));
+    let (merged, included) = include::merge(own, &path, &mut findings);
+    job.tree = merged;
     let mut sources = SourceFiles {
         job,
+        included,
         mesh: None,
         mesh_rows: Vec::new(),
         mesh_files: Vec::new(),
@@ -274,6 +283,7 @@ fn read_keys(
     contact::from_list(&mut sources.job.tree);
     let mut tree = sources.job.tree.clone();
     sets::apply(&mut tree, sets, findings);
+    library::expand(&mut tree, findings);
     // Places of problems are looked up in the tree as written, with `--set` but before repairs.
     sources.job.tree = tree.clone();
     validate::job(&mut tree, findings);
@@ -297,7 +307,8 @@ struct CheckedMesh {
     quality: Option<Quality>,
 }
 
-/// Checks the mesh, renumbers it if that is useful, and moves tied nodes onto their surfaces.
+/// Checks the mesh, adds sets by rule, renumbers the mesh if that is useful, and moves tied nodes
+/// onto their surfaces.
 fn check_mesh(
     job: &Job,
     read: Option<mesh::PlacedMesh>,
@@ -307,6 +318,9 @@ fn check_mesh(
     let parts_known = !findings.any_faulty_below("part");
     let mut mesh =
         read.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    if let Some((mesh, _)) = mesh.as_mut().filter(|_| !findings.any_error()) {
+        node_sets::resolve(job, mesh, findings);
+    }
     let sound = mesh.as_mut().filter(|_| !findings.any_error());
     let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes, findings));
     let (mut mesh, axes) = mesh.unzip();
@@ -353,7 +367,7 @@ fn constrain(
     smallest: f64,
     findings: &mut JobProblems,
 ) -> NodeStart {
-    let sets = state::NodeSets::new(mesh);
+    let sets = state::NodeSets::new(job, mesh);
     let mut nodes = state::nodes(job, mesh, &sets, findings);
     settings.loads = loads::resolve(job, mesh, &sets, smallest, &mut nodes, findings);
     settings.walls = walls::resolve(job, &sets, findings);

@@ -54,11 +54,13 @@ impl Model {
         &self.sources.mesh_rows
     }
 
-    /// Returns the files that were read: the job, its meshes and decks, and what they include.
+    /// Returns the files that were read: the job, its meshes and decks, and what all of them
+    /// include.
     pub fn files(&self) -> Vec<PathBuf> {
         let deck = self.sources.deck.iter().flat_map(|deck| &deck.files).map(|text| &text.path);
         let mut all = vec![self.path.clone()];
-        for path in self.sources.mesh_files.iter().chain(deck) {
+        let included = self.sources.included.iter().map(|file| &file.path);
+        for path in included.chain(&self.sources.mesh_files).chain(deck) {
             if !all.contains(path) {
                 all.push(path.clone());
             }

@@ -1,5 +1,6 @@
 //! Problems of a job, shown with the faulty line.
 
+use super::include::IncludedFile;
 use super::tree::{Node, Place};
 use crate::input::deck;
 use crate::input::mesh_file::ImportRow;
@@ -23,10 +24,13 @@ pub(crate) struct SourceFile {
     pub tree: Node,
 }
 
-/// All sources of a job: the job file, a mesh file, and `--set` of the command line.
+/// All sources of a job: the job file, files that it includes, a mesh file, and `--set` of the
+/// command line.
 #[derive(Debug)]
 pub struct SourceFiles {
     pub(crate) job: SourceFile,
+    /// Files that the job includes.
+    pub(crate) included: Vec<IncludedFile>,
     pub(crate) mesh: Option<SourceFile>,
     /// The table of the content of a mesh file of another program.
     pub(crate) mesh_rows: Vec<ImportRow>,
@@ -214,6 +218,13 @@ impl SourceFiles {
             Place::Set(index) => self.sets.get(index as usize).map(|s| Spot::Set(printable(s))),
             Place::Whole => Some(source.spot(0, None)),
             Place::File { start, end } => Some(source.spot(start as usize, Some(end as usize))),
+            Place::Included { file, start, end } => {
+                let file = self.included.get(file as usize);
+                file.map(|f| {
+                    let name = f.path.display().to_string();
+                    spot(&name, &f.text, start as usize, Some(end as usize))
+                })
+            }
             Place::Deck { file, start, end } => {
                 let files = self.deck.iter().flat_map(|deck| &deck.files);
                 let file = files.into_iter().nth(file as usize);

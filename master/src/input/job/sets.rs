@@ -52,6 +52,10 @@ fn apply_one(
         }
         None => Node { kind: NodeContent::String(value.into()), place },
     };
+    if path == "include" || path.starts_with("include.") {
+        let help = "write `include` in the job file; set its keys by their own paths";
+        return Err(("--set cannot include files".into(), help.into()));
+    }
     if path.starts_with("contact.") && tree.get("contact").is_none() {
         let message = "--set turns contact on: the job has no [contact]";
         findings.add(Problem::warning("contact", message, "remove it to run without contact"));

@@ -3,6 +3,7 @@
 
 use super::laws::{BuiltElements, Used};
 use super::loads::dof_bits;
+use super::node_sets::known_names;
 use super::springs;
 use super::units;
 use super::validate::{JobProblems, nearest};
@@ -61,22 +62,25 @@ pub struct ElementStart {
 
 /// The mesh's node sets, for access by name.
 pub struct NodeSets<'m> {
+    job: &'m Job,
     mesh: &'m Mesh,
     /// Indices by label.
     index: HashMap<u64, usize>,
 }
 
 impl<'m> NodeSets<'m> {
-    /// Collects the sets of a mesh.
-    pub fn new(mesh: &'m Mesh) -> Self {
+    /// Collects the sets of a mesh; names of parts and bodies of the job are for advice.
+    pub fn new(job: &'m Job, mesh: &'m Mesh) -> Self {
         Self {
+            job,
             mesh,
             index: mesh.nodes.iter().enumerate().map(|(i, n)| (n.id.label(), i)).collect(),
         }
     }
 
     /// Returns the indices of a set's nodes that elements use, ascending. Reports an error at
-    /// `path` and returns `None` if there is no such set.
+    /// `path` and returns `None` if there is no such set; an error of a set by rule is reported
+    /// with the rule.
     pub fn indices(
         &self,
         name: &str,
@@ -84,7 +88,11 @@ impl<'m> NodeSets<'m> {
         findings: &mut JobProblems,
     ) -> Option<Vec<usize>> {
         let Some(ids) = self.mesh.node_sets.get(name) else {
-            let known: Vec<&str> = self.mesh.node_sets.keys().map(String::as_str).collect();
+            let known: Vec<&str> = known_names(self.job, self.mesh).collect();
+            // The nodes of these are not known if the set or the mesh has an error.
+            if known.contains(&name) || self.job.set.iter().any(|set| set.name == name) {
+                return None;
+            }
             findings.add(Problem::error(
                 path,
                 format!("there is no node set `{name}`"),

@@ -63,7 +63,7 @@ impl<'a> TieContext<'a> {
             .copied()
             .collect();
         Self {
-            sets: NodeSets::new(mesh),
+            sets: NodeSets::new(job, mesh),
             free: free_faces(&mesh.elements),
             shells: surface::thickest_shells(mesh, &thick),
             thick,

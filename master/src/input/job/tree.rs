@@ -23,6 +23,15 @@ pub enum Place {
         /// One past the last byte.
         end: u32,
     },
+    /// Bytes of a file that the job includes.
+    Included {
+        /// Number of the file.
+        file: u32,
+        /// First byte.
+        start: u32,
+        /// One past the last byte.
+        end: u32,
+    },
     /// The numbered `--set` of the command line.
     Set(u32),
     /// The whole file, if no key is the cause.
@@ -33,6 +42,22 @@ impl Place {
     fn from_span(span: Range<usize>) -> Self {
         // Files beyond 4 GiB are rejected before they are parsed.
         Place::File { start: span.start as u32, end: span.end as u32 }
+    }
+
+    /// Returns the same place in the deck's file with this number.
+    fn of_deck(self, file: u32) -> Self {
+        match self {
+            Place::File { start, end } => Place::Deck { file, start, end },
+            other => other,
+        }
+    }
+
+    /// Returns the same place in the included file with this number.
+    pub fn of_included(self, file: u32) -> Self {
+        match self {
+            Place::File { start, end } => Place::Included { file, start, end },
+            other => other,
+        }
     }
 }
 
@@ -109,7 +134,7 @@ impl Node {
             return None;
         }
         let mut node = entries.remove("value")?.node;
-        node.set_place(place);
+        node.change_places(&|_| place);
         Some(node)
     }
 
@@ -118,36 +143,29 @@ impl Node {
         Node { kind: NodeContent::Table(BTreeMap::new()), place }
     }
 
-    fn set_place(&mut self, place: Place) {
-        self.place = place;
-        match &mut self.kind {
-            NodeContent::Table(entries) => {
-                for entry in entries.values_mut() {
-                    entry.key = place;
-                    entry.node.set_place(place);
-                }
-            }
-            NodeContent::Array(items) => items.iter_mut().for_each(|item| item.set_place(place)),
-            _ => {}
-        }
-    }
-
     /// Marks all its places as those of a file of the deck.
     pub fn move_to(&mut self, file: u32) {
-        let moved = |place: &mut Place| {
-            if let Place::File { start, end } = *place {
-                *place = Place::Deck { file, start, end };
-            }
-        };
-        moved(&mut self.place);
+        self.change_places(&|place| place.of_deck(file));
+    }
+
+    /// Marks all its places as those of an included file.
+    pub fn move_to_included(&mut self, file: u32) {
+        self.change_places(&|place| place.of_included(file));
+    }
+
+    /// Replaces its place, and those of all keys and values below it.
+    fn change_places(&mut self, changed: &impl Fn(Place) -> Place) {
+        self.place = changed(self.place);
         match &mut self.kind {
             NodeContent::Table(entries) => {
                 for entry in entries.values_mut() {
-                    moved(&mut entry.key);
-                    entry.node.move_to(file);
+                    entry.key = changed(entry.key);
+                    entry.node.change_places(changed);
                 }
             }
-            NodeContent::Array(items) => items.iter_mut().for_each(|item| item.move_to(file)),
+            NodeContent::Array(items) => {
+                items.iter_mut().for_each(|item| item.change_places(changed));
+            }
             _ => {}
         }
     }
@@ -217,6 +235,11 @@ impl Entry {
             {
                 Place::File { start, end }
             }
+            (
+                _,
+                Place::Included { file, start, end: key_end },
+                Place::Included { start: value, end, .. },
+            ) if key_end <= value => Place::Included { file, start, end },
             (_, _, place) => place,
         }
     }

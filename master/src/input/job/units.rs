@@ -14,10 +14,21 @@ const SOFT: f64 = 2600.0;
 
 /// Units of length, time and mass, in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Units {
+pub struct Units {
     length: f64,
     time: f64,
     mass: f64,
+}
+
+impl Units {
+    /// Metre, second, kilogram.
+    pub const SI: Units = Units { length: 1.0, time: 1.0, mass: 1.0 };
+
+    /// Returns the unit of a quantity in SI; its dimension is given by the powers of length, time
+    /// and mass.
+    pub fn factor(&self, [length, time, mass]: [i32; 3]) -> f64 {
+        self.length.powi(length) * self.time.powi(time) * self.mass.powi(mass)
+    }
 }
 
 /// Warns of every material whose density or wave speed does not exist in the stated units.
@@ -91,7 +102,7 @@ pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
 
 /// Reads `mm, ms, kg` and similar texts; `None` if the text does not name one unit each of
 /// length, time and mass.
-fn read(text: &str) -> Option<Units> {
+pub fn read(text: &str) -> Option<Units> {
     let words: Vec<&str> = text
         .split(|c: char| !c.is_alphanumeric() && c != 'µ')
         .filter(|word| !word.is_empty())

@@ -22,6 +22,9 @@ const THROWN: f64 = 0.1;
 /// the normal.
 const ALONG: f64 = 1e-6;
 
+/// Direction of a sphere, which has no effect.
+const UPWARDS: [f64; 3] = [0.0, 0.0, 1.0];
+
 /// Checks everything of the walls that needs no mesh.
 pub fn check(job: &Job, findings: &mut JobProblems) {
     for (i, wall) in job.wall.iter().enumerate() {
@@ -56,16 +59,17 @@ fn faults(wall: &WallInput) -> Vec<WallFault> {
 /// Adds a fault if its condition is true: condition, key, message, advice.
 type AddFault<'a> = &'a mut dyn FnMut(bool, &'static str, &str, &'static str);
 
-/// Finds faults of a plane or a cylinder.
+/// Finds faults of a plane, a cylinder or a sphere.
 fn shape_faults(wall: &WallInput, say: AddFault<'_>) {
     let flat = wall.normal.is_some();
     let round = wall.axis.is_some();
+    let ball = is_sphere(wall);
     let normal = "give the direction from the wall to the model, such as [1, 0, 0]";
     say(
-        !flat && !round,
+        !flat && !round && !ball,
         "",
         "a wall has no normal",
-        "give `normal`, or `axis` and `radius` of a cylinder",
+        "give `normal`, or `axis` and `radius` of a cylinder, or `radius` of a sphere",
     );
     say(
         flat && round,
@@ -85,12 +89,13 @@ fn shape_faults(wall: &WallInput, say: AddFault<'_>) {
         &message,
         "give the direction along the cylinder, such as [0, 0, 1]",
     );
-    let radius = "give a cylinder an `axis` and a `radius` above 0";
+    let radius = "give a cylinder an `axis` and a `radius` above 0, a sphere a `radius` above 0";
+    say(round && wall.radius.is_none(), "", "a wall has an axis without a radius", radius);
     say(
-        round != wall.radius.is_some(),
-        "",
-        "a wall has one of axis and radius without the other",
-        radius,
+        flat && !round && wall.radius.is_some(),
+        "radius",
+        "a wall has both a normal and a radius",
+        "remove one: planes have no radius, and a sphere has no normal",
     );
     say(
         wall.radius.is_some_and(|r| r <= 0.0),
@@ -109,13 +114,14 @@ fn shape_faults(wall: &WallInput, say: AddFault<'_>) {
 
 /// Finds faults of the sides of a rectangle.
 fn rectangle_faults(wall: &WallInput, say: AddFault<'_>) {
-    let round = wall.axis.is_some();
+    let round = wall.axis.is_some() || is_sphere(wall);
     let sides =
         "give a rectangle `edge`, the direction of its first side, and `lengths` of both sides";
     let rectangle = wall.edge.is_some() || wall.lengths.is_some();
     let half = wall.edge.is_some() != wall.lengths.is_some();
     say(half, "", "a wall has one of edge and lengths without the other", sides);
-    say(rectangle && round, "", "a cylinder has neither edge nor lengths", "give its `length`");
+    let message = "a cylinder or a sphere has neither edge nor lengths";
+    say(rectangle && round, "", message, "give `length` of a cylinder, or `radius` of a sphere");
     let short = wall.lengths.is_some_and(|l| l.iter().any(|&l| l < 0.0));
     say(
         short,
@@ -135,14 +141,14 @@ fn rectangle_faults(wall: &WallInput, say: AddFault<'_>) {
 
 /// Finds faults of friction, mass and motion.
 fn motion_faults(wall: &WallInput, say: AddFault<'_>) {
-    let round = wall.axis.is_some();
+    let round = wall.axis.is_some() || is_sphere(wall);
     let led = wall.velocity.is_some() || wall.displacement.is_some();
     let message = format!("`friction` is {:?}", wall.friction);
     say(wall.friction < 0.0, "friction", &message, "it has to be 0 or above");
     let mass = "it has to be above 0; remove it for a fixed wall or one with prescribed motion";
     say(wall.mass.is_some_and(|m| m <= 0.0), "mass", "the mass of a wall is not above 0", mass);
     let guide = "remove it: only planes and rectangles have a mass, and move along their normal";
-    say(wall.mass.is_some() && round, "mass", "a cylinder cannot have a mass", guide);
+    say(wall.mass.is_some() && round, "mass", "a cylinder or a sphere cannot have a mass", guide);
     say(
         wall.mass.is_some() && led,
         "mass",
@@ -179,12 +185,14 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Ve
         let (nodes, except) =
             (set(&spec.nodes, "nodes"), set(&spec.except, "except").unwrap_or_default());
         let curve = curves.find(&spec.curve, &join(i, "curve"), findings);
-        let Some(direction) = spec.normal.or(spec.axis).and_then(unit) else { continue };
+        let any = is_sphere(spec).then_some(UPWARDS);
+        let Some(direction) = spec.normal.or(spec.axis).or(any).and_then(unit) else { continue };
         let form = match (spec.lengths, spec.radius) {
             (Some(lengths), _) if lengths != [0.0; 2] => {
                 let Some(edge) = square(spec, &direction) else { continue };
                 WallForm::Rectangle { edge, lengths }
             }
+            (_, Some(radius)) if any.is_some() => WallForm::Sphere { radius },
             (_, Some(radius)) => WallForm::Cylinder { radius, length: spec.length },
             _ => WallForm::Plane,
         };
@@ -213,6 +221,11 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Ve
         walls.push(ResolvedWall { name, point, direction, form, friction, nodes, except, motion });
     }
     walls
+}
+
+/// Returns true for a sphere, which has a radius but no direction.
+pub fn is_sphere(wall: &WallInput) -> bool {
+    wall.radius.is_some() && wall.axis.is_none() && wall.normal.is_none()
 }
 
 fn join(i: usize, key: &str) -> String {

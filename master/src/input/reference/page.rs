@@ -245,12 +245,27 @@ impl Page<'_> {
             let _ = write!(self.text, "\n### `mesh.generator = \"{}\"`\n", generator.name);
             if generator.options.is_empty() {
                 let _ = write!(self.text, "\nIt has no options.\n");
-                continue;
+            } else {
+                self.head(&["option", "default", "meaning"]);
+                for (key, default, meaning) in generator.options {
+                    self.row(&[&format!("`{key}`"), &default.to_string(), meaning]);
+                }
             }
-            self.head(&["option", "default", "meaning"]);
-            for (key, default, meaning) in generator.options {
-                self.row(&[&format!("`{key}`"), &default.to_string(), meaning]);
-            }
+            self.sets(generator.name);
+        }
+    }
+
+    /// Writes the node sets of a generator, with their sizes for its default options.
+    fn sets(&mut self, generator: &str) {
+        let Ok(mesh) = crumple_cases::generate(generator, &toml::Table::new()) else { return };
+        let count = |(name, nodes): (&String, &Vec<_>)| format!("`{name}` ({})", nodes.len());
+        let sets: Vec<String> = mesh.node_sets.iter().map(count).collect();
+        if !sets.is_empty() {
+            let _ = write!(
+                self.text,
+                "\nNode sets, with their number of nodes by default: {}.\n",
+                sets.join(", ")
+            );
         }
     }
 

@@ -151,7 +151,12 @@ pub fn schema() -> Value {
     );
     let material = of_type::<MaterialSpec>(&mut schema);
     words(&mut material["properties"]["law"], LAWS.iter().map(|l| l.name));
-    material["allOf"] = LAWS.iter().map(|law| of_law(law.name, law.parameters)).collect();
+    // The library gives the law and its values.
+    let needed = material["required"].take();
+    let own = json!({ "if": { "not": { "required": ["use"] } }, "then": { "required": needed } });
+    let laws = LAWS.iter().map(|law| of_law(law.name, law.parameters));
+    material["allOf"] = laws.chain([own]).collect();
+    material["required"] = json!(["name"]);
     // A deck may have what a job must have.
     let needed = schema["required"].take();
     let from_deck = json!({ "properties": { "mesh": { "required": ["deck"] } } });
@@ -178,8 +183,11 @@ fn of_law(name: &str, parameters: &[ParameterRow]) -> Value {
     let entry = |p: &ParameterRow| (p.key.to_string(), of_key(p));
     let properties: Map<String, Value> = all().map(entry).collect();
     json!({
-        "if": { "properties": { "law": { "const": name } } },
-        "then": { "properties": properties, "required": needed }
+        "if": { "properties": { "law": { "const": name } }, "required": ["law"] },
+        "then": {
+            "properties": properties,
+            "anyOf": [{ "required": ["use"] }, { "required": needed }]
+        }
     })
 }
 

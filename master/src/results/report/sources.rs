@@ -32,10 +32,11 @@ pub struct RunFiles {
     pub problems: Vec<String>,
 }
 
-/// A rigid wall: a plane, a rectangle, or a cylinder, as in `[[wall]]` of the job.
+/// A rigid wall: a plane, a rectangle, a cylinder or a sphere, as in `[[wall]]` of the job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrawnWall {
-    /// A point of the wall: a corner of a rectangle, the start of a cylinder's axis [length].
+    /// A point of the wall: a corner of a rectangle, the start of a cylinder's axis, the centre of
+    /// a sphere [length].
     pub point: [f64; 3],
     /// Normal of a plane or rectangle, towards the model.
     pub normal: Option<[f64; 3]>,
@@ -45,7 +46,7 @@ pub struct DrawnWall {
     pub lengths: Option<[f64; 2]>,
     /// Direction of the axis of a cylinder.
     pub axis: Option<[f64; 3]>,
-    /// Radius of a cylinder [length].
+    /// Radius of a cylinder, or of a sphere, which has no direction [length].
     pub radius: Option<f64>,
     /// Length of a cylinder, 0 for an infinite one [length].
     #[serde(default)]

@@ -1,4 +1,4 @@
-//! Shapes of walls: planes, rectangles, cylinders.
+//! Shapes of walls: planes, rectangles, cylinders, spheres.
 //!
 //! An infinite plane pushes out every node behind it. Nodes may be behind a limited surface, so
 //! it stops only nodes that come from outside. A node comes from outside if it is no deeper
@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Depth due to round-off, over the size of the wall.
 const ROUNDING: f64 = 1e-9;
+/// Factor on the square of a radius for the fast test, above all errors of round-off.
+const CLEAR: f64 = 1.0 + 1e-12;
 
 /// Surface of a wall at the present time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -32,6 +34,9 @@ pub(crate) enum SurfaceForm {
         /// Length; infinite if unlimited [length].
         length: f64,
     },
+    Sphere {
+        radius: f64,
+    },
 }
 
 impl WallSurface {
@@ -51,6 +56,7 @@ impl WallSurface {
             WallForm::Cylinder { radius, length } => {
                 SurfaceForm::Cylinder { radius, length: ends(length) }
             }
+            WallForm::Sphere { radius } => SurfaceForm::Sphere { radius },
         };
         let mut surface = Self { direction, place: V3::zeros(), offset: 0.0, form };
         surface.move_to(&V3::from(job.point));
@@ -81,11 +87,9 @@ impl WallSurface {
     /// behind [length].
     #[inline]
     pub fn distance(&self, x: &V3) -> f64 {
-        match self.form {
-            SurfaceForm::Plane | SurfaceForm::Rectangle(_) => self.direction.dot(x) - self.offset,
-            SurfaceForm::Cylinder { radius, .. } => {
-                self.off_axis(&(x - self.place)).norm() - radius
-            }
+        match self.radius() {
+            None => self.direction.dot(x) - self.offset,
+            Some(radius) => self.outwards(&(x - self.place)).norm() - radius,
         }
     }
 
@@ -93,9 +97,9 @@ impl WallSurface {
     /// if the surface stops nodes there that move by at most `moved` in a step.
     pub fn near(&self, x: &V3, moved: f64) -> Option<(V3, f64)> {
         let gap = self.distance(x);
-        let normal = match self.form {
-            SurfaceForm::Plane | SurfaceForm::Rectangle(_) => self.direction,
-            SurfaceForm::Cylinder { .. } => self.off_axis(&(x - self.place)).try_normalize(0.0)?,
+        let normal = match self.radius() {
+            None => self.direction,
+            Some(_) => self.outwards(&(x - self.place)).try_normalize(0.0)?,
         };
         self.is_constrained(x, gap, moved).then_some((normal, gap))
     }
@@ -104,7 +108,13 @@ impl WallSurface {
     /// front of it after `dt`: the fast test for nearly all nodes.
     #[inline(always)]
     pub fn cannot_reach(&self, x: &V3, v: &V3, dt: f64) -> bool {
-        !matches!(self.form, SurfaceForm::Cylinder { .. }) && self.gap_after(x, v, dt) >= 0.0
+        match self.radius() {
+            None => self.gap_after(x, v, dt) >= 0.0,
+            Some(radius) => {
+                let to = self.outwards(&(x - self.place + v * dt));
+                to.norm_squared() > CLEAR * radius * radius
+            }
+        }
     }
 
     #[inline(always)]
@@ -116,9 +126,9 @@ impl WallSurface {
     /// surface stops it. `v` is its velocity relative to the surface in the step, `before` the
     /// one in the step before.
     pub fn contact_point(&self, x: &V3, v: &V3, before: &V3, dt: f64) -> Option<(V3, f64)> {
-        if let SurfaceForm::Cylinder { radius, .. } = self.form {
-            let from = self.off_axis(&(x - self.place));
-            let to = from + self.off_axis(v) * dt;
+        if let Some(radius) = self.radius() {
+            let from = self.outwards(&(x - self.place));
+            let to = from + self.outwards(v) * dt;
             let gap = to.norm() - radius;
             if gap >= 0.0 || !self.is_constrained(x, from.norm() - radius, dt * before.norm()) {
                 return None;
@@ -150,10 +160,26 @@ impl WallSurface {
             SurfaceForm::Cylinder { radius, length } => {
                 gap >= deepest(radius) && within(&self.direction, length)
             }
+            SurfaceForm::Sphere { radius } => gap >= deepest(radius),
         }
     }
 
-    fn off_axis(&self, v: &V3) -> V3 {
-        v - self.direction * self.direction.dot(v)
+    /// Returns the radius of a round surface.
+    #[inline(always)]
+    fn radius(&self) -> Option<f64> {
+        match self.form {
+            SurfaceForm::Plane | SurfaceForm::Rectangle(_) => None,
+            SurfaceForm::Cylinder { radius, .. } | SurfaceForm::Sphere { radius } => Some(radius),
+        }
+    }
+
+    /// Returns the part of a vector from the reference point of a round surface that leads away
+    /// from the axis of a cylinder, or from the centre of a sphere.
+    #[inline(always)]
+    fn outwards(&self, v: &V3) -> V3 {
+        match self.form {
+            SurfaceForm::Sphere { .. } => *v,
+            _ => v - self.direction * self.direction.dot(v),
+        }
     }
 }

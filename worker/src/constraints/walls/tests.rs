@@ -312,3 +312,109 @@ fn a_cylinder_catches() {
     // cosine.
     assert!(left.is_some_and(|cosine| (cosine - (2.0 / 3.0 - 0.01)).abs() < 2e-3), "{left:?}");
 }
+
+/// Returns a sphere around the origin.
+fn sphere(radius: f64, friction: f64) -> ResolvedWall {
+    let form = WallForm::Sphere { radius };
+    ResolvedWall { form, ..ResolvedWall::plane([0.0; 3], [0.0, 0.0, 1.0], friction) }
+}
+
+/// A sphere stops nodes from all sides: the normal part of the velocity is lost, friction takes
+/// mu times that from the tangential part, nodes that miss it or are inside pass. The impulse is
+/// the change of momentum.
+#[test]
+fn a_sphere_stops_nodes_along_its_normal() {
+    for mu in [0.0, 0.25] {
+        let mut walls = Walls::new(&[sphere(1.0, mu)], &[]);
+        // At a distance of 0.6 from the axis, the normal has the parts 0.6 and 0.8.
+        let mut nodes = masses(&[
+            ([0.36, 0.48, 2.0], [0.0, 0.0, -5.0], 2.0),
+            ([-3.0, 0.0, 0.0], [5.0, 0.0, 0.0], 1.0),
+            ([-3.0, 0.9, 0.9], [5.0, 0.0, 0.0], 1.0),
+            ([0.2, 0.1, 0.0], [0.0, 0.5, 0.0], 1.0),
+        ]);
+        for i in 0..1000 {
+            step(&mut walls, &mut nodes, i as f64 * 1e-3, 1e-3);
+        }
+        let v = V3::from(xyz(&nodes.v[0]));
+        let wanted = 3.0 - mu * 4.0;
+        assert!((v.norm() - wanted).abs() < 0.02, "within one step: {v:?}, not {wanted}");
+        assert!(V3::from(xyz(&nodes.x[0])).norm() > 1.0, "{:?}", nodes.x[0]);
+        let head_on = nodes.x[1];
+        assert!(nodes.v[1][0].abs() < 1e-9 && (head_on[0] + 1.0).abs() < 1e-9, "{head_on:?}");
+        assert_eq!((nodes.v[2][0], nodes.v[3][1]), (5.0, 0.5), "a miss, and one inside");
+        let given = walls.impulse(0);
+        let change = [2.0 * v.x - 5.0, 2.0 * v.y, 2.0 * (v.z + 5.0)];
+        let most = (0..3).map(|c| (given[c] - change[c]).abs()).fold(0.0, f64::max);
+        assert!(most < 1e-9, "{given:?}, not {change:?}");
+    }
+}
+
+/// A mass slides from the top of a smooth sphere under gravity, along any meridian, and leaves
+/// it at cos a = 2/3 (a textbook case). It is never inside.
+#[test]
+fn a_mass_leaves_a_smooth_sphere_at_two_thirds_of_its_height() {
+    let mut walls = Walls::new(&[sphere(1.0, 0.0)], &[]);
+    let mut nodes = masses(&[([6e-4, 8e-4, 1.0], [0.0; 3], 1.0)]);
+    nodes.force[0] = row([0.0, 0.0, -1.0]);
+    let mut left = None;
+    for i in 0..200_000 {
+        step(&mut walls, &mut nodes, i as f64 * 1e-4, 1e-4);
+        let off = V3::from(xyz(&nodes.x[0])).norm();
+        assert!(off > 1.0 - 1e-9, "no penetration: {off}");
+        if off > 1.0 + 1e-6 {
+            left = Some(nodes.x[0][2] / off);
+            break;
+        }
+    }
+    // The distance reaches 1e-6 later by 0.01 in the cosine, as on a cylinder.
+    assert!(left.is_some_and(|cosine| (cosine - (2.0 / 3.0 - 0.01)).abs() < 2e-3), "{left:?}");
+}
+
+/// A sphere with prescribed motion takes a mass along: the mass gets its speed, and the work on it
+/// is its kinetic energy. With the mass on its axis of motion nothing slides.
+#[test]
+fn a_prescribed_sphere_takes_a_mass_along() {
+    let dt = 1e-3;
+    let motion = PrescribedMotion {
+        nodes: Vec::new(),
+        dofs: 0b111,
+        form: MotionForm::Velocity,
+        amount: [0.0, 3.0, 4.0],
+        curve: None,
+    };
+    let job = ResolvedWall { motion: WallMotion::Led(motion), ..sphere(1.0, 0.3) };
+    let mut walls = Walls::new(&[job], &[]);
+    let mut nodes = masses(&[([0.0, 0.75, 1.0], [0.0; 3], 2.0)]);
+    let work: f64 = (0..200).map(|i| step(&mut walls, &mut nodes, i as f64 * dt, dt)[0]).sum();
+    let v = nodes.v[0];
+    assert!((v[1] - 3.0).abs() < 1e-9 && (v[2] - 4.0).abs() < 1e-9, "{v:?}");
+    assert!((work - 0.5 * 2.0 * 25.0).abs() < 1e-9, "{work}");
+    let off = (V3::from(xyz(&nodes.x[0])) - walls.walls[0].surface.position()).norm();
+    assert!((off - 1.0).abs() < 1e-9, "on the surface: {off}");
+}
+
+/// The fast test never hides a contact: at the edge of the surface, where round-off decides, it
+/// leaves the decision to the exact one.
+#[test]
+fn the_fast_test_agrees_with_the_exact_one() {
+    let cylinder = WallForm::Cylinder { radius: 3.0, length: 0.0 };
+    for form in [cylinder, WallForm::Sphere { radius: 3.0 }] {
+        let place = ResolvedWall::plane([0.1, -0.7, 0.3], [0.0, 0.6, 0.8], 0.0);
+        let surface = WallSurface::new(&ResolvedWall { form, ..place });
+        let (mut met, mut missed) = (0, 0);
+        for k in 0..10_000 {
+            let turn = f64::from(k) * 0.618;
+            let off = 3.0 + (f64::from(k % 101) - 50.0) * 1e-13;
+            let out = V3::new(turn.cos(), 0.8 * turn.sin(), -0.6 * turn.sin());
+            let x = surface.position() + out * (off + 1.0);
+            let (v, before) = (-out, -out);
+            let meets = surface.contact_point(&x, &v, &before, 1.0).is_some();
+            let misses = surface.cannot_reach(&x, &v, 1.0);
+            assert!(!(meets && misses), "{form:?} {k}");
+            met += usize::from(meets);
+            missed += usize::from(misses);
+        }
+        assert!(met > 3000 && missed > 3000, "{form:?}: {met} {missed}");
+    }
+}

@@ -6,8 +6,12 @@ use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
 use std::collections::HashSet;
 
-const KEYWORDS: [&str; 3] =
-    ["RIGIDWALL_PLANAR", "RIGIDWALL_GEOMETRIC_FLAT", "RIGIDWALL_GEOMETRIC_CYLINDER"];
+const KEYWORDS: [&str; 4] = [
+    "RIGIDWALL_PLANAR",
+    "RIGIDWALL_GEOMETRIC_FLAT",
+    "RIGIDWALL_GEOMETRIC_CYLINDER",
+    "RIGIDWALL_GEOMETRIC_SPHERE",
+];
 
 impl DeckConverter {
     pub(super) fn walls(&mut self) {
@@ -53,8 +57,12 @@ impl DeckConverter {
         let mut table = JobTable::new(record.head)
             .with("name", record.place("heading"), name.as_str())
             .with("point", record.place("xt"), tail)
-            .with(direction, record.place("xh"), normal)
             .with("friction", record.place("fric"), friction);
+        if record.line("radsph").is_some() {
+            table.put("radius", record.place("radsph"), record.real("radsph"));
+        } else {
+            table.put(direction, record.place("xh"), normal);
+        }
         if round {
             table.put("radius", record.place("radcyl"), record.real("radcyl"));
             if record.real("lencyl") > 0.0 {

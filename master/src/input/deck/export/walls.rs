@@ -12,6 +12,7 @@ enum WallCard {
     Plane,
     LedRectangle,
     Cylinder,
+    Sphere,
 }
 
 fn kind(wall: &WallInput) -> Option<WallCard> {
@@ -20,6 +21,7 @@ fn kind(wall: &WallInput) -> Option<WallCard> {
     match (wall.axis, wall.normal) {
         _ if stands => None,
         (Some(_), None) => Some(WallCard::Cylinder),
+        (None, None) if wall.radius.is_some() => Some(WallCard::Sphere),
         (None, Some(_)) if led.is_none() => Some(WallCard::Plane),
         (None, Some(_)) if wall.edge.is_some() => Some(WallCard::LedRectangle),
         _ => None,
@@ -68,6 +70,8 @@ fn one(
     };
     let direction = match kind {
         WallCard::Cylinder => head("axis", wall.axis.unwrap_or_default()),
+        // A sphere has no direction, but a card has one.
+        WallCard::Sphere => [wall.point[0], wall.point[1], wall.point[2] + 1.0].map(Number),
         _ => head("normal", wall.normal.unwrap_or_default()),
     };
     let edge = wall.edge.map(|e| head("edge", e));
@@ -84,6 +88,7 @@ fn one(
         WallCard::Plane => "RIGIDWALL_PLANAR",
         WallCard::LedRectangle => "RIGIDWALL_GEOMETRIC_FLAT",
         WallCard::Cylinder => "RIGIDWALL_GEOMETRIC_CYLINDER",
+        WallCard::Sphere => "RIGIDWALL_GEOMETRIC_SPHERE",
     };
     deck.keyword(&format!("{keyword}{}_ID", options.concat()));
     deck.named_card(number, name);
@@ -92,6 +97,9 @@ fn one(
     deck.card(&[wall.point.map(Number).as_slice(), &direction, &[Number(wall.friction)]].concat());
     if kind == WallCard::Cylinder {
         deck.card(&[Number(wall.radius.unwrap_or(0.0)), Number(wall.length)]);
+    }
+    if kind == WallCard::Sphere {
+        deck.card(&[Number(wall.radius.unwrap_or(0.0))]);
     }
     if let Some(edge) = edge {
         deck.card(&[edge.as_slice(), &wall.lengths.unwrap_or_default().map(Number)].concat());

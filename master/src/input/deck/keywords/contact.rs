@@ -68,6 +68,8 @@ const WALL: &[(&str, Times)] = &[
 
 const CYLINDER: &[(&str, Times)] =
     &[WALL_ID, SHAPE_NODES, SHAPE_PLACE, ("radcyl:r lencyl:r", Once), MOTION, DISPLAY];
+const SPHERE: &[(&str, Times)] =
+    &[WALL_ID, SHAPE_NODES, SHAPE_PLACE, ("radsph:r", Once), MOTION, DISPLAY];
 const FLAT: &[(&str, Times)] = &[
     WALL_ID,
     SHAPE_NODES,
@@ -123,6 +125,11 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[wall]]` with `axis` from the tail to the head, `radius`, `length` and open ends. \
          MOTION prescribes its velocity (opt 0) or displacement (opt 1) along vx, vy, vz by a \
          curve",
+    ),
+    geometric(
+        "RIGIDWALL_GEOMETRIC_SPHERE",
+        SPHERE,
+        "the same for a sphere with the tail as its centre and `radius`",
     ),
     geometric(
         "RIGIDWALL_GEOMETRIC_FLAT",

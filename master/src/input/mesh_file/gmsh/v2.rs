@@ -90,7 +90,12 @@ impl MshReader<'_, '_> {
             }
         }
         self.stream.end_row()?;
-        let groups = tags.first().map(|tag| tag.abs()).filter(|&tag| tag > 0).into_iter().collect();
+        let groups = tags
+            .first()
+            .map(|tag| tag.saturating_abs())
+            .filter(|&tag| tag > 0)
+            .into_iter()
+            .collect();
         let (entity, place) = (tags.get(1).copied().unwrap_or(0), self.place());
         match u64::try_from(id) {
             Ok(id) => {

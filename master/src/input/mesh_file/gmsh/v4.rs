@@ -21,7 +21,7 @@ impl MshReader<'_, '_> {
                 }
                 let mut groups = Vec::new();
                 for _ in 0..stream.size()? {
-                    groups.push(stream.int()?.abs());
+                    groups.push(stream.int()?.saturating_abs());
                 }
                 if dimension > 0 {
                     for _ in 0..stream.size()? {
