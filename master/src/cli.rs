@@ -204,6 +204,9 @@ pub struct CheckArgs {
     #[arg(long, value_name = "T", num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "0", value_parser = moment)]
     pub step: Option<f64>,
+    /// Simulated time at which the run would end, as for `crumple run`.
+    #[arg(long, value_name = "T", value_parser = time, allow_negative_numbers = true)]
+    pub end_time: Option<f64>,
     /// Print one object of JSON: the findings with file, line, column and the text of the line,
     /// the estimated memory, and the text that is printed without this option.
     #[arg(long, conflicts_with = "step")]
@@ -505,13 +508,25 @@ impl JobOptions {
         let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());
         self.set.iter().cloned().chain(allowed).collect()
     }
+
+    /// Returns all `key=value`, in order, with the time at which the run ends as the last.
+    fn sets_until(&self, end_time: Option<f64>) -> Vec<String> {
+        let end_time = end_time.map(|t| format!("end_time={t:?}"));
+        self.sets().into_iter().chain(end_time).collect()
+    }
+}
+
+impl CheckArgs {
+    /// Returns all `key=value`, in order, `--end-time` as the last.
+    pub fn sets(&self) -> Vec<String> {
+        self.job.options.sets_until(self.end_time)
+    }
 }
 
 impl RunArgs {
     /// Returns all `key=value`, in order, `--end-time` as the last.
     pub fn sets(&self) -> Vec<String> {
-        let end_time = self.end_time.map(|t| format!("end_time={t:?}"));
-        self.options.sets().into_iter().chain(end_time).collect()
+        self.options.sets_until(self.end_time)
     }
 
     /// Returns the options that a supervised run gets, except for folders and workers. One that

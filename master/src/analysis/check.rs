@@ -20,7 +20,7 @@ pub fn run(args: &CheckArgs) -> u8 {
         return Report::EXIT_CODE;
     }
     let read = || -> Result<(Model, String, f64), Report> {
-        let model = job::read(&args.job.job, &args.job.options.sets())?;
+        let model = job::read(&args.job.job, &args.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         let workers = model.workers(args.job.options.workers, cores)?;
         requirements::check_names(&model)?;

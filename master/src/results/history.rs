@@ -166,6 +166,8 @@ impl Labels {
             ("mm", "ms", "kg") => named("J", "kN"),
             ("mm", "s", "t" | "tonne") => named("mJ", "N"),
             ("m", "s", "kg") => named("J", "N"),
+            ("in", "s", "slinch") => named("in lbf", "lbf"),
+            ("ft", "s", "slug") => named("ft lbf", "lbf"),
             _ => (product.clone(), format!("{m} {l}/{t}^2"), product),
         };
         Self {

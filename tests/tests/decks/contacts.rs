@@ -29,7 +29,10 @@ fn contacts_become_interfaces() {
         (pair.thickness, pair.thickness_scale, pair.birth, pair.death),
         (None, 1.0, 0.0, None)
     );
-    assert!(crumple::input::check::describe(&model).contains("contact 2: soft 2 -> not used"));
+    assert!(
+        crumple::input::check::describe(&model)
+            .contains("soft 2 -> not used: contact needs no stiffness")
+    );
     assert!(
         with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n")
             .job

@@ -424,3 +424,79 @@ fn offsets_of_shells_and_contact_at_their_middle_surface() {
         assert!(report.contains(words), "{words} in\n{report}");
     }
 }
+
+/// Beams with elform 3 are trusses, with any law.
+#[test]
+fn beams_without_moments_are_trusses() {
+    let model =
+        with("*PART\nrod\n3,3,1\n*SECTION_BEAM\n3,3\n2.5\n*ELEMENT_BEAM\n31,3,5,11,6\n32,3,6,12\n");
+    let trusses: Vec<_> = model.mesh.elements.iter().filter(|e| e.part == 3).collect();
+    let ends: Vec<_> = trusses.iter().map(|e| (e.shape, e.corners().len())).collect();
+    assert_eq!(ends, [(Shape::Truss2, 2), (Shape::Truss2, 2)]);
+    assert_eq!(model.job.part[2].truss.as_ref().unwrap().area, 2.5);
+}
+
+/// dof 9 to 11 turn nodes about an axis through both offsets, which are in cyclic order.
+#[test]
+fn nodes_turn_about_an_axis_through_their_offsets() {
+    let of = |dof: i32| {
+        let model = with(&format!(
+            "*SET_NODE_LIST\n5\n1,2\n*DEFINE_CURVE\n4\n0,1.0\n20,1.0\n\
+             *BOUNDARY_PRESCRIBED_MOTION_SET\n5,{dof},0,4,0.5\n3.0,-2.0\n"
+        ));
+        let motion = model.job.motion[0].clone();
+        (motion.dofs, motion.spin.unwrap(), motion.centre)
+    };
+    let names = |dofs: [&str; 2]| dofs.map(String::from).to_vec();
+    assert_eq!(of(9), (names(["y", "z"]), [0.5, 0.0, 0.0], [0.0, 3.0, -2.0]));
+    assert_eq!(of(10), (names(["z", "x"]), [0.0, 0.5, 0.0], [-2.0, 0.0, 3.0]));
+    assert_eq!(of(11), (names(["x", "y"]), [0.0, 0.0, 0.5], [3.0, -2.0, 0.0]));
+}
+
+/// The first value of a parameter holds, unless *PARAMETER_DUPLICATION says otherwise.
+#[test]
+fn a_second_value_of_a_parameter_is_noticed() {
+    let twice = |flag: &str| {
+        let text = format!(
+            "*KEYWORD\n{flag}*PARAMETER\nR end,4.0\n*PARAMETER\nR end,5.0\n{}{STEEL}{MOVES}",
+            BASE.replace("*KEYWORD\n", "")
+                .replace("*CONTROL_TERMINATION\n10.0", "*CONTROL_TERMINATION\n&end")
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deck.k");
+        fs::write(&path, format!("{text}*END\n")).unwrap();
+        read(&path, &[]).map_err(|report| report.to_string())
+    };
+    let first = twice("").unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(first.job.end_time, 4.0);
+    assert!(first.warnings.iter().any(|w| w.message == "parameter `end` has two values"));
+    let last = twice("*PARAMETER_DUPLICATION\n2\n").unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(last.job.end_time, 5.0);
+    assert!(twice("*PARAMETER_DUPLICATION\n3\n").is_err());
+}
+
+/// The inertia card of a rigid part sets mass, inertia and motion of its body; another centre of
+/// mass than that of the elements is a warning.
+#[test]
+fn rigid_parts_may_have_their_own_inertia() {
+    let with_card = |centre: &str| {
+        let deck = BASE.replace(
+            "*PART\nplate\n1,1,1\ncube\n2,2,1\n",
+            &format!(
+                "*PART\nplate\n1,1,1\n*PART_INERTIA\ncube\n2,2,2\n{centre},0.5\n\
+                 1.0,0.1,0.2,2.0,0.3,2.5\n0,0,-3.0,0,0.7\n"
+            ),
+        );
+        model_of(&format!("{deck}{STEEL}{MOVES}*MAT_RIGID\n2,7.85e-6,207.0,0.3\n"))
+    };
+    let model = with_card("5,5,5");
+    let body = &model.job.rigid[0];
+    assert_eq!((body.mass, body.inertia), (Some(0.5), Some([1.0, 2.0, 2.5, 0.1, 0.3, 0.2])));
+    let start = model.job.initial_velocity.iter().find(|v| v.spin != [0.0; 3]).unwrap();
+    assert_eq!(
+        (start.velocity, start.spin, start.centre),
+        ([0.0, 0.0, -3.0], [0.0, 0.7, 0.0], [5.0; 3])
+    );
+    let moved = |model: &Model| model.warnings.iter().any(|w| w.message.contains("centre of mass"));
+    assert!(!moved(&model) && moved(&with_card("5,5,7")));
+}

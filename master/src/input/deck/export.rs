@@ -268,6 +268,7 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     let form = match given("hourglass") {
         // A deck without a form means the viscous form, so the job's default must be written.
         None if shells && by_card => 4,
+        None if !shells => 6,
         Some(Setting::Word(word)) if word == HourglassForm::Viscous.word() => 1,
         Some(Setting::Word(word)) if word == HourglassForm::Stiffness.word() => 4,
         Some(Setting::Word(word)) if word == HourglassForm::AssumedStrain.word() => 6,
@@ -275,12 +276,14 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     };
     // Cards cannot hold a coefficient without a form, or for a form that has none.
     let default = || {
-        let row = formulation(part, Shape::Quad4).filter(|_| shells && by_card)?;
+        let shape = if shells { Shape::Quad4 } else { Shape::Hex8 };
+        let row = formulation(part, shape).filter(|_| by_card)?;
         Some(row.values(part).number("hourglass_coefficient"))
     };
     let coefficient = given("hourglass_coefficient").and_then(Setting::number).or_else(default);
-    let coefficient = coefficient.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
     // Zeros on a card mean the defaults.
+    let coefficient =
+        coefficient.filter(|&c| c != 0.0 && by_card && (shells || matches!(form, 1 | 4)));
     let viscosity = match given("bulk_viscosity") {
         Some(Setting::List(list)) if !list.iter().all(|b| *b == 0.0) => list.as_slice(),
         _ => &[],
@@ -295,6 +298,12 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
     for (key, value) in part.parameters.iter().filter(|(key, _)| !on_card(key)) {
         own.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
+    }
+    // A deck has no drilling stiffness for this formulation.
+    if let (Some("belytschko_tsay"), None) = (part.element.as_deref(), given("drilling"))
+        && let Some(row) = formulation(part, Shape::Quad4)
+    {
+        own.insert("drilling".into(), row.values(part).number("drilling").into());
     }
     if part.element.as_deref() == Some("fully_integrated_quad") {
         own.insert("element".into(), "fully_integrated_quad".into());

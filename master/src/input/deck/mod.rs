@@ -54,6 +54,8 @@ pub struct Unsupported {
     pub message: String,
     /// Name, in a word or two.
     pub what: String,
+    /// Text: the loss if the run continues without it.
+    pub lost: String,
 }
 
 /// A deck that was read.
@@ -146,15 +148,15 @@ fn report_unsupported(
             n => format!("{}; and {} more of this kind", one.message, n - 1),
         };
         if allowed {
-            list.push(format!("{} ({})", one.what, at(one.place, files)));
-            trouble.warning(
-                one.place,
-                message,
-                "the run continues without it because of --allow-unsupported",
-            );
+            list.push(format!("{} ({}): {}", one.what, at(one.place, files), one.lost));
+            let help = format!("the run continues because of --allow-unsupported: {}", one.lost);
+            trouble.warning(one.place, message, help);
         } else {
-            let help =
-                "it would change the result: remove it, or ignore it with --allow-unsupported";
+            let help = format!(
+                "it would change the result: remove it, or ignore it with --allow-unsupported \
+                 ({})",
+                one.lost
+            );
             trouble.error(one.place, message, help);
         }
     }

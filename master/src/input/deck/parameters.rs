@@ -23,6 +23,22 @@ pub enum Parameter {
 #[derive(Debug, Default)]
 pub struct DeckParameters {
     known: BTreeMap<String, Parameter>,
+    /// Treatment of a second value of a name.
+    duplicates: Duplicates,
+    /// True while a block of local parameters is read, which hide others of the same name.
+    local: bool,
+}
+
+/// Treatment of a second value of a parameter (`*PARAMETER_DUPLICATION`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Duplicates {
+    /// The first value stays, with a warning.
+    #[default]
+    KeepFirst,
+    /// The second value is taken, with a warning.
+    TakeLast,
+    /// It is an error.
+    Refuse,
 }
 
 /// Returns the name to which a field refers, and true if a minus precedes it.
@@ -53,10 +69,25 @@ impl DeckParameters {
         }
     }
 
+    /// Reads the card of `*PARAMETER_DUPLICATION`: 1 and 5 keep the first value, 2 and 4 take the
+    /// last one, 3 refuses a second one.
+    pub fn read_duplication(&mut self, block: &KeywordBlock, texts: &Texts) {
+        let Some(&span) = block.lines.first() else { return };
+        let line = String::from_utf8_lossy(texts.line(block, span)).into_owned();
+        let first = line.split(',').next().unwrap_or_default();
+        let flag: String = first.chars().take(10).collect();
+        self.duplicates = match number::integer(flag.trim().as_bytes()) {
+            Some(2 | 4) => Duplicates::TakeLast,
+            Some(3) => Duplicates::Refuse,
+            _ => Duplicates::KeepFirst,
+        };
+    }
+
     /// Reads a block of `*PARAMETER` (pairs of name and value) or `*PARAMETER_EXPRESSION` (a name
     /// and a formula per line).
     pub fn read(&mut self, block: &KeywordBlock, texts: &Texts, trouble: &mut Trouble) {
         let expressions = block.name.contains("EXPRESSION");
+        self.local = block.name.ends_with("_LOCAL");
         let width = if block.format == CardFormat::Long { 20 } else { 10 };
         let mut formula: Option<(String, String, Place)> = None;
         for &span in &block.lines {
@@ -109,7 +140,7 @@ impl DeckParameters {
                 _ => number::real(value.as_bytes()).map(Parameter::Real),
             };
             match given {
-                Some(given) => self.set(&name, given),
+                Some(given) => self.set(&name, given, place, trouble),
                 None => {
                     let message = format!("the value of parameter `{name}` cannot be `{value}`");
                     trouble.error(
@@ -118,7 +149,7 @@ impl DeckParameters {
                         "give a number for R, a whole number for I, text for C; ten columns each, \
                          or with commas",
                     );
-                    self.set(&name, Parameter::Integer(0));
+                    self.set(&name, Parameter::Integer(0), place, trouble);
                 }
             }
         }
@@ -139,11 +170,27 @@ impl DeckParameters {
                 Parameter::Integer(0)
             }
         };
-        self.set(&name, value);
+        self.set(&name, value, place, trouble);
     }
 
-    fn set(&mut self, name: &str, value: Parameter) {
-        self.known.insert(name.to_ascii_lowercase(), value);
+    fn set(&mut self, name: &str, value: Parameter, place: Place, trouble: &mut Trouble) {
+        let name = name.to_ascii_lowercase();
+        if !self.local && self.known.get(&name).is_some_and(|known| *known != value) {
+            let message = format!("parameter `{name}` has two values");
+            match self.duplicates {
+                Duplicates::KeepFirst => {
+                    let help = "the first one holds; *PARAMETER_DUPLICATION with 2 takes the last";
+                    return trouble.warning(place, message, help);
+                }
+                Duplicates::TakeLast => {
+                    trouble.warning(place, message, "the last one holds from here on");
+                }
+                Duplicates::Refuse => {
+                    return trouble.error(place, message, "remove one of its definitions");
+                }
+            }
+        }
+        self.known.insert(name, value);
     }
 }
 

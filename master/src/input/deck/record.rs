@@ -8,6 +8,8 @@ use super::parameters::{DeckParameters, Parameter};
 use super::table::{Card, Field, FieldType, Times};
 use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
+use std::cell::Cell;
+use std::rc::Rc;
 
 /// Content of a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,12 +35,15 @@ pub struct Value {
     pub place: Place,
 }
 
-/// A line that was read.
+/// A line that was read. It records which of its fields the conversion asks for; copies share
+/// their values and this record.
 #[derive(Clone, Debug)]
 pub struct CardLine {
     card: &'static Card,
     /// One value for each field of the card.
-    values: Vec<Value>,
+    values: Rc<[Value]>,
+    /// One bit for each field that was asked for.
+    asked: Rc<Cell<u32>>,
     /// The whole line.
     pub place: Place,
 }
@@ -46,7 +51,44 @@ pub struct CardLine {
 impl CardLine {
     /// Returns a field by its name; the first one of a list.
     pub fn value(&self, name: &str) -> Option<&Value> {
-        self.values.get(self.card.index(name)?)
+        let index = self.card.index(name)?;
+        self.asked.set(self.asked.get() | 1 << index);
+        self.values.get(index)
+    }
+
+    /// Returns the number of fields that were asked for.
+    pub fn asked(&self) -> u32 {
+        self.asked.get().count_ones()
+    }
+
+    /// Returns the fields with a value other than zero and the default, without headings; true for
+    /// those that were asked for.
+    pub fn given(&self) -> impl Iterator<Item = (&'static Field, &Value, bool)> {
+        let is_name = |field: &Field| {
+            field.kind == FieldType::Line || ["heading", "title"].contains(&field.name.as_str())
+        };
+        let fields = self.card.fields.iter().zip(self.values.iter()).enumerate();
+        fields.filter(move |(_, (field, _))| !is_name(field)).filter_map(
+            |(index, (field, value))| {
+                let said = match &value.given {
+                    Given::Blank | Given::Wrong => false,
+                    Given::Integer(i) => *i != 0 && *i as f64 != field.default,
+                    Given::Real(x) => *x != 0.0 && *x != field.default,
+                    // The solver of a set, mechanical by default.
+                    Given::Word(word) => !word.is_empty() && !word.eq_ignore_ascii_case("MECH"),
+                };
+                said.then_some((field, value, self.asked.get() & 1 << index != 0))
+            },
+        )
+    }
+
+    /// Returns the fields of a list with their values, and records that they were asked for.
+    fn list(&self, name: &str) -> impl Iterator<Item = (&'static Field, &Value)> {
+        let fields = || self.card.fields.iter().enumerate().filter(move |(_, f)| f.name == name);
+        let bits = fields().fold(0, |bits, (index, _)| bits | 1 << index);
+        self.asked.set(self.asked.get() | bits);
+        let chosen = self.card.fields.iter().zip(self.values.iter()).enumerate();
+        chosen.filter(move |(index, _)| bits & 1 << index != 0).map(|(_, pair)| pair)
     }
 
     /// Returns an integer; the default if it is blank.
@@ -76,14 +118,13 @@ impl CardLine {
 
     /// Returns the place of a field; that of the line if it is blank.
     pub fn place(&self, name: &str) -> Place {
-        self.value(name).map_or(self.place, |v| v.place)
+        let value = self.card.index(name).and_then(|index| self.values.get(index));
+        value.map_or(self.place, |v| v.place)
     }
 
     /// Returns all integers of a list that are not blank or zero, with their places.
-    pub fn integers(&self, name: &str) -> impl Iterator<Item = (i64, Place)> + '_ {
-        let fields = self.card.fields.iter().zip(&self.values);
-        let name = name.to_string();
-        fields.filter(move |(f, _)| f.name == name).filter_map(|(_, v)| match v.given {
+    pub fn integers(&self, name: &str) -> impl Iterator<Item = (i64, Place)> {
+        self.list(name).filter_map(|(_, v)| match v.given {
             Given::Integer(i) if i != 0 => Some((i, v.place)),
             _ => None,
         })
@@ -91,13 +132,12 @@ impl CardLine {
 
     /// Returns all numbers of a list, with the default for blanks.
     pub fn reals(&self, name: &str) -> Vec<f64> {
-        let fields = self.card.fields.iter().zip(&self.values).filter(|(f, _)| f.name == name);
-        let number = |(field, value): (&Field, &Value)| match value.given {
+        let number = |(field, value): (&'static Field, &Value)| match value.given {
             Given::Real(x) => x,
             Given::Integer(i) => i as f64,
             _ => field.default,
         };
-        fields.map(number).collect()
+        self.list(name).map(number).collect()
     }
 
     /// Returns true if a field is blank.
@@ -132,6 +172,11 @@ impl CardRecord {
     /// Returns the keyword for messages.
     pub fn name(&self) -> String {
         format!("*{}", self.row.keyword.name)
+    }
+
+    /// Returns all its lines.
+    pub fn all_lines(&self) -> &[CardLine] {
+        &self.lines
     }
 
     /// Returns the first line with a field of this name.
@@ -213,6 +258,7 @@ impl Cards<'_> {
                     Times::Maybe => left.min(1),
                     Times::Rest => left,
                     Times::Count(count) => count(&record),
+                    Times::AtMost(count) => count(&record).min(left),
                 };
                 if count > left && whole {
                     let names: Vec<&str> = card.fields.iter().map(|f| f.name.as_str()).collect();
@@ -226,18 +272,7 @@ impl Cards<'_> {
                         .lines
                         .last()
                         .map_or(block.place(), |&l| block.span(l, 0, (l.1 - l.0) as usize));
-                    let headed = row.cards.first().is_some_and(|(card, times)| {
-                        matches!(times, Times::Once)
-                            && card.fields.iter().all(|f| f.kind == FieldType::Line)
-                    });
-                    let help = match headed {
-                        true => {
-                            "add the line; the first line is a heading, which is required even if \
-                             blank"
-                        }
-                        false => "add the line; a blank line means the defaults",
-                    };
-                    self.trouble.error(place, message, help);
+                    self.trouble.error(place, message, missing_line(row));
                     self.trouble.unsure();
                     whole = false;
                 }
@@ -306,7 +341,7 @@ impl Cards<'_> {
             }
             values.push(Value { given, place });
         }
-        CardLine { card, values, place }
+        CardLine { card, values: values.into(), asked: Rc::default(), place }
     }
 
     fn given(
@@ -380,6 +415,17 @@ impl Cards<'_> {
             self.trouble.misread(line, None, place, message, help);
             Given::Wrong
         })
+    }
+}
+
+/// Returns the remedy for a record that ends too early.
+fn missing_line(row: &KeywordRow) -> &'static str {
+    let headed = row.cards.first().is_some_and(|(card, times)| {
+        matches!(times, Times::Once) && card.fields.iter().all(|f| f.kind == FieldType::Line)
+    });
+    match headed {
+        true => "add the line; the first line is a heading, which is required even if blank",
+        false => "add the line; a blank line means the defaults",
     }
 }
 

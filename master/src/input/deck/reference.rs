@@ -1,7 +1,7 @@
 //! The table of keywords as a page; a test keeps `cases/DECKS.md` equal to it.
 
 use super::keywords::{FAMILIES, OUTPUT};
-use super::table::{Card, Effect, Field, FieldType, Times};
+use super::table::{Card, Effect, Field, FieldFate, FieldType, Keyword, Times};
 use std::fmt::Write;
 
 /// Text above the table.
@@ -30,7 +30,7 @@ fn write(page: &mut String) -> std::fmt::Result {
                 name += &format!(" ({})", options.join(" "));
             }
             let note = match keyword.effect {
-                Effect::Model => keyword.note.to_string(),
+                Effect::Model => format!("{}{}", keyword.note, unused(keyword)),
                 Effect::Harmless => format!("warning: {}", keyword.note),
                 Effect::NotYet => format!("**not supported yet**: {}", keyword.note),
             };
@@ -57,6 +57,24 @@ fn write(page: &mut String) -> std::fmt::Result {
     )
 }
 
+/// Returns the fields that are not converted, with their fates.
+fn unused(keyword: &Keyword) -> String {
+    let fate = |fate| match fate {
+        FieldFate::NoEffect => "no effect",
+        FieldFate::Ignored => "**ignored with a warning**",
+        FieldFate::Refused => "**not supported**",
+    };
+    let line =
+        |u: &super::table::UnusedFields| format!(" {}: {} ({})", u.names, fate(u.fate), u.why);
+    match keyword.unused {
+        [] => String::new(),
+        list => {
+            let lines: Vec<String> = list.iter().map(line).collect();
+            format!(". Not converted:{}", lines.join(";"))
+        }
+    }
+}
+
 /// Returns a card's fields, with widths other than ten and defaults other than zero; in brackets
 /// if the card is optional.
 fn fields(card: &str, times: Times) -> String {
@@ -74,7 +92,7 @@ fn fields(card: &str, times: Times) -> String {
     let text = names.join(" ");
     match times {
         Times::Once => text,
-        Times::Maybe | Times::Count(_) => format!("[{text}]"),
+        Times::Maybe | Times::Count(_) | Times::AtMost(_) => format!("[{text}]"),
         Times::Rest => format!("{text} ..."),
     }
 }

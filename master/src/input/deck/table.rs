@@ -94,6 +94,9 @@ pub enum Times {
     Once,
     /// Once, unless the keyword ends before it: then all its fields are blank.
     Maybe,
+    /// As often as the function says, unless the keyword ends before it: then all its fields are
+    /// blank.
+    AtMost(fn(&CardRecord) -> usize),
     /// For all remaining lines.
     Rest,
     /// As a function of the cards before it and the options in the keyword's name.
@@ -111,6 +114,44 @@ pub enum Effect {
     NotYet,
 }
 
+/// Fate of a value in a field that no code converts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldFate {
+    /// It has no effect in this engine: a line of the mapping.
+    NoEffect,
+    /// It is ignored, and results may differ from those of other programs: a warning.
+    Ignored,
+    /// It would change the result: an error unless unsupported content is allowed.
+    Refused,
+}
+
+/// Fields of a keyword that no code converts. Blanks, zeros and defaults of these fields are not
+/// reported.
+#[derive(Clone, Copy, Debug)]
+pub struct UnusedFields {
+    /// Their names, with blanks between them.
+    pub names: &'static str,
+    /// Fate of their values.
+    pub fate: FieldFate,
+    /// Its meaning for the user.
+    pub why: &'static str,
+}
+
+/// Creates fields without an effect.
+pub const fn no_effect(names: &'static str, why: &'static str) -> UnusedFields {
+    UnusedFields { names, fate: FieldFate::NoEffect, why }
+}
+
+/// Creates fields that are ignored with a warning.
+pub const fn ignored(names: &'static str, why: &'static str) -> UnusedFields {
+    UnusedFields { names, fate: FieldFate::Ignored, why }
+}
+
+/// Creates fields that are not supported.
+pub const fn refused(names: &'static str, why: &'static str) -> UnusedFields {
+    UnusedFields { names, fate: FieldFate::Refused, why }
+}
+
 /// A row of the table.
 pub struct Keyword {
     /// Name without asterisk and options.
@@ -125,6 +166,8 @@ pub struct Keyword {
     pub cards: &'static [(&'static str, Times)],
     /// True if records follow each other until the next keyword.
     pub repeats: bool,
+    /// Fields that no code converts.
+    pub unused: &'static [UnusedFields],
     /// Description of the conversion for users.
     pub note: &'static str,
 }
@@ -143,6 +186,7 @@ impl Keyword {
             effect: Effect::Model,
             cards,
             repeats: false,
+            unused: &[],
             note,
         }
     }
@@ -162,6 +206,12 @@ impl Keyword {
     /// Returns the keyword with records until the next keyword.
     pub const fn repeats(mut self) -> Self {
         self.repeats = true;
+        self
+    }
+
+    /// Returns the keyword with fields that no code converts.
+    pub const fn unused(mut self, unused: &'static [UnusedFields]) -> Self {
+        self.unused = unused;
         self
     }
 

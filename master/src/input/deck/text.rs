@@ -6,6 +6,7 @@
 
 use super::diagnostics::Trouble;
 use super::fields::CardFormat;
+use super::number;
 use crate::input::confine;
 use crate::input::job::tree::Place;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,9 @@ const LARGEST_FILE: u64 = u32::MAX as u64;
 const MOST_FILES: usize = 1000;
 /// Prefix of comments that hold keys of a job, see [`Text::fragment`].
 const FRAGMENT: &[u8] = b"$crumple:";
+/// Starts of the first and the last line of an encrypted part.
+const ENCRYPTED: &[u8] = b"-----BEGIN PGP";
+const ENCRYPTED_END: &[u8] = b"-----END PGP";
 
 /// A file of a deck.
 #[derive(Debug)]
@@ -70,6 +74,8 @@ pub struct Texts {
     pub files: Vec<Text>,
     /// The blocks in the order of the deck.
     pub blocks: Vec<KeywordBlock>,
+    /// Places of encrypted lines.
+    pub encrypted: Vec<Place>,
 }
 
 impl Texts {
@@ -148,7 +154,16 @@ impl DeckReader<'_> {
         let mut fragment: Option<Vec<u8>> = None;
         let mut stray = None;
         let mut ended = false;
+        let mut encrypted = false;
         for (line, span) in lines(bytes, begin) {
+            if encrypted || line.starts_with(ENCRYPTED) {
+                if !encrypted {
+                    let (start, end) = span;
+                    self.texts.encrypted.push(Place::Deck { file, start, end });
+                }
+                encrypted = !line.starts_with(ENCRYPTED_END);
+                continue;
+            }
             match line.first() {
                 Some(b'$') => copy_fragment(bytes, line, span, &mut fragment),
                 Some(b'*') => {
@@ -162,6 +177,12 @@ impl DeckReader<'_> {
                             break;
                         }
                         "KEYWORD" => format = own,
+                        _ if is_keyword(&name) => {
+                            // A line with the name of the project follows.
+                            format = own;
+                            let lines = Vec::new();
+                            block = Some(KeywordBlock { file, head: span, name, format, lines });
+                        }
                         _ => {
                             let lines = Vec::new();
                             block =
@@ -183,15 +204,30 @@ impl DeckReader<'_> {
             self.warn_of_no_end(file, bytes);
         }
         if let Some((start, end)) = stray {
-            let help = "write its keyword, a line that begins with *, above it";
-            let place = Place::Deck { file, start, end };
-            self.trouble.error(place, "a card precedes the first keyword", help);
+            self.report_stray(
+                &bytes[start as usize..end as usize],
+                Place::Deck { file, start, end },
+            );
         }
         // All characters outside the fragment that are not ASCII were replaced by blanks, so it
         // is UTF-8 like the text.
         let fragment = fragment.and_then(|f| String::from_utf8(f).ok());
         let own = &mut self.texts.files[file as usize];
         (own.text, own.fragment) = (text, fragment);
+    }
+
+    /// Reports a line before the first keyword: an error if it has numbers as a card has, else a
+    /// warning, as other programs skip text there.
+    fn report_stray(&mut self, line: &[u8], place: Place) {
+        let mut words = line.split(|b| b.is_ascii_whitespace() || *b == b',');
+        let is_card = words.all(|word| word.is_empty() || number::real(word).is_some());
+        if is_card {
+            let help = "write its keyword, a line that begins with *, above it";
+            self.trouble.error(place, "a card precedes the first keyword", help);
+        } else {
+            let help = "it is not read: a deck begins with *KEYWORD, comments with $";
+            self.trouble.warning(place, "text precedes the first keyword", help);
+        }
     }
 
     /// Warns if the main file has text but no `*KEYWORD`.
@@ -222,8 +258,8 @@ impl DeckReader<'_> {
         match block.name.as_str() {
             "INCLUDE" => {
                 for (name, span) in names(&block.lines, line) {
-                    let found = self.resolve_include(&name, folder);
                     let place = block.span(span, 0, (span.1 - span.0) as usize);
+                    let found = self.resolve_include(&name, folder, place);
                     self.file(&found, name, Some(place), format);
                 }
             }
@@ -237,6 +273,8 @@ impl DeckReader<'_> {
                     names(&block.lines, line).into_iter().map(|(name, _)| root.join(name));
                 self.folders.extend(folders);
             }
+            // The name of the project, which has no effect.
+            name if is_keyword(name) => {}
             _ => {
                 while block.lines.last().is_some_and(|l| l.0 == l.1) && block.lines.len() > 64 {
                     block.lines.pop();
@@ -247,13 +285,26 @@ impl DeckReader<'_> {
     }
 
     /// Returns the file for a name: as it is, or in forms of other systems, in quotes or with
-    /// backslashes.
-    fn resolve_include(&self, name: &str, folder: &Path) -> PathBuf {
+    /// backslashes. A file that is not there is looked for next to the deck, without the folders
+    /// of its name.
+    fn resolve_include(&mut self, name: &str, folder: &Path, place: Place) -> PathBuf {
         let bare = name.trim_matches(['"', '\'']);
         let names = [name.to_string(), bare.to_string(), bare.replace('\\', "/")];
         let places = || self.folders.iter().map(PathBuf::as_path).chain([folder]);
         let all = names.iter().flat_map(|name| places().map(move |folder| folder.join(name)));
-        all.into_iter().find(|p| p.is_file()).unwrap_or_else(|| folder.join(name))
+        if let Some(found) = all.into_iter().find(|p| p.is_file()) {
+            return found;
+        }
+        let last = bare.rsplit(['/', '\\']).next().unwrap_or_default();
+        let near = places().map(|folder| folder.join(last)).find(|p| p.is_file());
+        match near.filter(|_| last != bare) {
+            Some(found) => {
+                let message = format!("{bare} is not there: {} is read", found.display());
+                self.trouble.warning(place, message, "name the file by its path from the deck");
+                found
+            }
+            None => folder.join(name),
+        }
     }
 }
 
@@ -312,12 +363,12 @@ impl Head {
         let mut head = Head { name: name.to_string(), format };
         let signs = first[name.len()..].chars().map(String::from).chain(words.map(String::from));
         for word in signs {
-            match (word.as_str(), name) {
-                ("+", _) | ("LONG=Y" | "LONG=YES", "KEYWORD") => head.format = CardFormat::Long,
-                ("-", _) | ("LONG=S" | "LONG=N" | "LONG=NO", "KEYWORD") => {
+            match (word.as_str(), is_keyword(name)) {
+                ("+", _) | ("LONG=Y" | "LONG=YES", true) => head.format = CardFormat::Long,
+                ("-", _) | ("LONG=S" | "LONG=N" | "LONG=NO", true) => {
                     head.format = CardFormat::Standard
                 }
-                ("%", _) | ("I10=Y" | "I10=YES", "KEYWORD") => head.format = CardFormat::I10,
+                ("%", _) | ("I10=Y" | "I10=YES", true) => head.format = CardFormat::I10,
                 _ => {}
             }
         }
@@ -325,14 +376,16 @@ impl Head {
     }
 }
 
+/// Returns true for the name of the keyword that begins a deck.
+fn is_keyword(name: &str) -> bool {
+    ["KEYWORD", "KEYWORD_ID", "KEYWORD_JOBID"].contains(&name)
+}
+
 /// Returns the first byte of the line `*KEYWORD`.
 fn first_keyword(bytes: &[u8]) -> Option<usize> {
     let mut at = 0;
     for line in bytes.split(|&b| b == b'\n') {
-        let name = line.get(..8).unwrap_or_default();
-        if name.eq_ignore_ascii_case(b"*KEYWORD")
-            && !line.get(8).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_')
-        {
+        if line.first() == Some(&b'*') && is_keyword(&Head::read(line, CardFormat::Standard).name) {
             return Some(at);
         }
         at += line.len() + 1;
@@ -375,7 +428,18 @@ fn load(path: &Path) -> Result<String, String> {
     if about.len() > LARGEST_FILE {
         return Err("is larger than 4 GiB".into());
     }
-    let bytes = std::fs::read(path).map_err(cannot)?;
+    let mut bytes = std::fs::read(path).map_err(cannot)?;
+    if let [0xff, 0xfe, rest @ ..] | [0xfe, 0xff, rest @ ..] = &bytes[..] {
+        let pair = |pair: &[u8]| match bytes[0] {
+            0xff => u16::from_le_bytes([pair[0], pair[1]]),
+            _ => u16::from_be_bytes([pair[0], pair[1]]),
+        };
+        let units: Vec<u16> = rest.chunks_exact(2).map(pair).collect();
+        return Ok(String::from_utf16_lossy(&units));
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
     // Titles in other encodings are common; one byte for each byte keeps the columns.
     Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
         let bytes = error.as_bytes().iter().map(|&b| if b.is_ascii() { b } else { b'?' });

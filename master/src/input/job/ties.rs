@@ -175,8 +175,11 @@ fn tied_nodes(
     let surface = TieSurface::new(spec, entry, context, nodes.is_some(), findings);
     let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
     let thickest = surface.thickest(&nodes);
-    let found = surface.project(&nodes, thickest);
+    let mut found = surface.project(&nodes, thickest);
     report_distant(job, entry, &found, |p| mesh.nodes[nodes[p]].id, findings);
+    if !spec.offset {
+        surface::keep_solids(mesh, &nodes, &mut found);
+    }
     let tied = |(&node, foot): (&usize, Option<Foot>)| Some(surface.tied(entry, node, &foot?));
     let mut projected: Vec<Projected> = nodes.iter().zip(found).filter_map(tied).collect();
     if job.contact.is_some() {

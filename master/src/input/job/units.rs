@@ -113,7 +113,14 @@ pub fn read(text: &str) -> Option<Units> {
             .find_map(|word| known.iter().find(|(name, _)| name == word).map(|(_, factor)| *factor))
     };
     Some(Units {
-        length: first(&[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("inch", 0.0254)])?,
+        length: first(&[
+            ("mm", 1e-3),
+            ("cm", 1e-2),
+            ("m", 1.0),
+            ("in", 0.0254),
+            ("inch", 0.0254),
+            ("ft", 0.3048),
+        ])?,
         time: first(&[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6)])?,
         mass: first(&[
             ("kg", 1.0),
@@ -122,6 +129,9 @@ pub fn read(text: &str) -> Option<Units> {
             ("tonne", 1e3),
             ("ton", 1e3),
             ("Mg", 1e3),
+            // lbf s2/in and lbf s2/ft.
+            ("slinch", 175.126_835),
+            ("slug", 14.593_903),
         ])?,
     })
 }
@@ -144,5 +154,6 @@ mod tests {
         assert_eq!(read("mm, ms, kg (so kN, GPa, J)"), read("mm-ms-kg"));
         assert_eq!(read("t mm s"), Some(Units { length: 1e-3, time: 1.0, mass: 1e3 }));
         assert_eq!(read("SI"), None);
+        assert!(fit("in, s, slinch", 7.35e-4, 30e6), "steel in inches and pounds of force");
     }
 }

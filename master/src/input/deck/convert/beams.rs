@@ -8,7 +8,7 @@ use super::space::{cross, unit};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::corner_nodes;
+use crumple_proto::mesh::{MeshElement, Shape, corner_nodes};
 use std::f64::consts::PI;
 
 /// Code of a third node that is not given.
@@ -64,6 +64,12 @@ impl DeckConverter {
         let mut shown = Vec::new();
         for index in 0..self.rows.beams.len() {
             let beam = self.rows.beams[index];
+            if self.truss_parts.contains(&beam.part) {
+                let ends = [beam.nodes[0], beam.nodes[1]];
+                let truss = MeshElement::new(beam.id, beam.part, Shape::Truss2, &ends);
+                self.rows.beams[index] = truss;
+                continue;
+            }
             if beam.nodes[2] != NONE || !self.parts.contains_key(&i64::from(beam.part)) {
                 continue;
             }
@@ -102,17 +108,20 @@ impl DeckConverter {
     ) {
         let card = &section.record;
         let (pid, elform) = (record.integer("pid"), card.integer("elform"));
-        let mut beam = JobTable::new(card.head);
         if card.real("nsm") != 0.0 {
             self.unsupported_value(card, "nsm", "mass in addition to that of the material");
         }
+        if elform == 3 {
+            return self.truss_part(record, card, table);
+        }
+        let mut beam = JobTable::new(card.head);
         let used = match elform {
             0 | 1 | 4 | 5 | 9 => self.integrated(card, &mut beam),
-            2 | 3 | 13 => self.resultant(card, material, &mut beam),
+            2 | 13 => self.resultant(card, material, &mut beam),
             _ => {
                 let why = "1, 4, 5 and 9 (integrated sections), 2 and 13 (resultants) and 3 \
                     (trusses) are supported";
-                self.unsupported_value(card, "elform", why);
+                self.unsupported_card(card, "elform", why);
                 None
             }
         };
@@ -136,7 +145,6 @@ impl DeckConverter {
         }
         let name = match elform {
             2 => "Belytschko-Schwer",
-            3 => "truss",
             4 | 5 => "Belytschko-Schwer, integrated",
             9 => "spot weld",
             13 => "linear Timoshenko",
@@ -146,6 +154,17 @@ impl DeckConverter {
         table.put("beam", card.head, beam);
     }
 
+    /// Converts a part of trusses: a force along the line between two nodes.
+    fn truss_part(&mut self, record: &CardRecord, card: &CardRecord, table: &mut JobTable) {
+        let pid = record.integer("pid");
+        if let Ok(part) = u32::try_from(pid) {
+            self.truss_parts.insert(part);
+        }
+        let truss = JobTable::new(card.head).with("area", card.place("a"), card.real("a"));
+        table.put("truss", card.head, truss);
+        self.map(format!("part {pid}"), "beams, elform 3 (truss)", "trusses");
+    }
+
     /// Converts a section with integrated fibres. Returns its name, and true if it is round.
     fn integrated(
         &mut self,
@@ -153,7 +172,7 @@ impl DeckConverter {
         beam: &mut JobTable,
     ) -> Option<(&'static str, bool)> {
         if card.real("qr") < 0.0 {
-            self.unsupported_value(card, "qr", "integration rules of *INTEGRATION_BEAM");
+            self.unsupported_card(card, "qr", "integration rules of *INTEGRATION_BEAM");
             return None;
         }
         for (first, last) in [("ts1", "ts2"), ("tt1", "tt2")] {
@@ -171,7 +190,7 @@ impl DeckConverter {
             (5 | 9, 0.0) => true,
             (_, cst) if cst == 0.0 || cst == 1.0 => cst == 1.0,
             _ => {
-                self.unsupported_value(card, "cst", "use 0 (rectangle) or 1 (tube)");
+                self.unsupported_card(card, "cst", "use 0 (rectangle) or 1 (tube)");
                 return None;
             }
         };
@@ -200,9 +219,6 @@ impl DeckConverter {
     ) -> Option<(&'static str, bool)> {
         beam.put("section", card.head, "general");
         beam.put("area", card.place("a"), card.real("a"));
-        if card.integer("elform") == 3 {
-            return Some(("general, without moments", true));
-        }
         if !material.elastic {
             let why = "resultants are elastic only; use *MAT_ELASTIC, or elform 1 with a section";
             self.unsupported_value(card, "elform", why);

@@ -1,6 +1,7 @@
 //! Converts `*CONTACT_...`: contact and its interfaces, one for each card.
 
 use super::DeckConverter;
+use super::names::names;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -24,11 +25,9 @@ const KEYWORDS: [(&str, bool); 11] = [
     ("CONTACT_ERODING_NODES_TO_SURFACE", false),
 ];
 
-/// Fields without influence on a contact that needs no stiffness, and the defaults of blanks.
-const IGNORED: [&str; 20] = [
-    "vdc", "penchk", "sfsa", "sfsb", "fsf", "vsf", "soft", "sofscl", "maxpar", "sbopt", "depth",
-    "bsort", "frcfrq", "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
-];
+/// Contacts whose option MORTAR selects the law of segments.
+const WITH_MORTAR: [&str; 2] =
+    ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"];
 
 /// Friction of a part, or of two parts in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,11 +78,9 @@ impl DeckConverter {
         }
         found.sort_by_key(|(single, record)| (!single, written(record.head)));
         let mut tables = Vec::new();
-        for (number, (single, record)) in (1..).zip(&found) {
-            let heading = record.word("heading").trim();
-            let name =
-                if heading.is_empty() { format!("contact {number}") } else { heading.to_string() };
-            tables.extend(self.contact(&name, *single, record));
+        let names = names(found.iter().map(|f| &f.1), "contact ", ["heading", "cid"]);
+        for (name, (single, record)) in names.iter().zip(&found) {
+            tables.extend(self.contact(name, *single, record));
         }
         if let (Some((cntco, place)), Some(first)) = (shifted, tables.first()) {
             let thick = tables.iter().any(|t| t.has("thickness") || t.has("thickness_scale"));
@@ -126,6 +123,10 @@ impl DeckConverter {
     /// its parts have individual friction. Returns no table if the contact has no surface.
     fn contact(&mut self, name: &str, single: bool, record: &CardRecord) -> Vec<JobTable> {
         let mut table = JobTable::new(record.head).with("name", record.head, name);
+        if single && record.integer("surfb") == 0 {
+            // The type of a side that is not there has no meaning.
+            record.integer("surfbtyp");
+        }
         let sides: &[(&str, &str, &str)] = match single {
             true => &[("surfa", "surfatyp", "parts")],
             false => &[("surfa", "surfatyp", "parts"), ("surfb", "surfbtyp", "against")],
@@ -149,10 +150,14 @@ impl DeckConverter {
             table.put(key, record.place(side), parts);
         }
         if record.has("MORTAR") {
-            table.put("law", record.head, "mortar");
-            self.map(name, "MORTAR", "law mortar, with a stiffness from masses and the step size");
+            self.mortar(record, name, &mut table);
         }
         self.thickness(record, name, single, &mut table);
+        let keyword = record.row.keyword.name;
+        let of_shells = !keyword.contains("AUTOMATIC") && !single;
+        if of_shells && record.integer("shlthk") == 0 {
+            self.map(name, "shlthk 0: shells without thickness", "shells with their thickness");
+        }
         let (birth, death) = (record.real("bt"), record.real("dt"));
         if birth > 0.0 {
             table.put("birth", record.place("bt"), birth);
@@ -168,13 +173,23 @@ impl DeckConverter {
         };
         self.map(name, said.to_lowercase().replace('_', " "), used);
         self.with_beams(record, name, &mut table);
-        self.options(record, name);
+        self.options(record);
         self.friction(record, name, &mut table);
         let mut tables = vec![table];
         if record.real("fs") == -1.0 {
             self.friction_of_parts(record, name, &mut tables);
         }
         tables
+    }
+
+    /// Selects the law of segments, for contacts that have it.
+    fn mortar(&mut self, record: &CardRecord, name: &str, table: &mut JobTable) {
+        if WITH_MORTAR.contains(&record.row.keyword.name) {
+            table.put("law", record.head, "mortar");
+            self.map(name, "MORTAR", "law mortar, with a stiffness from masses and the step size");
+        } else {
+            self.map(name, "MORTAR", "the contact without MORTAR");
+        }
     }
 
     /// Includes or excludes beams, and adds this to the mapping, if the deck has beams.
@@ -432,27 +447,9 @@ impl DeckConverter {
         }
     }
 
-    /// Lists the options that are not used in one line.
-    fn options(&mut self, record: &CardRecord, name: &str) {
-        let given = |field: &&str| {
-            let default = record
-                .row
-                .cards
-                .iter()
-                .flat_map(|c| &c.0.fields)
-                .find(|f| f.name == **field)
-                .map_or(0.0, |f| f.default);
-            !record.is_blank(field) && record.real(field) != default && record.real(field) != 0.0
-        };
-        let ignored: Vec<String> = IGNORED
-            .iter()
-            .filter(|f| given(f))
-            .map(|f| format!("{f} {}", record.real(f)))
-            .collect();
-        if !ignored.is_empty() {
-            self.map(name, ignored.join(", "), "not used");
-        }
-        if given(&"sldthk") {
+    /// Notes options that are not supported.
+    fn options(&mut self, record: &CardRecord) {
+        if record.real("sldthk") != 0.0 {
             self.unsupported_value(record, "sldthk", "solids have no thickness in contact");
         }
         for field in ["saboxid", "sbboxid"].iter().filter(|f| record.integer(f) != 0) {

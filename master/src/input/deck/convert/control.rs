@@ -41,9 +41,10 @@ impl DeckConverter {
                 // the fraction of added mass.
                 self.tree.set_in("time", "mass_scaling_limit", place, 1e9);
                 let used = match scaled < 0.0 {
-                    true => "mass is added to elements with a smaller stable step",
+                    true => "mass is added at the start to elements with a smaller stable step",
                     false => {
-                        "as for a negative dt2ms: mass is added where needed, and never removed"
+                        "as for a negative dt2ms: mass is added at the start where needed, and \
+                         never removed"
                     }
                 };
                 self.map("time step", format!("dt2ms {scaled}"), used);
@@ -72,12 +73,31 @@ impl DeckConverter {
             if record.integer("lcid") != 0 {
                 self.unsupported_value(&record, "lcid", "time-dependent damping");
             }
-            let factors = ["stx", "sty", "stz", "srx", "sry", "srz"];
-            if factors.iter().any(|f| !matches!(record.real(f), 0.0 | 1.0)) {
-                self.unsupported_value(&record, "stx", "damping that depends on the direction");
-            }
-            self.tree.set_in("time", "damping", record.place("valdmp"), record.real("valdmp"));
+            let damping = record.real("valdmp") * self.damping_factor(&record);
+            self.tree.set_in("time", "damping", record.place("valdmp"), damping);
         }
+    }
+
+    /// Returns the factor on the damping of all degrees of freedom. If all factors of a deck are
+    /// blank, they are 1; otherwise a blank one is 0.
+    fn damping_factor(&mut self, record: &CardRecord) -> f64 {
+        let moves = ["stx", "sty", "stz"].map(|f| record.real(f));
+        let turns = ["srx", "sry", "srz"].map(|f| record.real(f));
+        if moves.iter().chain(&turns).all(|&f| f == 0.0) {
+            return 1.0;
+        }
+        if moves.iter().any(|&f| f != moves[0]) {
+            let field = ["stx", "sty", "stz"].into_iter().find(|f| record.real(f) != moves[0]);
+            let why = "damping that depends on the direction: give stx, sty and stz the same value";
+            self.unsupported_value(record, field.unwrap_or("stx"), why);
+        } else if turns.iter().any(|&f| f != moves[0]) {
+            self.map(
+                record.name(),
+                format!("factors {moves:?} for displacements, {turns:?} for rotations"),
+                format!("{} for both", moves[0]),
+            );
+        }
+        moves[0]
     }
 
     /// Returns the records of a keyword that a deck needs once. Warns if there are more; the last

@@ -2,6 +2,7 @@
 
 use super::DeckConverter;
 use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 
 /// A curve with its scales and offsets applied.
@@ -13,6 +14,8 @@ pub struct DeckCurve {
     pub place: Place,
     /// Places of its points.
     pub lines: Vec<Place>,
+    /// True if it is for dynamic relaxation only.
+    relaxes: bool,
     /// True if a load or motion uses it.
     used: bool,
 }
@@ -33,7 +36,8 @@ impl DeckConverter {
                 let help = "give abscissa and ordinate, twenty columns each, one point per line";
                 self.trouble.error(place, format!("*DEFINE_CURVE {id} has no points"), help);
             }
-            let curve = DeckCurve { points, place, lines, used: false };
+            let relaxes = self.relaxes(&record);
+            let curve = DeckCurve { points, place, lines, relaxes, used: false };
             if self.curves.insert(id, curve).is_some() {
                 self.trouble.error(
                     place,
@@ -54,10 +58,33 @@ impl DeckConverter {
         found
     }
 
+    /// Returns true if a curve is for dynamic relaxation only (sidr 1), not for the run.
+    fn relaxes(&mut self, record: &CardRecord) -> bool {
+        match record.integer("sidr") {
+            0 => {}
+            1 => return true,
+            2 => self.map(
+                format!("curve {}", record.integer("lcid")),
+                "sidr 2: for dynamic relaxation and for the run",
+                "for the run: there is no dynamic relaxation",
+            ),
+            _ => self.unsupported_value(record, "sidr", "use 0 (run), 1 or 2"),
+        }
+        false
+    }
+
     /// Returns the name in the job of a curve for a load or a motion. The curve is added to the
-    /// job at its first use.
+    /// job at its first use. Returns `None` if there is no such curve, and for a curve of dynamic
+    /// relaxation, which does not act in the run.
     pub(super) fn time_curve(&mut self, id: i64, place: Place) -> Option<String> {
         let curve = self.curve(id, place)?;
+        if curve.relaxes {
+            let message = format!("*DEFINE_CURVE {id} is for dynamic relaxation only (sidr is 1)");
+            let help = "what uses it is left out: it does not act in the run, and there is no \
+                        dynamic relaxation before it";
+            self.trouble.warning(place, message, help);
+            return None;
+        }
         let name = format!("curve-{id}");
         if !curve.used {
             let mut table = JobTable::new(curve.place).with("name", curve.place, name.as_str());

@@ -3,6 +3,7 @@
 //! content is only a warning.
 
 use super::DeckConverter;
+use super::names::names;
 use super::sets::{id, ids};
 use super::space::{cross, unit};
 use super::tree::JobTable;
@@ -32,7 +33,7 @@ impl DeckConverter {
             self.take_records("DATABASE_CROSS_SECTION_SET"),
             self.take_records("DATABASE_CROSS_SECTION_PLANE"),
         );
-        let names = section_names(of_sets.iter().chain(&of_planes));
+        let names = names(of_sets.iter().chain(&of_planes), "cross section ", ["title", "csid"]);
         let (set_names, plane_names) = names.split_at(of_sets.len());
         for (record, name) in of_sets.iter().zip(set_names) {
             sections.extend(self.section_of_sets(record, name.clone(), &sets));
@@ -52,15 +53,9 @@ impl DeckConverter {
 
     fn transducers(&mut self) {
         let mut transducers = Vec::new();
-        for (record, number) in
-            self.take_records("CONTACT_FORCE_TRANSDUCER_PENALTY").iter().zip(1..)
-        {
-            let heading = record.word("heading");
-            let name = if heading.is_empty() {
-                format!("transducer {number}")
-            } else {
-                heading.to_string()
-            };
+        let records = self.take_records("CONTACT_FORCE_TRANSDUCER_PENALTY");
+        let names = names(&records, "transducer ", ["heading", "cid"]);
+        for (record, name) in records.iter().zip(names) {
             let mut table =
                 JobTable::new(record.head).with("name", record.place("heading"), name.as_str());
             let surfaces = [
@@ -345,23 +340,6 @@ impl DeckConverter {
         histories.extend(named);
         self.put_list("node", histories);
     }
-}
-
-/// Returns a unique name for each section: its title, otherwise one from its id or position.
-fn section_names<'a>(records: impl Iterator<Item = &'a CardRecord>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for (record, number) in records.zip(1..) {
-        let mut name = match (record.word("title"), record.integer("csid")) {
-            ("", 0) => format!("cross section {number}"),
-            ("", id) => format!("cross section {id}"),
-            (title, _) => title.to_string(),
-        };
-        if names.contains(&name) {
-            name += &format!(" ({number})");
-        }
-        names.push(name);
-    }
-    names
 }
 
 /// A cutting plane, with or without an edge.

@@ -72,7 +72,7 @@ impl DeckConverter {
                 Some(set) => Some(set),
                 None => return,
             },
-            _ => return self.unsupported_value(record, "boxid", "a set together with a box"),
+            _ => return self.unsupported_card(record, "boxid", "a set together with a box"),
         };
         self.initial(line.place, set, v, None);
         if let Some(line) = record.line("vxe").cloned() {
@@ -102,7 +102,7 @@ impl DeckConverter {
             },
             (_, 2) => return,
             _ => {
-                return self.unsupported_value(
+                return self.unsupported_card(
                     record,
                     "styp",
                     "use 1 (set of parts), 2 (part) or 3 (set of nodes)",
@@ -150,7 +150,7 @@ impl DeckConverter {
         self.initial(place, set, v, spin);
     }
 
-    fn initial(
+    pub(super) fn initial(
         &mut self,
         place: Place,
         set: Option<String>,
@@ -183,23 +183,30 @@ impl DeckConverter {
 
     /// Returns the centre of a part: the mean of its elements' centres, weighted by area or
     /// volume.
-    fn centre_of(&mut self, part: i64) -> [f64; 3] {
+    pub(super) fn centre_of(&mut self, part: i64) -> [f64; 3] {
         let of_part = |e: &&MeshElement| i64::from(e.part) == part && !e.shape.faces().is_empty();
         let elements: Vec<_> = self.rows.elements().filter(of_part).copied().collect();
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for element in elements {
-            let x: Vec<[f64; 3]> =
-                element.corners().iter().filter_map(|&n| self.rows.at(n)).collect();
-            if x.len() < element.corners().len() {
-                continue;
-            }
-            let size = size(&x);
+            let x = self.corners_of(&element);
+            let size = self.size_of(&element);
             for c in 0..3 {
-                sum[c] += size * x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64;
+                sum[c] += size * x.iter().map(|x| x[c]).sum::<f64>() / x.len().max(1) as f64;
             }
             total += size;
         }
         if total > 0.0 { sum.map(|s| s / total) } else { sum }
+    }
+
+    /// Returns the coordinates of the corners of an element; none if one has no node.
+    fn corners_of(&mut self, element: &MeshElement) -> Vec<[f64; 3]> {
+        let x: Option<Vec<[f64; 3]>> = element.corners().iter().map(|&n| self.rows.at(n)).collect();
+        x.unwrap_or_default()
+    }
+
+    /// Returns the area of a shell or the volume of a solid; 0 if a corner has no node.
+    pub(super) fn size_of(&mut self, element: &MeshElement) -> f64 {
+        size(&self.corners_of(element))
     }
 }
 
@@ -208,6 +215,7 @@ fn size(x: &[[f64; 3]]) -> f64 {
     let from = |a: usize, b: usize| [0, 1, 2].map(|c| x[b][c] - x[a][c]);
     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     match x.len() {
+        0 => 0.0,
         3 => 0.5 * length(super::space::cross(from(0, 1), from(0, 2))),
         4 => 0.5 * length(super::space::cross(from(0, 2), from(1, 3))),
         _ => {

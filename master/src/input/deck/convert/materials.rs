@@ -159,6 +159,10 @@ impl DeckConverter {
         }
         let lcss = record.integer("lcss");
         if lcss > 0 {
+            if [record.real("sigy"), record.real("etan")] != [0.0; 2] {
+                let of = format!("material {}", record.integer("mid"));
+                self.map(of, "sigy and etan next to lcss", "not used: the curve has their place");
+            }
             let place = record.place("lcss");
             if let Some(curve) = self.curve(lcss, place) {
                 let points = starting_at_zero(curve.points);

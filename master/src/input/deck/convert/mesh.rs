@@ -35,6 +35,10 @@ pub struct Rows {
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
+    /// Solids of ten nodes, which are not added, with their places.
+    pub ten_nodes: Vec<(ElemId, Place)>,
+    /// Shells of more than four nodes, of which only the corners are added, with their places.
+    pub curved: Vec<(ElemId, Place)>,
     /// Offsets of shells from their nodes, by index [length].
     pub offsets: Vec<(usize, f64)>,
     index: HashMap<NodeId, usize>,
@@ -86,6 +90,13 @@ impl MeshLine<'_, '_> {
             self.wrong(index, "an id above 0");
         }
         u64::try_from(id).unwrap_or(0)
+    }
+
+    /// Reads the nodes of a solid from field `first` on: four ids, and further ones that may be 0.
+    fn corners(&mut self, first: usize, n: &mut [u64]) {
+        for (c, node) in n.iter_mut().enumerate() {
+            *node = if c < 4 { self.id(first + c) } else { self.integer(first + c).max(0) as u64 };
+        }
     }
 
     /// Reads a parameter, or reports a field that cannot be read.
@@ -183,8 +194,12 @@ impl Rows {
             let mut n: [u64; 4] =
                 std::array::from_fn(|c| if c < 3 { numbers.id(2 + c) } else { 0 });
             n[3] = u64::try_from(numbers.integer(5)).unwrap_or(0);
+            let is_curved = numbers.fields.count() > 6 && (6..10).any(|c| numbers.integer(c) != 0);
             if !numbers.whole {
                 continue;
+            }
+            if is_curved {
+                self.curved.push((id, block.span(line, 0, (line.1 - line.0) as usize)));
             }
             let n = n.map(NodeId);
             let triangle = n[3] == NodeId(0) || n[3] == n[2];
@@ -207,7 +222,7 @@ impl Rows {
         }
     }
 
-    /// Reads `*ELEMENT_SOLID`, on one line or on two.
+    /// Reads `*ELEMENT_SOLID`, on one line or on two: then the first line has no nodes, or zeros.
     pub fn solids(&mut self, cards: &mut Cards<'_>, row: &KeywordRow, block: &KeywordBlock) {
         let mut lines = block.lines.iter().copied().filter(|l| l.0 < l.1);
         while let Some(line) = lines.next() {
@@ -215,18 +230,14 @@ impl Rows {
             let (id, part) = (ElemId(numbers.id(0)), numbers.id(1));
             let Some(part) = narrow(part, &mut numbers) else { continue };
             let mut whole = numbers.whole;
-            let mut n = [0u64; 8];
-            if numbers.fields.count() > 2 {
-                (0..8).for_each(|c| {
-                    n[c] =
-                        if c < 4 { numbers.id(2 + c) } else { numbers.integer(2 + c).max(0) as u64 }
-                });
+            let mut n = [0u64; 10];
+            let is_zero = |c: usize| numbers.text(2 + c).iter().all(|b| *b == b'0');
+            if !(0..8).all(is_zero) {
+                numbers.corners(2, &mut n[..8]);
                 whole = numbers.whole;
             } else if let Some(second) = lines.next() {
                 let mut numbers = start(cards, &row.cards[1].0, block, second);
-                (0..8).for_each(|c| {
-                    n[c] = if c < 4 { numbers.id(c) } else { numbers.integer(c).max(0) as u64 }
-                });
+                numbers.corners(0, &mut n);
                 whole &= numbers.whole;
             } else {
                 let message = format!("*{} ends before the nodes of element {id}", block.name);
@@ -240,9 +251,14 @@ impl Rows {
             if !whole {
                 continue;
             }
+            if n[8..] != [0, 0] {
+                self.ten_nodes.push((id, block.span(line, 0, (line.1 - line.0) as usize)));
+                continue;
+            }
             for c in 4..8 {
                 n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
             }
+            let n: [u64; 8] = std::array::from_fn(|c| n[c]);
             self.solids.push(MeshElement::new(id, part, Shape::Hex8, &n.map(NodeId)));
             self.solid_lines.push((block.file, line.0, line.1));
         }

@@ -5,11 +5,14 @@ mod contact;
 mod control;
 mod curves;
 mod histories;
+mod inertia;
 mod initial;
+mod left_out;
 mod loads;
 mod materials;
 pub mod mesh;
 mod motion;
+mod names;
 mod parts;
 mod rigid;
 mod sections;
@@ -22,6 +25,7 @@ mod tables;
 mod ties;
 pub mod tree;
 mod units;
+mod unused;
 mod walls;
 mod welds;
 
@@ -42,6 +46,8 @@ use tree::{JobTable, Tree};
 pub struct DeckConverter {
     /// Cards by keyword; each family of keywords takes its own.
     records: HashMap<&'static str, Vec<CardRecord>>,
+    /// All records of supported keywords; they share what was asked for with `records`.
+    read: Vec<CardRecord>,
     /// Nodes and elements.
     pub rows: Rows,
     /// Problems.
@@ -65,6 +71,8 @@ pub struct DeckConverter {
     spring_laws: BTreeMap<i64, CardRecord>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
+    /// Parts of beams that are trusses.
+    truss_parts: BTreeSet<u32>,
     /// Directions of springs by part, with their places; `None` for the line between their nodes.
     spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
     /// Ids of parts of shells with an offset; true if they have a contact thickness of their own.
@@ -74,12 +82,17 @@ pub struct DeckConverter {
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,
+    /// Materials and sections of unsupported keywords.
+    left_out: left_out::LeftOutCards,
+    /// Degrees of freedom that the deck fixes, in its order.
+    fixes: Vec<motion::DeckFix>,
 }
 
 /// Converts a deck. Returns the job; all other results are in the [`DeckConverter`].
 pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, DeckConverter) {
     let mut b = DeckConverter {
         records: HashMap::new(),
+        read: Vec::new(),
         rows: Rows::default(),
         trouble,
         mapping: Vec::new(),
@@ -97,17 +110,23 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
         spring_scales: BTreeMap::new(),
         spring_laws: BTreeMap::new(),
         round_parts: BTreeSet::new(),
+        truss_parts: BTreeSet::new(),
         spring_directions: BTreeMap::new(),
         with_offset: Vec::new(),
         part_friction: BTreeMap::new(),
         bodies: BTreeMap::new(),
         end_time: 0.0,
+        left_out: left_out::LeftOutCards::default(),
+        fixes: Vec::new(),
     };
     b.collect(texts, leave_out);
+    b.encrypted(texts);
+    b.second_order();
     b.springs();
     b.beams();
     b.rows.number_apart(&mut b.mapping);
     b.control();
+    b.implicit();
     b.curves();
     b.tables();
     b.space();
@@ -119,8 +138,9 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.orient_beams();
     b.segment_sets();
     b.units(&mut materials);
-    b.rigid();
     b.spc();
+    b.rigid();
+    b.fixes();
     b.motions();
     b.initial_velocities();
     b.masses();
@@ -133,6 +153,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.node_sets_as_one();
     b.histories();
     b.left_over();
+    b.unused_fields();
     let sets = std::mem::take(&mut b.node_sets);
     for (id, (nodes, place)) in sets {
         b.rows.add_set(format!("set-{id}"), nodes, place);
@@ -148,11 +169,15 @@ impl DeckConverter {
             leave_out.iter().any(|l| l.trim_start_matches('*').eq_ignore_ascii_case(name))
         };
         for block in &texts.blocks {
-            if left_out(&block.name) {
+            // An entry applies with and without options, and for all names of a keyword.
+            if left_out(&block.name) || left_out(keywords::without_options(&block.name)) {
+                self.left_out.note(texts, block);
                 continue;
             }
             match keywords::find(&block.name) {
-                Some((row, _)) if left_out(row.keyword.name) => {}
+                Some((row, _))
+                    if left_out(row.keyword.name)
+                        || row.keyword.aliases.iter().any(|alias| left_out(alias)) => {}
                 Some((row, options)) => self.block(texts, block, row, &options, &mut parameters),
                 None if keywords::is_output(&block.name) => {
                     let message = format!("*{} is not read", block.name);
@@ -161,15 +186,59 @@ impl DeckConverter {
                     self.trouble.warn_once(&block.name, block.place(), message, help);
                 }
                 None => {
-                    let near = match keywords::near(&block.name) {
-                        Some(near) => format!("; the nearest supported keyword is *{near}"),
-                        None => String::new(),
-                    };
-                    let message = format!("*{} is not supported{near}", block.name);
-                    self.unsupported(block.place(), message, format!("*{}", block.name));
+                    self.unknown(texts, block);
                 }
             }
         }
+    }
+
+    /// Notes encrypted parts of the deck.
+    fn encrypted(&mut self, texts: &Texts) {
+        for &place in &texts.encrypted {
+            let message = "a part of the deck is encrypted by PGP: only a program with the key of \
+                           its vendor can read it"
+                .to_string();
+            let what = "an encrypted part".to_string();
+            let lost = "the cards in it are missing; ask its vendor for open ones".into();
+            self.unsupported.push(Unsupported { place, message, what, lost });
+        }
+    }
+
+    /// Notes elements with nodes between their corners.
+    fn second_order(&mut self) {
+        for (id, place) in std::mem::take(&mut self.rows.ten_nodes) {
+            let message = format!(
+                "*ELEMENT_SOLID: element {id} is a tetrahedron of ten nodes, which is not supported"
+            );
+            let what = "*ELEMENT_SOLID of ten nodes".to_string();
+            let lost = "the model lacks these elements and their mass".into();
+            self.unsupported.push(Unsupported { place, message, what, lost });
+        }
+        for (id, place) in std::mem::take(&mut self.rows.curved) {
+            let message = format!(
+                "*ELEMENT_SHELL: element {id} has nodes n5 to n8 between its corners, which is not \
+                 supported"
+            );
+            let what = "*ELEMENT_SHELL of eight nodes".to_string();
+            let lost = "these shells have their corners only".into();
+            self.unsupported.push(Unsupported { place, message, what, lost });
+        }
+    }
+
+    /// Notes a keyword that the table does not have.
+    fn unknown(&mut self, texts: &Texts, block: &KeywordBlock) {
+        if block.name.starts_with("CONTROL_IMPLICIT_") {
+            return self.left_out.implicit(block);
+        }
+        self.left_out.note(texts, block);
+        let near = match keywords::near(&block.name) {
+            Some(near) => format!("; the nearest supported keyword is *{near}"),
+            None => String::new(),
+        };
+        let message = format!("*{} is not supported{near}", block.name);
+        let what = format!("*{}", block.name);
+        let lost = left_out::lost(&block.name).into();
+        self.unsupported.push(Unsupported { place: block.place(), message, what, lost });
     }
 
     fn block(
@@ -193,6 +262,9 @@ impl DeckConverter {
             }
             Effect::Model => {}
         }
+        if name == "PARAMETER_DUPLICATION" {
+            return parameters.read_duplication(block, texts);
+        }
         if name.starts_with("PARAMETER") {
             return parameters.read(block, texts, &mut self.trouble);
         }
@@ -204,6 +276,7 @@ impl DeckConverter {
             _ => {
                 let records = cards.records(row, options, block);
                 if row.keyword.effect == Effect::Model {
+                    self.read.extend(records.iter().cloned());
                     self.records.entry(name).or_default().extend(records);
                 }
             }
@@ -217,15 +290,27 @@ impl DeckConverter {
 
     /// Notes unsupported content; `what` is its name in the summary.
     fn unsupported(&mut self, place: Place, message: String, what: String) {
-        self.unsupported.push(Unsupported { place, message, what });
+        let lost = format!("{what} has no effect");
+        self.unsupported.push(Unsupported { place, message, what, lost });
     }
 
-    /// Notes a value that the engine does not support.
+    /// Notes a value that the engine does not support; the other fields of the card act.
     fn unsupported_value(&mut self, record: &CardRecord, field: &str, why: &str) {
+        let lost = format!("the card acts as if `{field}` were blank");
+        self.unsupported_field(record, field, why, lost);
+    }
+
+    /// Notes a value that the engine does not support, and without which the card has no effect.
+    fn unsupported_card(&mut self, record: &CardRecord, field: &str, why: &str) {
+        let lost = format!("the whole card of {} has no effect", record.name());
+        self.unsupported_field(record, field, why, lost);
+    }
+
+    fn unsupported_field(&mut self, record: &CardRecord, field: &str, why: &str, lost: String) {
         let value = record.line(field).map_or(String::new(), |l| l.real(field).to_string());
         let message = format!("{}: `{field}` = {value} is not supported: {why}", record.name());
         let what = format!("{} {field}={value}", record.name());
-        self.unsupported(record.place(field), message, what);
+        self.unsupported.push(Unsupported { place: record.place(field), message, what, lost });
     }
 
     /// Notes a request of the deck and the settings used for it.

@@ -7,7 +7,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 const DOFS: [(&str, &str); 6] = [
     ("dofx", "x"),
@@ -18,13 +18,27 @@ const DOFS: [(&str, &str); 6] = [
     ("dofrz", "rz"),
 ];
 
+/// Degrees of freedom that the deck fixes for some nodes.
+#[derive(Debug)]
+pub struct DeckFix {
+    /// Name of their set.
+    set: String,
+    /// True if the set has to be added.
+    is_new: bool,
+    nodes: Vec<NodeId>,
+    dofs: Vec<&'static str>,
+    place: Place,
+}
+
 impl DeckConverter {
-    /// Converts `*BOUNDARY_SPC_...`, and the constraint codes on the cards of nodes.
+    /// Reads `*BOUNDARY_SPC_...`, and the constraint codes on the cards of nodes.
     pub(super) fn spc(&mut self) {
         for record in self.take_records("BOUNDARY_SPC_SET") {
-            let dofs = self.dofs(&record);
-            if let Some(set) = self.node_set(record.integer("nsid"), record.place("nsid")) {
-                self.fix(set, dofs, record.place("nsid"));
+            let (dofs, nsid, place) =
+                (self.dofs(&record), record.integer("nsid"), record.place("nsid"));
+            if let Some(set) = self.node_set(nsid, place) {
+                let nodes = self.node_sets[&nsid].0.clone();
+                self.fixes.push(DeckFix { set, is_new: false, nodes, dofs, place });
             }
         }
         let mut nodes: BTreeMap<Vec<&'static str>, (Vec<NodeId>, Place)> = BTreeMap::new();
@@ -52,17 +66,56 @@ impl DeckConverter {
     ) {
         nodes.sort_unstable();
         nodes.dedup();
-        let name = format!("{kind}-{}", dofs.join("-"));
-        self.rows.add_set(name.clone(), nodes, place);
-        self.fix(name, dofs, place);
+        let set = format!("{kind}-{}", dofs.join("-"));
+        self.fixes.push(DeckFix { set, is_new: true, nodes, dofs, place });
     }
 
-    fn fix(&mut self, set: String, dofs: Vec<&'static str>, place: Place) {
-        if !dofs.is_empty() {
-            self.add(
-                "fix",
-                JobTable::new(place).with("nodes", place, set).with("dofs", place, dofs),
-            );
+    /// Returns the degrees of freedom of a rigid body that constraints of all its nodes fix, and
+    /// removes its nodes from these constraints. Nodes that cannot move along an axis prevent the
+    /// rotations that would move them along it.
+    pub(super) fn body_held(&mut self, nodes: &BTreeSet<NodeId>) -> BTreeSet<&'static str> {
+        let mut held: HashMap<NodeId, BTreeSet<&'static str>> = HashMap::new();
+        for fix in &self.fixes {
+            for node in fix.nodes.iter().filter(|n| nodes.contains(n)) {
+                held.entry(*node).or_default().extend(&fix.dofs);
+            }
+        }
+        let all = held.values().next().cloned().unwrap_or_default();
+        if all.is_empty() || held.len() < nodes.len() || held.values().any(|own| *own != all) {
+            return BTreeSet::new();
+        }
+        for fix in &mut self.fixes {
+            let before = fix.nodes.len();
+            fix.nodes.retain(|n| !nodes.contains(n));
+            if fix.nodes.len() < before && !fix.is_new {
+                (fix.set, fix.is_new) = (format!("{}-deformable", fix.set), true);
+            }
+        }
+        let x: Vec<[f64; 3]> = nodes.iter().filter_map(|&n| self.rows.at(n)).collect();
+        let is_wide = |c: usize| x.iter().any(|point| point[c] != x[0][c]);
+        let mut fixed = all;
+        for (axis, turns) in ["x", "y", "z"].into_iter().zip([[1, 2], [2, 0], [0, 1]]) {
+            let [one, other] = turns;
+            if fixed.contains(axis) {
+                // A rotation about one axis moves nodes that are apart along the other one.
+                fixed.extend(is_wide(other).then_some(["rx", "ry", "rz"][one]));
+                fixed.extend(is_wide(one).then_some(["rx", "ry", "rz"][other]));
+            }
+        }
+        fixed
+    }
+
+    /// Adds all constraints of nodes.
+    pub(super) fn fixes(&mut self) {
+        for DeckFix { set, is_new, nodes, dofs, place } in std::mem::take(&mut self.fixes) {
+            if dofs.is_empty() || nodes.is_empty() && is_new {
+                continue;
+            }
+            if is_new {
+                self.rows.add_set(set.clone(), nodes, place);
+            }
+            let table = JobTable::new(place).with("nodes", place, set).with("dofs", place, dofs);
+            self.add("fix", table);
         }
     }
 
@@ -114,11 +167,13 @@ impl DeckConverter {
         let (axis, rotation) = match dof {
             1..=3 => (dof as usize - 1, false),
             5..=7 => (dof as usize - 5, true),
+            9..=11 if vad == 0 && key == "nodes" => (dof as usize - 9, true),
             _ => {
-                return self.unsupported_value(
+                return self.unsupported_card(
                     record,
                     "dof",
-                    "use x, y, z (1, 2, 3), or rotations about them (5, 6, 7)",
+                    "use x, y, z (1, 2, 3), rotations about them (5, 6, 7), or of nodes about a \
+                     parallel axis by velocity (9, 10, 11)",
                 );
             }
         };
@@ -128,7 +183,7 @@ impl DeckConverter {
             (2, false) => "displacement",
             (0, true) => "spin",
             _ => {
-                return self.unsupported_value(
+                return self.unsupported_card(
                     record,
                     "vad",
                     "use velocity (0), or for translations acceleration (1) or displacement (2)",
@@ -140,10 +195,23 @@ impl DeckConverter {
         };
         let mut amount = [0.0; 3];
         amount[axis] = if record.real("sf") == 0.0 { 1.0 } else { record.real("sf") };
-        let dofs = if rotation { ["rx", "ry", "rz"] } else { ["x", "y", "z"] };
-        let table = JobTable::new(record.head)
+        let translations = ["x", "y", "z"];
+        let dofs = match dof {
+            1..=3 => vec![translations[axis]],
+            5..=7 => vec![["rx", "ry", "rz"][axis]],
+            _ => vec![translations[(axis + 1) % 3], translations[(axis + 2) % 3]],
+        };
+        let mut table = JobTable::new(record.head);
+        if dof > 8 {
+            // Both offsets are in the order of the axes after that of the rotation.
+            let mut centre = [0.0; 3];
+            centre[(axis + 1) % 3] = record.real("offset1");
+            centre[(axis + 2) % 3] = record.real("offset2");
+            table.put("centre", record.place("offset1"), centre);
+        }
+        let table = table
             .with(key, place, of)
-            .with("dofs", record.place("dof"), vec![dofs[axis]])
+            .with("dofs", record.place("dof"), dofs)
             .with(form, record.place("vad"), amount)
             .with("curve", record.place("lcid"), curve);
         self.add("motion", table);

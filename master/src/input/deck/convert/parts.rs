@@ -3,6 +3,7 @@
 
 use super::DeckConverter;
 use super::contact::Friction;
+use super::inertia::DeckInertia;
 use super::materials::DeckMaterial;
 use super::sections::{self, DeckHourglass, DeckSection, SectionKind, Sections};
 use super::tree::JobTable;
@@ -11,7 +12,7 @@ use crate::input::job::tree::Place;
 use crumple_proto::mesh::Shape;
 use std::collections::HashMap;
 
-/// Default hourglass coefficient of shells in decks: LS-DYNA's QM.
+/// Default hourglass coefficient in decks: LS-DYNA's QM.
 const DEFAULT_HOURGLASS: f64 = 0.1;
 
 /// A part of the deck.
@@ -21,6 +22,8 @@ pub struct DeckPart {
     pub rigid: Option<Vec<&'static str>>,
     /// Name of its material.
     pub material: Option<String>,
+    /// Its mass properties, if the deck gives them.
+    pub inertia: Option<DeckInertia>,
     /// Place of the keyword.
     pub place: Place,
 }
@@ -61,14 +64,15 @@ impl DeckConverter {
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             if let Some(section) = section.filter(|s| s.kind == SectionKind::Discrete) {
-                self.parts.insert(id, DeckPart { rigid: None, material: None, place });
+                self.parts
+                    .insert(id, DeckPart { rigid: None, material: None, inertia: None, place });
                 self.spring_part(&record, section, &name);
                 continue;
             }
             let material = materials.get(&mid);
             self.check_references(&record, (material, materials), (section, sections));
             let (Some(material), Some(section)) = (material, section) else {
-                let part = DeckPart { rigid: None, material: None, place };
+                let part = DeckPart { rigid: None, material: None, inertia: None, place };
                 self.parts.insert(id, part);
                 continue;
             };
@@ -80,6 +84,7 @@ impl DeckConverter {
             let part = DeckPart {
                 rigid: material.rigid.clone(),
                 material: Some(material.name.clone()),
+                inertia: self.inertia_card(&record),
                 place,
             };
             self.parts.insert(id, part);
@@ -124,7 +129,9 @@ impl DeckConverter {
             .with("material", record.place("mid"), material.name.as_str());
         self.contact_card(record, id, section.kind, &mut table);
         match section.kind {
-            SectionKind::Shell => self.shell(record, section, sections, elements, &mut table),
+            SectionKind::Shell => {
+                self.shell(record, material, (section, sections), elements, &mut table)
+            }
             SectionKind::Solid => {
                 self.solid(record, section, sections, elements.shapes, &mut table)
             }
@@ -155,11 +162,11 @@ impl DeckConverter {
                     message,
                     "give it another *MAT_..., or a *SECTION_DISCRETE",
                 );
-            } else {
+            } else if !self.part_without(record, ("MAT_", "mid")) {
                 self.missing(record.place("mid"), "*MAT_...", mid, &known);
             }
         }
-        if section.is_none() {
+        if section.is_none() && !self.part_without(record, ("SECTION_", "secid")) {
             let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
             known.sort_unstable();
             let known: Vec<String> = known.iter().map(i64::to_string).collect();
@@ -273,6 +280,7 @@ impl DeckConverter {
     }
 
     /// Converts the hourglass control of a part. Returns the name of the form and its origin.
+    /// Without any, the format has the viscous form with the coefficient 0.1.
     pub(super) fn hourglass(
         &mut self,
         record: &CardRecord,
@@ -280,41 +288,41 @@ impl DeckConverter {
         table: &mut JobTable,
         solids: bool,
     ) -> (&'static str, &'static str) {
-        // LS-DYNA's default in explicit analysis for shells.
-        let default = if solids { "assumed_strain" } else { "viscous" };
         let hgid = record.integer("hgid");
         let own = sections.hourglass.get(&hgid).map(|h| (h.0, h.2));
         if hgid != 0 && own.is_none() {
             let known: Vec<String> = sections.hourglass.keys().map(i64::to_string).collect();
             self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
         }
-        let Some((DeckHourglass { form, coefficient }, place)) =
-            own.or(sections.defaults.hourglass)
-        else {
-            if !solids {
-                table.put("hourglass", record.place("hgid"), default);
-                table.put("hourglass_coefficient", record.place("hgid"), DEFAULT_HOURGLASS);
+        let given = own.or(sections.defaults.hourglass);
+        let none = DeckHourglass { form: 0, coefficient: 0.0 };
+        let (DeckHourglass { form, coefficient }, place) =
+            given.unwrap_or((none, record.place("hgid")));
+        let (name, origin) = match (form, solids) {
+            (0, _) if given.is_none() => ("viscous", " (none in the deck)"),
+            (0, _) => ("viscous", " (ihq blank)"),
+            (1..=3, _) => ("viscous", ""),
+            (4 | 5, _) => ("stiffness", ""),
+            (6 | 7 | 9 | 10, true) => ("assumed_strain", ""),
+            (6 | 7 | 9 | 10, false) => ("viscous", " (this ihq is for solids)"),
+            _ => {
+                let message =
+                    format!("part {}: ihq {form} is not supported", record.integer("pid"));
+                self.unsupported(place, message, format!("*HOURGLASS ihq {form}"));
+                ("viscous", "")
             }
-            return (default, " (none in the deck)");
-        };
-        let name = match (form, solids) {
-            (0, _) => default,
-            (1..=3, _) => "viscous",
-            (4 | 5, _) => "stiffness",
-            (6 | 7 | 9 | 10, true) => "assumed_strain",
-            _ => default,
         };
         table.put("hourglass", place, name);
-        if name != "assumed_strain" && (coefficient > 0.0 || !solids) {
-            let coefficient = if coefficient > 0.0 { coefficient } else { DEFAULT_HOURGLASS };
+        if name != "assumed_strain" {
+            let coefficient = if coefficient == 0.0 { DEFAULT_HOURGLASS } else { coefficient };
             table.put("hourglass_coefficient", place, coefficient);
+        } else if coefficient != 0.0 && coefficient != 1.0 {
+            self.map(
+                format!("part {}", record.integer("pid")),
+                format!("ihq {form} with qm {coefficient}"),
+                "assumed_strain, which has no coefficient",
+            );
         }
-        let origin = match form {
-            0 => " (ihq blank)",
-            1..=5 => "",
-            6 | 7 | 9 | 10 if solids => "",
-            _ => " (this ihq is not available)",
-        };
         (name, origin)
     }
 }

@@ -47,11 +47,15 @@ impl DeckConverter {
             body.place = body.place.or(Some(of.place));
         }
         self.extra_nodes(&lead, &mut bodies);
-        for (id, body) in bodies {
+        for (id, mut body) in bodies {
             let place = body.place.unwrap_or(Place::Whole);
+            self.hold(id, &mut body);
             let name = format!("part-{id}");
             let mut table = JobTable::new(place).with("name", place, name.as_str());
-            table.put("parts", place, body.parts.into_iter().collect::<Vec<_>>());
+            let parts: Vec<i64> = body.parts.into_iter().collect();
+            let alone = parts.len() == 1 && body.nodes.is_empty();
+            parts.iter().for_each(|&part| self.put_inertia(part, alone, &mut table));
+            table.put("parts", place, parts);
             if !body.nodes.is_empty() {
                 let set = format!("body-{id}-nodes");
                 self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);
@@ -66,6 +70,23 @@ impl DeckConverter {
             self.bodies.insert(part, format!("part-{}", root(&lead, part)));
         }
         self.nodal_bodies();
+    }
+
+    /// Fixes what constraints of all nodes of a body fix.
+    fn hold(&mut self, id: i64, body: &mut DeckBody) {
+        let mut nodes: BTreeSet<NodeId> =
+            self.rows.nodes_of(|part| body.parts.contains(&i64::from(part))).into_iter().collect();
+        nodes.extend(&body.nodes);
+        let held = self.body_held(&nodes);
+        if !held.is_empty() {
+            let used: Vec<&str> = held.iter().copied().collect();
+            self.map(
+                format!("rigid part {id}"),
+                "constraints of all its nodes",
+                format!("the body is fixed: {}", used.join(", ")),
+            );
+            body.fixed.extend(held);
+        }
     }
 
     /// Converts `*DEFORMABLE_TO_RIGID`.

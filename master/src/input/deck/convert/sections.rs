@@ -37,6 +37,8 @@ pub struct Defaults {
     /// The setting that contact uses the offset of shells, if it is not zero, and its place.
     pub shifted: Option<(i64, Place)>,
     pub hourglass: Option<(DeckHourglass, Place)>,
+    /// Place of the field that gives all shells a drilling stiffness.
+    pub drilling: Option<Place>,
     pub bulk: Option<([f64; 2], Place)>,
 }
 
@@ -108,6 +110,14 @@ impl DeckConverter {
         for record in self.take_records("HOURGLASS") {
             let form =
                 DeckHourglass { form: record.integer("ihq"), coefficient: record.real("qm") };
+            for field in ["qb", "qw"] {
+                let given = record.real(field);
+                if given != 0.0 && given != form.coefficient {
+                    let message = format!("{}: `{field}` = {given} is ignored", record.name());
+                    let help = "bending and warping modes have the coefficient qm";
+                    self.trouble.warning(record.place(field), message, help);
+                }
+            }
             let given = record.real("q1") != 0.0 || record.real("q2") != 0.0;
             let bulk = given.then(|| [record.real("q2"), record.real("q1")]);
             hourglass.insert(record.integer("hgid"), (form, bulk, record.place("ihq")));
@@ -122,6 +132,7 @@ impl DeckConverter {
             thinning: None,
             shifted: None,
             hourglass: None,
+            drilling: None,
             bulk: None,
         };
         for record in self.take_records("CONTROL_SHELL") {
@@ -133,6 +144,9 @@ impl DeckConverter {
             }
             if matches!(record.integer("istupd"), 1 | 4) {
                 d.thinning = Some(record.place("istupd"));
+            }
+            if record.integer("drcpsid") != 0 {
+                d.drilling = Some(record.place("drcpsid"));
             }
             if record.integer("cntco") != 0 {
                 d.shifted = Some((record.integer("cntco"), record.place("cntco")));

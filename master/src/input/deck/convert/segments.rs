@@ -73,7 +73,7 @@ impl DeckConverter {
         }
         let faces = self.faces();
         for (number, (curve, scale, place, segments)) in loads.into_iter().enumerate() {
-            let name = self.time_curve(curve, place);
+            let Some(name) = self.time_curve(curve, place) else { continue };
             for (along, sign) in [(true, 1.0), (false, -1.0)] {
                 let loaded = self.of_sense(&segments, &faces, along);
                 for (part, (group, nodes)) in whole_groups(&loaded, &faces).into_iter().enumerate()
@@ -85,12 +85,10 @@ impl DeckConverter {
                         part + 1
                     );
                     self.rows.add_set(set.clone(), nodes, group);
-                    let mut table = JobTable::new(place).with("nodes", place, set).with(
-                        "pressure",
-                        place,
-                        sign * scale,
-                    );
-                    name.iter().for_each(|n| table.put("curve", place, n.as_str()));
+                    let table = JobTable::new(place)
+                        .with("nodes", place, set)
+                        .with("pressure", place, sign * scale)
+                        .with("curve", place, name.as_str());
                     self.add("pressure", table);
                 }
             }

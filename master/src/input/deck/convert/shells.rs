@@ -1,6 +1,7 @@
 //! Converts the sections of shells: thickness, offset and element formulation of a part.
 
 use super::DeckConverter;
+use super::materials::DeckMaterial;
 use super::parts::PartElements;
 use super::sections::{self, DeckSection, Sections};
 use super::tree::JobTable;
@@ -18,8 +19,8 @@ impl DeckConverter {
     pub(super) fn shell(
         &mut self,
         record: &CardRecord,
-        section: &DeckSection,
-        sections: &Sections,
+        material: &DeckMaterial,
+        (section, sections): (&DeckSection, &Sections),
         elements: PartElements<'_>,
         table: &mut JobTable,
     ) {
@@ -36,12 +37,56 @@ impl DeckConverter {
         }
         let thickness = self.shell_thickness(id, card, elements);
         table.put("thickness", card.place("t1"), thickness);
+        if card.real("marea") != 0.0 {
+            self.mass_of_area(id, card, material, thickness, table);
+        }
         match card.integer("nip") {
             0 => table.put("points", card.place("nip"), 2),
             n => table.put("points", card.place("nip"), n),
         }
         self.shell_offset(record, card, thickness, table);
         self.shell_formulation(record, section, sections, elements, table);
+    }
+
+    /// Gives a part its own material, whose density includes the mass per area of the section.
+    fn mass_of_area(
+        &mut self,
+        id: i64,
+        card: &CardRecord,
+        material: &DeckMaterial,
+        thickness: f64,
+        table: &mut JobTable,
+    ) {
+        let (mut area, mut volume) = (0.0, 0.0);
+        for index in 0..self.rows.shells.len() {
+            let shell = self.rows.shells[index];
+            if i64::from(shell.part) == id {
+                let own = shell.own.thickness;
+                let of_shell = self.size_of(&shell);
+                area += of_shell;
+                volume += of_shell * if own > 0.0 { own } else { thickness };
+            }
+        }
+        // Shells without nodes or thickness are reported elsewhere.
+        let (marea, Some(own)) = (card.real("marea"), material.table.as_ref()) else { return };
+        if !(volume > 0.0 && material.density > 0.0) {
+            return;
+        }
+        let density = material.density + marea * area / volume;
+        let name = format!("{} of part {id}", material.name);
+        let place = card.place("marea");
+        let mut own = own.copy().with("name", place, name.as_str()).with("density", place, density);
+        // The added mass takes no heat.
+        if let Some(heat) = own.float("specific_heat") {
+            own.put("specific_heat", place, heat * material.density / density);
+        }
+        self.add("material", own);
+        table.put("material", place, name.as_str());
+        self.map(
+            format!("part {id}"),
+            format!("marea {marea}: mass per area"),
+            format!("density {density:.6e} in place of {:.6e}", material.density),
+        );
     }
 
     /// Returns the thickness of a part of shells: that of its elements, or the mean of the corners
@@ -123,6 +168,9 @@ impl DeckConverter {
         if bt && warping {
             table.put("warping", sections.defaults.warping.unwrap_or(card.place("elform")), true);
         }
+        if bt {
+            self.drilling(record, sections, table);
+        }
         if let Some(place) = sections.defaults.thinning {
             table.put("thinning", place, true);
         }
@@ -138,6 +186,8 @@ impl DeckConverter {
         if bt {
             let (form, origin) = self.hourglass(record, sections, table, false);
             used += &format!("; hourglass {form}{origin}");
+        } else if record.integer("hgid") != 0 {
+            self.map(&of, "hourglass control", "not used: the formulation has its own");
         }
         self.map(&of, asked, used);
         let shear = card.real("shrf");
@@ -146,6 +196,19 @@ impl DeckConverter {
         }
         if !matches!(card.real("qr"), 0.0) {
             self.map(&of, format!("qr {}: integration rule", card.real("qr")), "Gauss points");
+        }
+    }
+
+    /// Removes the drilling stiffness of a part, which these formulations do not have in decks
+    /// unless `*CONTROL_SHELL` gives it.
+    fn drilling(&mut self, record: &CardRecord, sections: &Sections, table: &mut JobTable) {
+        match sections.defaults.drilling {
+            None => table.put("drilling", record.place("secid"), 0.0),
+            Some(_) => self.map(
+                "*CONTROL_SHELL",
+                "drcpsid: drilling stiffness of some parts",
+                "drilling stiffness of all parts",
+            ),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Converts `*CONTACT_TIED_...` and `*CONTACT_SPOTWELD`: nodes tied to surfaces.
 
 use super::DeckConverter;
+use super::names::names;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
@@ -16,26 +17,26 @@ const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
 
 impl DeckConverter {
     pub(super) fn ties(&mut self) {
-        let mut number = 0;
+        let mut found: Vec<(CardRecord, bool)> = Vec::new();
         for (keyword, rotations) in KEYWORDS {
-            for record in self.take_records(keyword) {
-                number += 1;
-                self.tie(&record, number, rotations);
-            }
+            found.extend(self.take_records(keyword).into_iter().map(|record| (record, rotations)));
+        }
+        let names = names(found.iter().map(|f| &f.0), "tie-", ["heading", "cid"]);
+        for ((number, name), (record, rotations)) in (1..).zip(names).zip(&found) {
+            self.tie(record, (number, name), *rotations);
         }
     }
 
-    fn tie(&mut self, record: &CardRecord, number: usize, rotations: bool) {
+    fn tie(&mut self, record: &CardRecord, (number, name): (usize, String), rotations: bool) {
         let of = format!("tie {number}");
         let (Some(nodes), Some(surface)) =
             (self.tied_nodes(record, number), self.surface(record, number))
         else {
             return;
         };
-        let name = match record.word("heading").trim() {
-            "" => format!("tie-{number}"),
-            heading => heading.to_string(),
-        };
+        if record.has("MORTAR") {
+            self.map(&of, "MORTAR", "the tie without MORTAR");
+        }
         let offset = OFFSETS.iter().find(|o| record.has(o));
         let mut table = JobTable::new(record.head)
             .with("name", record.head, name)
@@ -96,7 +97,7 @@ impl DeckConverter {
             3 => self.has_part(id, place).then(|| self.nodes_of_parts(&[id])),
             0 => self.nodes_of_segments(record, "surfa", format!("tie-{number}-nodes")),
             _ => {
-                self.unsupported_value(
+                self.unsupported_card(
                     record,
                     "surfatyp",
                     "give the nodes by 0 (segments), 2 (set of parts), 3 (part) or 4 (nodes)",
@@ -117,7 +118,7 @@ impl DeckConverter {
                 .nodes_of_segments(record, "surfb", format!("tie-{number}-faces"))
                 .map(TiedSurface::Faces),
             _ => {
-                self.unsupported_value(
+                self.unsupported_card(
                     record,
                     "surfbtyp",
                     "give the surface by 0 (segments), 2 (set of parts) or 3 (part)",

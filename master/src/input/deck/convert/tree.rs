@@ -46,6 +46,14 @@ impl JobTable {
         Some(items.iter().filter_map(number).collect())
     }
 
+    /// Returns a number of the table; `None` without the key.
+    pub fn float(&self, key: &str) -> Option<f64> {
+        match self.entries.get(key)?.node.kind {
+            NodeContent::Float(x) => Some(x),
+            _ => None,
+        }
+    }
+
     /// Returns true if the table has a key.
     pub fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)

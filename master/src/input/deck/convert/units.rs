@@ -7,7 +7,7 @@ use crate::input::job::units_fit;
 use std::collections::HashMap;
 
 /// Consistent sets of units, the most usual first.
-const SETS: [&str; 8] = [
+const SETS: [&str; 10] = [
     "mm, ms, kg",
     "mm, s, tonne",
     "m, s, kg",
@@ -16,6 +16,8 @@ const SETS: [&str; 8] = [
     "m, ms, kg",
     "cm, ms, g",
     "mm, us, g",
+    "in, s, slinch",
+    "ft, s, slug",
 ];
 
 impl DeckConverter {

@@ -1,6 +1,7 @@
 //! Converts `*RIGIDWALL_...`.
 
 use super::DeckConverter;
+use super::names::names;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
@@ -17,10 +18,8 @@ impl DeckConverter {
     pub(super) fn walls(&mut self) {
         let records: Vec<CardRecord> =
             KEYWORDS.iter().flat_map(|keyword| self.take_records(keyword)).collect();
-        for (record, number) in records.iter().zip(1..) {
-            let heading = record.word("heading");
-            let name =
-                if heading.is_empty() { format!("wall-{number}") } else { heading.to_string() };
+        let names = names(&records, "wall-", ["heading", "wid"]);
+        for ((record, number), name) in records.iter().zip(1..).zip(names) {
             self.wall(record, name, number);
         }
     }
@@ -112,7 +111,7 @@ impl DeckConverter {
             0 => "velocity",
             1 => "displacement",
             _ => {
-                return self.unsupported_value(
+                return self.unsupported_card(
                     record,
                     "opt",
                     "give 0 for velocities or 1 for displacements",

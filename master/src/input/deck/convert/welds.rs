@@ -55,7 +55,7 @@ impl DeckConverter {
         for record in self.take_records("CONSTRAINED_NODE_SET") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             if record.integer("dof") != 7 {
-                self.unsupported_value(&record, "dof", "use 7 (all displacements)");
+                self.unsupported_card(&record, "dof", "use 7 (all displacements)");
                 continue;
             }
             if record.real("tf") > 0.0 && record.real("tf") < self.end_time {
@@ -109,7 +109,7 @@ impl DeckConverter {
             return bodies.push((nodes.into_iter().collect(), place));
         }
         let &[n1, n2] = nodes.as_slice() else {
-            return self.unsupported_value(record, "sn", "only welds of two nodes break");
+            return self.unsupported_card(record, "sn", "only welds of two nodes break");
         };
         let element = self.rows.elements().find(|e| e.corners().contains(&n1));
         let part = element.and_then(|e| self.parts.get(&i64::from(e.part)));
@@ -200,7 +200,10 @@ impl DeckConverter {
                 .with("name", place, name)
                 .with("material", place, material.as_str())
                 .with("beam", place, beam);
-            self.parts.insert(pid, DeckPart { rigid: None, material: Some(material), place });
+            self.parts.insert(
+                pid,
+                DeckPart { rigid: None, material: Some(material), inertia: None, place },
+            );
             self.round_parts.insert(part);
             self.map(
                 format!("part {pid}"),

@@ -4,9 +4,16 @@ use super::{id, not_yet};
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
+    UnusedFields, ignored, no_effect,
 };
 
 const WELD_ID: (&str, Times) = ("wid:i", Count(id));
+
+const SPOT_UNUSED: &[UnusedFields] = &[
+    no_effect("wid", "welds are numbered in the order of the deck"),
+    no_effect("cid npr nprt", "forces of welds are not recorded"),
+    ignored("filter window", "the forces of welds are not filtered"),
+];
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -17,6 +24,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[rigid]]` body `body-PID` of the node set",
     )
+    .unused(&[no_effect("cid pnode iprt", "they are for output")])
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
@@ -33,7 +41,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "CONSTRAINED_RIGID_BODIES",
         &[("pidl:i! pidc:i! iflag:i", Rest)],
         "joins two rigid parts to one body",
-    ),
+    )
+    .unused(&[ignored("iflag", "the mass of the body is that of both parts")]),
     Keyword::new(
         "DEFORMABLE_TO_RIGID",
         &[("pid:i! lrb:i ptype:a", Rest)],
@@ -47,6 +56,7 @@ pub const KEYWORDS: &[Keyword] = &[
          round beam that breaks, its diameter equal to its length, of the material of the first \
          node's part. sn is its `normal`, ss its `shear`, n and m are their exponents (2 if blank)",
     )
+    .unused(SPOT_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -58,6 +68,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "the same for a node set; a weld that breaks has two nodes",
     )
+    .unused(SPOT_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -66,6 +77,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[tie]]` of the other nodes to the first node of the set; dof has to be 7 (all \
          displacements)",
     )
+    .unused(SPOT_UNUSED)
     .options(&["ID"])
     .repeats(),
     not_yet(

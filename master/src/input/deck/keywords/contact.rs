@@ -5,28 +5,53 @@ use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
+    UnusedFields, ignored, no_effect, refused,
 };
 
 const CARDS: &[(&str, Times)] = &[
     ("cid:i heading:a70", Count(id)),
     ("ignore_mpp:i bckt:r lcbckt:r ns2trk:r inititr:r parmax:r unused:r cparm8:r", Count(mpp)),
     ("surfa:i surfb:i surfatyp:i surfbtyp:i saboxid:i sbboxid:i sapr:i sbpr:i", Once),
-    ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Once),
-    ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Once),
+    ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Maybe),
+    ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Maybe),
     ("isym:i erosop:i iadj:i", Count(eroding)),
-    ("soft:i sofscl:r lcidab:i maxpar:r sbopt:r depth:i bsort:i frcfrq:i", Maybe),
+    ("soft:i sofscl:r=0.1 lcidab:i maxpar:r=1.025 sbopt:r=2 depth:i=2 bsort:i frcfrq:i=1", Maybe),
     ("penmax:r thkopt:i shlthk:i snlog:i isym_b:i i2d3d:i sldthk:r sldstf:r", Maybe),
-    ("igap:i ignore:i dprfac:r dtstif:r edgek:r unused:r flangl:r cid_rcf:i", Maybe),
+    ("igap:i=1 ignore:i dprfac:r dtstif:r edgek:r unused:r flangl:r cid_rcf:i", Maybe),
     ("q2tri:i dtpchk:r sfnbr:r fnlscl:r dnlscl:r tcso:i tiedid:i shledg:i", Maybe),
-    ("sharec:i cparm8:r ipback:i srnde:i fricsf:r icor:i ftorq:i region:i", Maybe),
+    ("sharec:i cparm8:r ipback:i srnde:i fricsf:r=1 icor:i ftorq:i region:i", Maybe),
     ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
+];
+
+const UNUSED: &[UnusedFields] = &[
+    no_effect(
+        "ignore_mpp bckt lcbckt ns2trk inititr parmax unused cparm8",
+        "they direct the search of another program",
+    ),
+    no_effect("sapr sbpr cid_rcf", "force transducers select what is recorded"),
+    no_effect(
+        "vdc sfsa sfsb fsf vsf soft sofscl maxpar sbopt depth bsort frcfrq penmax snlog sldstf \
+         dtstif dprfac sfnbr fnlscl dnlscl pstiff fstol tetfac tcso",
+        "contact needs no stiffness, damping or search from the deck",
+    ),
+    no_effect("penchk igap ignore erosop iadj q2tri dtpchk", "it has no counterpart here"),
+    no_effect("shlthk thkopt", "contact always includes the thickness of shells"),
+    ignored("isym isym_b", "faces on a plane of symmetry are in contact as all others"),
+    ignored("lcidab", "no thickness depends on time"),
+    ignored("edgek flangl shledg srnde", "edges of shells are round and have one thickness"),
+    no_effect("i2d3d 2dbinr ssftyp ipback icor", "it has no counterpart here"),
+    ignored("sharec ftorq ignroff swtpr", "friction acts at the surfaces of all segments"),
+    refused("fricsf", "a factor on the friction: give fs and fd with this factor"),
+    refused("region", "contact in a part of space"),
+    refused("tiedid", "ties that do not start at the surface: use an OFFSET option"),
 ];
 
 const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]]`: contact of its \
     parts with each other and with themselves. fs, fd and dc are the friction, vc its limit, sast \
     or sfsat the thickness, bt and dt birth and death. If several cards contain the same two \
-    parts, the last one counts. The option MORTAR sets the `law` to `mortar`. Only \
-    AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL include beams";
+    parts, the last one counts. The option MORTAR of AUTOMATIC_SINGLE_SURFACE and \
+    AUTOMATIC_SURFACE_TO_SURFACE sets the `law` to `mortar`, in other contacts it has no effect. \
+    Only AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL include beams";
 const PAIR: &str = "the same for the parts of surfa `against` those of surfb, after all contacts \
     of single surfaces; the thickness is the mean of both sides";
 
@@ -36,7 +61,7 @@ const TRANSDUCER: &str = "`[[output.transducer]]`: contact force on surfa from s
     everything if surfb is blank. A set of segments selects its nodes and the faces between them";
 
 const fn contact(name: &'static str, note: &'static str) -> Keyword {
-    Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP"])
+    Keyword::new(name, CARDS, note).options(WITH_MORTAR).unused(UNUSED)
 }
 
 const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb. The nodes are moved \
@@ -47,15 +72,23 @@ const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb. The n
 const TURNED: &str = "the same with `rotations`";
 
 const fn tied(name: &'static str, note: &'static str) -> Keyword {
-    Keyword::new(name, CARDS, note).options(&[
+    Keyword::new(name, CARDS, note).unused(UNUSED).options(&[
         "ID",
         "TITLE",
         "MPP",
+        "MORTAR",
         "OFFSET",
         "BEAM_OFFSET",
         "CONSTRAINED_OFFSET",
     ])
 }
+
+const WALL_UNUSED: &[UnusedFields] = &[
+    no_effect("rwksf", "walls need no stiffness"),
+    refused("wvel", "nodes that stick to a wall above a speed"),
+    no_effect("ssid n1 n2 n3 n4", "walls.csv has the force on the whole wall"),
+    no_effect("pid ro e pr", "they are for pictures of the wall"),
+];
 
 const WALL: &[(&str, Times)] = &[
     WALL_ID,
@@ -64,6 +97,7 @@ const WALL: &[(&str, Times)] = &[
     ("xhev:r yhev:r zhev:r lenl:r lenm:r", Count(finite)),
     ("mass:r v0:r", Count(moving)),
     ("soft:i ssid:i n1:i n2:i n3:i n4:i", Count(forces)),
+    DISPLAY,
 ];
 
 const CYLINDER: &[(&str, Times)] =
@@ -82,7 +116,7 @@ const WALL_ID: (&str, Times) = ("wid:i heading:a70", Count(id));
 const SHAPE_NODES: (&str, Times) = ("nsid:i nsidex:i boxid:i birth:r death:r=1e20", Once);
 const SHAPE_PLACE: (&str, Times) = ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once);
 const MOTION: (&str, Times) = ("lcid:i! opt:i vx:r vy:r vz:r", Count(motion));
-const DISPLAY: (&str, Times) = ("pid:i ro:r e:r pr:r", Count(display));
+const DISPLAY: (&str, Times) = ("pid:i ro:r e:r pr:r", AtMost(display));
 
 /// Creates a rigid wall of a given shape, with or without a prescribed motion.
 const fn geometric(
@@ -90,14 +124,17 @@ const fn geometric(
     cards: &'static [(&'static str, Times)],
     note: &'static str,
 ) -> Keyword {
-    Keyword::new(name, cards, note).options(&["ID", "MOTION", "DISPLAY"]).repeats()
+    Keyword::new(name, cards, note)
+        .options(&["ID", "MOTION", "DISPLAY"])
+        .unused(WALL_UNUSED)
+        .repeats()
 }
 
 pub const KEYWORDS: &[Keyword] = &[
-    contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE).options(WITH_MORTAR),
+    contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE),
     contact("CONTACT_AUTOMATIC_GENERAL", SINGLE),
     contact("CONTACT_SINGLE_SURFACE", SINGLE),
-    contact("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", PAIR).options(WITH_MORTAR),
+    contact("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_AUTOMATIC_NODES_TO_SURFACE", PAIR),
     contact("CONTACT_SURFACE_TO_SURFACE", PAIR),
@@ -117,7 +154,8 @@ pub const KEYWORDS: &[Keyword] = &[
          nsid, boxid and offset select `nodes`, nsidex selects `except`. FINITE: a rectangle with \
          `edge` and `lengths`; MOVING: `mass` and `speed`. soft is not used",
     )
-    .options(&["ID", "FINITE", "MOVING", "FORCES"])
+    .options(&["ID", "FINITE", "MOVING", "FORCES", "DISPLAY"])
+    .unused(WALL_UNUSED)
     .repeats(),
     geometric(
         "RIGIDWALL_GEOMETRIC_CYLINDER",

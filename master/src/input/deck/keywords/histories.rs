@@ -1,7 +1,9 @@
 //! Quantities recorded over time.
 
 use super::id;
-use crate::input::deck::table::{Effect::Harmless, Keyword, Times, Times::*};
+use crate::input::deck::table::{
+    Effect::Harmless, Keyword, Times, Times::*, UnusedFields, no_effect,
+};
 
 const CROSS_SECTION: (&str, Times) = ("csid:i title:a70", Count(id));
 const LIST: &[(&str, Times)] = &[("id:i*8", Rest)];
@@ -12,14 +14,21 @@ const ELEMENTS: &[(&str, Times)] = &[
     ("id:i*8", Rest),
 ];
 
+const ATTRIBUTES: &[UnusedFields] =
+    &[no_effect("da1 da2 da3 da4", "no keyword here refers to attributes of a set")];
+
 const fn elements(name: &'static str, aliases: &'static [&'static str]) -> Keyword {
     Keyword::new(name, ELEMENTS, "elements for DATABASE_CROSS_SECTION_SET")
         .aliases(aliases)
+        .unused(ATTRIBUTES)
         .options(&["TITLE"])
 }
 
 const fn ranges(name: &'static str, aliases: &'static [&'static str]) -> Keyword {
-    Keyword::new(name, ELEMENTS, "the same by ranges").aliases(aliases).options(&["TITLE"])
+    Keyword::new(name, ELEMENTS, "the same by ranges")
+        .aliases(aliases)
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"])
 }
 
 pub const KEYWORDS: &[Keyword] = &[
@@ -29,6 +38,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[output.section]]` at the nodes of nsid: force and moment of the elements of hsid, ssid \
          and dsid on these nodes, in global axes",
     )
+    .unused(&[no_effect("itype", "forces are in global axes")])
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -41,6 +51,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same for the elements that the plane cuts: force and moment on their nodes on the \
          side of the tail, so tension points to the head",
     )
+    .unused(&[no_effect("itype", "forces are in global axes")])
     .options(&["ID"])
     .repeats(),
     Keyword::new("DATABASE_HISTORY_NODE", LIST, "`[[output.node]]`"),

@@ -2,7 +2,17 @@
 
 use super::id;
 use crate::input::deck::record::CardRecord;
-use crate::input::deck::table::{Keyword, Times::*};
+use crate::input::deck::table::{Keyword, Times::*, UnusedFields, ignored, no_effect, refused};
+
+const SPC_UNUSED: &[UnusedFields] = &[no_effect("id", "constraints have no numbers")];
+const MOTION_UNUSED: &[UnusedFields] = &[
+    no_effect("id", "motions have no numbers"),
+    no_effect("vid lrb node1 node2", "they are for other values of dof and vad"),
+];
+const OF_RIGID: UnusedFields =
+    ignored("irigid", "rigid bodies start with the mean motion of their nodes");
+const NODAL_UNUSED: &[UnusedFields] =
+    &[no_effect("m1 m2 m3", "they are for loads that follow nodes (dof 4 and 8)")];
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -13,6 +23,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[fix]]`",
     )
+    .unused(SPC_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -23,6 +34,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[fix]]`, one for all nodes with the same degrees of freedom",
     )
+    .unused(SPC_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -33,8 +45,10 @@ pub const KEYWORDS: &[Keyword] = &[
             ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
         ],
         "`[[motion]]` along x, y or z (dof 1 to 3) by velocity, acceleration or displacement, or \
-         rotation (dof 5 to 7) by velocity",
+         rotation by velocity, of the nodes (dof 5 to 7) or about a parallel axis through the \
+         offsets (dof 9 to 11)",
     )
+    .unused(MOTION_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -46,6 +60,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "the same for one node",
     )
+    .unused(MOTION_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -57,6 +72,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "the same for a rigid body",
     )
+    .unused(MOTION_UNUSED)
     .options(&["ID"])
     .repeats(),
     Keyword::new(
@@ -68,7 +84,8 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[initial_velocity]]` of a set, of a box or of all nodes, and a second one for the \
          exempted set",
-    ),
+    )
+    .unused(&[OF_RIGID]),
     Keyword::new(
         "INITIAL_VELOCITY_NODE",
         &[("nid:i! vx:r vy:r vz:r vxr:r vyr:r vzr:r icid:i", Rest)],
@@ -82,6 +99,10 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[initial_velocity]]` with spin omega about an axis through a point",
     )
+    .unused(&[
+        OF_RIGID,
+        ignored("ivatn", "nodes that are constrained to others start with their own velocity"),
+    ])
     .repeats(),
     Keyword::new(
         "INITIAL_VELOCITY_RIGID_BODY",
@@ -92,19 +113,22 @@ pub const KEYWORDS: &[Keyword] = &[
         "LOAD_BODY_X",
         GRAVITY,
         "`[[gravity]]` along -x: the load accelerates the frame of reference",
-    ),
-    Keyword::new("LOAD_BODY_Y", GRAVITY, "the same along -y"),
-    Keyword::new("LOAD_BODY_Z", GRAVITY, "the same along -z"),
+    )
+    .unused(GRAVITY_UNUSED),
+    Keyword::new("LOAD_BODY_Y", GRAVITY, "the same along -y").unused(GRAVITY_UNUSED),
+    Keyword::new("LOAD_BODY_Z", GRAVITY, "the same along -z").unused(GRAVITY_UNUSED),
     Keyword::new(
         "LOAD_NODE_SET",
         &[("nsid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
         "`[[load]]` on each node of the set: dof 1 to 3 force, 5 to 7 moment",
-    ),
+    )
+    .unused(NODAL_UNUSED),
     Keyword::new(
         "LOAD_NODE_POINT",
         &[("nid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
         "the same on one node",
-    ),
+    )
+    .unused(NODAL_UNUSED),
     Keyword::new(
         "LOAD_SEGMENT",
         &[("lcid:i! sf:r=1 at:r n:i*4", Rest)],
@@ -119,6 +143,11 @@ pub const KEYWORDS: &[Keyword] = &[
 
 const GRAVITY: &[(&str, crate::input::deck::table::Times)] =
     &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
+
+const GRAVITY_UNUSED: &[UnusedFields] = &[
+    no_effect("lciddr", "there is no dynamic relaxation"),
+    refused("xc yc zc", "a centre of rotation"),
+];
 
 /// Returns 1 if prescribed motion has a second line: for a degree of freedom with an offset, or
 /// for relative motion.

@@ -4,9 +4,13 @@ use super::title;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
+    UnusedFields, ignored, no_effect,
 };
 
 const SPRING_TITLE: (&str, Times) = ("heading:l", Count(title));
+
+const RATE_OF_STRAIN: UnusedFields =
+    ignored("vp", "the yield stress has the factor of the total strain rate, as with vp 0");
 
 /// Creates a law of springs or dampers.
 const fn spring(
@@ -24,6 +28,10 @@ pub const KEYWORDS: &[Keyword] = &[
         &[("heading:l", Count(title)), ("mid:i! ro:r! e:r! pr:r da:r db:r k:r", Once)],
         "law `elastic`",
     )
+    .unused(&[
+        ignored("da db", "beams have no damping of their own"),
+        no_effect("k", "it is for fluids"),
+    ])
     .aliases(&["MAT_001", "MAT_1"])
     .options(&["TITLE"]),
     Keyword::new(
@@ -36,6 +44,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `j2` with the plastic modulus e etan/(e - etan). Hardening is isotropic for any beta; \
          `check` shows this. src and srp are `cowper_symonds`, fs is `failure_strain`",
     )
+    .unused(&[RATE_OF_STRAIN])
     .aliases(&["MAT_003", "MAT_3"])
     .options(&["TITLE"]),
     Keyword::new(
@@ -50,6 +59,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `j2` with the table of lcss, with eps and es, or with sigy and etan; c and p are \
          `cowper_symonds`, fail is `failure_strain`",
     )
+    .unused(&[RATE_OF_STRAIN])
     .aliases(&["MAT_024", "MAT_24"])
     .options(&["TITLE"]),
     Keyword::new(
@@ -64,6 +74,12 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `johnson_cook`; the volumetric response is elastic with e and pr (or g), no equation \
          of state is read",
     )
+    .unused(&[
+        RATE_OF_STRAIN,
+        ignored("pc spall", "tension does not cut off the pressure"),
+        no_effect("it", "plasticity is iterated until it converges"),
+        ignored("c2 erod efmin numint", "rates act by c alone; elements fail by d1 to d5 as given"),
+    ])
     .aliases(&["MAT_015", "MAT_15"])
     .options(&["TITLE"]),
     Keyword::new(
@@ -76,6 +92,10 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "each of its parts is a `[[rigid]]` body; cmo 1 with con1 and con2 sets `fixed`",
     )
+    .unused(&[
+        no_effect("couple m alias", "they are for coupling with another program"),
+        no_effect("a1 a2 a3 v1 v2 v3", "they are axes of output"),
+    ])
     .aliases(&["MAT_020", "MAT_20"])
     .options(&["TITLE"]),
     spring(
@@ -121,6 +141,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "parts of shells are `skin`; solids (fluids) are not supported. ym and pr are for contact \
          that needs a stiffness",
     )
+    .unused(&[no_effect("pc mu terod cerod", "they are for fluids and failure of solids")])
     .aliases(&["MAT_009", "MAT_9"])
     .options(&["TITLE"]),
 ];

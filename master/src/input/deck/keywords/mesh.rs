@@ -1,7 +1,7 @@
 //! Nodes and elements.
 
 use crate::input::deck::record::CardRecord;
-use crate::input::deck::table::{Keyword, Times::*};
+use crate::input::deck::table::{Keyword, Times::*, no_effect};
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -21,6 +21,7 @@ pub const KEYWORDS: &[Keyword] = &[
          OFFSET adds another line and overrides nloc: it becomes `offset` of the part if it is the \
          same for all its shells, over their thickness, else the offset of each shell",
     )
+    .unused(&[no_effect("beta", "laws have no direction")])
     .options(&["THICKNESS", "BETA", "OFFSET"]),
     Keyword::new(
         "ELEMENT_SOLID",
@@ -32,12 +33,14 @@ pub const KEYWORDS: &[Keyword] = &[
         "ELEMENT_MASS",
         &[("eid:i8 nid:i8! mass:r16! pid:i8", Rest)],
         "`[[mass]]`, one for all nodes with the same mass",
-    ),
+    )
+    .unused(&[no_effect("eid pid", "masses have no numbers")]),
     Keyword::new(
         "ELEMENT_MASS_NODE_SET",
         &[("eid:i8 nsid:i8! mass:r16!", Rest)],
         "`[[mass]]` of the set",
-    ),
+    )
+    .unused(&[no_effect("eid", "masses have no numbers")]),
     Keyword::new(
         "ELEMENT_BEAM",
         &[
@@ -47,6 +50,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "beams. n3, or with ORIENTATION a vector, gives the direction of the second axis (s); it \
          is optional for round sections and trusses. Releases (rt, rr) are not supported",
     )
+    .unused(&[no_effect("local", "it is for releases")])
     .options(&["ORIENTATION"])
     .repeats(),
     Keyword::new(
@@ -55,7 +59,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "springs along the line between their nodes, or along vid. All springs of a part have the \
          same s and direction. With n2 0 the second node is a new fixed node at the position of \
          the first one, and vid is required. offset is not supported yet",
-    ),
+    )
+    .unused(&[no_effect("pf", "the print flag of other programs")]),
 ];
 
 fn orientation(record: &CardRecord) -> usize {

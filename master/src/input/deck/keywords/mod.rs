@@ -12,7 +12,7 @@ mod parts;
 mod sets;
 
 use super::record::CardRecord;
-use super::table::{Card, Effect, Keyword, Times};
+use super::table::{Card, Effect, Keyword, Times, UnusedFields};
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
@@ -38,6 +38,14 @@ pub struct KeywordRow {
     pub keyword: &'static Keyword,
     /// Its cards.
     pub cards: Vec<(Card, Times)>,
+}
+
+impl KeywordRow {
+    /// Returns what becomes of a field that no code converts; `None` for other fields.
+    pub fn unused(&self, field: &str) -> Option<&'static UnusedFields> {
+        let names = |u: &&UnusedFields| u.names.split_whitespace().any(|name| name == field);
+        self.keyword.unused.iter().find(names)
+    }
 }
 
 impl std::fmt::Debug for KeywordRow {
@@ -77,12 +85,17 @@ pub fn find(name: &str) -> Option<(&'static KeywordRow, Vec<&'static str>)> {
     })
 }
 
+/// Returns the name of a keyword without options at its end.
+pub fn without_options(name: &str) -> &str {
+    let ends = ["_TITLE", "_ID", "_MPP"];
+    ends.iter().find_map(|option| name.strip_suffix(option)).map_or(name, without_options)
+}
+
 /// Returns the keyword of the table that is similar enough to a name to explain a typing error.
 pub fn near(name: &str) -> Option<&'static str> {
     /// Smallest similarity; one letter of ten may be wrong.
     const ALIKE: f64 = 0.88;
-    let base =
-        ["_TITLE", "_ID"].iter().find_map(|option| name.strip_suffix(option)).unwrap_or(name);
+    let base = without_options(name);
     let scores =
         TABLE.keys().map(|&known| (strsim::normalized_damerau_levenshtein(base, known), known));
     let (best, known) = scores.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))?;
@@ -134,6 +147,48 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Every field is either named in the code that converts it, or the table says what becomes of
+    /// it. Mesh data and parameters are read by position.
+    #[test]
+    fn every_field_has_a_fate() {
+        const BY_POSITION: [&str; 6] = [
+            "NODE",
+            "ELEMENT_SHELL",
+            "ELEMENT_SOLID",
+            "PARAMETER",
+            "PARAMETER_EXPRESSION",
+            "PARAMETER_DUPLICATION",
+        ];
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/input/deck/convert");
+        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let code: String = files.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+        let mut missing = Vec::new();
+        for row in TABLE.values().filter(|row| row.keyword.effect == Effect::Model) {
+            let name = row.keyword.name;
+            let fields: Vec<&str> =
+                row.cards.iter().flat_map(|c| &c.0.fields).map(|f| f.name.as_str()).collect();
+            for field in &fields {
+                let converted = code.contains(&format!("\"{field}\""))
+                    || BY_POSITION.contains(&name) && *field != "beta";
+                // A card that is one line has no fields.
+                let is_line = matches!(*field, "card" | "text" | "heading");
+                if row.unused(field).is_none() && !converted && !is_line {
+                    missing.push(format!("*{name}: {field}"));
+                }
+            }
+            for unused in row.keyword.unused.iter().flat_map(|u| u.names.split_whitespace()) {
+                let shared = ["CONTACT_", "SET_", "CONSTRAINED_", "RIGIDWALL_"];
+                let is_shared = shared.iter().any(|family| name.starts_with(family));
+                if !fields.contains(&unused) && !is_shared {
+                    missing.push(format!("*{name} has no field {unused}"));
+                }
+            }
+        }
+        missing.sort();
+        missing.dedup();
+        assert!(missing.is_empty(), "fields without a fate: {missing:#?}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::title;
 use crate::input::deck::record::CardRecord;
-use crate::input::deck::table::{Keyword, Times::*};
+use crate::input::deck::table::{Keyword, Times::*, ignored, no_effect, refused};
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -10,25 +10,47 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("heading:l", Once),
             ("pid:i! secid:i! mid:i! eosid:i hgid:i grav:i adpopt:i tmid:i", Once),
+            ("xc:r yc:r zc:r tm:r! ircs:i nodeid:i", Count(inertia)),
+            ("ixx:r! ixy:r ixz:r iyy:r! iyz:r izz:r!", Count(inertia)),
+            ("vtx:r vty:r vtz:r vrx:r vry:r vrz:r", Count(inertia)),
+            ("xl:r yl:r zl:r xlip:r ylip:r zlip:r cid:i", Count(local_inertia)),
             ("fs:r fd:r dc:r vc:r optt:r sft:r ssf:r cparm8:r", Count(contact)),
         ],
         "`[[part]]`; its name is the heading, or `part-PID` without one. Card of _CONTACT: fs, fd, \
          dc and vc are the friction in contacts with fs -1 (for two parts the mean); optt and sft \
-         are `contact_thickness` and its scale",
+         are `contact_thickness` and its scale. Cards of _INERTIA: `mass` and `inertia` of the \
+         `[[rigid]]` body of the part alone, and its `[[initial_velocity]]`; the centre of mass is \
+         that of the elements",
     )
-    .options(&["CONTACT"])
+    .unused(&[
+        no_effect("grav", "it is for loads by density and depth"),
+        ignored("adpopt", "the mesh is not refined"),
+        ignored("tmid", "there is no heat conduction"),
+        no_effect("ssf", "contact needs no stiffness"),
+        ignored("cparm8", "beams of the part are in contact as others"),
+        no_effect("xl yl zl xlip ylip zlip cid", "they are for inertia about local axes"),
+    ])
+    .options(&["CONTACT", "INERTIA"])
     .repeats(),
     Keyword::new(
         "SECTION_SHELL",
         &[
             ("heading:l", Count(title)),
-            ("secid:i! elform:i shrf:r=1 nip:i propt:r qr:r icomp:i setyp:i=1", Once),
+            ("secid:i! elform:i shrf:r=1 nip:i propt:r=1 qr:r icomp:i setyp:i=1", Once),
             ("t1:r t2:r t3:r t4:r nloc:r marea:r idof:r edgset:i", Once),
             ("angle:r*8", Count(angles)),
         ],
         "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts \
-         that refer to it; nip 0 is 2",
+         that refer to it; nip 0 is 2. marea, mass per area, is added to the density of the \
+         material of these parts",
     )
+    .unused(&[
+        no_effect("propt", "results have all points"),
+        no_effect("icomp angle", "laws have no direction"),
+        refused("setyp", "two-dimensional solids"),
+        ignored("idof", "the strain through the thickness is that of the formulation"),
+        refused("edgset", "edges of membranes"),
+    ])
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
@@ -39,6 +61,11 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "formulation of the parts that refer to it",
     )
+    .unused(&[
+        refused("aet", "ambient elements of fluids"),
+        refused("cohoff gaskeit", "cohesive elements and gaskets"),
+        no_effect("unused", "no field of the format"),
+    ])
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
@@ -53,8 +80,12 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[part.beam]`. elform 1, 4, 5 and 9: with cst 0 a `rectangle` (ts1 by tt1; a tube for 5 \
          and 9), with cst 1 a `tube` (diameters ts1 and tt1); 1 and 9 have the shear area shrf \
          times the area. elform 2 and 13: `general`, elastic, with a, iss, itt, j and the shear \
-         area sa. elform 3: the same without moments",
+         area sa. elform 3: `[part.truss]` with the area a",
     )
+    .unused(&[
+        ignored("scoor", "the axes of a beam are those of its middle"),
+        no_effect("field", "the elform is not supported"),
+    ])
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
@@ -62,7 +93,7 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("heading:l", Count(title)),
             ("secid:i! dro:i kd:r v0:r cl:r fd:r", Once),
-            ("cdl:r tdl:r", Once),
+            ("cdl:r tdl:r", Maybe),
         ],
         "makes the parts that refer to it `[part.spring]`; dro, kd, cl, fd, cdl and tdl have to be \
          0",
@@ -71,11 +102,16 @@ pub const KEYWORDS: &[Keyword] = &[
     .repeats(),
     Keyword::new(
         "HOURGLASS",
-        &[("heading:l", Count(title)), ("hgid:i! ihq:i qm:r ibq:i q1:r q2:r qb:r qw:r", Once)],
-        "`hourglass` of the parts that refer to it: ihq 1 to 3 viscous, 4 and 5 stiffness, 6, 7, 9 \
-         and 10 assumed_strain (viscous for shells); qm is the coefficient; q2 and q1 are \
-         `bulk_viscosity`",
+        &[
+            ("heading:l", Count(title)),
+            ("hgid:i! ihq:i qm:r=0.1 ibq:i=1 q1:r q2:r qb:r qw:r", Once),
+        ],
+        "`hourglass` of the parts that refer to it: ihq 0 to 3 viscous, 4 and 5 stiffness, 6, 7, 9 \
+         and 10 assumed_strain (of solids; it has no coefficient); qm is the coefficient (0.1 if \
+         0); q2 and q1 are `bulk_viscosity`. Other values of ihq are not supported. Parts without \
+         hourglass control have ihq 1 and qm 0.1",
     )
+    .unused(&[no_effect("ibq", "bulk viscosity has one form")])
     .options(&["TITLE"])
     .repeats(),
 ];
@@ -90,6 +126,14 @@ fn resultant(record: &CardRecord) -> usize {
 
 fn of_another_kind(record: &CardRecord) -> usize {
     usize::from(integrated(record) + resultant(record) == 0)
+}
+
+fn inertia(record: &CardRecord) -> usize {
+    usize::from(record.has("INERTIA"))
+}
+
+fn local_inertia(record: &CardRecord) -> usize {
+    usize::from(record.has("INERTIA") && record.integer("ircs") == 1)
 }
 
 fn contact(record: &CardRecord) -> usize {

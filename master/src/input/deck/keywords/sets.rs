@@ -2,13 +2,16 @@
 //! themselves.
 
 use super::title;
-use crate::input::deck::table::{Keyword, Times::*};
+use crate::input::deck::table::{Keyword, Times::*, UnusedFields, no_effect};
 
 const LIST: &[(&str, crate::input::deck::table::Times)] = &[
     ("heading:l", Count(title)),
     ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
     ("id:i*8", Rest),
 ];
+
+const ATTRIBUTES: &[UnusedFields] =
+    &[no_effect("da1 da2 da3 da4 solver its a", "no keyword here refers to attributes of a set")];
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("TITLE", &[("text:l", Maybe)], "`title`"),
@@ -25,10 +28,18 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same by formulas; integers stay integers, so 2/5 is 0",
     )
     .aliases(&["PARAMETER_EXPRESSION_LOCAL"]),
+    Keyword::new(
+        "PARAMETER_DUPLICATION",
+        &[("dflag:i=1", Once)],
+        "for a second value of a parameter: 1 and 5 keep the first one, 2 and 4 take the last one, \
+         3 is an error",
+    ),
     Keyword::new("SET_NODE_LIST", LIST, "node set `set-SID`, and the same set under its title")
         .aliases(&["SET_NODE"])
+        .unused(ATTRIBUTES)
         .options(&["TITLE"]),
     Keyword::new("SET_NODE_LIST_GENERATE", LIST, "the same by ranges: first and last id of each")
+        .unused(ATTRIBUTES)
         .options(&["TITLE"]),
     Keyword::new(
         "SET_NODE_COLUMN",
@@ -39,8 +50,11 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "the same, one node per line",
     )
+    .unused(ATTRIBUTES)
     .options(&["TITLE"]),
-    Keyword::new("SET_NODE_ADD", LIST, "the same from other node sets").options(&["TITLE"]),
+    Keyword::new("SET_NODE_ADD", LIST, "the same from other node sets")
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"]),
     Keyword::new(
         "SET_NODE_GENERAL",
         &[
@@ -50,12 +64,18 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "the same by ALL, NODE, PART, BOX, SET_NODE, SET_PART; the prefix D removes nodes",
     )
+    .unused(ATTRIBUTES)
     .options(&["TITLE"]),
     Keyword::new("SET_PART_LIST", LIST, "a set of parts")
         .aliases(&["SET_PART"])
+        .unused(ATTRIBUTES)
         .options(&["TITLE"]),
-    Keyword::new("SET_PART_LIST_GENERATE", LIST, "the same by ranges").options(&["TITLE"]),
-    Keyword::new("SET_PART_ADD", LIST, "the same from other sets of parts").options(&["TITLE"]),
+    Keyword::new("SET_PART_LIST_GENERATE", LIST, "the same by ranges")
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"]),
+    Keyword::new("SET_PART_ADD", LIST, "the same from other sets of parts")
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"]),
     Keyword::new(
         "SET_SEGMENT",
         &[
@@ -65,6 +85,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "faces for LOAD_SEGMENT_SET, and parts for contact",
     )
+    .unused(ATTRIBUTES)
     .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_CURVE",
@@ -73,8 +94,10 @@ pub const KEYWORDS: &[Keyword] = &[
             ("lcid:i! sidr:i sfa:r=1 sfo:r=1 offa:r offo:r dattyp:i lcint:i", Once),
             ("a:r20 o:r20", Rest),
         ],
-        "`[[curve]]`, or a table of a material; constant outside its points",
+        "`[[curve]]`, or a table of a material; constant outside its points. A load or motion by a \
+         curve with sidr 1 (dynamic relaxation) is left out",
     )
+    .unused(&[no_effect("dattyp lcint", "curves are used as they are, at all their points")])
     .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_TABLE",
@@ -102,7 +125,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "DEFINE_SD_ORIENTATION",
         &[("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
         "`spring.direction`; iop has to be 0",
-    ),
+    )
+    .unused(&[no_effect("nid1 nid2", "they are for other values of iop")]),
     Keyword::new(
         "DEFINE_COORDINATE_SYSTEM",
         &[

@@ -216,3 +216,44 @@ fn shape_values(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
     whole(&mut shares);
     shares
 }
+
+/// Smallest length of an edge of a solid after its nodes are moved onto a surface, as a fraction
+/// of its length before.
+const SMALLEST_EDGE: f64 = 0.5;
+
+/// Releases nodes that would flatten solids, such as those between two layers of a weld: of two
+/// nodes of an edge whose feet are too near to each other, the one that is farther from its foot.
+pub(super) fn keep_solids(mesh: &Mesh, nodes: &[usize], found: &mut [Option<Foot>]) {
+    let places: HashMap<NodeId, usize> =
+        nodes.iter().enumerate().map(|(p, &n)| (mesh.nodes[n].id, p)).collect();
+    let distance =
+        |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt();
+    for element in mesh.elements.iter().filter(|e| e.shape == Shape::Hex8) {
+        let corner = |c: usize| places.get(&element.nodes[c]).copied();
+        for [one, other] in HEXAHEDRON_EDGES {
+            let (Some(a), Some(b)) = (corner(one), corner(other)) else { continue };
+            let (Some(foot), Some(second)) = (&found[a], &found[b]) else { continue };
+            let before = distance(mesh.nodes[nodes[a]].x, mesh.nodes[nodes[b]].x);
+            if distance(foot.point, second.point) < SMALLEST_EDGE * before {
+                let farther = if foot.distance > second.distance { a } else { b };
+                found[farther] = None;
+            }
+        }
+    }
+}
+
+/// Corners of the edges of a hexahedron.
+const HEXAHEDRON_EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
