@@ -77,10 +77,10 @@ class Channels:
     def by_dynars(self, path):
         """It joins the states of branches at the top only."""
         *folder, name = path
-        if len(folder) == 1:
-            return np.asarray(self.dynars.read(path), dtype=float)
         if name in self.dynars.channels([*folder, "metadata"]):
             return self.dynars.read_f64([*folder, "metadata", name])
+        if len(folder) == 1:
+            return np.asarray(self.dynars.read(path), dtype=float)
         states = sorted(set(self.dynars.channels(folder)) - {"metadata"})
         return np.array([self.dynars.read_f64([*folder, state, name]) for state in states])
 

@@ -27,7 +27,8 @@ fn tube(sets: &[&str]) -> Ended {
 fn histories_read_back() {
     let walls = "wall=[{ name = \"floor\", point = [0, 0, 0], normal = [0, 0, 2] }, \
                  { name = \"roll\", point = [0, 200, 90], axis = [1, 0, 0], radius = 20 }]";
-    let section = "output.section=[{ nodes = \"head\", name = \"below the head\" }]";
+    let section = "output.section=[{ nodes = \"head\", name = \"below the head\", \
+                   side = [0, 0, -1] }]";
     let ended = tube(&["output.d3plot=true", "output.field_interval=0.05", walls, section]);
     let Some(said) = compared(&ended) else { return };
     let branches = "glstat, matsum, nodout, rcforc, rwforc, secforc: ";
