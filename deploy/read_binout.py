@@ -95,7 +95,7 @@ def table(folder, name):
     path = folder / f"{name}.csv"
     if not path.is_file():
         return None
-    frame = pd.read_csv(path)
+    frame = pd.read_csv(path, float_precision="round_trip")
     return frame.rename(columns=lambda column: column.split(" [")[0])
 
 
