@@ -31,7 +31,7 @@ fn histories_read_back() {
                    side = [0, 0, -1] }]";
     let ended = tube(&["output.d3plot=true", "output.field_interval=0.05", walls, section]);
     let Some(said) = compared(&ended) else { return };
-    let branches = "glstat, matsum, nodout, rcforc, rwforc, secforc: ";
+    let branches = "glstat, matsum, nodout, rwforc, secforc: ";
     assert!(said.starts_with(branches) && said.contains("all agrees"), "{said}");
 }
 
