@@ -29,7 +29,7 @@ missing() {
 }
 
 # Packages of Python that tests import.
-packages="dynars, lasso, pandas, pyvista, requests"
+packages="dynars, lasso, mypy, pandas, pytest, pyvista, requests"
 
 # Prints the path of a Python with pyvista: that in PATH, or one in .venv, which is made if needed.
 python_with_vtk() {

@@ -117,6 +117,12 @@ pub enum Command {
         #[arg(long, value_name = "MB", default_value_t = D3PLOT_FILE_SIZE)]
         file_size: u64,
     },
+    /// Write the histories of a run as LS-DYNA's binary time histories (binout), for scripts and
+    /// post-processors that read them.
+    ExportBinout {
+        /// Folder of results of a run.
+        dir: PathBuf,
+    },
     /// Write the fields of a run as one temporal VTKHDF file; needs a build with `--features
     /// vtkhdf`.
     ExportVtkhdf {

@@ -7,10 +7,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folder of each crate and its name in paths. Inner folders stand first.
-const CRATES: [(&str, &str); 10] = [
+const CRATES: [(&str, &str); 11] = [
     ("tests/verification/src/", "crumple_verification"),
     ("tests/src/", "crumple_tests"),
     ("master/program/src/", "crumple_program"),
+    ("master/python/src/", "crumple_native"),
     ("master/src/", "crumple"),
     ("worker/math/src/", "crumple_math"),
     ("worker/fem/src/", "crumple_fem"),

@@ -8,6 +8,7 @@ pub mod fields;
 pub mod imports;
 pub mod manual;
 pub mod program;
+pub mod python_package;
 pub mod restart;
 pub mod service;
 pub mod sheets;

@@ -1,182 +1,186 @@
-"""A job of a service: its state, orders to it, and its results."""
+"""A job as nested tables, checked against the schema of jobs."""
 
 from __future__ import annotations
 
-import io
+import json
 import os
-import tempfile
-import time
-from collections.abc import Mapping
-from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
+from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
-import pandas
+from . import _native
+from ._options import changes
+from .errors import Finding, JobError
 
-from .service import Service, changes
-
-if TYPE_CHECKING:
-    import pyvista
-
-FINAL_STATES = frozenset({"checked", "completed", "refused", "failed", "lost", "stopped"})
-"""States in which nothing more happens without an order."""
+FILES = ("file", "deck", "exodus")
+"""Keys of `mesh` that name a file in the folder of the job."""
+DECKS = (".k", ".key", ".dyn")
 
 
-class JobError(Exception):
-    """A job has ended in another way than asked for; the text is the reason of the service."""
+class Job(MutableMapping[str, Any]):
+    """A job: a table of the keys of a job file, with tables and lists as in TOML.
 
-    def __init__(self, job: Job) -> None:
-        super().__init__(f"job {job.id} is {job.state}: {job.reason or 'no reason is known'}")
-        self.job = job
+        job = crumple.Job.read("cases/bars")
+        job["end_time"] = 0.05
+        job["part"][0]["thickness"] = 0.3
+        job.write("bars/job.toml")
 
+    Files that it names are in `folder`. The key and the type of a value are checked when it is
+    set, values within a table when the job is written, checked or run.
+    """
 
-class Job:
-    """A job. Its attributes are as of the last answer of the service; `refresh` asks again."""
+    def __init__(
+        self,
+        table: Mapping[str, Any] | None = None,
+        *,
+        folder: str | os.PathLike[str] = ".",
+        name: str = "job",
+    ) -> None:
+        """Makes a job of a table.
 
-    def __init__(self, service: Service, about: Mapping[str, Any]) -> None:
-        self._service = service
-        self._about = about
+        Raises `JobError` with all problems of its keys; keys that are missing are none yet.
+        """
+        self.folder = Path(folder)
+        self.name = name
+        self._table: dict[str, Any] = {}
+        self._set({key: _plain(value) for key, value in (table or {}).items()})
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Job:
+        """Reads a job file, or `job.toml` in a folder; a deck becomes a job that names it.
+
+        Raises `OSError`, `ValueError` if the file is no TOML, and `JobError`.
+        """
+        path = Path(path)
+        file = path / "job.toml" if path.is_dir() else path
+        name = file.resolve().parent.name if file.name == "job.toml" else file.stem
+        if file.suffix.lower() in DECKS:
+            return cls({"mesh": {"deck": file.name}}, folder=file.parent, name=name)
+        try:
+            table = _native.from_toml(file.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise ValueError(f"{file}: {error}") from None
+        return cls(table, folder=file.parent, name=name)
+
+    @classmethod
+    def example(cls, name: str) -> Job:
+        """Returns an example job, of those of `crumple init`.
+
+        Raises `KeyError` with the names of all examples.
+        """
+        known = dict(_native.examples())
+        if name not in known:
+            raise KeyError(f"there is no example {name}; there are {', '.join(known)}")
+        return cls(_native.from_toml(known[name]), name=name)
+
+    @staticmethod
+    def schema() -> dict[str, Any]:
+        """Returns the JSON Schema of jobs."""
+        schema: dict[str, Any] = json.loads(_native.schema())
+        return schema
+
+    def toml(self) -> str:
+        """Returns the text of the job file."""
+        return _native.to_toml(_plain(self._table))
+
+    def problems(self) -> list[Finding]:
+        """Returns all problems of its keys: unknown and missing ones, and wrong types.
+
+        `crumple.check` also reads the meshes and checks the model.
+        """
+        return JobError.of_keys(_native.check_keys(self.toml())).findings
+
+    def write(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the job file and returns its path.
+
+        Names of files are changed so that they hold in the folder of `path`. Raises `JobError`
+        with all problems of its keys.
+        """
+        if found := _native.check_keys(self.toml()):
+            raise JobError.of_keys(found)
+        path = Path(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        moved = Job(self._table)
+        mesh = moved._table.get("mesh", {})
+        for key in FILES:
+            if key in mesh:
+                mesh[key] = os.path.relpath((self.folder / mesh[key]).resolve(), path.parent)
+        path.write_text(moved.toml(), encoding="utf-8")
+        return path
+
+    def copy(self) -> Job:
+        """Returns a job that shares nothing with this one."""
+        return Job(self._table, folder=self.folder, name=self.name)
+
+    def _set(self, values: Mapping[str, Any]) -> None:
+        """Sets values after a check of each; of missing keys only those within them count."""
+        found = _native.check_keys(_native.to_toml(_plain({**self._table, **values})))
+        own = [one for one in found if one[0].split(".")[0] in values]
+        if own:
+            raise JobError.of_keys(own)
+        self._table.update(values)
+
+    def __getitem__(self, key: str) -> Any:
+        return self._table[key]
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        self._set({key: _plain(value)})
+
+    def __delitem__(self, key: str) -> None:
+        del self._table[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._table)
+
+    def __len__(self) -> int:
+        return len(self._table)
 
     def __repr__(self) -> str:
-        return f"<Job {self.id} {self.name!r}: {self.state}>"
+        return f"<Job {self.name!r}: {', '.join(self)}>"
 
-    @property
-    def id(self) -> int:
-        """Number."""
-        return int(self._about["id"])
 
-    @property
-    def name(self) -> str:
-        """Name that its owner gave it."""
-        return str(self._about["name"])
+@dataclass(frozen=True)
+class Check:
+    """A job that can run, as `crumple check` describes it."""
 
-    @property
-    def state(self) -> str:
-        """`queued`, `running`, `completed` and so on."""
-        return str(self._about["state"])
+    text: str
+    """Mass, parts, time step, mesh quality and cost."""
+    warnings: list[Finding]
+    """Warnings."""
+    memory_mb: float
+    """Estimated memory [MB]."""
 
-    @property
-    def reason(self) -> str:
-        """Why it is in this state."""
-        return str(self._about["reason"])
+    def __str__(self) -> str:
+        return self.text
 
-    @property
-    def code(self) -> int | None:
-        """Exit code of its run; none before its end."""
-        code = self._about["code"]
-        return None if code is None else int(code)
 
-    @property
-    def about(self) -> Mapping[str, Any]:
-        """All that the service knows of it, as in the description of its interface."""
-        return self._about
+def check(
+    job: Job | str | os.PathLike[str],
+    *,
+    workers: int | None = None,
+    set: Mapping[str, object] | None = None,
+) -> Check:
+    """Checks a job, its meshes and its model, without running it.
 
-    def refresh(self) -> Job:
-        """Asks for its present state."""
-        self._about = self._service._json("GET", f"/api/jobs/{self.id}")
-        return self
+    `job` is a job, a job file, a folder with `job.toml`, or a deck. Raises `JobError` with all
+    problems.
+    """
+    text = job.toml() if isinstance(job, Job) else None
+    path = job.folder / "job.toml" if isinstance(job, Job) else Path(job)
+    found = _native.check_job(os.fspath(path), text, changes(set), workers)
+    if not found["usable"]:
+        raise JobError(found)
+    warnings = [Finding.of(one) for one in found["findings"]]
+    return Check(found["text"], warnings, found["memory_mb"])
 
-    def wait(
-        self, *, timeout: float | None = None, every: float = 0.5, check: bool = True
-    ) -> Job:
-        """Waits until it ends, at most `timeout` seconds, and asks `every` so many seconds.
 
-        Raises `JobError` if it is neither complete nor checked, unless `check` is false, and
-        `TimeoutError`.
-        """
-        end = None if timeout is None else time.monotonic() + timeout
-        while self.refresh().state not in FINAL_STATES:
-            if end is not None and time.monotonic() > end:
-                raise TimeoutError(f"job {self.id} is still {self.state} after {timeout} s")
-            time.sleep(every)
-        if check and self.state not in ("completed", "checked"):
-            raise JobError(self)
-        return self
-
-    def stop(self, *, force: bool = False) -> Job:
-        """Stops it: one that waits never starts, one that runs writes a checkpoint.
-
-        With `force`, a job that was asked before and does not stop is killed.
-        """
-        path = f"/api/jobs/{self.id}/stop?force={str(force).lower()}"
-        self._about = self._service._json("POST", path, json={})
-        return self
-
-    def resume(
-        self, *, workers: int | None = None, set: Mapping[str, object] | None = None
-    ) -> Job:
-        """Starts one that was only checked, or continues one from its newest checkpoint."""
-        change: dict[str, object] = {"set": changes(set)}
-        if workers is not None:
-            change["workers"] = workers
-        self._about = self._service._json("POST", f"/api/jobs/{self.id}/resume", json=change)
-        return self
-
-    def findings(self) -> str:
-        """Returns what `crumple check` says of it."""
-        return str(self._service._json("GET", f"/api/jobs/{self.id}/check")["text"])
-
-    def files(self) -> dict[str, int]:
-        """Returns the sizes of its files [byte] by their paths."""
-        all = self._service._json("GET", f"/api/jobs/{self.id}/files")
-        return {str(file["path"]): int(file["size"]) for file in all}
-
-    def read(self, path: str) -> bytes:
-        """Returns the content of a file, such as `results/summary.json`."""
-        return b"".join(self._service._download(self.id, path))
-
-    def history(self, name: str = "history.csv") -> pandas.DataFrame:
-        """Returns a history: one row per time, and columns with units as in the file."""
-        return pandas.read_csv(io.BytesIO(self.read(f"results/{name}")))
-
-    def times(self) -> list[float]:
-        """Returns the times of its fields, in the unit of the job."""
-        return [time for time, _ in self._steps()]
-
-    def fields(self, step: int = -1) -> pyvista.UnstructuredGrid:
-        """Returns the fields of one output step, the last one unless `step` says otherwise.
-
-        Needs pyvista: `pip install crumple[fields]`.
-        """
-        import pyvista
-
-        steps = self._steps()
-        try:
-            _, index = steps[step]
-        except IndexError:
-            raise IndexError(f"job {self.id} has {len(steps)} steps with fields") from None
-        folder = str(PurePosixPath("results/fields", index).parent)
-        with tempfile.TemporaryDirectory() as copy:
-            self.fetch(copy, only=f"{folder}/")
-            grid = pyvista.read(Path(copy) / "results/fields" / index)
-        if not isinstance(grid, pyvista.UnstructuredGrid):
-            raise TypeError(f"{index} has {type(grid).__name__} instead of a mesh")
-        return grid
-
-    def fetch(
-        self, folder: str | os.PathLike[str] | None = None, *, only: str = "results/"
-    ) -> Path:
-        """Copies the files whose paths begin with `only` into a folder, and returns the folder.
-
-        Without `folder`, it is `out/job-` and the number.
-        """
-        target = Path(folder if folder is not None else f"out/job-{self.id}")
-        paths = [path for path in self.files() if path.startswith(only)]
-        if not paths:
-            raise FileNotFoundError(f"job {self.id} has no file whose path begins with {only}")
-        for path in paths:
-            if not all(part not in ("", ".", "..") for part in path.split("/")):
-                raise ValueError(f"{path}: the service names a file outside its folder")
-            file = target / path
-            file.parent.mkdir(parents=True, exist_ok=True)
-            part = file.with_name(file.name + ".part")
-            with part.open("wb") as out:
-                out.writelines(self._service._download(self.id, path))
-            part.replace(file)
-        return target
-
-    def _steps(self) -> list[tuple[float, str]]:
-        """Returns times and files of its fields."""
-        text = self.read("results/fields/fields.pvd")
-        sets = ElementTree.fromstring(text).iter("DataSet")
-        return [(float(one.attrib["timestep"]), one.attrib["file"]) for one in sets]
+def _plain(value: Any) -> Any:
+    """Returns a value with tables, lists and numbers of Python in place of those of NumPy."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    return os.fspath(value) if isinstance(value, os.PathLike) else value

@@ -10,10 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-import requests
+from ._optional import missing
+from ._options import changes
+
+try:
+    import requests
+except ImportError as error:
+    raise missing("requests") from error
 
 if TYPE_CHECKING:
-    from .job import Job
+    from .service_job import ServiceJob
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 PIECE = 1 << 20
@@ -79,13 +85,13 @@ class Service:
         retries: int = 2,
         set: Mapping[str, object] | None = None,
         check_only: bool = False,
-    ) -> Job:
+    ) -> ServiceJob:
         """Submits a job file, a folder with all its files, or an archive (zip, tar, tar.gz).
 
         `main` names the job file in a folder or an archive. `set` has changes of the job, such as
         `{"end_time": 40.0}`. With `check_only`, the job starts when it is resumed.
         """
-        from .job import Job
+        from .service_job import ServiceJob
 
         options = {
             "name": name,
@@ -100,23 +106,23 @@ class Service:
         boundary = secrets.token_hex(20)
         kind = {"Content-Type": f"multipart/form-data; boundary={boundary}"}
         form = _form(boundary, options, Path(path))
-        return Job(self, self._json("POST", "/api/jobs", data=form, headers=kind))
+        return ServiceJob(self, self._json("POST", "/api/jobs", data=form, headers=kind))
 
-    def job(self, number: int) -> Job:
+    def job(self, number: int) -> ServiceJob:
         """Returns a job."""
-        from .job import Job
+        from .service_job import ServiceJob
 
-        return Job(self, self._json("GET", f"/api/jobs/{number}"))
+        return ServiceJob(self, self._json("GET", f"/api/jobs/{number}"))
 
-    def jobs(self, *, state: str | None = None, limit: int = 100) -> list[Job]:
+    def jobs(self, *, state: str | None = None, limit: int = 100) -> list[ServiceJob]:
         """Returns the newest jobs, at most `limit`; with `state`, only those in it."""
-        from .job import Job
+        from .service_job import ServiceJob
 
         query: dict[str, str | int] = {"limit": limit}
         if state is not None:
             query["state"] = state
         page = self._json("GET", "/api/jobs", params=query)
-        return [Job(self, about) for about in page["jobs"]]
+        return [ServiceJob(self, about) for about in page["jobs"]]
 
     def _json(self, method: str, path: str, **arguments: Any) -> Any:
         return self._ask(method, path, **arguments).json()
@@ -144,15 +150,6 @@ class Service:
         except (ValueError, KeyError, TypeError):
             reason = f"{self.url}: status {response.status_code}"
         raise ServiceError(reason, response.status_code)
-
-
-def changes(given: Mapping[str, object] | None) -> list[str]:
-    """Returns changes of a job as `key=value`, with values as in TOML."""
-
-    def text(value: object) -> str:
-        return str(value).lower() if isinstance(value, bool) else str(value)
-
-    return [f"{key}={text(value)}" for key, value in (given or {}).items()]
 
 
 def _form(boundary: str, options: Mapping[str, object], path: Path) -> Iterator[bytes]:

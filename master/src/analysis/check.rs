@@ -6,9 +6,11 @@ use crate::cli::CheckArgs;
 use crate::input::check::{describe, figure};
 use crate::input::confine;
 use crate::input::findings::Findings;
+use crate::input::job::report::SHOWN;
 use crate::input::job::{self, Model, Report};
 use crate::results::requirements;
 use crate::stdout;
+use crumple_proto::exit_code::COMPLETED;
 
 /// Runs `crumple check`: prints the description to standard output, or all problems to standard
 /// error; with `--json`, the findings to standard output in both cases. Returns the exit code.
@@ -19,31 +21,20 @@ pub fn run(args: &CheckArgs) -> u8 {
         eprintln!("error: {}: {error}", folder.display());
         return Report::EXIT_CODE;
     }
-    let read = || -> Result<(Model, String, f64), Report> {
-        let model = job::read(&args.job.job, &args.sets())?;
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let workers = model.workers(args.job.options.workers, cores)?;
-        requirements::check_names(&model)?;
-        let (costs, memory_mb) = cost::describe(&model, workers);
-        let text = describe(&model) + &costs;
-        Ok((model, text, memory_mb))
-    };
-    let (model, text, memory_mb) = match read() {
-        Ok(read) => read,
-        Err(report) if args.json => {
-            print(&Findings::new(false, 0.0, &report.problems, report.to_string()));
-            return Report::EXIT_CODE;
-        }
+    let read = job::read(&args.job.job, &args.sets());
+    let described = read.and_then(|model| Described::new(model, args.job.options.workers));
+    if args.json {
+        let code = if described.is_ok() { COMPLETED } else { Report::EXIT_CODE };
+        print(&findings(&described, SHOWN));
+        return code;
+    }
+    let Described { model, text, .. } = match described {
+        Ok(described) => described,
         Err(report) => {
             eprint!("{report}");
             return Report::EXIT_CODE;
         }
     };
-    if args.json {
-        let warnings: Vec<_> = model.warnings.iter().map(|warning| model.show(warning)).collect();
-        print(&Findings::new(true, memory_mb, &warnings, text));
-        return 0;
-    }
     stdout::write(format_args!("{text}"));
     let Some(time) = args.step else { return 0 };
     match spectrum::assembled(&model, time) {
@@ -55,6 +46,40 @@ pub fn run(args: &CheckArgs) -> u8 {
             eprintln!("error: the step of the assembled system was not found: {why}");
             UNSTABLE
         }
+    }
+}
+
+/// A job that can run.
+pub struct Described {
+    model: Model,
+    text: String,
+    memory_mb: f64,
+}
+
+impl Described {
+    /// Describes a job with its cost on `workers`, or on the number of workers that the job or this
+    /// machine gives.
+    ///
+    /// # Errors
+    /// The number of workers or a requirement of the job cannot be used.
+    pub fn new(model: Model, workers: Option<usize>) -> Result<Self, Report> {
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let workers = model.workers(workers, cores)?;
+        requirements::check_names(&model)?;
+        let (costs, memory_mb) = cost::describe(&model, workers);
+        let text = describe(&model) + &costs;
+        Ok(Self { model, text, memory_mb })
+    }
+}
+
+/// Returns the problems of a job, or its warnings and its description; at most `most` of them.
+pub fn findings(described: &Result<Described, Report>, most: usize) -> Findings {
+    match described {
+        Ok(Described { model, text, memory_mb }) => {
+            let warnings: Vec<_> = model.warnings.iter().map(|one| model.show(one)).collect();
+            Findings::new(true, *memory_mb, (&warnings, most), text.clone())
+        }
+        Err(report) => Findings::new(false, 0.0, (&report.problems, most), report.to_string()),
     }
 }
 

@@ -1,7 +1,6 @@
 //! Findings of `crumple check` as typed data: `crumple check --json` prints them, and the service
 //! stores and serves them.
 
-use crate::input::job::report::SHOWN;
 use crate::input::job::{Located, Spot};
 use crumple_proto::problem::Severity;
 use serde::{Deserialize, Serialize};
@@ -75,10 +74,16 @@ pub struct Mark {
 }
 
 impl Findings {
-    /// Builds the findings from problems in the order in which they are listed.
-    pub fn new(usable: bool, memory_mb: f64, problems: &[Located], text: String) -> Self {
-        let findings = problems.iter().take(SHOWN).map(Finding::from).collect();
-        let more = problems.len().saturating_sub(SHOWN);
+    /// Builds the findings from problems in the order in which they are listed. At most `most` are
+    /// listed.
+    pub fn new(
+        usable: bool,
+        memory_mb: f64,
+        (problems, most): (&[Located], usize),
+        text: String,
+    ) -> Self {
+        let findings = problems.iter().take(most).map(Finding::from).collect();
+        let more = problems.len().saturating_sub(most);
         Self { usable, memory_mb, findings, more, text }
     }
 
@@ -148,8 +153,8 @@ mod tests {
     #[test]
     fn findings_that_are_not_listed_are_counted() {
         let one = Located { problem: Problem::warning("", "m", ""), spot: None };
-        let found = Findings::new(true, 1.0, &vec![one; SHOWN + 2], String::new());
-        assert_eq!((found.findings.len(), found.more), (SHOWN, 2));
+        let found = Findings::new(true, 1.0, (&vec![one; 5], 3), String::new());
+        assert_eq!((found.findings.len(), found.more), (3, 2));
         assert_eq!(found.findings[0].severity, Level::Warning);
     }
 }

@@ -3,7 +3,7 @@
 use crate::cli::InitArgs;
 use crate::input::job::nearest;
 use crate::stdout;
-use crumple_cases::EXAMPLES;
+pub use crumple_cases::EXAMPLES;
 use std::path::PathBuf;
 
 /// Writes the example, or lists all. Returns the exit code.

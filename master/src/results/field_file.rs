@@ -185,6 +185,13 @@ impl PieceArrays {
         }
     }
 
+    /// Returns the names of all arrays with their types and bytes, in no particular order.
+    pub fn stored(&self) -> impl Iterator<Item = (&str, NumberType, &[u8])> {
+        self.arrays
+            .iter()
+            .map(|(name, stored)| (name.as_str(), stored.kind, &self.bytes[stored.bytes.clone()]))
+    }
+
     fn typed<T: Pod>(&self, name: &str, kind: NumberType) -> Result<Vec<T>, String> {
         self.raw(name, kind).map_err(|why| format!("{}: {why}", self.path.display()))
     }

@@ -1,5 +1,6 @@
 //! Results: fields, histories, the summary, the report page and exports for other programs.
 
+pub mod binout;
 pub mod d3plot;
 pub mod exodus;
 pub mod field_file;

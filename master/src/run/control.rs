@@ -21,7 +21,7 @@ use crate::run::balance::Balance;
 use crate::run::checkpoint::find::Resumption;
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
-use crate::run::progress::{ProgressDisplay, RunState};
+use crate::run::progress::{Audience, ProgressDisplay, RunState};
 use crate::run::service::Desk;
 use crate::run::service::signals::StopFlag;
 use crumple_proto::boxes::CutTree;
@@ -165,13 +165,13 @@ pub fn run(
     let _run = tracing::info_span!("run", rank = 0).entered();
     let patience = model.job.checkpoint.patience().expect("the job is checked when it is read");
     disk::set_patience(patience);
-    let Guidance { quiet, stop, desk } = guidance;
+    let Guidance { audience, stop, desk } = guidance;
     // The files of the run are changed only when all workers have the state of the checkpoint.
     let tree = match &mut origin.from {
         None => CutTree::single(),
         Some((from, _)) => distribute::restore(model, comm, results, from)?,
     };
-    let new = || Control::new(model, comm, results, (origin, tree), (quiet, desk));
+    let new = || Control::new(model, comm, results, (origin, tree), (audience, desk));
     let mut control = disk::watched(results.out, new)?;
     let ended = control.conclude(stop);
     control.viewing.end();
@@ -184,8 +184,8 @@ pub fn run(
 
 /// How a run is shown and who may steer it.
 pub struct Guidance<'a> {
-    /// True if only errors are printed.
-    pub quiet: bool,
+    /// The reader of progress and messages.
+    pub audience: Audience,
     /// Requests by signals.
     pub stop: &'a StopFlag,
     /// Requests by clients; without a socket `None`.
@@ -195,7 +195,7 @@ pub struct Guidance<'a> {
 impl<'a> Guidance<'a> {
     /// Returns that of a quiet run without clients.
     pub fn quiet(stop: &'a StopFlag) -> Self {
-        Self { quiet: true, stop, desk: None }
+        Self { audience: Audience::Silent, stop, desk: None }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::input::confine;
 use crate::input::job::{self, Model, Report};
 use crate::results::provenance::ProgramStart;
 use crate::results::summary::{RunEnd, Summary};
-use crate::results::{d3plot, exodus, fields, report, requirements, steering, vtkhdf};
+use crate::results::{binout, d3plot, exodus, fields, report, requirements, steering, vtkhdf};
 use crate::run::attempt::{self, Attempt};
 use crate::run::checkpoint::manifest::{Manifest, Stamp};
 use crate::run::checkpoint::{compare, find};
@@ -16,6 +16,7 @@ use crate::run::lock::Lock;
 use crate::run::log::Logs;
 #[cfg(feature = "mpi")]
 use crate::run::log::RankLog;
+use crate::run::progress::Audience;
 use crate::run::service::Service;
 #[cfg(feature = "mpi")]
 use crate::run::service::signals;
@@ -84,39 +85,57 @@ fn is_worker_rank() -> bool {
 }
 
 /// A job that is ready to run.
-struct Ready {
-    model: Model,
-    workers: usize,
-    origin: Origin,
-    out: PathBuf,
+pub(super) struct Ready {
+    pub(super) model: Model,
+    pub(super) workers: usize,
+    pub(super) origin: Origin,
+    pub(super) out: PathBuf,
     logs: Logs,
     _lock: Lock,
 }
 
-/// Problems that end the program before the run, as they are printed.
-struct StartProblems(String);
+/// Problems that prevent a run.
+#[derive(Debug, thiserror::Error)]
+pub enum StartProblems {
+    /// Problems of the job. The text ends with a line break.
+    #[error("{0}")]
+    Job(#[from] Report),
+    /// Another reason, such as a folder of results that is in use.
+    #[error("{0}")]
+    Other(String),
+}
 
 impl From<String> for StartProblems {
     fn from(why: String) -> Self {
-        Self(format!("error: {why}\n"))
+        Self::Other(why)
     }
 }
 
-impl From<Report> for StartProblems {
-    fn from(report: Report) -> Self {
-        Self(report.to_string())
-    }
-}
-
-/// Reads the job and, if the run continues, its checkpoint; locks the folder of results. Prints all
-/// problems.
-fn prepare(args: &RunArgs, workers: impl Fn(&Model) -> Result<usize, Report>) -> Option<Ready> {
+/// Reads the job and, if the run continues, its checkpoint; locks the folder of results.
+///
+/// # Errors
+/// All problems of the job, or the reason why the folder cannot be used.
+pub(super) fn prepare(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+) -> Result<Ready, StartProblems> {
     set_patience(args);
-    let ready = match &args.resume {
+    match &args.resume {
         None => begin(args, workers),
         Some(dir) => go_on(args, workers, dir),
+    }
+}
+
+/// As [`prepare`]; prints all problems.
+fn prepare_or_print(
+    args: &RunArgs,
+    workers: impl Fn(&Model) -> Result<usize, Report>,
+) -> Option<Ready> {
+    let print = |problems| match problems {
+        StartProblems::Job(report) => eprint!("{report}"),
+        StartProblems::Other(why) => eprintln!("error: {why}"),
     };
-    ready.map_err(|StartProblems(text)| eprint!("{text}")).ok()
+    prepare(args, workers).map_err(print).ok()
 }
 
 /// Prepares a run from time 0.
@@ -235,12 +254,23 @@ fn read_job(
 }
 
 fn run_threads(args: &RunArgs, service: &Service) -> u8 {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let ready = prepare(args, |m| m.workers(args.options.workers, cores));
+    let ready = prepare_or_print(args, |m| m.workers(args.options.workers, cores()));
     let Some(mut ready) = ready else { return Report::EXIT_CODE };
     let _log = ready.logs.start_master(ready.origin.from.is_some());
-    let workers = ready.workers;
-    let mut ends = threads::connect(workers + 1);
+    with_threads(ready, |ready, master| as_master(args, ready, master, service).0)
+}
+
+/// Returns the number of cores of this machine.
+pub(super) fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Starts the workers as threads of this process, and ends them when the master has ended.
+pub(super) fn with_threads<T>(
+    ready: Ready,
+    as_master: impl FnOnce(Ready, &mut dyn Transport) -> T,
+) -> T {
+    let mut ends = threads::connect(ready.workers + 1);
     let mut master = ends.remove(0);
     let workers: Vec<_> = ends
         .into_iter()
@@ -257,13 +287,13 @@ fn run_threads(args: &RunArgs, service: &Service) -> u8 {
             std::thread::Builder::new().name(name).spawn(logged)
         })
         .collect();
-    let (code, _) = as_master(args, ready, &mut master, service);
+    let ended = as_master(ready, &mut master);
     drop(master); // workers that wait for a message end
     for worker in workers.into_iter().flatten() {
         // The worker has printed its panic, and the master reports it as a lost worker.
         let _ = worker.join();
     }
-    code
+    ended
 }
 
 #[cfg(not(feature = "mpi"))]
@@ -311,7 +341,7 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
         };
     }
     let ranks = comm.size() - 1;
-    let ready = prepare(args, |m| {
+    let ready = prepare_or_print(args, |m| {
         m.workers(Some(ranks), ranks)?;
         Ok(ranks)
     });
@@ -373,11 +403,11 @@ fn as_master(
     if let Err(why) = &desk {
         tracing::warn!(why, "no client can attach to this run");
     }
-    let guidance = Guidance { quiet: args.quiet, stop, desk: desk.ok() };
+    let audience = if args.quiet { Audience::Silent } else { Audience::Terminal };
+    let guidance = Guidance { audience, stop, desk: desk.ok() };
     let results = Results { out: &out, trace: args.trace.as_deref() };
     let ended = control::run(model, comm, results, origin, guidance);
-    let writable = !matches!(ended, Err(RunError::Output { .. }));
-    let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
+    let made = make_report(args, &ended, &out);
     let (code, workers) = match &ended {
         Ok(summary) => (conclude(args, model, summary, &out), WorkersAre::Gone),
         Err(error) => {
@@ -402,23 +432,43 @@ fn as_master(
     (code, workers)
 }
 
+/// Makes the report of a run that has ended, if it is wanted and the folder can be written.
+pub(super) fn make_report(
+    args: &RunArgs,
+    ended: &Result<Summary, RunError>,
+    out: &Path,
+) -> Option<Result<report::Made, String>> {
+    let writable = !matches!(ended, Err(RunError::Output { .. }));
+    (writable && !args.no_report).then(|| report::write(out, args.quiet))
+}
+
+/// Writes the exports that the job asks for.
+///
+/// # Errors
+/// One cannot be written; the message names the file.
+pub(super) fn export(model: &Model, out: &Path) -> Result<(), String> {
+    type Export = fn(&Path) -> Result<String, String>;
+    let output = &model.job.output;
+    let exports: [(bool, Export); 4] = [
+        (output.d3plot, |out| d3plot::export(out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)),
+        (output.d3plot, binout::export),
+        (output.vtkhdf, vtkhdf::export),
+        (output.exodus, exodus::export),
+    ];
+    exports.iter().filter(|(is_asked, _)| *is_asked).try_for_each(|(_, export)| {
+        export(out)?;
+        Ok(())
+    })
+}
+
 /// Prints how a run ended and writes the exports that the job asks for. Returns the exit code.
 fn conclude(args: &RunArgs, model: &Model, summary: &Summary, out: &Path) -> u8 {
     if !args.quiet {
         print_summary(summary, out);
     }
-    type Export = fn(&Path) -> Result<String, String>;
-    let output = &model.job.output;
-    let exports: [(bool, Export); 3] = [
-        (output.d3plot, |out| d3plot::export(out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)),
-        (output.vtkhdf, vtkhdf::export),
-        (output.exodus, exodus::export),
-    ];
-    for (_, export) in exports.iter().filter(|(is_asked, _)| *is_asked) {
-        if let Err(why) = export(out) {
-            eprintln!("error: {why}");
-            return Report::EXIT_CODE;
-        }
+    if let Err(why) = export(model, out) {
+        eprintln!("error: {why}");
+        return Report::EXIT_CODE;
     }
     if summary.status == RunEnd::Failed {
         eprintln!("error: {}", summary.reason);

@@ -7,6 +7,7 @@ pub mod checkpoint;
 pub mod control;
 pub mod decompose;
 pub mod embedded;
+pub mod in_process;
 pub mod launch;
 pub mod lock;
 pub mod log;

@@ -1,7 +1,9 @@
-//! Progress of a run on the terminal: a bar, or plain lines if the output is no terminal.
+//! Progress of a run on the terminal: a bar, or plain lines if the output is no terminal. A program
+//! that runs a job in its own process asks a [`ProgressFeed`] instead.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Interval between plain lines, and interval between updates of the bar.
@@ -27,25 +29,71 @@ pub struct RunState {
     pub imbalance: f64,
 }
 
-/// Progress display on standard error.
+/// Reader of the progress of a run.
+#[derive(Clone, Debug)]
+pub enum Audience {
+    /// Standard error.
+    Terminal,
+    /// No reader.
+    Silent,
+    /// Another thread of this process.
+    Thread(ProgressFeed),
+}
+
+/// Progress of a run for another thread of this process.
+#[derive(Clone, Debug, Default)]
+pub struct ProgressFeed(Arc<Mutex<FeedContent>>);
+
+/// State and messages for a thread.
+#[derive(Clone, Debug, Default)]
+pub struct FeedContent {
+    /// The last state.
+    pub state: RunState,
+    /// End of the run [time]; 0 before it has begun.
+    pub end_time: f64,
+    /// Messages since the last question.
+    pub messages: Vec<String>,
+}
+
+impl ProgressFeed {
+    /// Returns the last state, and the messages since the last call.
+    pub fn take(&self) -> FeedContent {
+        self.change(|content| {
+            let messages = std::mem::take(&mut content.messages);
+            FeedContent { messages, ..*content }
+        })
+    }
+
+    /// Adds a message.
+    pub fn say(&self, message: &str) {
+        self.change(|content| content.messages.push(message.into()));
+    }
+
+    fn change<T>(&self, change: impl FnOnce(&mut FeedContent) -> T) -> T {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Progress display on standard error, or for another thread.
 pub struct ProgressDisplay {
     end_time: f64,
     began: Instant,
     last: Instant,
     bar: Option<ProgressBar>,
-    quiet: bool,
+    audience: Audience,
 }
 
 impl ProgressDisplay {
-    /// Creates the display for a run to `end_time`. Nothing is shown if `quiet` is true.
-    pub fn new(end_time: f64, quiet: bool) -> Self {
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+    /// Creates the display for a run to `end_time`.
+    pub fn new(end_time: f64, audience: Audience) -> Self {
+        let on_terminal = matches!(audience, Audience::Terminal);
+        let bar = (on_terminal && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(TICKS);
             let style = ProgressStyle::with_template("{bar:20} {percent:>3}% {wide_msg}");
             style.into_iter().for_each(|s| bar.set_style(s));
             bar
         });
-        Self { end_time, began: Instant::now(), last: Instant::now(), bar, quiet }
+        Self { end_time, began: Instant::now(), last: Instant::now(), bar, audience }
     }
 
     /// Changes the end of the run.
@@ -55,8 +103,16 @@ impl ProgressDisplay {
 
     /// Shows the state, if the interval has passed.
     pub fn show(&mut self, s: &RunState) {
+        match &self.audience {
+            Audience::Terminal => {}
+            Audience::Silent => return,
+            Audience::Thread(feed) => {
+                feed.change(|content| (content.state, content.end_time) = (*s, self.end_time));
+                return;
+            }
+        }
         let every = if self.bar.is_some() { DRAW_EVERY } else { LINE_EVERY };
-        if self.quiet || self.last.elapsed() < every {
+        if self.last.elapsed() < every {
             return;
         }
         self.last = Instant::now();
@@ -85,10 +141,11 @@ impl ProgressDisplay {
 
     /// Prints a line without disturbing the bar.
     pub fn println(&self, line: &str) {
-        match &self.bar {
-            Some(bar) => bar.println(line),
-            None if !self.quiet => eprintln!("{line}"),
-            None => {}
+        match (&self.bar, &self.audience) {
+            (Some(bar), _) => bar.println(line),
+            (None, Audience::Terminal) => eprintln!("{line}"),
+            (None, Audience::Thread(feed)) => feed.say(line),
+            (None, Audience::Silent) => {}
         }
     }
 

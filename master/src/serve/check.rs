@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn text_is_shortened_between_two_characters() {
-        let long = Findings::new(true, 12.5, &[], "é".repeat(MOST_TEXT) + "a");
+        let long = Findings::new(true, 12.5, (&[], 0), "é".repeat(MOST_TEXT) + "a");
         let found = ended(0, &serde_json::to_string(&long).unwrap(), "");
         assert_eq!((found.text.len(), found.memory_mb, found.usable), (MOST_TEXT, 12.5, true));
     }

@@ -20,7 +20,8 @@ pub struct Output {
     /// Write `contacts.csv` and `contact_pairs.csv` if there is contact between parts: the force on
     /// each part, and between each pair of parts.
     pub contacts: bool,
-    /// Also write the fields as a d3plot database, at the end of the run.
+    /// Also write the fields as a d3plot database, and the histories as a binout, at the end of the
+    /// run.
     pub d3plot: bool,
     /// Also write the fields as one temporal VTKHDF file, at the end of the run. Needs a build with
     /// the feature `vtkhdf`.

@@ -1,12 +1,14 @@
 //! Results of a run, read back by other readers; the report, the trace and studies; runs that are
 //! reproduced and compared.
 
+mod binout;
 mod d3plot;
 mod exodus;
 mod histories;
 mod logs;
 mod paraview;
 mod provenance;
+mod python;
 mod report;
 mod report_page;
 mod study;

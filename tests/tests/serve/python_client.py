@@ -62,7 +62,7 @@ bad = service.submit(job_file, set={"end_time": -1})
 try:
     bad.wait(timeout=200)
     raise SystemExit("a job that cannot run was taken")
-except crumple.JobError as error:
+except crumple.ServiceJobError as error:
     assert "end_time" in str(error) and bad.state == "refused", error
 for wrong, status, words in [
     (lambda: service.job(999), 404, "there is no job 999"),

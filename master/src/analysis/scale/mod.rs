@@ -18,7 +18,7 @@ use crate::cli::ScaleArgs;
 use crate::input::job::{self, Model, Report};
 use crate::run::decompose::{Centres, ElementLoads, Load, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
-use crate::run::progress::{ProgressDisplay, RunState};
+use crate::run::progress::{Audience, ProgressDisplay, RunState};
 use crate::stdout::say;
 use census::{Census, Count, centre_for, messages_to_all};
 use crumple_proto::boxes::CutTree;
@@ -173,7 +173,8 @@ fn samples(
     network: Network,
 ) -> Result<Vec<ScaleSample>, String> {
     let last = times[times.len() - 1];
-    let mut progress = ProgressDisplay::new(last.max(f64::MIN_POSITIVE), last == 0.0);
+    let audience = if last == 0.0 { Audience::Silent } else { Audience::Terminal };
+    let mut progress = ProgressDisplay::new(last.max(f64::MIN_POSITIVE), audience);
     let mut watch: Option<Watch> = None;
     let mut samples: Vec<ScaleSample> = Vec::new();
     let mut failed = None;

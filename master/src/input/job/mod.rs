@@ -97,6 +97,22 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
     read_tree(path, job, sets, findings)
 }
 
+/// Returns the problems of the keys of a job given as text: unknown and missing keys, types and
+/// invalid numbers. Nothing else is checked, and no file is read.
+pub fn check_keys(text: &str) -> Vec<Problem> {
+    let mut tree = match Node::parse(text) {
+        Ok(tree) => tree,
+        Err(errors) => {
+            let problem = |(message, help, _)| Problem::error("", message, help);
+            return errors.into_iter().map(problem).collect();
+        }
+    };
+    let mut findings = JobProblems::default();
+    contact::from_list(&mut tree);
+    validate::job(&mut tree, &mut findings);
+    findings.list.into_iter().map(|found| found.problem).collect()
+}
+
 /// Returns a job that consists only of this deck.
 fn deck_job(path: &Path) -> SourceFile {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -15,7 +15,7 @@ use crate::run::balance::{Balance, BalanceLimits};
 use crate::run::checkpoint::find::{Resumption, tidy};
 use crate::run::checkpoint::manifest::Stamp;
 use crate::run::checkpoint::{Checkpoints, MasterState};
-use crate::run::progress::ProgressDisplay;
+use crate::run::progress::{Audience, ProgressDisplay};
 use crate::run::service::Desk;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::Captured;
@@ -31,7 +31,7 @@ impl<'a> Control<'a> {
         comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
         (Origin { stamp, start, mut from }, tree): (Origin, CutTree),
-        (quiet, desk): (bool, Option<Desk>),
+        (audience, desk): (Audience, Option<Desk>),
     ) -> Result<Self, RunError> {
         let workers = comm.size() - 1;
         std::fs::create_dir_all(out).map_err(output_error(out))?;
@@ -64,7 +64,7 @@ impl<'a> Control<'a> {
             tree,
             balance,
             series,
-            progress: ProgressDisplay::new(model.settings.end_time, quiet),
+            progress: ProgressDisplay::new(model.settings.end_time, audience),
             out: out.to_owned(),
             orders: 0,
             stop_ordered: false,

@@ -54,7 +54,7 @@ impl StopFlag {
     }
 
     /// Counts a request to stop, and ends the process if that is its effect.
-    fn raise(&self) {
+    pub fn raise(&self) {
         let again = self.stops.fetch_add(1, Ordering::Relaxed) > 0;
         let manner = self.manner.load(Ordering::Relaxed);
         if manner == Manner::AtOnce as u8 || (again && manner == Manner::Orderly as u8) {
