@@ -152,7 +152,7 @@ impl Scene {
 
     /// Adds a solid of a part: a face whose normal points into it, then the opposite nodes. Ids
     /// follow those of the shells.
-    pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
+    pub fn solid<const C: usize>(&mut self, part: u32, corners: [u32; C]) {
         self.solids.push(std::iter::once(part).chain(corners).collect());
     }
 

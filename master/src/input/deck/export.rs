@@ -378,7 +378,7 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
     }
     springs::elements(deck, model.mesh.elements.iter());
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
-        let of = |shape: Shape| if shells { shape.is_shell() } else { shape == Shape::Hex8 };
+        let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }
