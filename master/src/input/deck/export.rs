@@ -401,10 +401,14 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
 
 fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
     let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
-    fields.extend(element.corners().iter().map(|n| Id(n.label())));
-    if element.shape == Shape::Tri3 {
-        fields.extend(element.corners().last().map(|n| Id(n.label())));
-    }
+    let corners: &[usize] = match element.shape {
+        Shape::Tri3 => &[0, 1, 2, 2],
+        Shape::Quad4 => &[0, 1, 2, 3],
+        Shape::Tet4 => &[0, 1, 2, 3, 3, 3, 3, 3],
+        Shape::Wedge6 => &[0, 2, 5, 3, 1, 1, 4, 4],
+        _ => &[0, 1, 2, 3, 4, 5, 6, 7],
+    };
+    fields.extend(corners.iter().map(|&c| Id(element.nodes[c].label())));
     deck.card(&fields);
     let own = element.own;
     if own.thickness > 0.0 {
