@@ -362,9 +362,9 @@ mod tests {
         // The triangles of LS-DYNA's wedge are 1 2 5 and 4 3 7; the normal of the first one points
         // into the solid in the order 1 5 2.
         let (kind, nodes) = shape([1, 2, 3, 4, 5, 5, 7, 7]).unwrap();
-        let turned = |n: &[u64]| (0..3).map(|i| [n[i], n[(i + 1) % 3], n[(i + 2) % 3]]);
+        let turned = |n: [u64; 3]| [0, 1, 2].map(|i| [n[i], n[(i + 1) % 3], n[(i + 2) % 3]]);
         assert_eq!(kind, Shape::Wedge6);
-        assert!(turned(&nodes[..3]).any(|n| n == [1, 5, 2]), "{nodes:?}");
+        assert!(turned([nodes[0], nodes[1], nodes[2]]).contains(&[1, 5, 2]), "{nodes:?}");
         let above = |n: u64| nodes[3 + nodes.iter().position(|m| *m == n).unwrap()];
         assert_eq!([1, 5, 2].map(above), [4, 7, 3]);
         assert_eq!(shape([1, 2, 3, 3, 5, 6, 7, 7]), Some((Shape::Wedge6, vec![1, 2, 3, 5, 6, 7])));

@@ -75,9 +75,9 @@ type WedgeNodes<R> = [[R; 3]; NODES];
 
 /// Gradients of the points at given coordinates.
 struct WedgeGradient<R> {
-    /// Of each point, the gradients of the nodes [1/length].
+    /// Gradients of the nodes at each point [1/length].
     b: [WedgeNodes<R>; POINTS],
-    /// Of each point, its volume [length^3].
+    /// Volumes of the points [length^3].
     volumes: [R; POINTS],
     volume: R,
 }
