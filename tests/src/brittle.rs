@@ -27,12 +27,13 @@ impl Cut {
             Self::Whole => scene.solid(part, c),
             Self::Tetrahedra => {
                 let around = [1, 2, 3, 7, 4, 5].map(|k: usize| c[k]);
-                (0..6)
-                    .for_each(|i| scene.solid(part, [c[0], around[i], around[(i + 1) % 6], c[6]]));
+                for i in 0..6 {
+                    scene.solid_of(part, &[c[0], around[i], around[(i + 1) % 6], c[6]]);
+                }
             }
             Self::Wedges => {
-                scene.solid(part, [c[0], c[1], c[2], c[4], c[5], c[6]]);
-                scene.solid(part, [c[0], c[2], c[3], c[4], c[6], c[7]]);
+                scene.solid_of(part, &[c[0], c[1], c[2], c[4], c[5], c[6]]);
+                scene.solid_of(part, &[c[0], c[2], c[3], c[4], c[6], c[7]]);
             }
         }
     }
