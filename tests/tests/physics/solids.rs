@@ -134,10 +134,8 @@ fn cantilever(cut: Cut, depth: usize, nu: f64) -> f64 {
         force / tip.len() as f64
     );
     let end = run_alone(&model_of(&text, &[]), |_| {});
-    let down: f64 = tip
-        .iter()
-        .map(|&n| (end.nodes.x[n as usize - 1][2] - end.nodes.x0[n as usize - 1][2]))
-        .sum();
+    let down: f64 =
+        tip.iter().map(|&n| end.nodes.x[n as usize - 1][2] - end.nodes.x0[n as usize - 1][2]).sum();
     down / tip.len() as f64 / (per_force * force)
 }
 
