@@ -23,11 +23,17 @@ pub enum Shape {
     Truss2,
     /// Particle with one node.
     Point1,
+    /// Four-node solid: the three nodes of a face, whose right-hand normal points into the solid,
+    /// then the fourth.
+    Tet4,
+    /// Six-node solid, a wedge: the three nodes of a triangle, whose right-hand normal points into
+    /// the solid, then the opposite three.
+    Wedge6,
 }
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 7] = [
+    pub const ALL: [Shape; 9] = [
         Shape::Quad4,
         Shape::Tri3,
         Shape::Hex8,
@@ -35,13 +41,16 @@ impl Shape {
         Shape::Beam2,
         Shape::Truss2,
         Shape::Point1,
+        Shape::Tet4,
+        Shape::Wedge6,
     ];
 
     /// Returns the number of corner nodes.
     pub fn corners(self) -> usize {
         match self {
-            Shape::Quad4 => 4,
+            Shape::Quad4 | Shape::Tet4 => 4,
             Shape::Tri3 => 3,
+            Shape::Wedge6 => 6,
             Shape::Hex8 => 8,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
             Shape::Point1 => 1,
@@ -52,15 +61,16 @@ impl Shape {
     /// its fourth.
     pub fn slots(self) -> usize {
         match self {
-            Shape::Quad4 | Shape::Tri3 => 4,
+            Shape::Quad4 | Shape::Tri3 | Shape::Tet4 => 4,
+            Shape::Wedge6 => 6,
             Shape::Hex8 => 8,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
             Shape::Point1 => 1,
         }
     }
 
-    /// Returns the corners of each face, whose right-hand normal points outwards. The face of a
-    /// shell has the shell's own corners (a triangle repeats its third). Lines and particles have
+    /// Returns the corners of each face, whose right-hand normal points outwards; a triangle
+    /// repeats its third. The face of a shell has the shell's own corners. Lines and particles have
     /// none.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
@@ -74,6 +84,10 @@ impl Shape {
                 [2, 3, 7, 6],
                 [3, 0, 4, 7],
             ],
+            Shape::Tet4 => &[[0, 2, 1, 1], [0, 1, 3, 3], [1, 2, 3, 3], [2, 0, 3, 3]],
+            Shape::Wedge6 => {
+                &[[0, 2, 1, 1], [3, 4, 5, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
+            }
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => &[],
         }
     }
@@ -95,7 +109,7 @@ impl Shape {
 
     /// Returns true for solids.
     pub fn is_solid(self) -> bool {
-        self == Shape::Hex8
+        matches!(self, Shape::Hex8 | Shape::Tet4 | Shape::Wedge6)
     }
 }
 
@@ -161,6 +175,58 @@ impl MeshElement {
     }
 }
 
+/// Returns shape and corners of a solid that is written with eight nodes: a hexahedron, or with
+/// repeated nodes a tetrahedron (four different nodes) or a wedge (six, if two opposite faces have
+/// become triangles). Returns `None` for all others, such as pyramids.
+pub fn solid_of_eight<N: Copy + PartialEq>(nodes: &[N; 8]) -> Option<(Shape, Vec<N>)> {
+    let mut once: Vec<N> = Vec::with_capacity(8);
+    nodes.iter().for_each(|n| once.extend((!once.contains(n)).then_some(*n)));
+    match once.len() {
+        8 => return Some((Shape::Hex8, once)),
+        4 => return Some((Shape::Tet4, once)),
+        6 => {}
+        _ => return None,
+    }
+    let around = |face: &[usize; 4]| {
+        let mut corners: Vec<N> = face.iter().map(|&c| nodes[c]).collect();
+        corners.dedup();
+        if corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        corners
+    };
+    let faces: Vec<Vec<N>> = Shape::Hex8.faces().iter().map(around).collect();
+    let mut triangles = faces.iter().filter(|f| f.len() == 3);
+    let (first, second) = (triangles.next()?, triangles.next()?);
+    let across = |from: &N| {
+        let sides = faces.iter().filter(|f| f.len() == 4);
+        let mut next = sides.flat_map(|f| (0..4).map(|i| [f[i], f[(i + 1) % 4]]));
+        next.find_map(|[a, b]| (a == *from && second.contains(&b)).then_some(b))
+    };
+    let below = [first[0], first[2], first[1]];
+    let above: Option<Vec<N>> = below.iter().map(across).collect();
+    let corners = [&below[..], &above?[..]].concat();
+    let is_whole = (1..6).all(|i| !corners[..i].contains(&corners[i]));
+    is_whole.then_some((Shape::Wedge6, corners))
+}
+
+/// Returns the corners of a face once each: three of a triangle, which repeats its third.
+pub fn once_each<T: PartialEq>(face: &[T; 4]) -> &[T] {
+    if face[2] == face[3] { &face[..3] } else { face }
+}
+
+/// Returns the nodes of a face in ascending order, the last one of a triangle twice: equal for the
+/// two solids on both sides of the face.
+pub fn face_key<N: Copy + Ord>(face: [N; 4]) -> [N; 4] {
+    let mut key = face;
+    let count = once_each(&face).len();
+    key[..count].sort_unstable();
+    if count == 3 {
+        key[3] = key[2];
+    }
+    key
+}
+
 /// Returns the faces of each solid that no other solid shares, one bit per face number; 0 for
 /// all other elements.
 pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
@@ -168,8 +234,7 @@ pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
     let mut free = vec![0u8; elements.len()];
     for (i, e) in elements.iter().enumerate().filter(|(_, e)| e.shape.is_solid()) {
         for (f, face) in e.shape.faces().iter().enumerate() {
-            let mut key = face.map(|c| e.nodes[c]);
-            key.sort_unstable();
+            let key = face_key(face.map(|c| e.nodes[c]));
             match open.remove(&key) {
                 Some((other, opposing)) => free[other] &= !(1 << opposing),
                 None => {
@@ -243,5 +308,66 @@ mod tests {
         let crack = [below, above];
         assert_eq!(free_faces(&crack), [0b11_1111; 2]);
         assert_eq!(free_faces_by_diagonals(&crack), [0b11_1101, 0b11_1110]);
+    }
+
+    /// A wedge on a tetrahedron: the triangle between them is no free face, in whichever order its
+    /// nodes come.
+    #[test]
+    fn triangles_between_two_solids_are_not_free() {
+        let of = |id, shape, nodes: &[u64]| {
+            let nodes: Vec<NodeId> = nodes.iter().copied().map(NodeId).collect();
+            MeshElement::new(ElemId(id), 1, shape, &nodes)
+        };
+        let wedge = of(1, Shape::Wedge6, &[1, 2, 3, 4, 5, 6]);
+        let tetrahedron = of(2, Shape::Tet4, &[6, 4, 5, 7]);
+        assert_eq!(free_faces(&[wedge, tetrahedron]), [0b1_1101, 0b1110]);
+    }
+
+    /// All faces of all solids have their normals outwards, and each edge is in two of them.
+    #[test]
+    fn faces_of_solids_are_closed_and_point_outwards() {
+        let corner = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]];
+        let cube = [corner(0.0), corner(1.0)].concat();
+        let pick = |c: &[usize]| c.iter().map(|&c| cube[c]).collect::<Vec<[f64; 3]>>();
+        let shapes = [
+            (Shape::Hex8, cube.clone(), 1.0),
+            (Shape::Wedge6, pick(&[0, 1, 2, 4, 5, 6]), 0.5),
+            (Shape::Tet4, pick(&[0, 1, 2, 6]), 1.0 / 6.0),
+        ];
+        for (shape, x, volume) in shapes {
+            let mut edges = Vec::new();
+            let mut sum = 0.0;
+            for face in shape.faces() {
+                let c = once_each(face);
+                edges.extend((0..c.len()).map(|i| (c[i], c[(i + 1) % c.len()])));
+                for k in 1..c.len() - 1 {
+                    let [a, b, d] = [c[0], c[k], c[k + 1]].map(|c| x[c]);
+                    sum += a[0] * (b[1] * d[2] - b[2] * d[1])
+                        + a[1] * (b[2] * d[0] - b[0] * d[2])
+                        + a[2] * (b[0] * d[1] - b[1] * d[0]);
+                }
+            }
+            assert!((sum / 6.0 - volume).abs() < 1e-15, "{shape:?}: {sum}");
+            assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))), "{shape:?}");
+        }
+    }
+
+    /// Solids written with eight nodes and repeated ones, as in decks.
+    #[test]
+    fn repeated_nodes_make_tetrahedra_and_wedges() {
+        let shape = |nodes: [u64; 8]| solid_of_eight(&nodes);
+        assert_eq!(shape([1, 2, 3, 4, 5, 6, 7, 8]).unwrap().0, Shape::Hex8);
+        assert_eq!(shape([1, 2, 3, 4, 4, 4, 4, 4]), Some((Shape::Tet4, vec![1, 2, 3, 4])));
+        assert_eq!(shape([1, 2, 3, 3, 5, 5, 5, 5]), Some((Shape::Tet4, vec![1, 2, 3, 5])));
+        // The triangles of LS-DYNA's wedge are 1 2 5 and 4 3 7; the normal of the first one points
+        // into the solid in the order 1 5 2.
+        let (kind, nodes) = shape([1, 2, 3, 4, 5, 5, 7, 7]).unwrap();
+        let turned = |n: [u64; 3]| [0, 1, 2].map(|i| [n[i], n[(i + 1) % 3], n[(i + 2) % 3]]);
+        assert_eq!(kind, Shape::Wedge6);
+        assert!(turned([nodes[0], nodes[1], nodes[2]]).contains(&[1, 5, 2]), "{nodes:?}");
+        let above = |n: u64| nodes[3 + nodes.iter().position(|m| *m == n).unwrap()];
+        assert_eq!([1, 5, 2].map(above), [4, 7, 3]);
+        assert_eq!(shape([1, 2, 3, 3, 5, 6, 7, 7]), Some((Shape::Wedge6, vec![1, 2, 3, 5, 6, 7])));
+        assert_eq!(shape([1, 2, 3, 4, 5, 5, 5, 5]), None, "a pyramid");
     }
 }

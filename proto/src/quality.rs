@@ -2,7 +2,7 @@
 //! tests of generators.
 
 use crate::ids::{ElemId, NodeId};
-use crate::mesh::{Mesh, MeshElement, Shape};
+use crate::mesh::{Mesh, MeshElement, Shape, once_each};
 use std::collections::HashMap;
 
 type Coordinates = [f64; 3];
@@ -121,7 +121,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
 
 fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
     match element.shape {
-        Shape::Hex8 => measure_solid(element, x),
+        Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
         Shape::Line2 | Shape::Beam2 | Shape::Truss2 => measure_line(x),
         Shape::Point1 => measure_line(&[x[0], x[0]]),
@@ -134,7 +134,12 @@ fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
 pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
     let mut jacobians = [0.0; 8];
     match shape {
-        Shape::Hex8 => (0..8).for_each(|c| jacobians[c] = solid_jacobian(c, x)),
+        Shape::Hex8 => (0..8).for_each(|c| jacobians[c] = solid_jacobian::<4>(c, x)),
+        Shape::Wedge6 => (0..6).for_each(|c| jacobians[c] = solid_jacobian::<3>(c, x)),
+        Shape::Tet4 => {
+            let [a, b, d] = [1, 2, 3].map(|c| sub(x[c], x[0]));
+            jacobians[..4].fill(dot(cross(a, b), d));
+        }
         Shape::Quad4 | Shape::Tri3 => {
             let x = &x[..shape.corners()];
             let twice = twice_area(x);
@@ -148,11 +153,11 @@ pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
     jacobians
 }
 
-/// Returns the Jacobian of a solid at a corner [length^3].
-fn solid_jacobian(c: usize, x: &[Coordinates]) -> f64 {
-    let (base, other) = (c / 4 * 4, 4 - c / 4 * 4);
-    let [next, before] = [1, 3].map(|step| base + (c + step) % 4);
-    let up = dot(cross(sub(x[next], x[c]), sub(x[before], x[c])), sub(x[other + c % 4], x[c]));
+/// Returns the Jacobian of a solid between two faces with N corners at a corner [length^3].
+fn solid_jacobian<const N: usize>(c: usize, x: &[Coordinates]) -> f64 {
+    let (base, other) = (c / N * N, N - c / N * N);
+    let [next, before] = [1, N - 1].map(|step| base + (c % N + step) % N);
+    let up = dot(cross(sub(x[next], x[c]), sub(x[before], x[c])), sub(x[other + c % N], x[c]));
     if base == 0 { up } else { -up }
 }
 
@@ -189,26 +194,33 @@ fn measure_line(x: &[Coordinates]) -> Figures {
 /// Measures a solid: its sides are its edges, its warpage and area those of its worst face, its
 /// Jacobians those at its corners.
 fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> Figures {
-    let faces = element.shape.faces().iter().map(|face| {
-        let ids = face.map(|c| element.nodes[c]);
-        measure_face(&ids, &face.map(|c| x[c]))
+    let faces = element.shape.faces();
+    let measured = faces.iter().map(|face| {
+        let corners = once_each(face);
+        let ids: Vec<NodeId> = corners.iter().map(|&c| element.nodes[c]).collect();
+        let x: Vec<Coordinates> = corners.iter().map(|&c| x[c]).collect();
+        measure_face(&ids, &x)
     });
-    let faces: Vec<Figures> = faces.collect();
-    // Edges of the bottom, of the top, and between them: every edge once.
-    let rising = (0..4).map(|c| norm(sub(x[c + 4], x[c])));
-    let sides: Vec<f64> = faces[..2].iter().flat_map(|f| f.sides.clone()).chain(rising).collect();
+    let measured: Vec<Figures> = measured.collect();
+    // Every edge is in two faces, once in each direction.
+    let around = |face: &[usize; 4]| {
+        let c = once_each(face).to_vec();
+        (0..c.len()).map(move |i| (c[i], c[(i + 1) % c.len()]))
+    };
+    let edges = faces.iter().flat_map(around).filter(|(from, to)| from < to);
+    let sides: Vec<f64> = edges.map(|(from, to)| norm(sub(x[to], x[from]))).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
-    let jacobians = corner_jacobians(element.shape, x);
+    let jacobians = &corner_jacobians(element.shape, x)[..element.shape.corners()];
     let largest = jacobians.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let smallest = jacobians.iter().copied().fold(f64::INFINITY, f64::min);
     let ids = element.corners();
-    let repeats = (1..8).any(|i| ids[..i].contains(&ids[i]));
+    let repeats = (1..ids.len()).any(|i| ids[..i].contains(&ids[i]));
     Figures {
         aspect: if shortest > 0.0 { longest / shortest } else { f64::INFINITY },
-        warpage_deg: faces.iter().map(|f| f.warpage_deg).fold(0.0, f64::max),
+        warpage_deg: measured.iter().map(|f| f.warpage_deg).fold(0.0, f64::max),
         jacobian: if largest > 0.0 { smallest / largest } else { f64::NEG_INFINITY },
-        area: faces.iter().map(|f| f.area).fold(f64::INFINITY, f64::min),
+        area: measured.iter().map(|f| f.area).fold(f64::INFINITY, f64::min),
         degenerate: repeats || largest <= 1e-12 * longest.powi(3),
         sides,
     }

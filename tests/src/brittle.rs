@@ -9,12 +9,42 @@ pub const SIDE: f64 = 5.0;
 /// Gap between rod and plate at the start [mm].
 const GAP: f64 = 0.5;
 
+/// How cubes are cut into elements.
+#[derive(Clone, Copy, Debug)]
+pub enum Cut {
+    /// One hexahedron.
+    Whole,
+    /// Six tetrahedra around a diagonal.
+    Tetrahedra,
+    /// Two wedges.
+    Wedges,
+}
+
+impl Cut {
+    /// Adds a cube with these corners to a scene.
+    pub fn add(self, scene: &mut Scene, part: u32, c: [u32; 8]) {
+        match self {
+            Self::Whole => scene.solid(part, c),
+            Self::Tetrahedra => {
+                let around = [1, 2, 3, 7, 4, 5].map(|k: usize| c[k]);
+                for i in 0..6 {
+                    scene.solid_of(part, &[c[0], around[i], around[(i + 1) % 6], c[6]]);
+                }
+            }
+            Self::Wedges => {
+                scene.solid_of(part, &[c[0], c[1], c[2], c[4], c[5], c[6]]);
+                scene.solid_of(part, &[c[0], c[2], c[3], c[4], c[6], c[7]]);
+            }
+        }
+    }
+}
+
 /// Adds `count` cubes from `from`, layer by layer; `part` gives the part of a layer. Returns their
 /// nodes.
 fn add_cubes(
     scene: &mut Scene,
     count: [usize; 3],
-    from: [f64; 3],
+    (from, cut): ([f64; 3], Cut),
     part: impl Fn(usize) -> u32,
 ) -> Vec<u32> {
     let first = scene.count() + 1;
@@ -28,7 +58,8 @@ fn add_cubes(
         let [i, j, k] = [n % a, n / a % b, n / (a * b)];
         let face = |k| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(id);
         let (below, above) = (face(k), face(k + 1));
-        scene.solid(part(k), std::array::from_fn(|n| if n < 4 { below[n] } else { above[n - 4] }));
+        let corners = std::array::from_fn(|n| if n < 4 { below[n] } else { above[n - 4] });
+        cut.add(scene, part(k), corners);
     }
     (first..=scene.count()).collect()
 }
@@ -36,16 +67,17 @@ fn add_cubes(
 /// Returns a job in which a rod, one cube wide, strikes a plate whose uppermost layer is brittle
 /// and whose other layers are not.
 pub fn rod_on_plate(layers: usize) -> Model {
-    rod_on_plate_with(layers, "")
+    rod_on_plate_with(layers, Cut::Whole, "")
 }
 
-/// Returns the job of [`rod_on_plate`] with these lines in `[contact]`, or after it.
-pub fn rod_on_plate_with(layers: usize, contact: &str) -> Model {
+/// Returns the job of [`rod_on_plate`] of other elements, with these lines in `[contact]`, or after
+/// it.
+pub fn rod_on_plate_with(layers: usize, cut: Cut, contact: &str) -> Model {
     let mut scene = Scene::default();
     let part = |layer| if layer + 1 == layers { 2 } else { 1 };
-    let plate = add_cubes(&mut scene, [5, 5, layers], [0.0; 3], part);
+    let plate = add_cubes(&mut scene, [5, 5, layers], ([0.0; 3], cut), part);
     let top = layers as f64 * SIDE + GAP;
-    let rod = add_cubes(&mut scene, [1, 1, 4], [10.5, 9.5, top], |_| 3);
+    let rod = add_cubes(&mut scene, [1, 1, 4], ([10.5, 9.5, top], cut), |_| 3);
     scene.set_named("floor", &plate[..36]);
     scene.set_named("rod", &rod);
     let text = format!(
@@ -101,7 +133,7 @@ pub fn rod_on_plate_with(layers: usize, contact: &str) -> Model {
 /// lines in its material.
 pub fn block(count: usize, material: &str) -> Model {
     let mut scene = Scene::default();
-    add_cubes(&mut scene, [count; 3], [0.0; 3], |_| 1);
+    add_cubes(&mut scene, [count; 3], ([0.0; 3], Cut::Whole), |_| 1);
     let text = format!(
         r#"
         title = "A block"

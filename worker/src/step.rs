@@ -11,6 +11,7 @@ use crate::fem::elements::PassTotals;
 use crate::math::rigid_motion::RigidMotion;
 use crate::parallel::particles::sum_over_neighbours;
 use crate::parallel::reduction::{Limits, StepContribution};
+use crate::parallel::volumes::average_volumes;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
 use crate::work::CARRY_EVERY;
@@ -19,8 +20,9 @@ use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
-const STAGES: [StepStage; 15] = [
+const STAGES: [StepStage; 16] = [
     with_particles(Phase::Elements, sum_over_particles),
+    with_nodal_volumes(Phase::Elements, average_nodal_volumes),
     always(Phase::Elements, element_forces),
     always(Phase::Halo, exchange_element_forces),
     always(Phase::Assemble, accelerate),
@@ -51,6 +53,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         Needs::Nothing => true,
         Needs::Contact => engine.contact.is_some(),
         Needs::Particles => engine.particles.is_some(),
+        Needs::NodalVolumes => engine.blocks.volumes.is_some(),
     };
     let due: [bool; STAGES.len()] = std::array::from_fn(|i| has(STAGES[i].needs));
     let logged = tracing::enabled!(Level::TRACE);
@@ -74,6 +77,7 @@ enum Needs {
     Nothing,
     Contact,
     Particles,
+    NodalVolumes,
 }
 
 /// A stage of the step.
@@ -97,6 +101,10 @@ const fn with_contact(phase: Phase, run: StageFunction) -> StepStage {
 
 const fn with_particles(phase: Phase, run: StageFunction) -> StepStage {
     StepStage { phase, needs: Needs::Particles, run }
+}
+
+const fn with_nodal_volumes(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs: Needs::NodalVolumes, run }
 }
 
 /// Values that one stage hands to a later one.
@@ -140,6 +148,16 @@ fn sum_over_particles(
     let Engine { clock, nodes, blocks, particles, .. } = engine;
     let Some(particles) = particles else { return Ok(()) };
     sum_over_neighbours(comm, nodes, blocks, particles, clock.last_dt)
+}
+
+/// Averages the volume strain of tetrahedra at their nodes, before their stress is computed.
+fn average_nodal_volumes(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    _: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, blocks, halo, .. } = engine;
+    average_volumes(comm, nodes, blocks, halo, clock.last_dt)
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements

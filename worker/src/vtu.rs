@@ -225,6 +225,8 @@ impl Cells {
             Shape::Tri3 => 5,
             Shape::Quad4 => 9,
             Shape::Hex8 => 12,
+            Shape::Tet4 => 10,
+            Shape::Wedge6 => 13,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 3,
             Shape::Point1 => 1,
         });

@@ -28,6 +28,8 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         (Shape::Quad4, "quads"),
         (Shape::Tri3, "triangles"),
         (Shape::Hex8, "solids"),
+        (Shape::Tet4, "tetrahedra"),
+        (Shape::Wedge6, "wedges"),
         (Shape::Beam2, "beams"),
         (Shape::Truss2, "trusses"),
         (Shape::Point1, "particles"),

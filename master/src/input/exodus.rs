@@ -26,7 +26,7 @@ struct ElementType {
     sides: &'static [&'static [usize]],
 }
 
-const KINDS: [ElementType; 6] = [
+const KINDS: [ElementType; 8] = [
     ElementType {
         names: &["HEX"],
         shape: Shape::Hex8,
@@ -38,6 +38,16 @@ const KINDS: [ElementType; 6] = [
             &[0, 3, 2, 1],
             &[4, 5, 6, 7],
         ],
+    },
+    ElementType {
+        names: &["TETRA", "TET"],
+        shape: Shape::Tet4,
+        sides: &[&[0, 1, 3], &[1, 2, 3], &[0, 3, 2], &[0, 2, 1]],
+    },
+    ElementType {
+        names: &["WEDGE"],
+        shape: Shape::Wedge6,
+        sides: &[&[0, 1, 4, 3], &[1, 2, 5, 4], &[0, 3, 5, 2], &[0, 2, 1], &[3, 4, 5]],
     },
     ElementType {
         names: &["SHELL"],
@@ -252,9 +262,9 @@ impl ExodusReader<'_> {
         let (Some(kind), Ok(id)) = (kind, u32::try_from(id)) else {
             self.error(
                 format!("{shown} has elements of type {named} with {width} nodes"),
-                "these types are read: HEX with 8 nodes, SHELL and QUAD with 4, TRI, TRISHELL and \
-                 SHELL with 3, BEAM, BAR, ROD and TRUSS with 2. Mesh the block with one of them, \
-                 or delete it",
+                "these types are read: HEX with 8 nodes, TETRA with 4, WEDGE with 6, SHELL and \
+                 QUAD with 4, TRI, TRISHELL and SHELL with 3, BEAM, BAR, ROD and TRUSS with 2. \
+                 Mesh the block with one of them, or delete it",
             );
             return None;
         };

@@ -55,6 +55,8 @@ pub enum Tag {
     Renewal,
     /// Convergence of contact sweeps, and sums for their acceleration.
     Settled,
+    /// Volumes of elements at shared nodes.
+    Volumes,
 }
 
 /// Messages and bytes sent so far.

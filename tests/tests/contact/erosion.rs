@@ -2,7 +2,7 @@
 //! contact from then on, whichever workers own either.
 
 use crumple::input::job::Model;
-use crumple_tests::brittle::{SIDE, rod_on_plate, rod_on_plate_with};
+use crumple_tests::brittle::{Cut, SIDE, rod_on_plate, rod_on_plate_with};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
 
@@ -57,7 +57,7 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
         (4, interface),
     ];
     for (layers, contact) in cases {
-        let model = rod_on_plate_with(layers, contact);
+        let model = rod_on_plate_with(layers, Cut::Whole, contact);
         let alone = run_side_by_side(&model, 1, 400, 0);
         assert_eq!(alone.trouble, None);
         for (workers, every) in [(2, 0), (3, 7), (5, 0), (8, 0)] {

@@ -7,6 +7,7 @@ mod loads;
 mod particles;
 mod rigid;
 mod sections;
+mod solids;
 mod springs;
 mod ties;
 mod trusses;

@@ -153,7 +153,12 @@ impl Scene {
     /// Adds a solid of a part: a face whose normal points into it, then the opposite nodes. Ids
     /// follow those of the shells.
     pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
-        self.solids.push(std::iter::once(part).chain(corners).collect());
+        self.solid_of(part, &corners);
+    }
+
+    /// Adds a tetrahedron, a wedge or a hexahedron, by the number of corners.
+    pub fn solid_of(&mut self, part: u32, corners: &[u32]) {
+        self.solids.push(std::iter::once(part).chain(corners.iter().copied()).collect());
     }
 
     /// Adds a beam of a part between two nodes. The second axis of its section points towards

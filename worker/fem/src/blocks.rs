@@ -7,8 +7,10 @@ mod block;
 mod particles;
 mod places;
 mod steps;
+mod volumes;
 
 pub use block::Block;
+pub use volumes::{NodalVolumes, RemoteVolume};
 
 use crate::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::elements::{ElementNodalForces, PassTotals};
@@ -73,6 +75,8 @@ pub struct Blocks {
     between: Vec<u32>,
     /// Assembly in steps with all elements, and in steps without slow elements.
     plans: [AssemblyPlan; 2],
+    /// Volume strain of nodes, if own elements average it.
+    pub volumes: Option<NodalVolumes>,
 }
 
 /// Part of the own elements, by class, in the order of computation.
@@ -140,6 +144,7 @@ impl Blocks {
             between: _,
             plans: _,
             // Computed in each step before they are used.
+            volumes: _,
             force: _,
             moment: _,
             all_computed: _,
@@ -198,6 +203,7 @@ impl Blocks {
             slow_dt: f64::INFINITY,
             between: Vec::new(),
             plans: Default::default(),
+            volumes: None,
         };
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
@@ -253,7 +259,7 @@ impl Blocks {
             history: self.blocks.iter().map(Block::history_bytes).sum(),
             force: size_of_val(&self.force[..]),
             moment: size_of_val(&self.moment[..]),
-            connectivity: records + lists,
+            connectivity: records + lists + self.volumes.as_ref().map_or(0, NodalVolumes::bytes),
         }
     }
 

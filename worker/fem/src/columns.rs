@@ -66,6 +66,21 @@ impl HistoryColumns {
         }
     }
 
+    /// Sets one column of an element, rounded in single precision.
+    #[inline]
+    pub fn set_column(&mut self, element: usize, column: usize, value: f64) {
+        let each = self.each;
+        match &mut self.numbers {
+            HistoryStorage::Double(columns) => {
+                columns[element / LANES * each + column].as_mut_array()[element % LANES] = value;
+            }
+            HistoryStorage::Single(columns) => {
+                columns[element / LANES32 * each + column].as_mut_array()[element % LANES32] =
+                    value as f32;
+            }
+        }
+    }
+
     /// Returns the columns for kernels.
     pub fn as_mut(&mut self) -> HistoryColumnsMut<'_> {
         match &mut self.numbers {

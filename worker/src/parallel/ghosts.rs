@@ -5,6 +5,7 @@ use crate::math::rigid_motion::RigidMotion;
 use crate::math::row::{row, xyz};
 use crate::nodes::Nodes;
 use crate::parallel::contact_decomposition::SearchRegions;
+use crate::parallel::volumes::VolumeLink;
 use crate::stateless;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
@@ -115,9 +116,11 @@ pub struct Ghosts {
     pub max_approach: [f64; 2],
     /// Regions of the search, if contact has a second decomposition.
     pub regions: Option<SearchRegions>,
+    /// Links of elements that average their volume strain at nodes.
+    pub volumes: Vec<VolumeLink>,
 }
 
-stateless!(Ghosts { links, user_start, users, mail, sync_distant, max_approach, regions });
+stateless!(Ghosts { links, user_start, users, mail, sync_distant, max_approach, regions, volumes });
 
 /// Fraction of the margin by which nodes may approach each other before distant workers
 /// exchange their motion.

@@ -14,3 +14,4 @@ pub mod particles;
 pub mod partition;
 pub mod reduction;
 pub mod surface_update;
+pub mod volumes;

@@ -13,6 +13,7 @@ use crate::parallel::contact_decomposition::SearchRegions;
 use crate::parallel::ghost_segments::{copy_ghosts, covered, exchange_bounds, send_users};
 use crate::parallel::ghosts::{GhostLink, Ghosts};
 use crate::parallel::history_message::Memories;
+use crate::parallel::volumes::VolumeLinks;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::{Aabb, CutTree};
@@ -86,6 +87,8 @@ struct WireCorner {
     half: f64,
     scale: f64,
     slow: u64,
+    /// See [`VolumeLinks::mark`].
+    averages: u64,
 }
 
 /// Builds a worker's local mesh from its partition. With `fresh`, nodal masses are assembled from
@@ -224,7 +227,11 @@ fn solids_can_fail<'a>(
     settings: &Settings,
     mut elements: impl Iterator<Item = &'a LocalElement>,
 ) -> Result<bool, RankLost> {
-    let can_fail = |part| build_block(settings, part, Shape::Hex8).is_ok_and(|e| e.can_fail());
+    let is_solid = |shape: &Shape| shape.is_solid();
+    let can_fail = |part| {
+        let solids = Shape::ALL.into_iter().filter(is_solid);
+        solids.filter_map(|shape| build_block(settings, part, shape).ok()).any(|e| e.can_fail())
+    };
     let fallible: Vec<bool> = (0..settings.parts.len()).map(can_fail).collect();
     // The second decomposition is renewed with its ghosts after each failure.
     if settings.has_second_decomposition() || !fallible.contains(&true) {
@@ -292,6 +299,7 @@ fn link_element_forces(
 ) -> Result<Ghosts, RankLost> {
     let me = nodes.me as usize;
     let slots = blocks.first_slots();
+    let mut volumes = VolumeLinks::new(blocks);
     let mut corners: Vec<(ElemId, usize, u32, u32, bool)> = Vec::new();
     for (e, slot) in blocks.elements.iter().zip(slots).filter(|(e, _)| e.shared) {
         let corner = |c: usize| (e.record.id, c, e.nodes[c], (slot + c) as u32, e.record.slow);
@@ -316,6 +324,7 @@ fn link_element_forces(
                 half,
                 scale,
                 slow: u64::from(c.4),
+                averages: volumes.mark(c.0),
             }
         };
         parcels.push(at_shared.iter().map(wired).collect::<Vec<WireCorner>>());
@@ -334,9 +343,14 @@ fn link_element_forces(
     let others = exchange_with(comm, parcels, &sharing)?;
     let mut foreign = Vec::new();
     for (link, theirs) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
+        let local = |c: &WireCorner| nodes.local_index(c.node).expect("shared nodes are local");
+        let is_shared =
+            |c: &&(ElemId, usize, u32, u32, bool)| link.shared.binary_search(&c.2).is_ok();
+        let mine = corners.iter().filter(is_shared).map(|c| c.0);
+        volumes.add(link.worker, mine, theirs.iter().map(|c| (c.elem, c.averages, local(c))));
         link.element_forces_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
-            let node = nodes.local_index(c.node).expect("shared nodes are local");
+            let node = local(c);
             let slow = c.slow != 0;
             if settings.subcycles > 1 && !slow {
                 link.fast_in.push((blocks.own_slots() + foreign.len()) as u32);
@@ -353,7 +367,9 @@ fn link_element_forces(
         settings.loads.pressures.iter().any(|p| p.faces_of(id).next().is_some())
     });
     links.retain(|l| l.worker != me);
-    Ok(Ghosts::new(links))
+    let mut ghosts = Ghosts::new(links);
+    ghosts.volumes = volumes.finish(blocks);
+    Ok(ghosts)
 }
 
 /// Raises the half thickness and scale of shared nodes to those of the other worker's surface.

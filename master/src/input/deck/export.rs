@@ -387,7 +387,7 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
     }
     springs::elements(deck, model.mesh.elements.iter());
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
-        let of = |shape: Shape| if shells { shape.is_shell() } else { shape == Shape::Hex8 };
+        let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }
@@ -410,10 +410,14 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
 
 fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
     let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
-    fields.extend(element.corners().iter().map(|n| Id(n.label())));
-    if element.shape == Shape::Tri3 {
-        fields.extend(element.corners().last().map(|n| Id(n.label())));
-    }
+    let corners: &[usize] = match element.shape {
+        Shape::Tri3 => &[0, 1, 2, 2],
+        Shape::Quad4 => &[0, 1, 2, 3],
+        Shape::Tet4 => &[0, 1, 2, 3, 3, 3, 3, 3],
+        Shape::Wedge6 => &[0, 2, 5, 3, 1, 1, 4, 4],
+        _ => &[0, 1, 2, 3, 4, 5, 6, 7],
+    };
+    fields.extend(corners.iter().map(|&c| Id(element.nodes[c].label())));
     deck.card(&fields);
     let own = element.own;
     if own.thickness > 0.0 {

@@ -111,8 +111,11 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     }
     for (index, row) in source.solids.iter().enumerate() {
         let kind = ElementList { list: "solids", called: "a solid", help: SOLID_ROW };
-        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
-            (corners.len() == 8).then_some(Shape::Hex8)
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| match corners.len() {
+            4 => Some(Shape::Tet4),
+            6 => Some(Shape::Wedge6),
+            8 => Some(Shape::Hex8),
+            _ => None,
         }));
     }
     for (index, row) in source.beams.iter().enumerate() {
@@ -256,8 +259,8 @@ fn article(word: &str) -> &'static str {
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
-const SOLID_ROW: &str =
-    "write [id, part id, n1, ..., n8]: the nodes of a face, then those of the opposite face";
+const SOLID_ROW: &str = "write [id, part id, n1, ..., n8]: the nodes of a face, then those of the \
+                         opposite face; a wedge has six nodes, a tetrahedron four";
 
 /// A list of elements, with its names in messages.
 struct ElementList {

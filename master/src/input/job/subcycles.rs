@@ -10,7 +10,7 @@ use super::state::ElementStart;
 use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Time;
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
@@ -54,8 +54,8 @@ struct Neighbours {
     /// Groups of nodes that a tie or a rigid body joins; fast motion passes through them.
     joined: Vec<Vec<u32>>,
     nodes: usize,
-    /// Elements that are computed in each cycle for any step, because contact responds to their
-    /// forces in the same cycle.
+    /// Elements that are computed in each cycle for any step: contact responds to their forces in
+    /// the same cycle, or they average their volume strain with their neighbours.
     kept: Vec<bool>,
 }
 
@@ -76,7 +76,7 @@ impl Neighbours {
             elements: mesh.elements.iter().map(|e| e.nodes.map(|n| place[&n])).collect(),
             joined: settings.ties.iter().map(tied).chain(bodies).collect(),
             nodes: mesh.nodes.len(),
-            kept: mesh.elements.iter().map(|e| touches(e.part)).collect(),
+            kept: mesh.elements.iter().map(|e| touches(e.part) || e.shape == Shape::Tet4).collect(),
         }
     }
 
@@ -127,7 +127,8 @@ pub fn divide(
     if !elements.slow.contains(&true) {
         let message = format!(
             "subcycles = {} leaves no slow element: a slow element is stable at the outer step, is \
-             not near a small one and is not in contact; all elements are computed in each cycle",
+             not near a small one, is not in contact and is no tetrahedron; all elements are \
+             computed in each cycle",
             settings.subcycles
         );
         let help =

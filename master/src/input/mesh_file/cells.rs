@@ -43,9 +43,8 @@ pub enum CellUse {
     Refused(&'static str),
 }
 
-const HEXAHEDRA: &str = "mesh the volume with hexahedra (sweep or map it; in Gmsh Transfinite or \
-                         Extrude with Layers, and Recombine), or mesh only its surface if the \
-                         body is rigid";
+const PYRAMIDS: &str = "mesh the volume with tetrahedra alone, or with hexahedra alone (sweep or \
+                        map it; in Gmsh Transfinite or Extrude with Layers, and Recombine)";
 
 impl Cell {
     /// Returns its name, for messages.
@@ -72,14 +71,16 @@ impl Cell {
             Cell::Triangle => CellUse::Element(Shape::Tri3),
             Cell::Quad => CellUse::Element(Shape::Quad4),
             Cell::Hexahedron => CellUse::Element(Shape::Hex8),
-            Cell::Tetrahedron | Cell::Wedge | Cell::Pyramid => CellUse::Refused(HEXAHEDRA),
+            Cell::Tetrahedron => CellUse::Element(Shape::Tet4),
+            Cell::Wedge => CellUse::Element(Shape::Wedge6),
+            Cell::Pyramid => CellUse::Refused(PYRAMIDS),
             Cell::SecondOrder(..) => CellUse::Refused(
                 "mesh with elements of first order, without nodes on their sides (in Gmsh \
                  Mesh.ElementOrder = 1)",
             ),
             Cell::Other(..) => CellUse::Refused(
-                "these are read: quads, triangles, hexahedra with 8 nodes, lines. Remove the \
-                 others from the mesh",
+                "these are read: quads, triangles, hexahedra with 8 nodes, tetrahedra with 4, \
+                 wedges with 6, lines. Remove the others from the mesh",
             ),
         }
     }

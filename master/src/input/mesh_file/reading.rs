@@ -3,7 +3,7 @@
 use super::cells::{Cell, CellUse};
 use super::content::{FileElement, FileMesh, FilePlace};
 use crate::input::confine;
-use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::mesh::{OwnSection, Shape, solid_of_eight};
 use crumple_proto::problem::Problem;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -15,10 +15,12 @@ const MOST: usize = 10;
 const MOST_IDS: usize = 50_000_000;
 
 /// Shapes of elements and their names in the table.
-const SHAPES: [(Shape, &str); 4] = [
+const SHAPES: [(Shape, &str); 6] = [
     (Shape::Quad4, "quads"),
     (Shape::Tri3, "triangles"),
     (Shape::Hex8, "solids"),
+    (Shape::Tet4, "tetrahedra"),
+    (Shape::Wedge6, "wedges"),
     (Shape::Beam2, "beams"),
 ];
 
@@ -199,6 +201,10 @@ impl MeshReading {
         };
         let (shape, corners) = match (shape, corners) {
             (Shape::Quad4, [a, b, c, d]) if c == d => (Shape::Tri3, vec![*a, *b, *c]),
+            (Shape::Hex8, _) => corners
+                .first_chunk()
+                .and_then(solid_of_eight)
+                .unwrap_or_else(|| (shape, corners.to_vec())),
             _ => (shape, corners.to_vec()),
         };
         self.mesh.elements.push(FileElement {
@@ -244,7 +250,7 @@ impl MeshReading {
                 "empty",
                 FilePlace::default(),
                 "the file has no elements that can be used",
-                "export shells, solids with eight nodes or beams together with their nodes",
+                "export shells, solids or beams together with their nodes",
             );
         }
         self.drop_empty_parts();
@@ -356,8 +362,8 @@ impl MeshReading {
                 let message = format!("element {} has node {} twice", element.id, corners[twice]);
                 let help = match element.shape {
                     Shape::Hex8 => {
-                        "a solid needs eight different nodes: wedges and tetrahedra are not \
-                         supported, mesh it with hexahedra"
+                        "a solid needs eight different nodes; with repeated nodes it can be a \
+                         tetrahedron or a wedge, but no pyramid: mesh it again"
                     }
                     _ => "correct or remove the element; a triangle repeats its last node only",
                 };

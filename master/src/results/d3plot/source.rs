@@ -160,18 +160,23 @@ impl FieldSource {
             }
             let (corners, ends) = (piece.array("connectivity")?, piece.array("offsets")?);
             let (ids, parts) = (piece.array(vtu::ELEMENT_ID.name)?, piece.array(vtu::PART.name)?);
+            let kinds = piece.array("types")?;
             let mut begin = 0;
-            for ((&e, &part), &end) in ids.iter().zip(&parts).zip(&ends) {
+            for (((&e, &part), &end), &kind) in ids.iter().zip(&parts).zip(&ends).zip(&kinds) {
                 let element = ElementIds { id: id(e)?, part: id(part)? };
                 let at: Vec<i64> = corners[begin..end as usize]
                     .iter()
                     .map(|&c| node_ids[c as usize] as i64)
                     .collect();
                 let corner = |k: usize| at[k.min(at.len() - 1)];
-                match at.len() {
-                    8 => solids.push((element, std::array::from_fn(corner))),
+                match (kind as u8, at.len()) {
+                    (10 | 12, _) => solids.push((element, std::array::from_fn(corner))),
+                    (13, 6) => {
+                        let degenerate = [0, 2, 5, 3, 1, 1, 4, 4].map(corner);
+                        solids.push((element, degenerate));
+                    }
                     // Bars, springs and particles have no place in this format yet.
-                    1 | 2 => {}
+                    (_, 1 | 2) => {}
                     _ => shells.push((element, std::array::from_fn(corner))),
                 }
                 begin = end as usize;

@@ -176,17 +176,20 @@ fn blocks(first: &Snapshot) -> Result<Vec<WrittenBlock>, String> {
         unreachable!("ids of parts have 32 bits");
     };
     let types = &first.topology.types;
-    let mut groups: BTreeMap<(u32, usize), Vec<usize>> = BTreeMap::new();
+    let mut groups: BTreeMap<(u32, usize, u8), Vec<usize>> = BTreeMap::new();
     for (element, (&part, bounds)) in
         parts.iter().zip(first.topology.offsets.windows(2)).enumerate()
     {
-        groups.entry((part, (bounds[1] - bounds[0]) as usize)).or_default().push(element);
+        let corners = (bounds[1] - bounds[0]) as usize;
+        groups.entry((part, corners, types[element])).or_default().push(element);
     }
     let mut free = parts.iter().copied().max().unwrap_or(0);
     let mut blocks: Vec<WrittenBlock> = Vec::new();
-    for ((part, corners), elements) in groups.into_iter().rev() {
-        let kind = match (types[elements[0]], corners) {
+    for ((part, corners, kind), elements) in groups.into_iter().rev() {
+        let kind = match (kind, corners) {
             (_, 8) => "HEX8",
+            (10, _) => "TETRA4",
+            (13, _) => "WEDGE6",
             (_, 4) => "SHELL4",
             (_, 3) => "TRISHELL3",
             (_, 2) => "BEAM2",

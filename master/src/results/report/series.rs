@@ -121,6 +121,10 @@ pub enum CellShape {
     Quad,
     /// Eight corners: those of a face, then those opposite.
     Hexahedron,
+    /// Four corners of a solid.
+    Tetrahedron,
+    /// Six corners: those of a triangle, then those opposite.
+    Wedge,
 }
 
 impl CellShape {
@@ -132,6 +136,8 @@ impl CellShape {
             Self::Triangle => 3,
             Self::Quad => 4,
             Self::Hexahedron => 8,
+            Self::Tetrahedron => 4,
+            Self::Wedge => 6,
         }
     }
 
@@ -142,6 +148,8 @@ impl CellShape {
             (5, 3) => Some(Self::Triangle),
             (9, 4) => Some(Self::Quad),
             (12, 8) => Some(Self::Hexahedron),
+            (10, 4) => Some(Self::Tetrahedron),
+            (13, 6) => Some(Self::Wedge),
             _ => None,
         }
     }

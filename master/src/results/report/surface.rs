@@ -2,6 +2,7 @@
 //! outside at some time.
 
 use super::series::{ABSENT, CellShape, MeshSeries};
+use crumple_proto::mesh::{Shape, face_key};
 use std::collections::HashMap;
 
 /// A face with up to four corners. A triangle repeats its third, a line its second, a point its
@@ -18,9 +19,15 @@ pub struct VisibleFace {
 /// Code of a side without element.
 pub const NO_ELEMENT: u32 = u32::MAX;
 
-/// Faces of a hexahedron by its corners, as in `Shape::faces` of the mesh, in any orientation.
-const OF_HEXAHEDRON: [[usize; 4]; 6] =
-    [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+/// Returns the faces of a solid by its corners.
+fn faces_of(shape: CellShape) -> &'static [[usize; 4]] {
+    match shape {
+        CellShape::Hexahedron => Shape::Hex8.faces(),
+        CellShape::Tetrahedron => Shape::Tet4.faces(),
+        CellShape::Wedge => Shape::Wedge6.faces(),
+        CellShape::Point | CellShape::Line | CellShape::Triangle | CellShape::Quad => &[],
+    }
+}
 
 /// Returns the faces that are visible at some time, in the order of their elements.
 pub fn faces(series: &MeshSeries) -> Vec<VisibleFace> {
@@ -45,11 +52,10 @@ pub fn faces(series: &MeshSeries) -> Vec<VisibleFace> {
                 corners: [c[0], c[1], c[2], c[3]],
                 owners: [owner, NO_ELEMENT],
             }),
-            CellShape::Hexahedron => {
-                for face in OF_HEXAHEDRON {
+            CellShape::Hexahedron | CellShape::Tetrahedron | CellShape::Wedge => {
+                for face in faces_of(e.shape) {
                     let Some(corners) = without_repeats(face.map(|i| c[i])) else { continue };
-                    let mut key = corners;
-                    key.sort_unstable();
+                    let key = face_key(corners);
                     match between.remove(&key) {
                         Some(of_other) => faces[of_other].owners[1] = owner,
                         None => {

@@ -129,10 +129,10 @@ fn in_solids(
     let faces: Vec<&Segment> = surface.segments.iter().filter(|s| s.is_solid()).collect();
     let with_faces: HashSet<u32> = faces.iter().map(|s| s.part).collect();
     let number = |n: NodeId| nodes.local_index(n).expect("an element's nodes are in the mesh");
-    let solids: Vec<(u32, [u32; 8])> = elements
+    let solids: Vec<(ElementRecord, [u32; 8])> = elements
         .iter()
-        .filter(|e| e.shape == Shape::Hex8 && with_faces.contains(&e.part))
-        .map(|e| (e.part, e.nodes.map(number)))
+        .filter(|e| e.shape.is_solid() && with_faces.contains(&e.part))
+        .map(|e| (*e, e.nodes.map(number)))
         .collect();
     // The point of a slave that is compared with a solid of a part is on the middle surface.
     let middle = |p: u32, part: u32| {
@@ -145,11 +145,12 @@ fn in_solids(
         |corners: &[u32; 8]| Aabb::around(corners.iter().map(place)).grown(surface.shift_reach());
     let boxes: Vec<Aabb> = solids.iter().map(|(_, corners)| grown(corners)).collect();
     let inside = |e: u32, p: u32| {
-        let ((part, corners), slave) = (&solids[e as usize], surface.slaves[p as usize]);
+        let ((solid, corners), slave) = (&solids[e as usize], surface.slaves[p as usize]);
         !corners.contains(&slave)
             && !is_tied(slave, corners)
-            && middle(p, *part)
-                .is_some_and(|at| is_inside(&at, &corners.map(|n| V3::from(place(&n)))))
+            && middle(p, solid.part).is_some_and(|at| {
+                is_inside(&at, solid.shape, &corners.map(|n| V3::from(place(&n))))
+            })
     };
     let mut slaves: Vec<u32> = Vec::new();
     linked_cells(&boxes, &points(nodes, surface), &mut |e, p| {
@@ -232,10 +233,10 @@ fn points(nodes: &Nodes, surface: &Surface) -> Vec<[f64; 3]> {
     surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect()
 }
 
-/// Returns true if a point is in a hexahedron, up to round-off. The test uses the planes through
-/// the middles of its faces.
-fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
-    Shape::Hex8.faces().iter().all(|f| {
+/// Returns true if a point is in a solid, up to round-off. The test uses the planes through the
+/// middles of its faces.
+fn is_inside(at: &V3, shape: Shape, corners: &[V3; 8]) -> bool {
+    shape.faces().iter().all(|f| {
         let [a, b, c, d] = f.map(|i| corners[i]);
         let outward = (c - a).cross(&(d - b));
         (at - (a + b + c + d) * 0.25).dot(&outward) <= ROUND_OFF * outward.norm() * (c - a).norm()

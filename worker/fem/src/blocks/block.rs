@@ -207,6 +207,18 @@ impl Block {
         self.base + groups.start * each..self.base + groups.end * each
     }
 
+    /// Stores the volume strain increment of the nodes of an element that averages it. The padding
+    /// repeats the last element.
+    pub(super) fn set_averaged_volume(&mut self, index: usize, increment: f64) {
+        let Some(column) = self.element.averaged_volume() else { return };
+        let lanes = self.lanes();
+        let last = if index + 1 == self.count { self.group_count() * lanes } else { index + 1 };
+        (index..last).for_each(|place| self.history.set_column(place, column, increment));
+        if increment != 0.0 {
+            self.unstrained[index / lanes] = false;
+        }
+    }
+
     /// Computes the forces of the groups `range`.
     pub(super) fn forces(
         &mut self,

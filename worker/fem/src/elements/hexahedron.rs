@@ -38,15 +38,18 @@ mod modes;
 
 use self::hourglass::{Hourglass, HourglassStep, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, HexahedronModes, gather, modes_of_corners, scatter};
+use super::solid::{
+    SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, increment, viscous, work_and_size,
+};
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupCorners,
-    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, law_column, zero_failed,
+    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, zero_failed,
 };
 use crate::columns::ElementState;
-use crate::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
+use crate::materials::{PointLanes, PointReal, Solid};
 use crate::nodes::NodeView;
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
-use crumple_math::lanes::{Real, dot};
+use crumple_math::lanes::Real;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 
@@ -56,7 +59,6 @@ pub const ROW: ElementEntry = ElementEntry {
     meaning: "One point, exact mean gradient, three forms of hourglass control.",
     shape: Shape::Hex8,
     parameters: [
-        &[],
         &[
             ParameterRow {
                 key: "hourglass",
@@ -79,19 +81,8 @@ pub const ROW: ElementEntry = ElementEntry {
                           critical damping; `assumed_strain` has none. See \
                           `cases/studies/README.md`, hourglass-solids.",
             },
-            ParameterRow {
-                key: "bulk_viscosity",
-                form: Form::Numbers(2),
-                otherwise: DefaultValue::Numbers(&[0.06, 1.5]),
-                range: Some(Range {
-                    wanted: "[linear, quadratic], each from 0 to 10",
-                    fits: |b| (0.0..=10.0).contains(&b),
-                }),
-                meaning: "Bulk viscosity in compression: linear coefficient, as a fraction of \
-                          critical damping, and quadratic coefficient (`cases/studies/README.md`, \
-                          viscosity).",
-            },
         ],
+        SOLID_KEYS,
     ],
     idle: |values| match HourglassForm::from_word(&values.word("hourglass")) {
         HourglassForm::AssumedStrain => {
@@ -102,44 +93,23 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Solid(build),
 };
 
-/// Largest strain increment of a valid step.
-const STRAIN_LIMIT: f64 = 0.5;
-/// Number of stress components, at the start of the law's state.
-const STRESS: usize = 6;
 /// Number of columns between the law's state and hourglass: volume at the start [length^3], bulk
 /// viscosity [force/length^2].
 const OWN: usize = 2;
 
 /// Parameters of the hexahedron.
 pub struct Hexahedron {
-    law: Box<dyn Solid>,
-    elastic: Elastic,
+    material: SolidMaterial,
     hourglass: Hourglass,
-    /// b1 and b2.
-    bulk_viscosity: [f64; 2],
-    /// Number of columns of stress and of the law.
-    state: usize,
-    /// Column of the law with its effective plastic strain, if it has any.
-    plastic_strain: Option<usize>,
-    /// Column of the law that marks failure, if it can fail.
-    failed: Option<usize>,
 }
 
 fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
-    let elastic = law.elastic();
-    let (history, poisson) = (law.history(), elastic.poisson);
-    debug_assert!(poisson < 0.5, "laws of solids require a finite bulk modulus");
     Ok(Box::new(Hexahedron {
-        elastic,
+        material: SolidMaterial::new(values, law),
         hourglass: Hourglass {
             form: HourglassForm::from_word(&values.word("hourglass")),
             coefficient: values.number("hourglass_coefficient"),
         },
-        bulk_viscosity: values.numbers("bulk_viscosity"),
-        state: STRESS + history.len(),
-        plastic_strain: law_column(history, "plastic_strain", STRESS),
-        failed: law_column(history, "failed", STRESS),
-        law,
     }))
 }
 
@@ -185,7 +155,7 @@ impl Hexahedron {
         history: &mut [R],
         dt: f64,
     ) -> HexahedronResponse<R> {
-        let (state, own) = history.split_at_mut(self.state);
+        let (state, own) = history.split_at_mut(self.material.state);
         let ([first_volume, viscosity], hourglass) =
             own.split_first_chunk_mut().expect("the history has columns() values");
         // Before the first step nothing has moved, so all rates are zero.
@@ -198,9 +168,7 @@ impl Hexahedron {
             std::array::from_fn(|k| std::array::from_fn(|i| back.neg_mul_add(v[k][i], x[k][i])));
         let mid_gradient = Gradient::new(&mid);
         let k = mid_gradient.gradient_of(v, dt);
-        let eps =
-            [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
-        let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
+        let (eps, turn) = increment(&k);
 
         // 2. Shape at the end of the step, before stress, so that the root and the quotient of the
         //    rotation are ready when they are used.
@@ -208,20 +176,13 @@ impl Hexahedron {
             self.end(x, first_volume);
 
         // 3. Stress.
-        let before = rotated(&turn, state);
-        state[..STRESS].copy_from_slice(&before);
-        let left = R::update_solid(&*self.law, SolidPoint { state, strain: &eps }, dt);
-        let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
-        let stress = rotated(&turn, state);
-        state[..STRESS].copy_from_slice(&stress);
+        let StressStep { before, after, stress, left } =
+            self.material.update(state, &eps, &turn, dt);
 
         // 4. Bulk viscosity, in compression only.
-        let rate = Real::max(R::splat(-per_time) * (eps[0] + eps[1] + eps[2]), R::zero());
-        let [b1, b2] = self.bulk_viscosity.map(R::splat);
-        let rate = length * rate;
-        let quadratic = b2 * rate;
-        let q = rate * density.mul_add(quadratic, b1 * R::splat(self.modulus()) * slowness);
-        let stable_dt = viscous(length * slowness, (quadratic + quadratic).mul_add(slowness, b1));
+        let trace = eps[0] + eps[1] + eps[2];
+        let (q, stable_dt) =
+            self.material.viscosity(R::splat(-per_time) * trace, length, density, slowness);
 
         // 5. Hourglass.
         let of_mode = |a: usize| {
@@ -244,7 +205,8 @@ impl Hexahedron {
             left,
             per_time,
         };
-        let (resistance, resisted) = self.hourglass.update(&self.elastic, &step, hourglass);
+        let (resistance, resisted) =
+            self.hourglass.update(&self.material.elastic, &step, hourglass);
 
         // 6. Forces of the modes: all factors of B are one tensor.
         let mut force = [[R::zero(); 3]; 7];
@@ -270,17 +232,9 @@ impl Hexahedron {
         }
 
         // 7. Energy and validity. The sum is not finite if any of its terms is not.
-        let mean: [R; STRESS] = std::array::from_fn(|c| half * (before[c] + after[c]));
-        let mut work = -(half * (*viscosity + q) * (eps[0] + eps[1] + eps[2]));
+        let (work, largest, mut total) =
+            work_and_size(&before, &after, &eps, half * (*viscosity + q));
         *viscosity = q;
-        let mut total = R::zero();
-        let mut largest = R::zero();
-        for c in 0..STRESS {
-            work = mean[c].mul_add(eps[c], work);
-            let size = if c < 3 { eps[c].abs() } else { half * eps[c].abs() };
-            largest = Real::max(largest, size);
-            total += size;
-        }
         for mode in &force {
             total += mode[0] + mode[1] + mode[2];
         }
@@ -293,7 +247,7 @@ impl Hexahedron {
             force,
             totals: Totals { stable_dt, internal, hourglass: resisted, sound },
         };
-        if let Some(column) = self.failed {
+        if let Some(column) = self.material.failed {
             let failed = state[column].gt(half);
             response.zero_failed(failed);
             zero_failed(failed, hourglass);
@@ -308,76 +262,17 @@ impl Hexahedron {
         let inverse64 = R::splat(1.0) / gradient.volume64;
         let volume = gradient.volume();
         *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
-        let density = R::splat(64.0 * self.elastic.density) * *first_volume * inverse64;
+        let density = R::splat(64.0 * self.material.elastic.density) * *first_volume * inverse64;
         let gram = gradient.gram(inverse64);
-        let slowness = (density * R::splat(1.0 / self.modulus())).sqrt();
-        let length = self.length(&gram);
+        let slowness = (density * R::splat(1.0 / self.material.modulus())).sqrt();
+        let length = self.material.length::<8, R>(&gram);
         EndShape { gradient, inverse64, density, gram, slowness, length }
     }
 
     /// Returns the column of the volume at the start.
     fn first_volume(&self) -> usize {
-        self.state
+        self.material.state
     }
-
-    /// Returns lambda + 2 mu [force/length^2].
-    fn modulus(&self) -> f64 {
-        self.elastic.lame() + 2.0 * self.elastic.shear_modulus()
-    }
-
-    /// Returns the stable step without viscosity times c_d, from `sum B_I B_I'` [length].
-    #[inline(always)]
-    fn length<R: Real>(&self, gram: &[R; 6]) -> R {
-        let [a, b, c, d, e, f] = *gram;
-        let trace = a + b + c;
-        let third = R::splat(1.0 / 3.0) * trace;
-        let [a, b, c] = [a - third, b - third, c - third];
-        let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
-        let largest = third + (R::splat(2.0 / 3.0) * square).sqrt();
-        let elastic = &self.elastic;
-        let stiffness = R::splat(elastic.lame().max(0.0)) * trace
-            + R::splat(2.0 * elastic.shear_modulus()) * largest;
-        // 2 c_d/omega with omega^2 = 8 stiffness/density.
-        (R::splat(0.5 * self.modulus()) / stiffness).sqrt()
-    }
-}
-
-/// Returns the stable step with damping; z is the fraction of critical damping.
-#[inline(always)]
-fn viscous<R: Real>(step: R, z: R) -> R {
-    step * (z.mul_add(z, R::splat(1.0)).sqrt() - z)
-}
-
-/// Returns the rotation of half the step from twice the axis of skew K, with one division.
-#[inline(always)]
-fn half_turn<R: Real>(twice: [R; 3]) -> [[R; 3]; 3] {
-    let [one, quarter] = [1.0, 0.25].map(R::splat);
-    let w = twice.map(|c| quarter * c);
-    let s = (one + dot(w, w)).sqrt();
-    let along = one / s.mul_add(s, s);
-    let cos = along.mul_add(s, along);
-    let spin = w.map(|c| cos * c);
-    let r = w.map(|c| along * c);
-    let dyad = |i: usize, j: usize| r[i] * w[j];
-    let (xy, yz, zx) = (dyad(0, 1), dyad(1, 2), dyad(2, 0));
-    [
-        [r[0].mul_add(w[0], cos), xy - spin[2], zx + spin[1]],
-        [xy + spin[2], r[1].mul_add(w[1], cos), yz - spin[0]],
-        [zx - spin[1], yz + spin[0], r[2].mul_add(w[2], cos)],
-    ]
-}
-
-/// Returns `R sig R'` of the stress at the start of `state`.
-#[inline(always)]
-fn rotated<R: Real>(turn: &[[R; 3]; 3], state: &[R]) -> [R; STRESS] {
-    let [xx, yy, zz, xy, yz, zx]: [R; STRESS] = std::array::from_fn(|c| state[c]);
-    let columns = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
-    let half: [[R; 3]; 3] =
-        std::array::from_fn(|i| std::array::from_fn(|j| dot(turn[i], columns[j])));
-    // Written out, because a loop over pairs of indices becomes a call, which moves all registers
-    // to memory.
-    let at = |i: usize, j: usize| dot(half[i], turn[j]);
-    [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
 }
 
 /// Returns the eight slots of a solid.
@@ -388,7 +283,7 @@ fn per_corner(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
     x.first_chunk().expect("a hexahedron has eight slots")
 }
 
-impl SolidGroups for Hexahedron {
+impl SolidGroups<8> for Hexahedron {
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
         &self,
@@ -414,22 +309,20 @@ impl SolidGroups for Hexahedron {
         let [x, _] = gather(group, [nodes.x, nodes.v]);
         let EndShape { gradient, slowness, length, .. } =
             self.end(&x, &mut history[self.first_volume()]);
-        let [b1, _] = self.bulk_viscosity;
+        let [b1, _] = self.material.bulk_viscosity;
         Totals::inactive(viscous(length * slowness, L::splat(b1)), gradient.whole())
     }
 }
 
 impl Element for Hexahedron {
     fn columns(&self) -> usize {
-        self.state + OWN + hourglass::COLUMNS
+        self.material.state + OWN + hourglass::COLUMNS
     }
 
     fn names(&self) -> Vec<String> {
-        let stress = ["xx", "yy", "zz", "xy", "yz", "zx"].map(|c| format!("stress {c}"));
-        let law = self.law.history().iter().map(|name| name.to_string());
         let own = ["volume at start", "bulk viscosity"].map(String::from);
         let hourglass = (0..hourglass::COLUMNS).map(|k| format!("hourglass {k}"));
-        stress.into_iter().chain(law).chain(own).chain(hourglass).collect()
+        self.material.names().chain(own).chain(hourglass).collect()
     }
 
     fn any_precision(&self) -> bool {
@@ -438,7 +331,9 @@ impl Element for Hexahedron {
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         (
-            0.125 * self.elastic.density * Gradient::new(&modes_of_corners(per_corner(x))).volume(),
+            0.125
+                * self.material.elastic.density
+                * Gradient::new(&modes_of_corners(per_corner(x))).volume(),
             0.0,
         )
     }
@@ -453,9 +348,10 @@ impl Element for Hexahedron {
         if !gradient.whole() {
             return f64::NAN;
         }
-        let [b1, _] = self.bulk_viscosity;
-        let speed = self.elastic.dilatational_wave_speed();
-        self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
+        let [b1, _] = self.material.bulk_viscosity;
+        let speed = self.material.elastic.dilatational_wave_speed();
+        self.material.length::<8, f64>(&gradient.gram(1.0 / gradient.volume64)) / speed
+            * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
     fn stable_dt_now(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> f64 {
@@ -472,25 +368,15 @@ impl Element for Hexahedron {
     }
 
     fn failed(&self, history: ElementState<'_>) -> bool {
-        self.failed.is_some_and(|column| history.at(column) > 0.5)
+        self.material.has_failed(history, 0)
     }
 
     fn can_fail(&self) -> bool {
-        self.failed.is_some()
+        self.material.failed.is_some()
     }
 
     fn fields(&self, history: ElementState<'_>, _x: &[[f64; 3]]) -> ElementFields {
-        let at = |column: usize| history.at(column);
-        let stress: [f64; STRESS] = std::array::from_fn(at);
-        let [x, y, z, xy, yz, zx] = stress;
-        let direct = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x);
-        ElementFields {
-            plastic_strain: self.plastic_strain.map_or(0.0, at),
-            stress,
-            von_mises: (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt(),
-            thickness: 0.0,
-            failed: self.failed(history),
-        }
+        self.material.fields(history, 0)
     }
 }
 

@@ -4,6 +4,7 @@
 use super::super::solid_testing::*;
 use super::super::testing::*;
 use super::*;
+use crate::materials::Elastic;
 
 const E: f64 = 210.0;
 const NU: f64 = 0.3;

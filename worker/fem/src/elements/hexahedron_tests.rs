@@ -4,8 +4,9 @@ use super::super::solid_testing::*;
 use super::super::testing::*;
 use super::*;
 use crate::materials;
-use crumple_math::lanes::{LANES, Lane};
+use crumple_math::lanes::{LANES, Lane, dot};
 use crumple_proto::mesh::OwnSection;
+use std::collections::BTreeMap;
 
 const E: f64 = 1e6;
 const NU: f64 = 0.25;
@@ -286,15 +287,11 @@ fn every_lane_is_what_it_would_be_alone() {
     for steel in &materials {
         for form in FORMS {
             let law = materials::build_solid(steel).map_err(|p| format!("{p:?}")).unwrap();
-            let history = law.history();
+            let defaults = BTreeMap::new();
+            let values = Values::new(ROW.parameters, &defaults);
             let element = Hexahedron {
-                elastic: law.elastic(),
+                material: SolidMaterial::new(&values, law),
                 hourglass: Hourglass { form, coefficient: 0.05 },
-                bulk_viscosity: [0.06, 1.5],
-                state: STRESS + history.len(),
-                plastic_strain: law_column(history, "plastic_strain", STRESS),
-                failed: law_column(history, "failed", STRESS),
-                law,
             };
             let columns = element.columns();
             let mut wide = vec![Lane::splat(0.0); columns];

@@ -29,8 +29,11 @@ mod shell;
 #[cfg(test)]
 mod shell_benchmarks;
 mod sides;
+mod solid;
 #[cfg(test)]
 pub(crate) mod solid_testing;
+#[cfg(test)]
+mod solid_tests;
 mod spring;
 mod stabilised_quad;
 #[cfg(test)]
@@ -39,13 +42,16 @@ mod statics;
 mod stretched_tests;
 #[cfg(test)]
 pub(crate) mod testing;
+mod tetrahedron;
 mod truss;
 #[cfg(test)]
 mod unstrained_tests;
+mod wedge;
 
 pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
 pub use section::LARGEST_OFFSET;
+pub use tetrahedron::volume_change;
 
 use crate::columns::ElementState;
 use crate::materials::{self, PlaneStress, Solid, unknown_name};
@@ -144,6 +150,12 @@ pub trait Element: Send + Sync {
     /// Returns the numbers of the fluid of a particle. Its density and force are sums over
     /// neighbours, which are in its columns before each pass.
     fn fluid(&self) -> Option<&Fluid> {
+        None
+    }
+
+    /// Returns the history column that has to contain the volume strain increment of the nodes
+    /// before each pass, if the element averages it (see [`tetrahedron`]).
+    fn averaged_volume(&self) -> Option<usize> {
         None
     }
 
@@ -251,6 +263,8 @@ pub const ELEMENTS: &[ElementEntry] = &[
     fully_integrated_quad::ROW,
     c0_triangle::ROW,
     hexahedron::ROW,
+    tetrahedron::ROW,
+    wedge::ROW,
     beam::ROW,
     truss::ROW,
     particle::ROW,

@@ -208,23 +208,23 @@ pub(super) trait ShellGroups {
     ) -> Totals<L>;
 }
 
-/// Kernel for groups of eight-node solids, for any type of lanes.
-pub(super) trait SolidGroups {
+/// Kernel for groups of solids with C nodes, for any type of lanes.
+pub(super) trait SolidGroups<const C: usize> {
     /// Computes the corner forces of a group from its connectivity and history.
     fn group<L: PointLanes<W>, const W: usize>(
         &self,
-        group: &GroupNodes<8, W>,
+        group: &GroupNodes<C, W>,
         nodes: &NodeView<'_>,
         history: &mut [L],
         dt: f64,
-        force: &mut GroupCorners<8, W>,
+        force: &mut GroupCorners<C, W>,
     ) -> Totals<L>;
 
     /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
     /// zero.
     fn forceless<L: PointLanes<W>, const W: usize>(
         &self,
-        group: &GroupNodes<8, W>,
+        group: &GroupNodes<C, W>,
         nodes: &NodeView<'_>,
         history: &mut [L],
     ) -> Totals<L>;
@@ -248,18 +248,22 @@ impl<'a> ElementPass<'a> {
         }
     }
 
-    /// Calls `kernel` for each group of eight-node solids, as [`Self::shells`] does for shells.
+    /// Calls `kernel` for each group of solids with C nodes, as [`Self::shells`] does for shells.
     #[inline(always)]
-    pub(super) fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
+    pub(super) fn solids<const C: usize>(
+        self,
+        columns: usize,
+        kernel: &impl SolidGroups<C>,
+    ) -> PassTotals {
         let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         match history {
             HistoryStorage::Double(history) => {
                 ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
-                    .solids_in::<LANES>(columns, kernel)
+                    .solids_in::<C, LANES>(columns, kernel)
             }
             HistoryStorage::Single(history) => {
                 ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
-                    .solids_in::<LANES32>(columns, kernel)
+                    .solids_in::<C, LANES32>(columns, kernel)
             }
         }
     }
@@ -309,19 +313,23 @@ impl<L> ElementPass<'_, &mut [L]> {
     }
 
     #[inline(always)]
-    fn solids_in<const W: usize>(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals
+    fn solids_in<const C: usize, const W: usize>(
+        self,
+        columns: usize,
+        kernel: &impl SolidGroups<C>,
+    ) -> PassTotals
     where
         L: PointLanes<W>,
     {
         let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
         let force =
-            out.force.as_chunks_mut::<8>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
+            out.force.as_chunks_mut::<C>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
-        let groups = &groups.as_chunks::<W>().0.as_chunks::<8>().0[range.clone()];
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<C>().0[range.clone()];
         let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force);
         let respond = |(((group, state), unstrained), force): (((&_, _), &mut bool), &mut _)| {
             if stays_unstrained(unstrained, group, &nodes, false) {
-                *force = [[[0.0; 4]; 8]; W];
+                *force = [[[0.0; 4]; C]; W];
                 return kernel.forceless(group, &nodes, state);
             }
             kernel.group(group, &nodes, state, dt, force)

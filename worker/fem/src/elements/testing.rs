@@ -186,8 +186,10 @@ impl<const C: usize> Patch<C> {
         cells: &[[u32; C]],
     ) -> Self {
         let shape = match cells[0][..] {
+            [_, _, _, _] if part.element.as_deref() == Some("tetrahedron") => Shape::Tet4,
             [_, _, c, d] if c == d => Shape::Tri3,
             [_, _, _, _] => Shape::Quad4,
+            [_, _, _, _, _, _] => Shape::Wedge6,
             _ => Shape::Hex8,
         };
         // Tests that name no formulation use the simplest one.
@@ -215,10 +217,10 @@ impl<const C: usize> Patch<C> {
             cells: cells.to_vec(),
             groups,
             history,
-            moment: if shape == Shape::Hex8 { Vec::new() } else { corners.clone() },
+            moment: if shape.is_solid() { Vec::new() } else { corners.clone() },
             force: corners,
         };
-        if shape == Shape::Hex8 {
+        if shape.is_solid() {
             patch.forces(0.0); // the first pass stores the volume at the start
         }
         patch

@@ -11,7 +11,7 @@ use crate::input::deck::table::Card;
 use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, solid_of_eight};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A line of a file: the file's number, first byte and one past the last.
@@ -259,7 +259,15 @@ impl Rows {
                 n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
             }
             let n: [u64; 8] = std::array::from_fn(|c| n[c]);
-            self.solids.push(MeshElement::new(id, part, Shape::Hex8, &n.map(NodeId)));
+            let Some((shape, corners)) = solid_of_eight(&n.map(NodeId)) else {
+                cards.trouble.error(
+                    block.span(line, 0, (line.1 - line.0) as usize),
+                    format!("solid {id} has repeated nodes and is no tetrahedron and no wedge"),
+                    "mesh it with hexahedra, tetrahedra or wedges; pyramids are not supported",
+                );
+                continue;
+            };
+            self.solids.push(MeshElement::new(id, part, shape, &corners));
             self.solid_lines.push((block.file, line.0, line.1));
         }
     }

@@ -33,7 +33,10 @@ pub struct DeckPart {
 pub(super) struct Shapes {
     pub(super) quads: bool,
     pub(super) triangles: bool,
+    /// Hexahedra.
     pub(super) solids: bool,
+    /// Tetrahedra and wedges.
+    pub(super) tetrahedra: bool,
 }
 
 /// Elements of a part.
@@ -103,6 +106,7 @@ impl DeckConverter {
                 Shape::Quad4 => shapes.quads = true,
                 Shape::Tri3 => shapes.triangles = true,
                 Shape::Hex8 => shapes.solids = true,
+                Shape::Tet4 | Shape::Wedge6 => shapes.tetrahedra = true,
                 // Their sections have no conditions.
                 Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
             }
@@ -249,21 +253,31 @@ impl DeckConverter {
                 "give the shells a separate part with a *SECTION_SHELL",
             );
         }
-        let Some(wanted) = sections::solid(elform) else {
-            self.unsupported_value(
-                card,
-                "elform",
-                "use the hexahedron with one point (1); 2 is converted to it",
-            );
-            return;
-        };
-        table.put("element", card.place("elform"), "hexahedron");
-        let (form, origin) = match wanted {
-            Some(form) => {
-                table.put("hourglass", card.place("elform"), form);
-                (form, "")
+        let tetrahedra_alone = shapes.tetrahedra && !shapes.solids;
+        let became = match (sections::solid(elform), sections::pressure(elform)) {
+            (Some(_), _) if tetrahedra_alone => "tetrahedra or wedges".to_string(),
+            (Some(wanted), _) => {
+                table.put("element", card.place("elform"), "hexahedron");
+                let (form, origin) = match wanted {
+                    Some(form) => {
+                        table.put("hourglass", card.place("elform"), form);
+                        (form, "")
+                    }
+                    None => self.hourglass(record, sections, table, true),
+                };
+                format!("hexahedron; hourglass {form}{origin}")
             }
-            None => self.hourglass(record, sections, table, true),
+            (None, Some(pressure)) if !shapes.solids => {
+                table.put("element", card.place("elform"), "tetrahedron");
+                table.put("pressure", card.place("elform"), pressure);
+                format!("tetrahedra or wedges; pressure {pressure}")
+            }
+            _ => {
+                let help = "use the hexahedron with one point (1), which 2 is converted to; 10 and \
+                            13 are for tetrahedra, 15 is for wedges";
+                self.unsupported_value(card, "elform", help);
+                return;
+            }
         };
         let own = sections
             .hourglass
@@ -272,11 +286,7 @@ impl DeckConverter {
         if let Some((bulk, place)) = own.or(sections.defaults.bulk) {
             table.put("bulk_viscosity", place, bulk);
         }
-        self.map(
-            format!("part {id}"),
-            format!("solids, elform {elform}"),
-            format!("hexahedron; hourglass {form}{origin}"),
-        );
+        self.map(format!("part {id}"), format!("solids, elform {elform}"), became);
     }
 
     /// Converts the hourglass control of a part. Returns the name of the form and its origin.

@@ -85,6 +85,15 @@ pub fn solid(elform: i64) -> Option<Option<&'static str>> {
     }
 }
 
+/// Returns the volume strain of the tetrahedra that replace a formulation of tetrahedra or wedges.
+pub fn pressure(elform: i64) -> Option<&'static str> {
+    match elform {
+        10 => Some("element"),
+        13 | 15 => Some("nodal"),
+        _ => None,
+    }
+}
+
 impl DeckConverter {
     pub(super) fn sections(&mut self) -> Sections {
         let mut by_id = HashMap::new();

@@ -26,8 +26,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "ELEMENT_SOLID",
         &[("eid:i8! pid:i8! n:i8*8", Rest), ("n:i8*10", Maybe)],
-        "solids of eight nodes, on one line or on two (ids, then nodes); wedges and tetrahedra are \
-         not supported",
+        "solids of eight nodes, on one line or on two (ids, then nodes); with repeated nodes \
+         tetrahedra and wedges, but no pyramids",
     ),
     Keyword::new(
         "ELEMENT_MASS",

@@ -54,7 +54,7 @@ pub(super) fn check(
             Shape::Point1 => {}
             Shape::Beam2 => beam(element, &x, at, path(), few),
             Shape::Truss2 => truss(element, &x, path(), few),
-            Shape::Hex8 => solid(element, &x, path(), few),
+            Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 => solid(element, &x, path(), few),
             Shape::Quad4 | Shape::Tri3 => match outline(&x) {
                 ShapeOutline::Concave => {
                     let (first, count) = concave.unwrap_or((index, 0));
@@ -92,8 +92,8 @@ fn corners(
         let message = format!("element {id} uses node {} twice", corners[twice]);
         let help = match element.shape {
             Shape::Hex8 => {
-                "a solid needs eight different nodes: wedges and tetrahedra are not supported, \
-                 mesh it with hexahedra"
+                "a solid needs eight different nodes; write a tetrahedron with four and a wedge \
+                 with six nodes, and mesh again without pyramids"
             }
             Shape::Line2 => {
                 "a spring needs two different nodes; for a spring to the ground, fix its other \
@@ -228,7 +228,7 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
     } else if figures.min_jacobian.value <= 0.0 {
         let message = format!("solid {id} is inverted or twisted at a corner");
         let help = "give the nodes of one face so that its right-hand normal points into the \
-                    solid, then those of the opposite face";
+                    solid, then those of the opposite face, or the fourth node of a tetrahedron";
         few.error("inverted", path, message, help);
     }
 }

@@ -129,8 +129,8 @@ impl MeshScope {
                 true => "*ELEMENT has no TYPE".to_string(),
                 false => format!("elements of type {name} are not supported"),
             };
-            let help = "these are read: S3, S4, S4R, C3D8, C3D8R, B31, T3D2 and their variants. \
-                        Use one of them, or remove the elements";
+            let help = "these are read: S3, S4, S4R, C3D4, C3D6, C3D8, C3D8R, B31, T3D2 and their \
+                        variants. Use one of them, or remove the elements";
             reading.unsupported("element type", block.place, message, help);
             return;
         };

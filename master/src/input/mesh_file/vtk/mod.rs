@@ -94,6 +94,20 @@ fn cell_of(kind: u64, corners: &[u64]) -> Option<(Cell, Vec<u64>)> {
     Some((cell, same))
 }
 
+/// Returns true for a wedge whose first triangle has its normal outwards. VTK describes wedges so,
+/// and most programs write them the other way round.
+fn is_inside_out(kind: u64, corners: &[u64], points: &[[f64; 3]]) -> bool {
+    let place = |k: usize| points.get(*corners.get(k)? as usize);
+    let (13, Some(a), Some(b), Some(c), Some(d)) = (kind, place(0), place(1), place(2), place(3))
+    else {
+        return false;
+    };
+    let from_a = |x: &[f64; 3]| std::array::from_fn::<f64, 3, _>(|i| x[i] - a[i]);
+    let (b, c, d) = (from_a(b), from_a(c), from_a(d));
+    let normal = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+    normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2] < 0.0
+}
+
 /// Adds a grid to the mesh.
 fn add(grid: &VtkGrid, reading: &mut MeshReading) {
     let place = FilePlace::default();
@@ -104,8 +118,13 @@ fn add(grid: &VtkGrid, reading: &mut MeshReading) {
     reading.mesh.nodes.extend(points.map(|(&id, &x)| FileNode { id, x, place }));
     let parts = part_numbers(grid, reading);
     let mut groups = VtkGroups::new();
-    for (index, (kind, corners)) in grid.cells.iter().enumerate() {
-        let Some(corners) = points_of(index, corners, &nodes, reading) else { continue };
+    for (index, (kind, corners_in_file)) in grid.cells.iter().enumerate() {
+        let Some(corners) = points_of(index, corners_in_file, &nodes, reading) else { continue };
+        let corners = if is_inside_out(*kind, corners_in_file, &grid.points) {
+            [2, 1, 0, 5, 4, 3].map(|k| corners[k]).to_vec()
+        } else {
+            corners
+        };
         let Some((cell, corners)) = cell_of(*kind, &corners) else {
             let message = format!("cell {index} has type {kind} and {} points", corners.len());
             let help = "types and numbers of points of VTK cells are expected; export it again";

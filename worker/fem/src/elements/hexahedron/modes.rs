@@ -9,9 +9,10 @@
 //! whose derivatives by the modes give the mean gradient of Flanagan & Belytschko 1981 (eq. 16)
 //! exactly: `V B_I = dV/dx_I = sum over k of Gamma_kI dV/dX_k`. X7 is not in it.
 
+use super::super::solid::corner;
 use super::super::{GroupCorners, GroupNodes};
 use crate::materials::PointLanes;
-use crumple_math::lanes::{Lane, Real, cross, dot};
+use crumple_math::lanes::{Real, cross, dot};
 
 /// Modes of a vector at the corners.
 pub type HexahedronModes<R> = [[R; 3]; 7];
@@ -162,7 +163,7 @@ pub fn gather<L: PointLanes<W>, const W: usize>(
     // One length for both columns, so that one bounds check per node is enough.
     let n = one.len();
     let columns = [&one[..n], &other[..n]];
-    let at = |c: usize| corner::<L, W>(group, columns, c);
+    let at = |c: usize| corner::<L, 8, W>(group, columns, c);
     // Written out, so that corners stay in registers.
     let c = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
     let of = |k: usize| {
@@ -176,30 +177,6 @@ pub fn gather<L: PointLanes<W>, const W: usize>(
         std::array::from_fn(|m| [x[m], y[m], z[m]])
     };
     [of(0), of(1)]
-}
-
-/// Returns two nodal columns at a corner of a group; in single precision, their values relative to
-/// the first corner.
-#[inline(always)]
-fn corner<L: PointLanes<W>, const W: usize>(
-    group: &GroupNodes<8, W>,
-    columns: [&[[f64; 4]]; 2],
-    c: usize,
-) -> [[L; 3]; 2] {
-    if L::SHORT && c == 0 {
-        return [[L::zero(); 3]; 2];
-    }
-    let of_node = |i: u32| columns.map(|rows| Lane::new(rows[i as usize]));
-    let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
-    for lane in 0..W {
-        let [mut x, mut v] = of_node(group[c][lane]);
-        if L::SHORT {
-            let [x0, v0] = of_node(group[0][lane]);
-            (x, v) = (x - x0, v - v0);
-        }
-        (rows[0][lane], rows[1][lane]) = (L::row(x), L::row(v));
-    }
-    rows.map(L::from_rows)
 }
 
 /// Converts forces of modes to rows of corner forces.

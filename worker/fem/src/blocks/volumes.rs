@@ -1,0 +1,273 @@
+//! Volume strain of nodes, for elements that average it
+//! ([`Element::averaged_volume`](crate::elements::Element::averaged_volume)).
+//!
+//! A node has one mean for each part around it, over the elements of all workers in ascending
+//! global id. So it has the same bits on every worker.
+
+use super::Blocks;
+use crate::elements::volume_change;
+use crate::nodes::Nodes;
+use crumple_proto::ids::ElemId;
+
+/// Number of nodes of an element that averages.
+const NODES: usize = 4;
+
+/// An element of another worker that averages, with at least one local node.
+#[derive(Clone, Copy, Debug)]
+pub struct RemoteVolume {
+    /// The element.
+    pub elem: ElemId,
+    /// Index of its part.
+    pub part: u32,
+    /// Its local nodes; `None` for the others.
+    pub nodes: [Option<u32>; NODES],
+}
+
+impl RemoteVolume {
+    /// Adds a local node.
+    pub fn add(&mut self, node: u32) {
+        if let Some(free) = self.nodes.iter_mut().find(|n| n.is_none()) {
+            *free = Some(node);
+        }
+    }
+}
+
+/// Means over the elements around the nodes.
+#[derive(Debug, Default)]
+pub struct NodalVolumes {
+    /// Own elements, by block and index in the block.
+    own: Vec<[usize; 2]>,
+    /// For each own element, the indices of the means of its nodes.
+    corners: Vec<[u32; NODES]>,
+    /// For each mean, the start of its elements in `elements`.
+    start: Vec<u32>,
+    /// Indices into `changes`, mean by mean, in ascending element id.
+    elements: Vec<u32>,
+    /// Volume in the middle of the step and its change [length^3]: of own elements, then of
+    /// received ones.
+    pub changes: Vec<[f64; 2]>,
+    means: Vec<f64>,
+}
+
+impl NodalVolumes {
+    /// Returns the own elements that average their volume strain, by block and index in the block.
+    pub fn own_elements(blocks: &Blocks) -> Vec<[usize; 2]> {
+        let averaging = blocks.blocks.iter().enumerate();
+        let averaging = averaging.filter(|(_, b)| b.element.averaged_volume().is_some() && !b.idle);
+        averaging.flat_map(|(block, b)| (0..b.count).map(move |i| [block, i])).collect()
+    }
+
+    /// Creates the means of the own elements, with elements of other workers; `None` without own
+    /// elements.
+    pub fn new(blocks: &Blocks, own: Vec<[usize; 2]>, remote: &[RemoteVolume]) -> Option<Self> {
+        let corner = |node: u32, part: u32, elem: ElemId, index: usize| (part, node, elem, index);
+        let mut around = Vec::with_capacity(NODES * (own.len() + remote.len()));
+        for (index, &[block, i]) in own.iter().enumerate() {
+            let e = &blocks.elements[blocks.blocks[block].first + i];
+            let nodes = e.nodes[..NODES].iter();
+            around.extend(nodes.map(|&n| corner(n, e.record.part, e.record.id, index)));
+        }
+        for (index, e) in (own.len()..).zip(remote) {
+            around.extend(e.nodes.iter().flatten().map(|&n| corner(n, e.part, e.elem, index)));
+        }
+        around.sort_unstable();
+        let mut all = Self {
+            corners: vec![[0; NODES]; own.len()],
+            changes: vec![[0.0; 2]; own.len() + remote.len()],
+            ..Self::default()
+        };
+        let mut filled = vec![0; own.len()];
+        for run in around.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let mean = all.start.len() as u32;
+            all.start.push(all.elements.len() as u32);
+            for &(.., index) in run {
+                all.elements.push(index as u32);
+                if let Some(place) = filled.get_mut(index) {
+                    all.corners[index][*place] = mean;
+                    *place += 1;
+                }
+            }
+        }
+        all.means = vec![0.0; all.start.len()];
+        all.start.push(all.elements.len() as u32);
+        all.own = own;
+        (!all.own.is_empty()).then_some(all)
+    }
+
+    /// Computes volumes and their changes in the last step, of size `dt` [time], of own elements.
+    pub fn measure(&mut self, blocks: &Blocks, nodes: &Nodes, dt: f64) {
+        let view = nodes.view();
+        for (change, &[block, i]) in self.changes.iter_mut().zip(&self.own) {
+            let b = &blocks.blocks[block];
+            let e = &blocks.elements[b.first + i];
+            let has_failed =
+                e.record.failed || b.element.can_fail() && b.element.failed(b.state(i));
+            *change = match (has_failed, e.nodes.first_chunk()) {
+                (false, Some(corners)) => volume_change(&view, corners, dt),
+                _ => [0.0; 2],
+            };
+        }
+    }
+
+    /// Computes the means from all changes and stores them in the histories of the own elements.
+    pub fn store(&mut self, blocks: &mut Blocks) {
+        for (mean, run) in self.means.iter_mut().zip(self.start.windows(2)) {
+            let [mut volume, mut change] = [0.0; 2];
+            for &index in &self.elements[run[0] as usize..run[1] as usize] {
+                let [v, dv] = self.changes[index as usize];
+                volume += v;
+                change += dv;
+            }
+            *mean = if volume > 0.0 { change / volume } else { 0.0 };
+        }
+        for (&[block, i], corners) in self.own.iter().zip(&self.corners) {
+            let [a, b, c, d] = corners.map(|mean| self.means[mean as usize]);
+            blocks.blocks[block].set_averaged_volume(i, 0.25 * ((a + b) + (c + d)));
+        }
+    }
+
+    /// Returns the bytes in use, without unused capacity.
+    pub fn bytes(&self) -> usize {
+        let Self { own, corners, start, elements, changes, means } = self;
+        size_of_val(&own[..])
+            + size_of_val(&corners[..])
+            + size_of_val(&start[..])
+            + size_of_val(&elements[..])
+            + size_of_val(&changes[..])
+            + size_of_val(&means[..])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Class, LocalElement};
+    use super::*;
+    use crate::testing;
+    use crumple_proto::ids::NodeId;
+    use crumple_proto::job::Part;
+    use crumple_proto::mesh::{OwnSection, Shape, corner_nodes};
+    use crumple_proto::partition::{ElementRecord, Material, Settings};
+
+    /// Height of the first tetrahedron over the common face; that of the second one is 1.
+    const HEIGHT: f64 = 2.0;
+
+    /// Returns two tetrahedra on both sides of a face, of these parts, and their nodes; the apex of
+    /// the first one sinks by `sink` in a step of 1.
+    fn pair(parts: [u32; 2], sink: f64) -> (Blocks, Nodes) {
+        let part = soft_part();
+        let materials = vec![Material {
+            name: "soft".into(),
+            law: "elastic".into(),
+            density: 1.0,
+            parameters: crate::elements::testing::elastic(1.0, 0.3, 1.0).parameters,
+        }];
+        let settings =
+            Settings { parts: vec![part.clone(), part], materials, ..testing::settings() };
+        let record = |id: u64, part: u32, nodes: [u64; 4]| ElementRecord {
+            id: ElemId(id),
+            part,
+            shape: Shape::Tet4,
+            nodes: corner_nodes(&nodes.map(NodeId)),
+            free_faces: 0,
+            failed: false,
+            own: OwnSection::default(),
+            mass_factor: 1.0,
+            share: 1.0,
+            slow: false,
+            stable_dt: f64::INFINITY,
+        };
+        let places = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, HEIGHT - sink],
+            [0.0, 0.0, -1.0],
+        ];
+        let mut nodes = testing::nodes_at(&places);
+        nodes.v[3] = [0.0, 0.0, -sink, 0.0];
+        let local = |record: ElementRecord| LocalElement {
+            nodes: record.nodes.map(|n| n.0 as u32 - 1),
+            record,
+            shared: false,
+            class: Class::Interior,
+        };
+        let elements = [record(7, parts[0], [1, 2, 3, 4]), record(3, parts[1], [1, 3, 2, 5])];
+        let elements = elements.map(|record| (local(record), Vec::new())).to_vec();
+        (Blocks::new(&settings, elements), nodes)
+    }
+
+    fn soft_part() -> Part {
+        Part { material: "soft".into(), ..crate::elements::testing::part(0.0) }
+    }
+
+    /// Returns the stored volume strain increments of the two elements by id.
+    fn stored(blocks: &mut Blocks, nodes: &Nodes) -> Vec<(ElemId, f64)> {
+        let mut volumes = NodalVolumes::new(blocks, NodalVolumes::own_elements(blocks), &[])
+            .expect("own elements");
+        volumes.measure(blocks, nodes, 1.0);
+        volumes.store(blocks);
+        let mut all: Vec<(ElemId, f64)> = blocks
+            .blocks
+            .iter()
+            .flat_map(|b| (0..b.count).map(move |i| (b, i)))
+            .map(|(b, i)| {
+                let column = b.element.averaged_volume().expect("it averages");
+                (blocks.elements[b.first + i].record.id, b.state(i).at(column))
+            })
+            .collect();
+        all.sort_by_key(|a| a.0);
+        all
+    }
+
+    /// Nodes average over the elements around them, weighted by volume, but not over two parts.
+    #[test]
+    fn nodes_average_within_a_part() {
+        let sink = 0.1;
+        let (mid, change) = ((HEIGHT - 0.5 * sink) / 6.0, -sink / 6.0);
+        let common = change / (mid + 1.0 / 6.0);
+        let near = |found: Vec<(ElemId, f64)>, wanted: [f64; 2]| {
+            let ids: Vec<u64> = found.iter().map(|f| f.0.0).collect();
+            assert_eq!(ids, [3, 7]);
+            for ((_, found), wanted) in found.into_iter().zip(wanted) {
+                assert!((found - wanted).abs() < 1e-15, "{found} for {wanted}");
+            }
+        };
+        let (mut blocks, nodes) = pair([0, 0], sink);
+        let wanted = [0.75 * common, 0.25 * (3.0 * common + change / mid)];
+        near(stored(&mut blocks, &nodes), wanted);
+        let (mut blocks, nodes) = pair([0, 1], sink);
+        near(stored(&mut blocks, &nodes), [0.0, change / mid]);
+    }
+
+    /// An element of another worker counts at its local nodes, and a failed one does not.
+    #[test]
+    fn remote_elements_count_and_failed_ones_do_not() {
+        let (blocks, nodes) = pair([0, 0], 0.1);
+        let own = NodalVolumes::own_elements(&blocks);
+        let (mut alone, mut whole) = (pair([0, 0], 0.1).0, pair([0, 0], 0.1).0);
+        let wanted = stored(&mut whole, &nodes);
+        // The second element comes from another worker.
+        let second = own
+            .iter()
+            .position(|&[b, i]| blocks.elements[blocks.blocks[b].first + i].record.id == ElemId(3));
+        let second = second.expect("it is there");
+        let first = own[1 - second];
+        let mut remote =
+            RemoteVolume { elem: ElemId(3), part: 0, nodes: [Some(0), None, None, None] };
+        remote.add(1);
+        remote.add(2);
+        let mut volumes = NodalVolumes::new(&alone, vec![first], &[remote]).expect("own elements");
+        volumes.measure(&alone, &nodes, 1.0);
+        volumes.changes[1] = [1.0 / 6.0, 0.0];
+        volumes.store(&mut alone);
+        let column = alone.blocks[first[0]].element.averaged_volume().expect("it averages");
+        let found = alone.blocks[first[0]].state(first[1]).at(column);
+        assert!((found - wanted[1].1).abs() < 1e-15, "{found} {wanted:?}");
+        let (mut gone, _) = pair([0, 0], 0.1);
+        gone.elements.iter_mut().filter(|e| e.record.id == ElemId(3)).for_each(|e| {
+            e.record.failed = true;
+        });
+        let left = stored(&mut gone, &nodes)[1].1;
+        assert!((left + 0.1 / (HEIGHT - 0.05)).abs() < 1e-15, "{left}");
+    }
+}

@@ -1,0 +1,253 @@
+//! Code that all solids with one integration point per law share: law and stress in the rotated
+//! frame, bulk viscosity, energy, stable step of a mean gradient.
+//!
+//! The steps are those of [`hexahedron`](super::hexahedron).
+
+use super::pass::GroupNodes;
+use super::{ElementFields, law_column};
+use crate::columns::ElementState;
+use crate::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
+use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
+use crumple_math::lanes::{Lane, Real, dot};
+
+/// Keys of all solids.
+pub const SOLID_KEYS: &[ParameterRow] = &[ParameterRow {
+    key: "bulk_viscosity",
+    form: Form::Numbers(2),
+    otherwise: DefaultValue::Numbers(&[0.06, 1.5]),
+    range: Some(Range {
+        wanted: "[linear, quadratic], each from 0 to 10",
+        fits: |b| (0.0..=10.0).contains(&b),
+    }),
+    meaning: "Bulk viscosity in compression: linear coefficient, as a fraction of \
+                  critical damping, and quadratic coefficient (`cases/studies/README.md`, \
+                  viscosity).",
+}];
+
+/// Largest strain increment of a valid step.
+pub const STRAIN_LIMIT: f64 = 0.5;
+/// Number of stress components, at the start of the law's state.
+pub const STRESS: usize = 6;
+
+/// A law with the keys of all solids.
+pub struct SolidMaterial {
+    pub law: Box<dyn Solid>,
+    pub elastic: Elastic,
+    /// b1 and b2.
+    pub bulk_viscosity: [f64; 2],
+    /// Number of columns of stress and of the law.
+    pub state: usize,
+    /// Column of the law with its effective plastic strain, if it has any.
+    plastic_strain: Option<usize>,
+    /// Column of the law that marks failure, if it can fail.
+    pub failed: Option<usize>,
+}
+
+/// Result of the update of the stress.
+pub struct StressStep<R> {
+    /// Stress at the start and at the end, in the axes of the middle of the step
+    /// [force/length^2].
+    pub before: [R; STRESS],
+    pub after: [R; STRESS],
+    /// Stress in global axes [force/length^2].
+    pub stress: [R; STRESS],
+    /// See [`Solid::update`].
+    pub left: R,
+}
+
+impl SolidMaterial {
+    /// Creates the law of a part with these values.
+    pub fn new(values: &Values<'_>, law: Box<dyn Solid>) -> Self {
+        let elastic = law.elastic();
+        let (history, poisson) = (law.history(), elastic.poisson);
+        debug_assert!(poisson < 0.5, "laws of solids require a finite bulk modulus");
+        Self {
+            elastic,
+            bulk_viscosity: values.numbers("bulk_viscosity"),
+            state: STRESS + history.len(),
+            plastic_strain: law_column(history, "plastic_strain", STRESS),
+            failed: law_column(history, "failed", STRESS),
+            law,
+        }
+    }
+
+    /// Updates stress and history, which begin `state`, by a strain increment in the rotated frame
+    /// (see [`increment`]).
+    #[inline(always)]
+    pub fn update<R: PointReal>(
+        &self,
+        state: &mut [R],
+        eps: &[R; STRESS],
+        turn: &[[R; 3]; 3],
+        dt: f64,
+    ) -> StressStep<R> {
+        let before = rotated(turn, state);
+        state[..STRESS].copy_from_slice(&before);
+        let left = R::update_solid(&*self.law, SolidPoint { state, strain: eps }, dt);
+        let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
+        let stress = rotated(turn, state);
+        state[..STRESS].copy_from_slice(&stress);
+        StressStep { before, after, stress, left }
+    }
+
+    /// Returns the bulk viscosity at this rate of -ln V [force/length^2], and the stable step with
+    /// it [time].
+    #[inline(always)]
+    pub fn viscosity<R: Real>(&self, rate: R, length: R, density: R, slowness: R) -> (R, R) {
+        let rate = Real::max(rate, R::zero());
+        let [b1, b2] = self.bulk_viscosity.map(R::splat);
+        let rate = length * rate;
+        let quadratic = b2 * rate;
+        let q = rate * density.mul_add(quadratic, b1 * R::splat(self.modulus()) * slowness);
+        let stable_dt = viscous(length * slowness, (quadratic + quadratic).mul_add(slowness, b1));
+        (q, stable_dt)
+    }
+
+    /// Returns lambda + 2 mu [force/length^2].
+    pub fn modulus(&self) -> f64 {
+        self.elastic.lame() + 2.0 * self.elastic.shear_modulus()
+    }
+
+    /// Returns the stable step without viscosity times c_d, from `sum B_I B_I'` over C corners with
+    /// equal masses [length].
+    #[inline(always)]
+    pub fn length<const C: usize, R: Real>(&self, gram: &[R; 6]) -> R {
+        // 2 c_d/omega with omega^2 = C stiffness/density.
+        (R::splat(4.0 / C as f64 * self.modulus()) / self.stiffness(gram)).sqrt()
+    }
+
+    /// Returns `2 mu g + max(lambda, 0) tr G` of `G = sum B_I B_I'` [force/length^4].
+    #[inline(always)]
+    pub fn stiffness<R: Real>(&self, gram: &[R; 6]) -> R {
+        let [a, b, c, d, e, f] = *gram;
+        let trace = a + b + c;
+        let third = R::splat(1.0 / 3.0) * trace;
+        let [a, b, c] = [a - third, b - third, c - third];
+        let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
+        let largest = third + (R::splat(2.0 / 3.0) * square).sqrt();
+        let elastic = &self.elastic;
+        R::splat(elastic.lame().max(0.0)) * trace
+            + R::splat(2.0 * elastic.shear_modulus()) * largest
+    }
+
+    /// Returns the names of the columns of stress and law.
+    pub fn names(&self) -> impl Iterator<Item = String> + use<> {
+        let stress = ["xx", "yy", "zz", "xy", "yz", "zx"].map(|c| format!("stress {c}"));
+        let law = self.law.history().iter().map(|name| name.to_string());
+        stress.into_iter().chain(law)
+    }
+
+    /// Returns true if the law has failed at a point whose columns begin at `first`.
+    pub fn has_failed(&self, history: ElementState<'_>, first: usize) -> bool {
+        self.failed.is_some_and(|column| history.at(first + column) > 0.5)
+    }
+
+    /// Returns the fields of a point whose columns begin at `first`.
+    pub fn fields(&self, history: ElementState<'_>, first: usize) -> ElementFields {
+        let at = |column: usize| history.at(first + column);
+        let stress: [f64; STRESS] = std::array::from_fn(at);
+        let [x, y, z, xy, yz, zx] = stress;
+        let direct = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x);
+        ElementFields {
+            plastic_strain: self.plastic_strain.map_or(0.0, at),
+            stress,
+            von_mises: (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt(),
+            thickness: 0.0,
+            failed: self.has_failed(history, first),
+        }
+    }
+}
+
+/// Returns the strain increment (xx, yy, zz, twice xy, yz, zx) and the rotation of half the step,
+/// from the gradient of the displacement increment.
+#[inline(always)]
+pub fn increment<R: Real>(k: &[[R; 3]; 3]) -> ([R; STRESS], [[R; 3]; 3]) {
+    let eps = [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
+    let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
+    (eps, turn)
+}
+
+/// Returns the work of a step per volume [force/length^2], the largest component of the strain
+/// increment, and the sum of all of them. `pressure` is the mean bulk viscosity of the step.
+#[inline(always)]
+pub fn work_and_size<R: Real>(
+    before: &[R; STRESS],
+    after: &[R; STRESS],
+    eps: &[R; STRESS],
+    pressure: R,
+) -> (R, R, R) {
+    let half = R::splat(0.5);
+    let mean: [R; STRESS] = std::array::from_fn(|c| half * (before[c] + after[c]));
+    let mut work = -(pressure * (eps[0] + eps[1] + eps[2]));
+    let mut total = R::zero();
+    let mut largest = R::zero();
+    for c in 0..STRESS {
+        work = mean[c].mul_add(eps[c], work);
+        let size = if c < 3 { eps[c].abs() } else { half * eps[c].abs() };
+        largest = Real::max(largest, size);
+        total += size;
+    }
+    (work, largest, total)
+}
+
+/// Returns the stable step with damping; z is the fraction of critical damping.
+#[inline(always)]
+pub fn viscous<R: Real>(step: R, z: R) -> R {
+    step * (z.mul_add(z, R::splat(1.0)).sqrt() - z)
+}
+
+/// Returns the rotation of half the step from twice the axis of skew K, with one division.
+#[inline(always)]
+fn half_turn<R: Real>(twice: [R; 3]) -> [[R; 3]; 3] {
+    let [one, quarter] = [1.0, 0.25].map(R::splat);
+    let w = twice.map(|c| quarter * c);
+    let s = (one + dot(w, w)).sqrt();
+    let along = one / s.mul_add(s, s);
+    let cos = along.mul_add(s, along);
+    let spin = w.map(|c| cos * c);
+    let r = w.map(|c| along * c);
+    let dyad = |i: usize, j: usize| r[i] * w[j];
+    let (xy, yz, zx) = (dyad(0, 1), dyad(1, 2), dyad(2, 0));
+    [
+        [r[0].mul_add(w[0], cos), xy - spin[2], zx + spin[1]],
+        [xy + spin[2], r[1].mul_add(w[1], cos), yz - spin[0]],
+        [zx - spin[1], yz + spin[0], r[2].mul_add(w[2], cos)],
+    ]
+}
+
+/// Returns `R sig R'` of the stress at the start of `state`.
+#[inline(always)]
+fn rotated<R: Real>(turn: &[[R; 3]; 3], state: &[R]) -> [R; STRESS] {
+    let [xx, yy, zz, xy, yz, zx]: [R; STRESS] = std::array::from_fn(|c| state[c]);
+    let columns = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
+    let half: [[R; 3]; 3] =
+        std::array::from_fn(|i| std::array::from_fn(|j| dot(turn[i], columns[j])));
+    // Written out, because a loop over pairs of indices becomes a call, which moves all registers
+    // to memory.
+    let at = |i: usize, j: usize| dot(half[i], turn[j]);
+    [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
+}
+
+/// Returns two nodal columns at a corner of a group; in single precision, their values relative to
+/// the first corner.
+#[inline(always)]
+pub fn corner<L: PointLanes<W>, const C: usize, const W: usize>(
+    group: &GroupNodes<C, W>,
+    columns: [&[[f64; 4]]; 2],
+    c: usize,
+) -> [[L; 3]; 2] {
+    if L::SHORT && c == 0 {
+        return [[L::zero(); 3]; 2];
+    }
+    let of_node = |i: u32| columns.map(|rows| Lane::new(rows[i as usize]));
+    let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
+    for lane in 0..W {
+        let [mut x, mut v] = of_node(group[c][lane]);
+        if L::SHORT {
+            let [x0, v0] = of_node(group[0][lane]);
+            (x, v) = (x - x0, v - v0);
+        }
+        (rows[0][lane], rows[1][lane]) = (L::row(x), L::row(v));
+    }
+    rows.map(L::from_rows)
+}
