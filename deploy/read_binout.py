@@ -155,7 +155,7 @@ def compare_glstat(binout, folder):
     equal("total_energy of glstat", binout.read("glstat", "total_energy"), total)
     error = abs(binout.read("glstat", "energy_ratio") - 1).max()
     # The error of the history is a fraction of another energy; both are small together.
-    if error > 10 * abs(rows["energy error"]).max() + 1e-6:
+    if not error <= 10 * abs(rows["energy error"]).max() + 1e-6:
         raise Wrong(f"energy_ratio of glstat is off by {error}")
     return len(pairs) + 2
 

@@ -183,8 +183,7 @@ pub fn solid_of_eight<N: Copy + PartialEq>(nodes: &[N; 8]) -> Option<(Shape, Vec
     nodes.iter().for_each(|n| once.extend((!once.contains(n)).then_some(*n)));
     match once.len() {
         8 => return Some((Shape::Hex8, once)),
-        4 => return Some((Shape::Tet4, once)),
-        6 => {}
+        4 | 6 => {}
         _ => return None,
     }
     let around = |face: &[usize; 4]| {
@@ -196,6 +195,13 @@ pub fn solid_of_eight<N: Copy + PartialEq>(nodes: &[N; 8]) -> Option<(Shape, Vec
         corners
     };
     let faces: Vec<Vec<N>> = Shape::Hex8.faces().iter().map(around).collect();
+    if once.len() == 4 {
+        // A folded quad has other faces than four triangles.
+        let triangles = faces.iter().filter(|f| f.len() == 3);
+        let opposite = |corner: &N| triangles.clone().any(|f| !f.contains(corner));
+        let is_closed = faces.iter().all(|f| f.len() <= 3) && once.iter().all(opposite);
+        return is_closed.then_some((Shape::Tet4, once));
+    }
     let mut triangles = faces.iter().filter(|f| f.len() == 3);
     let (first, second) = (triangles.next()?, triangles.next()?);
     let across = |from: &N| {

@@ -2,6 +2,7 @@
 //! its files, and the compiled part as cargo builds it with the tests.
 
 use crate::program::root;
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
@@ -25,7 +26,8 @@ impl PythonPackage {
             symlink(&source, package.join(source.file_name().expect("a name"))).expect("a link");
         }
         let test = std::env::current_exe().expect("this program");
-        let native = test.with_file_name("libcrumple_native.so");
+        let name = format!("{DLL_PREFIX}crumple_native{DLL_SUFFIX}");
+        let native = test.with_file_name(name);
         assert!(Path::is_file(&native), "{} is missing", native.display());
         symlink(native, package.join("_native.abi3.so")).expect("a link");
         Self(folder)

@@ -239,7 +239,7 @@ impl Engine {
             self.timer.lap(Phase::Renewal);
             return Ok(());
         };
-        contact.renumber_nodes(&self.nodes); // ghosts may get other indices
+        contact.transfer_marks(&self.nodes); // ghosts may get other indices
         let memories = gather_memories(comm, &self.nodes, &self.halo, contact)?;
         let mesh = (&mut self.nodes, &self.blocks, &mut self.halo);
         let (surface, reference) = (&mut contact.surface, self.motion.reference());

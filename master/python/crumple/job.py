@@ -102,10 +102,17 @@ class Job(MutableMapping[str, Any]):
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         moved = Job(self._table)
+        here = path.parent.resolve()
+
+        def moved_to(name: str) -> str:
+            return os.path.relpath((self.folder / name).resolve(), here)
+
         mesh = moved._table.get("mesh", {})
         for key in FILES:
             if key in mesh:
-                mesh[key] = os.path.relpath((self.folder / mesh[key]).resolve(), path.parent)
+                mesh[key] = moved_to(mesh[key])
+        if "include" in moved._table:
+            moved._table["include"] = [moved_to(name) for name in moved._table["include"]]
         path.write_text(moved.toml(), encoding="utf-8")
         return path
 

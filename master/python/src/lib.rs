@@ -9,7 +9,7 @@ use crumple::results::fields;
 use crumple::run::in_process::{self, InProcessError};
 use crumple::run::launch::StartProblems;
 use crumple::run::progress::{FeedContent, ProgressFeed, RunState};
-use crumple::run::service::signals::StopFlag;
+use crumple::run::service::signals::{Manner, StopFlag};
 use crumple_worker::vtu::POINT_ARRAYS;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -125,6 +125,8 @@ fn run(
     let args = RunArgs::from(depythonize::<RunOptions>(options)?);
     let out = args.resume.clone().unwrap_or_else(|| args.out_dir());
     let (stop, feed) = (StopFlag::default(), ProgressFeed::default());
+    // Before the first call of `look`: it may raise, and the flag must not end this process.
+    stop.set_manner(Manner::Patient);
     let caller = std::thread::current();
     let body = {
         let (stop, feed) = (stop.clone(), feed.clone());

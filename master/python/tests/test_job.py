@@ -83,3 +83,20 @@ def test_check_returns_warnings_or_raises_all_errors(bars: Path) -> None:
     assert [one.change for one in findings if one.change] == ["end_time=-1"]
     lines = job.toml().splitlines()
     assert all(one.text == lines[one.line - 1] for one in findings if one.line)
+
+
+def test_a_job_takes_materials_of_the_library_and_includes_others(tmp_path: Path) -> None:
+    """Keys from an included file or the library are not missing; names of files stay right."""
+    (tmp_path / "steel.toml").write_text('[[material]]\nname = "steel"\nuse = "steel DP600"\n')
+    text = 'title = "x"\nunits = "mm, ms, kg"\ninclude = ["steel.toml"]\n'
+    (tmp_path / "job.toml").write_text(text)
+    job = crumple.Job.read(tmp_path)
+    moved = job.write(tmp_path / "below" / "job.toml")
+    assert crumple.Job.read(moved)["include"] == ["../steel.toml"]
+    library = crumple.Job({"units": "mm, ms, kg"})
+    library["material"] = [{"name": "steel", "use": "steel DP600"}]
+    with pytest.raises(crumple.JobError, match="DP60"):
+        library["material"] = [{"name": "steel", "use": "steel DP60"}]
+    (tmp_path / "plate.k").write_text("*KEYWORD\n*END\n")
+    deck = crumple.Job.read(tmp_path / "plate.k")
+    assert deck.write(tmp_path / "of_deck.toml").exists()

@@ -219,17 +219,10 @@ impl Contact {
         }
     }
 
-    /// Adapts to other indices of nodes: transfers the marks of nodes in the record of searches to
-    /// the parts, and collects the segments around each node.
-    pub fn renumber_nodes(&mut self, nodes: &Nodes) {
+    /// Transfers the marks of nodes in the record of searches to the parts, because nodes get other
+    /// indices.
+    pub fn transfer_marks(&mut self, nodes: &Nodes) {
         self.record.renew(&self.surface.segments, nodes.len());
-        self.link_nodes(nodes);
-    }
-
-    fn link_nodes(&mut self, nodes: &Nodes) {
-        if self.detail.smooth {
-            self.surface.link_nodes(nodes.len());
-        }
     }
 
     /// Sets a new surface and the pair histories of its slaves. The next call of
@@ -243,7 +236,9 @@ impl Contact {
         self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
         self.surface.link_faces(nodes.len());
-        self.link_nodes(nodes);
+        if self.detail.smooth {
+            self.surface.link_nodes(nodes.len());
+        }
         self.surface.speeds.clone_from(&self.speeds);
         let stiffness =
             self.surface.segments.iter().map(|s| self.laws().segment_stiffness(s, &nodes.x0));

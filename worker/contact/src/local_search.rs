@@ -339,10 +339,13 @@ fn evaluate_pair(
         return None;
     }
     let (smooth, on_smooth);
-    let (geometry, apart) = match detail.smooth && !segment.is_line() {
-        false => (geometry, apart),
-        true => {
-            smooth = SmoothPatch::new(nodes, surface, segment)?.project(&at, near.shape)?;
+    let patch = (detail.smooth && !segment.is_line())
+        .then(|| SmoothPatch::new(nodes, surface, segment)?.project(&at, near.shape))
+        .flatten();
+    let (geometry, apart) = match patch {
+        None => (geometry, apart),
+        Some(on_patch) => {
+            smooth = on_patch;
             on_smooth = PairGeometry { near: &smooth, ..*geometry };
             (&on_smooth, on_smooth.relative_to_middle(&(at - smooth.point)))
         }

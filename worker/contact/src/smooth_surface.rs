@@ -10,7 +10,8 @@
 //!    side is not at a right angle to them. The middle of the parabola is that of a circular arc.
 //! 3. With the shape values N, the rise b of the four sides and the corners x, the patch is
 //!    `x(N) = sum N_k x_k + sum N_i N_j/(N_i + N_j) b_ij` (quads), `sum N_i N_j b_ij` (triangles),
-//!    and its normal is the direction of `sum N_k n_k`. Adjacent patches agree in both.
+//!    and its normal is the direction of `sum N_k n_k`. Adjacent patches agree in both where all
+//!    segments around the ends of their side are within 45 degrees of each other.
 //!
 //! The force acts at the point of the patch, with the shape values of the mesh. Their points
 //! differ by the rise, mostly along the force.
@@ -24,7 +25,8 @@ use crumple_math::row::{Row, V3};
 const SMOOTH: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Cosine of the angle from which on their common edge is sharp: 60 degrees.
 const SHARP: f64 = 0.5;
-/// Largest rise of a side over the chord, as a fraction of its length: an arc of 62 degrees.
+/// Largest rise of a side over the chord, as a fraction of its length: an arc of 62 degrees. A side
+/// that has been stretched rises no more than the longest one of the surface at the start.
 const MOST: f64 = 0.15;
 /// Number of times that the projection onto the patch is improved. The error falls each time by
 /// about the distance over the radius of curvature.
@@ -56,7 +58,9 @@ impl SmoothPatch {
         let mut rises = [V3::zeros(); 4];
         for (k, rise) in rises.iter_mut().enumerate().take(count) {
             let next = (k + 1) % count;
-            *rise = rise_of(&(corners[next] - corners[k]), [&normals[k], &normals[next]]);
+            let side = corners[next] - corners[k];
+            let most = MOST * side.norm().min(surface.longest_side);
+            *rise = rise_of(&side, [&normals[k], &normals[next]]).cap_magnitude(4.0 * most);
         }
         Some(Self { corners, normals, rises, is_triangle })
     }
@@ -107,8 +111,7 @@ fn rise_of(side: &V3, [from, to]: [&V3; 2]) -> V3 {
     if length == 0.0 {
         return V3::zeros();
     }
-    let rise = sum * ((to - from).dot(side) / (length * (1.0 + 0.5 * length)));
-    rise.cap_magnitude(4.0 * MOST * side.norm())
+    sum * ((to - from).dot(side) / (length * (1.0 + 0.5 * length)))
 }
 
 /// Returns the weight of a segment at this cosine of the angle to another one.
@@ -212,7 +215,8 @@ mod tests {
                 searched: true,
             }
         };
-        let mut surface = Surface { segments: (0..9).map(quad).collect(), ..Surface::default() };
+        let segments = (0..9).map(quad).collect();
+        let mut surface = Surface { segments, longest_side: 0.3, ..Surface::default() };
         surface.link_nodes(nodes.len());
         let middle = surface.segments[4];
         (nodes, surface, middle)
@@ -296,7 +300,8 @@ mod tests {
             searched: true,
         };
         let faces = [(8, [0, 1, 2, 3]), (16, [0, 4, 5, 1])].map(face);
-        let mut surface = Surface { segments: faces.into(), ..Surface::default() };
+        let mut surface =
+            Surface { segments: faces.into(), longest_side: 1.0, ..Surface::default() };
         surface.link_nodes(nodes.len());
         let patch = SmoothPatch::new(&nodes, &surface, &faces[0]).unwrap();
         assert!(patch.normals.iter().all(|n| *n == V3::z()));

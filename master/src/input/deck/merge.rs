@@ -4,7 +4,8 @@ use crate::input::job::tree::{Entry, Node, NodeContent};
 use std::collections::BTreeMap;
 
 /// Merges `over` into `base`: its values win. Tables are merged key by key. Entries of lists such
-/// as `[[part]]` are merged with the entry of the same id or name, or added if there is none.
+/// as `[[part]]` are merged with the entry of the same id or name, or added if there is none. An
+/// entry with the key `use` replaces the other one.
 pub fn merge(base: Node, over: Node) -> Node {
     match (base.kind, over.kind) {
         (NodeContent::Table(base), NodeContent::Table(own)) => {
@@ -53,7 +54,9 @@ fn lists(mut base: Vec<Node>, over: Vec<Node>) -> Vec<Node> {
         match base.iter().position(same) {
             Some(at) => {
                 let old = std::mem::replace(&mut base[at], Node::table(entry.place));
-                base[at] = merge(old, entry);
+                // A material of the library takes the place of the other one.
+                let is_from_library = entry.get("use").is_some();
+                base[at] = if is_from_library { entry } else { merge(old, entry) };
             }
             None => base.push(entry),
         }
@@ -64,6 +67,15 @@ fn lists(mut base: Vec<Node>, over: Vec<Node>) -> Vec<Node> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_material_of_the_library_replaces_another_one() {
+        let base = "[[material]]\nname = \"a\"\nlaw = \"elastic\"\ndensity = 1.0\n";
+        let over = "[[material]]\nname = \"a\"\nuse = \"steel DP600\"\n";
+        let merged = merge(Node::parse(base).unwrap(), Node::parse(over).unwrap()).to_value();
+        let material = merged["material"][0].as_table().unwrap();
+        assert_eq!(material.keys().collect::<Vec<_>>(), ["name", "use"]);
+    }
 
     #[test]
     fn the_jobs_own_keys_win_and_add() {

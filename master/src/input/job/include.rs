@@ -13,6 +13,8 @@ use crumple_proto::problem::Problem;
 use std::path::{Path, PathBuf};
 
 const KEY: &str = "include";
+/// Largest number of included files. Each may include the next one.
+const MOST_FILES: usize = 200;
 
 /// A job file that another one includes.
 #[derive(Debug)]
@@ -80,6 +82,11 @@ impl IncludeReader<'_> {
             return None;
         }
         if self.files.iter().any(|file| self::real(&file.path) == real) {
+            return None;
+        }
+        if self.files.len() == MOST_FILES {
+            let message = format!("{shown} is one of more than {MOST_FILES} included files");
+            error(message, "put the contents of several files into one".into());
             return None;
         }
         let text = match load(&path) {

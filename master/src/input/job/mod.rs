@@ -98,7 +98,8 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
 }
 
 /// Returns the problems of the keys of a job given as text: unknown and missing keys, types and
-/// invalid numbers. Nothing else is checked, and no file is read.
+/// invalid numbers. Nothing else is checked, and no file is read: if the job includes others or
+/// names a deck, keys that it lacks may be there, and are no problem.
 pub fn check_keys(text: &str) -> Vec<Problem> {
     let mut tree = match Node::parse(text) {
         Ok(tree) => tree,
@@ -108,9 +109,13 @@ pub fn check_keys(text: &str) -> Vec<Problem> {
         }
     };
     let mut findings = JobProblems::default();
+    let is_part = tree.get("include").is_some()
+        || tree.get("mesh").is_some_and(|mesh| mesh.get("deck").is_some());
     contact::from_list(&mut tree);
+    library::expand(&mut tree, &mut findings);
     validate::job(&mut tree, &mut findings);
-    findings.list.into_iter().map(|found| found.problem).collect()
+    let is_fault = |problem: &Problem| !(is_part && validate::is_missing_key(problem));
+    findings.list.into_iter().map(|found| found.problem).filter(is_fault).collect()
 }
 
 /// Returns a job that consists only of this deck.

@@ -407,6 +407,11 @@ fn list_description(path: &str) -> String {
     }
 }
 
+/// Returns true if a problem is that of a missing key.
+pub fn is_missing_key(problem: &Problem) -> bool {
+    problem.message.contains(" has no `")
+}
+
 fn unknown_message(key: &str, path: &str) -> String {
     match path {
         "" => format!("unknown key `{key}`"),
@@ -415,33 +420,24 @@ fn unknown_message(key: &str, path: &str) -> String {
 }
 
 fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
-    let near = near(key, known);
-    if near.is_none() {
-        // It may be correct but in the wrong section.
-        for (name, property) in SCHEMA["properties"].as_object().into_iter().flatten() {
-            let resolved = resolve(property);
-            let object = match resolved["anyOf"].as_array() {
-                Some(choices) => resolve(&choices[0]),
-                None if kind_of(resolved) == "array" => resolve(&resolved["items"]),
-                None => resolved,
-            };
-            if name != path && object["properties"].get(key).is_some() {
-                let brackets = if is_list_of_tables(name) {
-                    format!("[[{name}]]")
-                } else {
-                    format!("[{name}]")
-                };
-                return format!("`{key}` belongs in {brackets}; keys here: {}", known.join(", "));
-            }
-        }
-        if !path.is_empty() && SCHEMA["properties"].get(key).is_some() {
-            return format!(
-                "`{key}` belongs at the top of the file; keys here: {}",
-                known.join(", ")
-            );
+    // It may be correct but in the wrong section.
+    for (name, property) in SCHEMA["properties"].as_object().into_iter().flatten() {
+        let resolved = resolve(property);
+        let object = match resolved["anyOf"].as_array() {
+            Some(choices) => resolve(&choices[0]),
+            None if kind_of(resolved) == "array" => resolve(&resolved["items"]),
+            None => resolved,
+        };
+        if name != path && object["properties"].get(key).is_some() {
+            let brackets =
+                if is_list_of_tables(name) { format!("[[{name}]]") } else { format!("[{name}]") };
+            return format!("`{key}` belongs in {brackets}; keys here: {}", known.join(", "));
         }
     }
-    suggestion(near, "keys here", known)
+    if !path.is_empty() && SCHEMA["properties"].get(key).is_some() {
+        return format!("`{key}` belongs at the top of the file; keys here: {}", known.join(", "));
+    }
+    suggestion(near(key, known), "keys here", known)
 }
 
 /// Returns "did you mean ...", and all known words.

@@ -217,7 +217,8 @@ impl BinoutExport {
                 ("sliding_interface_energy", -contact),
                 ("external_work", external),
                 ("total_energy", total),
-                ("energy_ratio", total / supplied),
+                // A model at rest has no energy yet.
+                ("energy_ratio", if supplied == 0.0 { 1.0 } else { total / supplied }),
             ] {
                 self.out.add_reals(channel, &[value]);
             }

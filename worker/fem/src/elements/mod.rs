@@ -392,7 +392,18 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
         return Err(Problem::error(key, what, help));
     }
     let of_shape = |row: &&ElementEntry| row.shape == shape;
-    let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
+    let named = part.element.as_deref();
+    let wanted = named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
+    // Other shapes have one formulation, which a name of a similar shape does not exclude.
+    let is_similar = |row: &&ElementEntry| row.shape.is_shell() == shape.is_shell();
+    if let Some(name) = named
+        && (shape.is_shell() || shape.is_solid())
+        && !ELEMENTS.iter().filter(is_similar).any(|row| row.name == name)
+    {
+        let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
+        let what = format!("part {}: there is no element '{name}'", section::label(part));
+        return Err(unknown_name("element", what, name, &names));
+    }
     let row =
         ELEMENTS.iter().filter(of_shape).find(|row| wanted.is_none_or(|name| row.name == name));
     row.ok_or_else(|| {

@@ -189,10 +189,9 @@ impl Tetrahedron {
         let mid_gradient = TetrahedronGradient::new(&mid);
         let (eps, turn) = increment(&mid_gradient.gradient_of(v, dt));
         let own_trace = eps[0] + eps[1] + eps[2];
-        let (mut strain, mut trace) = (eps, own_trace);
+        let mut strain = eps;
         if self.averages {
-            trace = *averaged;
-            let change = third * (trace - own_trace);
+            let change = third * (*averaged - own_trace);
             (0..3).for_each(|c| strain[c] += change);
         }
 
@@ -200,8 +199,9 @@ impl Tetrahedron {
         let EndShape { gradient, density, slowness, length } = self.end(x, first_volume);
         let StressStep { before, after, stress, .. } =
             self.material.update(state, &strain, &turn, dt);
+        // Viscosity follows the own rate of the element, so that it dissipates.
         let (q, stable_dt) =
-            self.material.viscosity(R::splat(-per_time) * trace, length, density, slowness);
+            self.material.viscosity(R::splat(-per_time) * own_trace, length, density, slowness);
 
         // 3. Forces.
         let sixth = R::splat(1.0 / 6.0);

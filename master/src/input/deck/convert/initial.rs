@@ -7,7 +7,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use crumple_proto::mesh::MeshElement;
+use crumple_proto::mesh::{MeshElement, Shape};
 use std::collections::BTreeMap;
 
 /// Bits of a velocity, to find equal ones.
@@ -189,7 +189,7 @@ impl DeckConverter {
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for element in elements {
             let x = self.corners_of(&element);
-            let size = self.size_of(&element);
+            let size = size(element.shape, &x);
             for c in 0..3 {
                 sum[c] += size * x.iter().map(|x| x[c]).sum::<f64>() / x.len().max(1) as f64;
             }
@@ -206,19 +206,31 @@ impl DeckConverter {
 
     /// Returns the area of a shell or the volume of a solid; 0 if a corner has no node.
     pub(super) fn size_of(&mut self, element: &MeshElement) -> f64 {
-        size(&self.corners_of(element))
+        size(element.shape, &self.corners_of(element))
     }
 }
 
-/// Returns the area of three or four corners, or the volume of eight.
-fn size(x: &[[f64; 3]]) -> f64 {
+/// Returns the area of a shell or the volume of a solid; 0 without corners, and for other shapes.
+fn size(shape: Shape, x: &[[f64; 3]]) -> f64 {
+    if x.is_empty() {
+        return 0.0;
+    }
     let from = |a: usize, b: usize| [0, 1, 2].map(|c| x[b][c] - x[a][c]);
     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    match x.len() {
-        0 => 0.0,
-        3 => 0.5 * length(super::space::cross(from(0, 1), from(0, 2))),
-        4 => 0.5 * length(super::space::cross(from(0, 2), from(1, 3))),
-        _ => {
+    let triple = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
+        let n = super::space::cross(a, b);
+        (0..3).map(|i| n[i] * c[i]).sum::<f64>().abs()
+    };
+    let tetrahedron =
+        |a: usize, b: usize, c: usize, d: usize| triple(from(a, b), from(a, c), from(a, d)) / 6.0;
+    match shape {
+        Shape::Tri3 => 0.5 * length(super::space::cross(from(0, 1), from(0, 2))),
+        Shape::Quad4 => 0.5 * length(super::space::cross(from(0, 2), from(1, 3))),
+        Shape::Tet4 => tetrahedron(0, 1, 2, 3),
+        Shape::Wedge6 => {
+            tetrahedron(0, 1, 2, 3) + tetrahedron(1, 2, 3, 4) + tetrahedron(2, 3, 4, 5)
+        }
+        Shape::Hex8 => {
             // Edges between the centres of opposite faces.
             let middle = |corners: [usize; 4]| {
                 [0, 1, 2].map(|c| corners.iter().map(|&k| x[k][c]).sum::<f64>() / 4.0)
@@ -227,13 +239,38 @@ fn size(x: &[[f64; 3]]) -> f64 {
                 let (a, b) = (middle(a), middle(b));
                 [0, 1, 2].map(|c| b[c] - a[c])
             };
-            let (r, s, t) = (
+            triple(
                 edge([0, 3, 4, 7], [1, 2, 5, 6]),
                 edge([0, 1, 4, 5], [2, 3, 6, 7]),
                 edge([0, 1, 2, 3], [4, 5, 6, 7]),
-            );
-            let n = super::space::cross(r, s);
-            (0..3).map(|c| n[c] * t[c]).sum::<f64>().abs()
+            )
         }
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wedge of half a cube, a tetrahedron of a sixth and the cube itself.
+    #[test]
+    fn sizes_of_solids_are_their_volumes() {
+        let cube: Vec<[f64; 3]> = [
+            [0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0, 2.0, 0.0],
+            [0.0, 2.0, 0.0],
+            [0.0, 0.0, 2.0],
+            [2.0, 0.0, 2.0],
+            [2.0, 2.0, 2.0],
+            [0.0, 2.0, 2.0],
+        ]
+        .into();
+        let corners = |which: &[usize]| which.iter().map(|&c| cube[c]).collect::<Vec<_>>();
+        assert!((size(Shape::Hex8, &cube) - 8.0).abs() < 1e-14);
+        assert!((size(Shape::Wedge6, &corners(&[0, 1, 2, 4, 5, 6])) - 4.0).abs() < 1e-14);
+        assert!((size(Shape::Tet4, &corners(&[0, 1, 3, 4])) - 8.0 / 6.0).abs() < 1e-14);
+        assert!((size(Shape::Quad4, &corners(&[0, 1, 2, 3])) - 4.0).abs() < 1e-14);
     }
 }

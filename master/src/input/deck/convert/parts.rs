@@ -35,8 +35,15 @@ pub(super) struct Shapes {
     pub(super) triangles: bool,
     /// Hexahedra.
     pub(super) solids: bool,
-    /// Tetrahedra and wedges.
     pub(super) tetrahedra: bool,
+    pub(super) wedges: bool,
+}
+
+impl Shapes {
+    /// Returns true if some elements are solids.
+    pub(super) fn have_solids(self) -> bool {
+        self.solids || self.tetrahedra || self.wedges
+    }
 }
 
 /// Elements of a part.
@@ -84,6 +91,10 @@ impl DeckConverter {
                 thickness: own_thickness.get(&id).map(Vec::as_slice),
             };
             let table = self.part_table(&record, name, material, (section, sections), elements);
+            if material.rigid.is_none() && record.line("tm").is_some() {
+                let message = format!("part {id}: *PART_INERTIA of a part that is not rigid");
+                self.unsupported(record.place("tm"), message, "*PART_INERTIA".into());
+            }
             let part = DeckPart {
                 rigid: material.rigid.clone(),
                 material: Some(material.name.clone()),
@@ -106,7 +117,8 @@ impl DeckConverter {
                 Shape::Quad4 => shapes.quads = true,
                 Shape::Tri3 => shapes.triangles = true,
                 Shape::Hex8 => shapes.solids = true,
-                Shape::Tet4 | Shape::Wedge6 => shapes.tetrahedra = true,
+                Shape::Tet4 => shapes.tetrahedra = true,
+                Shape::Wedge6 => shapes.wedges = true,
                 // Their sections have no conditions.
                 Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
             }
@@ -253,9 +265,9 @@ impl DeckConverter {
                 "give the shells a separate part with a *SECTION_SHELL",
             );
         }
-        let tetrahedra_alone = shapes.tetrahedra && !shapes.solids;
+        let has_others = shapes.tetrahedra || shapes.wedges;
         let became = match (sections::solid(elform), sections::pressure(elform)) {
-            (Some(_), _) if tetrahedra_alone => "tetrahedra or wedges".to_string(),
+            (Some(_), _) if has_others && !shapes.solids => "tetrahedra or wedges".to_string(),
             (Some(wanted), _) => {
                 table.put("element", card.place("elform"), "hexahedron");
                 let (form, origin) = match wanted {
@@ -266,6 +278,9 @@ impl DeckConverter {
                     None => self.hourglass(record, sections, table, true),
                 };
                 format!("hexahedron; hourglass {form}{origin}")
+            }
+            (None, Some(_)) if shapes.wedges && !shapes.tetrahedra && !shapes.solids => {
+                "wedges".to_string()
             }
             (None, Some(pressure)) if !shapes.solids => {
                 table.put("element", card.place("elform"), "tetrahedron");

@@ -26,7 +26,7 @@ impl DeckConverter {
     ) {
         let card = &section.record;
         let id = record.integer("pid");
-        if elements.shapes.solids || elements.shapes.tetrahedra {
+        if elements.shapes.have_solids() {
             let message =
                 format!("part {id} has solids and *SECTION_SHELL {}", card.integer("secid"));
             self.trouble.error(

@@ -265,9 +265,9 @@ impl<'a> Resolver<'a> {
             found.push(("rigid body", Rc::new(nodes)));
         }
         let (kind, nodes) = found.first()?;
-        // Titles in a deck need not differ: its cards refer to numbers.
-        let is_unique = self.job.mesh.deck.is_none();
-        let mut others = found.iter().filter(|_| is_unique);
+        // Titles in a deck need not differ, because its cards refer to numbers: the set wins.
+        let set_wins = self.job.mesh.deck.is_some() && *kind == "node set";
+        let mut others = found.iter().filter(|_| !set_wins);
         if let Some((other, _)) = others.find(|(_, others)| others != nodes) {
             let message = format!("`{name}` is a {kind} and a {other}, which have other nodes");
             let help = "rename one of them, so that the name of a set is unique";

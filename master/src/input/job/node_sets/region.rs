@@ -12,9 +12,9 @@ pub enum SetRegion {
     Box([f64; 3], [f64; 3]),
     /// Centre and radius [length].
     Sphere([f64; 3], f64),
-    /// [f64; 3] and unit normal.
+    /// Point [length] and unit normal.
     Plane([f64; 3], [f64; 3]),
-    /// [f64; 3] and unit normal.
+    /// Point [length] and unit normal.
     HalfSpace([f64; 3], [f64; 3]),
     /// Start of the axis, unit vector along it, radius and length [length].
     Cylinder([f64; 3], [f64; 3], f64, Option<f64>),
@@ -86,7 +86,10 @@ pub fn nearest_nodes(
     let (point, count) = (set.point?, set.count.unwrap_or(1) as usize);
     if count > among.len() && !set.allow_empty {
         let message = format!("set `{}`: there are only {} nodes", set.name, among.len());
-        let help = format!("take a `count` of at most {}", among.len());
+        let help = match among.len() {
+            0 => "give an `of` that has nodes, or `allow_empty = true`".to_string(),
+            all => format!("take a `count` of at most {all}"),
+        };
         findings.add(Problem::error(format!("set.{i}.count"), message, help));
         return None;
     }

@@ -6,7 +6,7 @@ use crate::input::job::loads::outer_faces;
 use crate::input::job::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::TieInput;
-use crumple_proto::mesh::{Mesh, MeshElement, Shape};
+use crumple_proto::mesh::{Mesh, MeshElement, Shape, once_each};
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
 use crumple_worker::constraints::ties::project::{FaceCorners, Foot, diagonal, feet};
@@ -217,6 +217,15 @@ fn shape_values(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
     shares
 }
 
+/// Returns the corners of each edge of a solid: every edge is in two faces, once in each direction.
+fn edges(shape: Shape) -> impl Iterator<Item = (usize, usize)> {
+    let around = |face: &'static [usize; 4]| {
+        let corners = once_each(face);
+        (0..corners.len()).map(move |i| (corners[i], corners[(i + 1) % corners.len()]))
+    };
+    shape.faces().iter().flat_map(around).filter(|(from, to)| from < to)
+}
+
 /// Smallest length of an edge of a solid after its nodes are moved onto a surface, as a fraction
 /// of its length before.
 const SMALLEST_EDGE: f64 = 0.5;
@@ -228,9 +237,9 @@ pub(super) fn keep_solids(mesh: &Mesh, nodes: &[usize], found: &mut [Option<Foot
         nodes.iter().enumerate().map(|(p, &n)| (mesh.nodes[n].id, p)).collect();
     let distance =
         |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt();
-    for element in mesh.elements.iter().filter(|e| e.shape == Shape::Hex8) {
+    for element in mesh.elements.iter().filter(|e| e.shape.is_solid()) {
         let corner = |c: usize| places.get(&element.nodes[c]).copied();
-        for [one, other] in HEXAHEDRON_EDGES {
+        for (one, other) in edges(element.shape) {
             let (Some(a), Some(b)) = (corner(one), corner(other)) else { continue };
             let (Some(foot), Some(second)) = (&found[a], &found[b]) else { continue };
             let before = distance(mesh.nodes[nodes[a]].x, mesh.nodes[nodes[b]].x);
@@ -241,19 +250,3 @@ pub(super) fn keep_solids(mesh: &Mesh, nodes: &[usize], found: &mut [Option<Foot
         }
     }
 }
-
-/// Corners of the edges of a hexahedron.
-const HEXAHEDRON_EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];

@@ -98,7 +98,9 @@ fn cell_of(kind: u64, corners: &[u64]) -> Option<(Cell, Vec<u64>)> {
 /// and most programs write them the other way round.
 fn is_inside_out(kind: u64, corners: &[u64], points: &[[f64; 3]]) -> bool {
     let place = |k: usize| points.get(*corners.get(k)? as usize);
-    let (13, Some(a), Some(b), Some(c), Some(d)) = (kind, place(0), place(1), place(2), place(3))
+    let is_wedge = kind == 13 && corners.len() == 6;
+    let (true, Some(a), Some(b), Some(c), Some(d)) =
+        (is_wedge, place(0), place(1), place(2), place(3))
     else {
         return false;
     };
