@@ -92,17 +92,19 @@ fn cylinder(cut: Cut, keys: &str, nu: f64) -> f64 {
     mean / exact
 }
 
-/// Tetrahedra with the volume strain of their nodes, and wedges, do not lock as nu approaches 1/2.
-/// Tetrahedra with their own volume strain do.
+/// Tetrahedra with the volume strain of their nodes do not lock as nu approaches 1/2: the mesh of 6
+/// by 10 cells is 1.1 to 1.4 % too stiff. Tetrahedra with their own volume strain lock, and wedges
+/// whose triangles lie in the plane of the strain: 1.8 % too stiff at nu = 0.3, 10.6 % at 0.49.
 #[test]
-fn a_thick_cylinder_does_not_lock_when_nearly_incompressible() {
+fn a_thick_cylinder_of_tetrahedra_does_not_lock_when_nearly_incompressible() {
     for nu in [0.3, 0.49, 0.499] {
-        let found = [(Cut::Tetrahedra, ""), (Cut::Wedges, "")].map(|(c, k)| cylinder(c, k, nu));
-        println!("nu = {nu}: {found:?}");
-        assert!(found.iter().all(|u| (u - 1.0).abs() < 0.03), "nu = {nu}: {found:?}");
+        let found = cylinder(Cut::Tetrahedra, "", nu);
+        assert!((0.98..1.0).contains(&found), "nu = {nu}: {found}");
     }
     let locked = cylinder(Cut::Tetrahedra, "pressure = \"element\"", 0.499);
     assert!(locked < 0.8, "{locked}");
+    let wedges = [0.3, 0.49].map(|nu| cylinder(Cut::Wedges, "", nu));
+    assert!((0.975..1.0).contains(&wedges[0]) && (0.88..0.91).contains(&wedges[1]), "{wedges:?}");
 }
 
 /// Returns the deflection at rest of a cantilever of L/h = 10 under a load at its end, over that of
@@ -131,7 +133,7 @@ fn cantilever(cut: Cut, depth: usize, nu: f64) -> f64 {
         scene.mesh_text(),
         2.0 * slowest,
         steel(nu, ""),
-        force / tip.len() as f64
+        force
     );
     let end = run_alone(&model_of(&text, &[]), |_| {});
     let down: f64 =
@@ -139,16 +141,16 @@ fn cantilever(cut: Cut, depth: usize, nu: f64) -> f64 {
     down / tip.len() as f64 / (per_force * force)
 }
 
-/// Cantilevers of tetrahedra are too stiff and come nearer to the beam with each refinement; those
-/// of wedges bend as a beam with few elements.
+/// Cantilevers of tetrahedra are too stiff and come nearer to the beam with each refinement: 34 %
+/// with two elements through the depth, 12 % with four. Those of wedges are 4 % too soft with two
+/// and within 1 % with four.
 #[test]
 fn cantilevers_approach_the_beam() {
     let tetrahedra = [2, 4].map(|depth| cantilever(Cut::Tetrahedra, depth, 0.3));
-    let wedges = [1, 2, 4].map(|depth| cantilever(Cut::Wedges, depth, 0.3));
-    println!("{tetrahedra:?} {wedges:?}");
-    assert!(tetrahedra[0] > 0.5 && tetrahedra[0] < tetrahedra[1], "{tetrahedra:?}");
-    assert!(tetrahedra[1] > 0.8 && tetrahedra[1] < 1.02, "{tetrahedra:?}");
-    assert!(wedges.iter().all(|w| (w - 1.0).abs() < 0.25), "{wedges:?}");
+    let wedges = [2, 4].map(|depth| cantilever(Cut::Wedges, depth, 0.3));
+    assert!((0.64..0.7).contains(&tetrahedra[0]), "{tetrahedra:?}");
+    assert!((0.86..0.9).contains(&tetrahedra[1]), "{tetrahedra:?}");
+    assert!((1.02..1.06).contains(&wedges[0]) && (wedges[1] - 1.0).abs() < 0.01, "{wedges:?}");
 }
 
 /// A rod of tetrahedra or wedges breaks through the brittle layer of a plate of the same elements:

@@ -69,6 +69,8 @@ fn jobs_cannot_name_files_outside_their_folder() {
         ("an include path", "main.k", deck_in_path("/etc", "passwd")),
         ("an include path above", "main.k", deck_in_path("../../..", "access.json")),
         ("an include of another case", "main.k", deck("../../../ACCESS.JSON")),
+        ("an included job", "job.toml", "include = [\"/etc/secret.toml\"]\n".into()),
+        ("an included job above", "job.toml", "include = [\"../../../access.toml\"]\n".into()),
         ("a device", "main.k", deck("/dev/zero")),
         ("a process", "main.k", deck("/proc/self/environ")),
     ];

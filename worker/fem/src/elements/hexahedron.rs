@@ -114,7 +114,7 @@ fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
 }
 
 /// Shape of an element at the end of a step.
-struct EndShape<R> {
+struct HexahedronEndShape<R> {
     gradient: Gradient<R>,
     /// One over 64 V [1/length^3].
     inverse64: R,
@@ -172,7 +172,7 @@ impl Hexahedron {
 
         // 2. Shape at the end of the step, before stress, so that the root and the quotient of the
         //    rotation are ready when they are used.
-        let EndShape { gradient, inverse64, density, gram, slowness, length } =
+        let HexahedronEndShape { gradient, inverse64, density, gram, slowness, length } =
             self.end(x, first_volume);
 
         // 3. Stress.
@@ -257,7 +257,7 @@ impl Hexahedron {
 
     /// Computes the shape at these coordinates. Sets the volume at the start if there is none yet.
     #[inline(always)]
-    fn end<R: Real>(&self, x: &HexahedronModes<R>, first_volume: &mut R) -> EndShape<R> {
+    fn end<R: Real>(&self, x: &HexahedronModes<R>, first_volume: &mut R) -> HexahedronEndShape<R> {
         let gradient = Gradient::new(x);
         let inverse64 = R::splat(1.0) / gradient.volume64;
         let volume = gradient.volume();
@@ -266,7 +266,7 @@ impl Hexahedron {
         let gram = gradient.gram(inverse64);
         let slowness = (density * R::splat(1.0 / self.material.modulus())).sqrt();
         let length = self.material.length::<8, R>(&gram);
-        EndShape { gradient, inverse64, density, gram, slowness, length }
+        HexahedronEndShape { gradient, inverse64, density, gram, slowness, length }
     }
 
     /// Returns the column of the volume at the start.
@@ -307,7 +307,7 @@ impl SolidGroups<8> for Hexahedron {
         history: &mut [L],
     ) -> Totals<L> {
         let [x, _] = gather(group, [nodes.x, nodes.v]);
-        let EndShape { gradient, slowness, length, .. } =
+        let HexahedronEndShape { gradient, slowness, length, .. } =
             self.end(&x, &mut history[self.first_volume()]);
         let [b1, _] = self.material.bulk_viscosity;
         Totals::inactive(viscous(length * slowness, L::splat(b1)), gradient.whole())

@@ -150,7 +150,7 @@ impl<R: Real> TetrahedronGradient<R> {
 }
 
 /// Shape of an element at the end of a step.
-struct EndShape<R> {
+struct TetrahedronEndShape<R> {
     gradient: TetrahedronGradient<R>,
     /// Density [mass/length^3].
     density: R,
@@ -196,7 +196,7 @@ impl Tetrahedron {
         }
 
         // 2. Stress and bulk viscosity.
-        let EndShape { gradient, density, slowness, length } = self.end(x, first_volume);
+        let TetrahedronEndShape { gradient, density, slowness, length } = self.end(x, first_volume);
         let StressStep { before, after, stress, .. } =
             self.material.update(state, &strain, &turn, dt);
         // Viscosity follows the own rate of the element, so that it dissipates.
@@ -234,14 +234,14 @@ impl Tetrahedron {
 
     /// Computes the shape at these differences. Sets the volume at the start if there is none yet.
     #[inline(always)]
-    fn end<R: Real>(&self, x: &[[R; 3]; 3], first_volume: &mut R) -> EndShape<R> {
+    fn end<R: Real>(&self, x: &[[R; 3]; 3], first_volume: &mut R) -> TetrahedronEndShape<R> {
         let gradient = TetrahedronGradient::new(x);
         let volume = gradient.volume();
         *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
         let density = R::splat(self.material.elastic.density) * *first_volume / volume;
         let slowness = (density * R::splat(1.0 / self.material.modulus())).sqrt();
         let length = self.material.length::<NODES, R>(&gradient.gram());
-        EndShape { gradient, density, slowness, length }
+        TetrahedronEndShape { gradient, density, slowness, length }
     }
 }
 
@@ -296,7 +296,7 @@ impl SolidGroups<NODES> for Tetrahedron {
         history: &mut [L],
     ) -> Totals<L> {
         let [x, _] = gather(group, [nodes.x, nodes.v]);
-        let EndShape { gradient, slowness, length, .. } =
+        let TetrahedronEndShape { gradient, slowness, length, .. } =
             self.end(&x, &mut history[self.material.state]);
         let [b1, _] = self.material.bulk_viscosity;
         let dt = viscous(length * slowness, L::splat(b1));

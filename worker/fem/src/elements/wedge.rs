@@ -5,7 +5,8 @@
 //! integrated exactly by them, so distorted elements pass the patch test. Strain, stress and
 //! rotation of a point are those of [`hexahedron`](super::hexahedron). Both points take the mean
 //! volume strain and the mean pressure (Hughes 1980), weighted by `V_p`: one condition on the
-//! volume instead of two, so that nothing locks as nu approaches 1/2. Strains that are linear along
+//! volume instead of two. In the plane of the triangles the strain is constant, so that wedges lock
+//! there as nu approaches 1/2, as triangles of constant strain do. Strains that are linear along
 //! zeta, as in bending of a plate, have no parasitic shear at the centroids.
 //!
 //! The two points see no twist of the triangles against each other. With s = -1 at the first and 1
@@ -207,7 +208,7 @@ impl<R: Real> Twist<R> {
 }
 
 /// Shape of an element at the end of a step.
-struct EndShape<R> {
+struct WedgeEndShape<R> {
     gradient: WedgeGradient<R>,
     /// Density [mass/length^3].
     density: R,
@@ -262,7 +263,7 @@ impl Wedge {
         let points = self.points(&mid_gradient, v, states, dt);
 
         // 2. Shape at the end, and bulk viscosity.
-        let EndShape { gradient, density, slowness, length } = self.end(x, first_volume);
+        let WedgeEndShape { gradient, density, slowness, length } = self.end(x, first_volume);
         let rate = R::splat(-per_time) * points.trace;
         let (q, stable_dt) = self.material.viscosity(rate, length, density, slowness);
 
@@ -390,13 +391,13 @@ impl Wedge {
 
     /// Computes the shape at these coordinates. Sets the volume at the start if there is none yet.
     #[inline(always)]
-    fn end<R: Real>(&self, x: &WedgeNodes<R>, first_volume: &mut R) -> EndShape<R> {
+    fn end<R: Real>(&self, x: &WedgeNodes<R>, first_volume: &mut R) -> WedgeEndShape<R> {
         let gradient = WedgeGradient::new(x);
         *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, gradient.volume);
         let density = R::splat(self.material.elastic.density) * *first_volume / gradient.volume;
         let slowness = (density * R::splat(1.0 / self.material.modulus())).sqrt();
         let length = self.length(x, &gradient);
-        EndShape { gradient, density, slowness, length }
+        WedgeEndShape { gradient, density, slowness, length }
     }
 
     /// Returns the stable step without viscosity times c_d [length].
@@ -461,7 +462,7 @@ impl SolidGroups<NODES> for Wedge {
         history: &mut [L],
     ) -> Totals<L> {
         let [x, _] = gather(group, [nodes.x, nodes.v]);
-        let EndShape { gradient, slowness, length, .. } =
+        let WedgeEndShape { gradient, slowness, length, .. } =
             self.end(&x, &mut history[POINTS * self.material.state]);
         let [b1, _] = self.material.bulk_viscosity;
         Totals::inactive(viscous(length * slowness, L::splat(b1)), gradient.whole())
