@@ -65,7 +65,8 @@ fn a_report_shows_the_line_and_underlines_the_key() {
     let keys = "checkpoint, contact, curve, elements, end_time, fix, gravity, include, \
                 initial_velocity, \
                 load, mass, material, mesh, motion, output, parallel, part, placeholders, \
-                pressure, require, restart, rigid, scene, symmetry, tie, time, title, units, wall";
+                pressure, require, restart, rigid, scene, set, symmetry, tie, time, title, units, \
+                wall";
     let expected = format!(
         ":8:1\n  |\n8 | safety = 0.8\n  | ^^^^^^\n  \
          = help: `safety` belongs in [time]; keys here: {keys}\n\n\

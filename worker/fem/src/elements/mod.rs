@@ -394,11 +394,12 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let named = part.element.as_deref();
     let wanted = named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
-    // Other shapes have one formulation, which a name of a similar shape does not exclude.
-    let is_similar = |row: &&ElementEntry| row.shape.is_shell() == shape.is_shell();
+    // Tetrahedra and wedges have one formulation each, which the name of another solid does not
+    // exclude: a part may have all of them.
+    let is_solid = |row: &&ElementEntry| row.shape.is_solid();
     if let Some(name) = named
-        && (shape.is_shell() || shape.is_solid())
-        && !ELEMENTS.iter().filter(is_similar).any(|row| row.name == name)
+        && matches!(shape, Shape::Tet4 | Shape::Wedge6)
+        && !ELEMENTS.iter().filter(is_solid).any(|row| row.name == name)
     {
         let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
         let what = format!("part {}: there is no element '{name}'", section::label(part));
