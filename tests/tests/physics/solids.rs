@@ -93,8 +93,9 @@ fn cylinder(cut: Cut, keys: &str, nu: f64) -> f64 {
 }
 
 /// Tetrahedra with the volume strain of their nodes do not lock as nu approaches 1/2: the mesh of 6
-/// by 10 cells is 1.1 to 1.4 % too stiff. Tetrahedra with their own volume strain lock (18.6 %), and wedges
-/// whose triangles lie in the plane of the strain: 1.8 % too stiff at nu = 0.3, 10.6 % at 0.49.
+/// by 10 cells is 1.1 to 1.4 % too stiff. Tetrahedra with their own volume strain lock (18.6 % at
+/// 0.499), and wedges whose triangles lie in the plane of the strain: 1.8 % too stiff at nu = 0.3,
+/// 10.6 % at 0.49.
 #[test]
 fn a_thick_cylinder_of_tetrahedra_does_not_lock_when_nearly_incompressible() {
     for nu in [0.3, 0.49, 0.499] {
