@@ -183,7 +183,9 @@ pub fn solid_of_eight<N: Copy + PartialEq>(nodes: &[N; 8]) -> Option<(Shape, Vec
     nodes.iter().for_each(|n| once.extend((!once.contains(n)).then_some(*n)));
     match once.len() {
         8 => return Some((Shape::Hex8, once)),
-        4 | 6 => {}
+        // A quad that is folded onto itself has four nodes too.
+        4 if nodes[5..].iter().all(|n| *n == nodes[4]) => return Some((Shape::Tet4, once)),
+        6 => {}
         _ => return None,
     }
     let around = |face: &[usize; 4]| {
@@ -195,13 +197,6 @@ pub fn solid_of_eight<N: Copy + PartialEq>(nodes: &[N; 8]) -> Option<(Shape, Vec
         corners
     };
     let faces: Vec<Vec<N>> = Shape::Hex8.faces().iter().map(around).collect();
-    if once.len() == 4 {
-        // A folded quad has other faces than four triangles.
-        let triangles = faces.iter().filter(|f| f.len() == 3);
-        let opposite = |corner: &N| triangles.clone().any(|f| !f.contains(corner));
-        let is_closed = faces.iter().all(|f| f.len() <= 3) && once.iter().all(opposite);
-        return is_closed.then_some((Shape::Tet4, once));
-    }
     let mut triangles = faces.iter().filter(|f| f.len() == 3);
     let (first, second) = (triangles.next()?, triangles.next()?);
     let across = |from: &N| {
@@ -375,5 +370,6 @@ mod tests {
         assert_eq!([1, 5, 2].map(above), [4, 7, 3]);
         assert_eq!(shape([1, 2, 3, 3, 5, 6, 7, 7]), Some((Shape::Wedge6, vec![1, 2, 3, 5, 6, 7])));
         assert_eq!(shape([1, 2, 3, 4, 5, 5, 5, 5]), None, "a pyramid");
+        assert_eq!(shape([1, 2, 3, 4, 1, 2, 3, 4]), None, "a folded quad");
     }
 }
