@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import crumple
@@ -51,6 +52,15 @@ LONG = {"end_time": 100.0, "output.field_interval": -1}
 """Changes for a run that does not end before it is stopped."""
 
 
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Lets Ctrl-C raise, also if the shell that started Python ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_stops_with_a_checkpoint_and_resume_gives_the_same_bits(
     bars: Path, tmp_path: Path
 ) -> None:
