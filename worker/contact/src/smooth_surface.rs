@@ -127,6 +127,13 @@ impl Surface {
         2.0 * MOST * self.longest_side
     }
 
+    /// Returns the distance beyond a segment within which its patch may depend on other segments,
+    /// and rise, also where solids that are hidden now come to the surface [length]; 0 if the
+    /// surface is flat.
+    pub fn patch_reach(&self) -> f64 {
+        (1.0 + 2.0 * MOST) * self.diameter
+    }
+
     /// Collects the segments around each of `count` nodes.
     pub fn link_nodes(&mut self, count: usize) {
         let mut around: Vec<(u32, u32)> = Vec::new();

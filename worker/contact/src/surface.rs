@@ -63,28 +63,31 @@ pub struct OwnScales {
     pub short: f64,
     /// Largest [`Segment::offset`], as an absolute value.
     pub offset: f64,
-    /// Longest side at the start, of hidden solids too; 0 if the surface is flat.
+    /// Longest side at the start; 0 if the surface is flat. Hidden solids do not count: an update
+    /// after erosion does not know them.
     pub longest: f64,
     /// Longest side or diagonal now, of hidden solids too; 0 if the surface is flat.
     pub diameter: f64,
 }
 
+/// Returns the distance of two corners of a face [length].
+fn distance(x: &[Row], face: &[u32; 4], [a, b]: [usize; 2]) -> f64 {
+    let at = |k: usize| V3::from(xyz(&x[face[k] as usize]));
+    (at(a) - at(b)).norm()
+}
+
 impl OwnScales {
-    /// Raises the longest side and the diameter to those of a face.
-    fn include_size(&mut self, face: &[u32; 4], nodes: &Nodes) {
-        const SIDES: [[usize; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 0]];
-        const DIAGONALS: [[usize; 2]; 2] = [[0, 2], [1, 3]];
-        let distance = |x: &[Row], [a, b]: [usize; 2]| {
-            let at = |k: usize| V3::from(xyz(&x[face[k] as usize]));
-            (at(a) - at(b)).norm()
-        };
-        for side in SIDES {
-            self.longest = self.longest.max(distance(&nodes.x0, side));
-            self.diameter = self.diameter.max(distance(&nodes.x, side));
-        }
-        for diagonal in DIAGONALS {
-            self.diameter = self.diameter.max(distance(&nodes.x, diagonal));
-        }
+    /// Raises the longest side to that of a face.
+    fn include_sides(&mut self, face: &[u32; 4], nodes: &Nodes) {
+        let sides = [[0, 1], [1, 2], [2, 3], [3, 0]].map(|ends| distance(&nodes.x0, face, ends));
+        self.longest = sides.into_iter().fold(self.longest, f64::max);
+    }
+
+    /// Raises the diameter to that of a face.
+    fn include_diameter(&mut self, face: &[u32; 4], nodes: &Nodes) {
+        let pairs = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]];
+        let distances = pairs.map(|ends| distance(&nodes.x, face, ends));
+        self.diameter = distances.into_iter().fold(self.diameter, f64::max);
     }
 }
 
@@ -381,7 +384,10 @@ impl Surface {
         }
         s.points.sort_unstable();
         if parts.smooth {
-            s.segments.iter().for_each(|g| own.include_size(&g.nodes, nodes));
+            for segment in &s.segments {
+                own.include_sides(&segment.nodes, nodes);
+                own.include_diameter(&segment.nodes, nodes);
+            }
         }
         own.short = s.short_edge(nodes);
         (s.own_scales, s.largest_offset) = (own, own.offset);
@@ -406,7 +412,7 @@ impl Surface {
             *largest = largest.max(SOLID_SCALE * shortest_edge(e, nodes));
             if parts.smooth {
                 let faces = e.record.shape.faces().iter().map(|f| f.map(|c| e.nodes[c]));
-                faces.for_each(|face| self.own_scales.include_size(&face, nodes));
+                faces.for_each(|face| self.own_scales.include_diameter(&face, nodes));
             }
         }
         self.hidden.sort_unstable();

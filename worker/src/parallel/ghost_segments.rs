@@ -47,12 +47,11 @@ impl WireNode {
 
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
 /// segments: the reach of the search, for the largest scale of any worker's surface, plus the
-/// diameter of a segment if its normals depend on the segments around it, plus the buffer
-/// [length].
+/// reach of a smooth patch, plus the buffer [length].
 pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f64 {
     contact::search_reach(&surface.interfaces, largest_scale, largest_scale)
         + surface.shift_reach()
-        + surface.diameter
+        + surface.patch_reach()
         + settings.buffer
 }
 
