@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 use std::fs;
 
 /// Two rigid plates in the plane z = 0, with extra nodes 21 to 26 on a line along y at x = 15.
-const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nleft\n1,1,1\nright\n2,1,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nleft\n1,1,1\nright\n2,1,1\n\
+    *SECTION_SHELL\n1,2,1.0,3\n1.0\n\
     *MAT_RIGID\n1,7.85e-6,207.0,0.3\n\n\n\
     *NODE\n1,0,0,0\n2,10,0,0\n4,0,10,0\n5,10,10,0\n11,20,0,0\n12,30,0,0\n14,20,10,0\n15,30,10,0\n\
     21,15,0,0\n22,15,0,0\n23,15,8,0\n24,15,8,0\n25,15,0,4\n26,15,0,4\n31,99,0,0\n\

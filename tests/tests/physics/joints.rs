@@ -157,7 +157,8 @@ fn a_pendulum_swings_with_its_period() {
     let rest = "[time]\ndt_max = 0.2\n[[gravity]]\nacceleration = [0.0, 0.0, -0.1]\n\
                 [[joint]]\nname = \"hinge\"\nkind = \"revolute\"\nbodies = [\"a\"]\n\
                 point = [5.0, 5.0, 35.0]\naxis = [0.0, 1.0, 0.0]\n\
-                [[initial_velocity]]\nnodes = \"part_1\"\nvelocity = [0.0, 0.0, 0.0]\nspin = [0.0, 1e-3, 0.0]\n\
+                [[initial_velocity]]\nnodes = \"part_1\"\nvelocity = [0.0, 0.0, 0.0]\n\
+                spin = [0.0, 1e-3, 0.0]\n\
                 centre = [5.0, 5.0, 35.0]\n";
     let (mut last, mut crossings, mut height) = (0.0f64, Vec::new(), 0.0f64);
     let end = run_alone(&one(1200.0, rest), |e| {

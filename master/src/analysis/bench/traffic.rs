@@ -69,7 +69,8 @@ pub fn table(all: &[SceneTraffic]) -> String {
         // Writing to a string cannot fail.
         let _ = write!(
             out,
-            "\n| {}, {} elements | bytes | read | written | bytes in passes |\n|---|---|---|---|---|\n",
+            "\n| {}, {} elements | bytes | read | written | bytes in passes |\n\
+             |---|---|---|---|---|\n",
             scene.scene, scene.elements
         );
         let moved = |row: &TrafficRow| row.bytes * (row.passes[0] + row.passes[1]) as f64;

@@ -9,8 +9,8 @@ use crumple_proto::joint::{Resistance, ResolvedJoint};
 use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 
-/// One scalar condition of a joint. Its velocity is `linear . (v2 - v1) + angular2 . w2 - angular1 .
-/// w1`, with the velocities of the centres and the rotational velocities of both bodies.
+/// One scalar condition of a joint. Its velocity is `linear . (v2 - v1) + angular2 . w2 -
+/// angular1 . w1`, with the velocities of the centres and the rotational velocities of both bodies.
 #[derive(Clone, Debug)]
 pub struct JointRow {
     /// Index of the joint; place of this row within it.
@@ -27,11 +27,11 @@ pub struct JointRow {
     pub gap: f64,
     /// Distance or angle to which a gap is compared [length, or radian].
     pub size: f64,
-    /// What the row does.
+    /// Its effect.
     pub form: RowForm,
 }
 
-/// What a row does.
+/// Effect of a row.
 #[derive(Clone, Copy, Debug)]
 pub enum RowForm {
     /// The gap has to vanish.

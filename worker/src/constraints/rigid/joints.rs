@@ -10,8 +10,8 @@
 //! A table or a damper is a soft row: with the row's velocities u- and u+ at the mid-steps before
 //! and after, its impulse is `-dt (f(q) + f'(q) dt (u+ - u-) / 4 + c (u- + u+) / 2)`. This is the
 //! trapezoidal rule (Newmark, beta = 1/4), which loses no energy. The part of a stiffness that is
-//! too large for the step is implicit, `-dt f'(q) dt u+`, which damps it. Friction and stops are bounded rows, solved by projected Gauss-Seidel in the Schur
-//! complement of all others.
+//! too large for the step is implicit, `-dt f'(q) dt u+`, which damps it. Friction and stops are
+//! bounded rows, solved by projected Gauss-Seidel in the Schur complement of all others.
 //!
 //! All workers have all bodies and compute the same bits.
 
