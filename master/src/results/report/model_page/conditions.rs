@@ -10,6 +10,8 @@ use super::columns::in_scene;
 use crate::input::check::figure;
 use crate::input::job::Model;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::JointInput;
+use crumple_proto::joint::ResolvedJoint;
 use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::mesh::once_each;
 use crumple_proto::wall::WallMotion;
@@ -122,6 +124,7 @@ pub(super) fn all(
     let mut out = placed.fixed();
     out.extend(placed.motions());
     out.extend(placed.rigid());
+    out.extend(placed.joints());
     out.extend(placed.initial_velocity());
     out.extend(placed.loads());
     out.extend(placed.masses());
@@ -262,6 +265,20 @@ impl PlacedModel<'_> {
             }
         }
         out
+    }
+
+    /// Joints, with their axes.
+    fn joints(&self) -> Vec<Condition> {
+        let joints = self.model.job.joint.iter().zip(&self.model.settings.joints);
+        let condition = |(input, joint): (&JointInput, &ResolvedJoint)| {
+            let bodies = input.bodies.join(" and ");
+            let ground = if joint.first.is_none() { " and the ground" } else { "" };
+            let kind = serde_json::to_value(input.kind).unwrap_or_default();
+            let detail = format!("{} of {bodies}{ground}", kind.as_str().unwrap_or_default());
+            let marks = Marks::Arrows(vec![[joint.point, joint.axes[0]]]);
+            Condition::new(format!("joint {}", input.name), detail, 1, marks)
+        };
+        joints.map(condition).collect()
     }
 
     fn initial_velocity(&self) -> Option<Condition> {
