@@ -217,6 +217,11 @@ pub struct CheckArgs {
     /// the estimated memory, and the text that is printed without this option.
     #[arg(long, conflicts_with = "step")]
     pub json: bool,
+    /// Also make a page that shows the model in a browser: boundary conditions, walls, sets,
+    /// thickness, time steps, mesh quality, initial penetrations, parts, cost and findings. Give
+    /// the job before this option [default file: the name of the job and -check.html].
+    #[arg(long, value_name = "FILE", num_args = 0..=1)]
+    pub html: Option<Option<PathBuf>>,
 }
 
 /// `crumple reproduce`.
@@ -530,6 +535,16 @@ impl CheckArgs {
     /// Returns all `key=value`, in order, `--end-time` as the last.
     pub fn sets(&self) -> Vec<String> {
         self.job.options.sets_until(self.end_time)
+    }
+
+    /// Returns the file for the page, if one is asked for.
+    pub fn page(&self) -> Option<PathBuf> {
+        let default = || {
+            let mut name = name_of(&self.job.job).into_os_string();
+            name.push("-check.html");
+            PathBuf::from(name)
+        };
+        self.html.as_ref().map(|file| file.clone().unwrap_or_else(default))
     }
 }
 

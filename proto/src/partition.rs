@@ -39,6 +39,8 @@ pub struct Settings {
     pub histories: HistoryRequests,
     /// Folder for field files.
     pub field_dir: String,
+    /// True if field files have the contact force on each node.
+    pub contact_forces: bool,
     /// Checkpoints.
     pub checkpoint: CheckpointSettings,
     /// Materials, in the job's order.

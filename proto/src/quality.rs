@@ -34,6 +34,8 @@ pub struct Quality {
     /// parallelogram, 0 for a quad that has degenerated to a triangle, negative for a concave
     /// or folded one.
     pub min_jacobian: Worst,
+    /// Largest skew of a shell or of a solid's face, see [`ElementQuality::skew_deg`] [degree].
+    pub max_skew_deg: Worst,
     /// Smallest area of a shell or of a solid's face [length^2].
     pub min_area: Worst,
     /// Elements whose area or volume is zero to round-off, or that contain a node twice; a run
@@ -43,14 +45,26 @@ pub struct Quality {
     pub dangling: Vec<ElemId>,
 }
 
-/// Values of one element.
-struct Figures {
-    sides: Vec<f64>,
-    aspect: f64,
-    warpage_deg: f64,
-    jacobian: f64,
-    area: f64,
-    degenerate: bool,
+/// Shape quality of one element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementQuality {
+    /// Lengths of its sides [length].
+    pub sides: Vec<f64>,
+    /// Longest over shortest side; 1 is best.
+    pub aspect: f64,
+    /// Warpage of a quad, or of the worst face of a solid [degree]; 0 is best.
+    pub warpage_deg: f64,
+    /// Smallest over largest Jacobian at the corners; 1 is best.
+    pub jacobian: f64,
+    /// Skew, of the worst face of a solid [degree]; 0 is best. For a quad: 90 degrees minus the
+    /// angle between the lines through the middles of opposite sides. For a triangle: 90 degrees
+    /// minus the smallest angle between the line from a corner to the middle of the opposite side
+    /// and the line through the middles of the other two sides.
+    pub skew_deg: f64,
+    /// Smallest area of a shell or of a solid's face, infinite for lines [length^2].
+    pub area: f64,
+    /// True if its area or volume is zero to round-off, or if it contains a node twice.
+    pub is_degenerate: bool,
 }
 
 /// Measures all elements; returns `None` if no element has all its nodes in the mesh.
@@ -70,7 +84,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
             continue;
         };
         let f = measure(element, &corners);
-        if f.degenerate {
+        if f.is_degenerate {
             zero_area.push(element.id);
         }
         let here = |value| Worst { value, element: element.id };
@@ -83,6 +97,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
             max_aspect: here(0.0),
             max_warpage_deg: here(0.0),
             min_jacobian: here(f64::INFINITY),
+            max_skew_deg: here(0.0),
             min_area: here(f64::INFINITY),
             zero_area: Vec::new(),
             dangling: Vec::new(),
@@ -100,6 +115,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
             (&mut q.max_side, longest),
             (&mut q.max_aspect, f.aspect),
             (&mut q.max_warpage_deg, f.warpage_deg),
+            (&mut q.max_skew_deg, f.skew_deg),
         ] {
             if value > worst.value {
                 *worst = here(value);
@@ -119,7 +135,8 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
     Some(q)
 }
 
-fn measure(element: &MeshElement, x: &[Coordinates]) -> Figures {
+/// Measures an element whose corners have the coordinates `x` [length].
+pub fn measure(element: &MeshElement, x: &[Coordinates]) -> ElementQuality {
     match element.shape {
         Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
@@ -178,22 +195,23 @@ fn twice_area(x: &[Coordinates]) -> Coordinates {
 }
 
 /// Measures a line: only its length, unless it is zero, as of a particle.
-fn measure_line(x: &[Coordinates]) -> Figures {
+fn measure_line(x: &[Coordinates]) -> ElementQuality {
     let length = norm(sub(x[1], x[0]));
     let sides = if length > 0.0 { vec![length] } else { Vec::new() };
-    Figures {
+    ElementQuality {
         sides,
         aspect: 1.0,
         warpage_deg: 0.0,
         jacobian: 1.0,
+        skew_deg: 0.0,
         area: f64::INFINITY,
-        degenerate: false,
+        is_degenerate: false,
     }
 }
 
 /// Measures a solid: its sides are its edges, its warpage and area those of its worst face, its
 /// Jacobians those at its corners.
-fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> Figures {
+fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> ElementQuality {
     let faces = element.shape.faces();
     let measured = faces.iter().map(|face| {
         let corners = once_each(face);
@@ -201,7 +219,7 @@ fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> Figures {
         let x: Vec<Coordinates> = corners.iter().map(|&c| x[c]).collect();
         measure_face(&ids, &x)
     });
-    let measured: Vec<Figures> = measured.collect();
+    let measured: Vec<ElementQuality> = measured.collect();
     // Every edge is in two faces, once in each direction.
     let around = |face: &[usize; 4]| {
         let c = once_each(face).to_vec();
@@ -216,17 +234,18 @@ fn measure_solid(element: &MeshElement, x: &[Coordinates]) -> Figures {
     let smallest = jacobians.iter().copied().fold(f64::INFINITY, f64::min);
     let ids = element.corners();
     let repeats = (1..ids.len()).any(|i| ids[..i].contains(&ids[i]));
-    Figures {
+    ElementQuality {
         aspect: if shortest > 0.0 { longest / shortest } else { f64::INFINITY },
         warpage_deg: measured.iter().map(|f| f.warpage_deg).fold(0.0, f64::max),
         jacobian: if largest > 0.0 { smallest / largest } else { f64::NEG_INFINITY },
+        skew_deg: measured.iter().map(|f| f.skew_deg).fold(0.0, f64::max),
         area: measured.iter().map(|f| f.area).fold(f64::INFINITY, f64::min),
-        degenerate: repeats || largest <= 1e-12 * longest.powi(3),
+        is_degenerate: repeats || largest <= 1e-12 * longest.powi(3),
         sides,
     }
 }
 
-fn measure_face(ids: &[NodeId], x: &[Coordinates]) -> Figures {
+fn measure_face(ids: &[NodeId], x: &[Coordinates]) -> ElementQuality {
     let n = x.len();
     let sides: Vec<f64> = (0..n).map(|i| norm(sub(x[(i + 1) % n], x[i]))).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
@@ -250,7 +269,35 @@ fn measure_face(ids: &[NodeId], x: &[Coordinates]) -> Figures {
         (smallest / largest, warp)
     };
     let aspect = if shortest > 0.0 { longest / shortest } else { f64::INFINITY };
-    Figures { sides, aspect, warpage_deg, jacobian, area, degenerate }
+    let skew_deg = if degenerate { 90.0 } else { skew_deg(x) };
+    ElementQuality {
+        sides,
+        aspect,
+        warpage_deg,
+        jacobian,
+        skew_deg,
+        area,
+        is_degenerate: degenerate,
+    }
+}
+
+/// Returns the skew of a face with three or four corners [degree].
+fn skew_deg(x: &[Coordinates]) -> f64 {
+    let n = x.len();
+    // Middles of the sides, times two.
+    let middle = |i: usize| [0, 1, 2].map(|c| x[i % n][c] + x[(i + 1) % n][c]);
+    let between = |a: Coordinates, b: Coordinates| {
+        let angle = angle_deg(a, b);
+        90.0 - angle.min(180.0 - angle)
+    };
+    if n == 4 {
+        return between(sub(middle(2), middle(0)), sub(middle(3), middle(1)));
+    }
+    let of_corner = |c: usize| {
+        let to_opposite = sub(middle(c + 1), x[c].map(|a| 2.0 * a));
+        between(to_opposite, sub(middle(c + 2), middle(c)))
+    };
+    (0..3).map(of_corner).fold(0.0, f64::max)
 }
 
 fn sub(a: Coordinates, b: Coordinates) -> Coordinates {
@@ -317,6 +364,28 @@ mod tests {
             "{} {expected}",
             q.max_warpage_deg.value
         );
+    }
+
+    /// A parallelogram whose sides include the angle a has the skew 90 - a; a square has none. In a
+    /// right triangle with the legs 2 and 1, the line from the end of the short leg and that
+    /// through the middles of the other two sides include 45 degrees, the smallest angle.
+    #[test]
+    fn skew_has_its_closed_forms() {
+        let a = 60f64.to_radians();
+        let points = [
+            [0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0 + a.cos(), a.sin(), 0.0],
+            [a.cos(), a.sin(), 0.0],
+        ];
+        let q = quality(&mesh(&points, &[(Shape::Quad4, [1, 2, 3, 4])])).unwrap();
+        assert!((q.max_skew_deg.value - 30.0).abs() < 1e-12, "{}", q.max_skew_deg.value);
+        let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let q = quality(&mesh(&points, &[(Shape::Tri3, [1, 2, 3, 3])])).unwrap();
+        assert!((q.max_skew_deg.value - 45.0).abs() < 1e-12, "{}", q.max_skew_deg.value);
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let q = quality(&mesh(&square, &[(Shape::Quad4, [1, 2, 3, 4])])).unwrap();
+        assert_eq!(q.max_skew_deg.value, 0.0);
     }
 
     #[test]

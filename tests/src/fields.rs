@@ -1,7 +1,7 @@
 //! Comparison of the fields of two runs, node by node and element by element.
 
 use crumple::results::field_file::{PieceArrays, pieces, steps};
-use crumple_worker::vtu::{CELL_ARRAYS, POINT_ARRAYS, POINTS};
+use crumple_worker::vtu::{CELL_ARRAYS, CONTACT_FORCE, POINT_ARRAYS, POINTS};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,7 +16,7 @@ fn values(step: &Path) -> Values {
     let mut all = Values::new();
     for path in pieces(step).unwrap() {
         let piece = PieceArrays::read(&path).unwrap();
-        let of_nodes = [POINTS].into_iter().chain(POINT_ARRAYS.iter().copied());
+        let of_nodes = [POINTS, CONTACT_FORCE].into_iter().chain(POINT_ARRAYS.iter().copied());
         let of_nodes = of_nodes.map(|array| (array, "node_id"));
         let of_elements = CELL_ARRAYS.iter().map(|&array| (array, "element_id"));
         for (array, ids) in of_nodes.chain(of_elements) {

@@ -208,17 +208,37 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
         cell_arrays.push(vtu::CONTACT_WORKER.with(&c.contact_worker));
     }
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.label() as i64).collect();
+    let mut point_arrays = vec![
+        vtu::DISPLACEMENT.with(&moved),
+        vtu::VELOCITY.with(&velocity),
+        vtu::ROTATIONAL_VELOCITY.with(&spin),
+        vtu::NODE_ID.with(&ids),
+    ];
+    let forces = contact_forces(engine, points);
+    if engine.settings.contact_forces {
+        point_arrays.push(vtu::CONTACT_FORCE.with(&forces));
+    }
     let piece = FieldPiece {
         time: engine.clock.time,
         points: &rows(&n.x),
-        point_arrays: &[
-            vtu::DISPLACEMENT.with(&moved),
-            vtu::VELOCITY.with(&velocity),
-            vtu::ROTATIONAL_VELOCITY.with(&spin),
-            vtu::NODE_ID.with(&ids),
-        ],
+        point_arrays: &point_arrays,
         cells: &c.cells,
         cell_arrays: &cell_arrays,
     };
     piece.write(path)
+}
+
+/// Returns the contact forces of the last step on the first `points` nodes; empty if the job does
+/// not ask for them. Forces on ghosts are incomplete and are left out.
+fn contact_forces(engine: &Engine, points: usize) -> Vec<[f32; 3]> {
+    if !engine.settings.contact_forces {
+        return Vec::new();
+    }
+    let local = engine.nodes.local_count;
+    let contact = engine.contact.as_ref();
+    let force = |i: usize| match contact.filter(|_| i < local) {
+        Some(contact) => <[f64; 3]>::from(contact.force_on(i as u32)).map(|f| f as f32),
+        None => [0.0; 3],
+    };
+    (0..points).map(force).collect()
 }

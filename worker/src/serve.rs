@@ -59,6 +59,8 @@ pub struct RunningWorker {
     /// True if a checkpoint is ordered, and if a copy in memory is.
     checkpoint_due: bool,
     copy_due: bool,
+    /// Cycle of the last field files.
+    fields_cycle: Option<u64>,
     /// Folder of the picture that is due.
     view_due: Option<String>,
     /// Orders of the user, with their numbers, until an outer step begins.
@@ -215,6 +217,7 @@ impl RunningWorker {
             named: 0,
             checkpoint_due: false,
             copy_due: false,
+            fields_cycle: None,
             view_due: None,
             steering: VecDeque::new(),
             paused: false,
@@ -231,6 +234,7 @@ impl RunningWorker {
     /// # Errors
     /// Another rank is gone.
     pub fn run(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        self.write_fields_if_due(comm, false)?;
         while !self.engine.clock.is_over(&self.engine.settings) {
             if self.starts_outer_step() {
                 self.steer(comm)?;
@@ -238,7 +242,6 @@ impl RunningWorker {
                     break;
                 }
             }
-            self.write_fields_if_due(comm, false)?;
             self.cpu_before = thread_cpu().saturating_sub(comm.wait_cpu());
             let force_every = self.engine.settings.force_every;
             if force_every > 0 && (self.engine.clock.cycle + 1).is_multiple_of(force_every) {
@@ -259,6 +262,8 @@ impl RunningWorker {
             }
             let cpu = self.cycle_cpu(comm);
             self.report.cpu.push(cpu.as_secs_f32());
+            // Before a renewal, which forgets the contact forces of the step.
+            self.write_fields_if_due(comm, false)?;
             // The workers agreed on the displacement before this cycle.
             let displaced = before.or_larger(self.engine.agreement.displacement);
             self.report.displacement = self.report.displacement.or_larger(displaced);
@@ -296,9 +301,14 @@ impl RunningWorker {
         last: bool,
     ) -> Result<(), RankLost> {
         let e = &mut self.engine;
-        if !(e.clock.are_fields_due(&e.settings) || last && !e.settings.field_times.is_empty()) {
+        let is_due = match last {
+            false => e.clock.are_fields_due(&e.settings),
+            true => !e.settings.field_times.is_empty() && self.fields_cycle != Some(e.clock.cycle),
+        };
+        if !is_due {
             return Ok(());
         }
+        self.fields_cycle = Some(e.clock.cycle);
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
         let _span = tracing::debug_span!("output", cycle = e.clock.cycle, time, index).entered();

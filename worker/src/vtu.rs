@@ -8,6 +8,7 @@
 
 use crumple_proto::disk::{WatchedFile, watched};
 use crumple_proto::mesh::Shape;
+use crumple_proto::partition::Settings;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -69,6 +70,9 @@ pub const DISPLACEMENT: Array = array("displacement", 3, NumberType::F32);
 pub const VELOCITY: Array = array("velocity", 3, NumberType::F32);
 /// Rotational velocity at mid-step [1/time].
 pub const ROTATIONAL_VELOCITY: Array = array("rotational_velocity", 3, NumberType::F32);
+/// Contact force of the last step, zero for ghosts [force]. Only if the job asks for it
+/// ([`OptionalArrays`]).
+pub const CONTACT_FORCE: Array = array("contact_force", 3, NumberType::F32);
 /// Global node id.
 pub const NODE_ID: Array = array("node_id", 1, NumberType::I64);
 
@@ -85,7 +89,7 @@ pub const PART: Array = array("part", 1, NumberType::U32);
 /// Number of the worker that wrote the piece, counted from 0.
 pub const WORKER: Array = array("worker", 1, NumberType::U32);
 /// Number of the worker that searches for contact at the first node of the element, counted from 0.
-/// Only with a second decomposition of contact ([`cell_arrays`]).
+/// Only with a second decomposition of contact ([`OptionalArrays`]).
 pub const CONTACT_WORKER: Array = array("contact_worker", 1, NumberType::U32);
 /// Class of the element on that worker: [`INTERIOR`], [`INTERFACE`] or [`EXTERIOR`].
 pub const CLASS: Array = array("class", 1, NumberType::U8);
@@ -105,10 +109,33 @@ pub const POINT_ARRAYS: &[Array] = &[DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY
 pub const CELL_ARRAYS: &[Array] =
     &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
 
-/// Returns the arrays on cells, in the order of the file. `second_decomposition` states if contact
-/// has one.
-pub fn cell_arrays(second_decomposition: bool) -> Vec<Array> {
-    CELL_ARRAYS.iter().copied().chain(second_decomposition.then_some(CONTACT_WORKER)).collect()
+/// Arrays that only some runs have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OptionalArrays {
+    /// [`CONTACT_WORKER`].
+    pub contact_worker: bool,
+    /// [`CONTACT_FORCE`].
+    pub contact_force: bool,
+}
+
+impl OptionalArrays {
+    /// Returns those of a run.
+    pub fn of(settings: &Settings) -> Self {
+        Self {
+            contact_worker: settings.has_second_decomposition(),
+            contact_force: settings.contact_forces,
+        }
+    }
+
+    /// Returns the arrays on cells, in the order of the file.
+    pub fn cell_arrays(self) -> Vec<Array> {
+        CELL_ARRAYS.iter().copied().chain(self.contact_worker.then_some(CONTACT_WORKER)).collect()
+    }
+
+    /// Returns the arrays on points, in the order of the file.
+    pub fn point_arrays(self) -> Vec<Array> {
+        POINT_ARRAYS.iter().copied().chain(self.contact_force.then_some(CONTACT_FORCE)).collect()
+    }
 }
 
 /// Returns the folder of an output time within the folder of the fields.
@@ -275,14 +302,13 @@ impl FieldPiece<'_> {
     }
 
     fn check(&self) -> Result<(), String> {
-        check_columns("point", POINT_ARRAYS, self.point_arrays, self.points.len())?;
-        let second_decomposition = self.cell_arrays.len() > CELL_ARRAYS.len();
-        check_columns(
-            "cell",
-            &cell_arrays(second_decomposition),
-            self.cell_arrays,
-            self.cells.len(),
-        )?;
+        let optional = OptionalArrays {
+            contact_worker: self.cell_arrays.len() > CELL_ARRAYS.len(),
+            contact_force: self.point_arrays.len() > POINT_ARRAYS.len(),
+        };
+        let points = self.points.len();
+        check_columns("point", &optional.point_arrays(), self.point_arrays, points)?;
+        check_columns("cell", &optional.cell_arrays(), self.cell_arrays, self.cells.len())?;
         let points = self.points.len() as i64;
         match self.cells.connectivity.iter().find(|&&corner| corner >= points) {
             Some(corner) => Err(format!("a cell uses point {corner}, but there are {points}")),

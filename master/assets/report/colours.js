@@ -19,6 +19,11 @@ function onScale(fraction) {
   return SCALE[low].map((c, i) => Math.round(c + (place - low) * (SCALE[low + 1][i] - c)));
 }
 
+/** The colours of a way from its low to its high end. */
+function scaleOf(way) {
+  return way.worstLow ? SCALE.toReversed() : SCALE;
+}
+
 /** A colour for each category: after the first eight, hues at the golden angle. */
 function ofKind(number) {
   if (number < KINDS.length) return KINDS[number];
@@ -93,7 +98,7 @@ function scaled(model, way) {
   way.least = least;
   way.top = roundUp(usual[1] > 0 ? usual[1] : most);
   way.low = least < 0 ? -roundUp(usual[0] < 0 ? -usual[0] : -least) : 0;
-  way.paint = (v) => (Number.isNaN(v) ? NOTHING : onScale((v - way.low) / (way.top - way.low || 1)));
+  way.paint = (v) => (Number.isNaN(v) ? NOTHING : onScale((way.worstLow ? way.top - v : v - way.low) / (way.top - way.low || 1)));
   if (way.value) way.colour = (frame, element) => way.paint(way.value(frame, element));
   return way;
 }

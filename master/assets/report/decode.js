@@ -81,7 +81,7 @@ function decode(bytes, model) {
     nodeScalars: model.node_ranges.map(ofNodes),
     position: [ofNodes(), ofNodes(), ofNodes()],
   };
-  const frames = model.frames.map((grid) => {
+  const frames = model.frames.map((grid, k) => {
     const frame = {
       grid,
       time: grid.time,
@@ -91,6 +91,8 @@ function decode(bytes, model) {
       nodeScalars: before.nodeScalars.map((column) => read.since(column)),
       position: before.position.map((column) => read.since(column)),
     };
+    const acting = model.forces[k] ?? 0;
+    frame.forces = { nodes: read.chain(acting), components: [0, 1, 2].map(() => new Float32Array(read.chain(acting).buffer)) };
     before = frame;
     return frame;
   });

@@ -1,8 +1,6 @@
 "use strict";
 // Contact forces as arrows: the force on each part, at the middle of the part.
 
-/** Length of the largest arrow and of its head, as fractions of the size of the model and of the arrow. */
-const ARROW = { length: 0.3, head: 0.2 };
 const ARROW_COLOUR = 0xb01060;
 
 class ForceArrows {
@@ -34,13 +32,36 @@ class ForceArrows {
       const value = new THREE.Vector3(...force.map((f) => valueAt(this.histories.time, f.values, time)));
       if (!(value.length() > 0)) continue;
       const from = new THREE.Vector3(...[0, 1, 2].map((c) => frame.grid.origin[c] + (frame.grid.unit * nodes.reduce((sum, n) => sum + frame.position[c][n], 0)) / nodes.length));
-      const along = value.multiplyScalar(unit);
-      const to = from.clone().add(along);
-      points.push(...from, ...to);
-      for (const side of square(along.clone().normalize())) {
-        for (const sign of [-1, 1]) points.push(...to, ...to.clone().addScaledVector(along, -ARROW.head).addScaledVector(side, 0.4 * sign * ARROW.head * along.length()));
-      }
+      points.push(...arrow(from, value.multiplyScalar(unit)));
     }
+    this.object.geometry.dispose(); // the buffer of the last time
+    this.object.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+    this.object.geometry.setDrawRange(0, points.length / 3);
+  }
+}
+
+/** Contact forces on single nodes, as the field files have them. */
+class NodeForces {
+  constructor(view, model) {
+    Object.assign(this, { view, model, on: false });
+    this.most = model.frames.reduce((most, { forces: { components: [x, y, z] } }) => x.reduce((m, _, i) => Math.max(m, Math.hypot(x[i], y[i], z[i])), most), 0);
+    this.object = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: ARROW_COLOUR, depthTest: false }));
+    this.object.renderOrder = 1;
+    this.object.frustumCulled = false;
+    view.scene.add(this.object);
+  }
+
+  /** Draws the forces of a frame. */
+  update(frame) {
+    this.object.visible = this.on;
+    if (!this.on) return;
+    const { low, high } = this.view.boxes[0];
+    const unit = (ARROW.length * Math.hypot(...low.map((a, c) => high[c] - a))) / this.most;
+    const { nodes, components } = frame.forces;
+    const points = Array.from(nodes).flatMap((node, i) => {
+      const from = new THREE.Vector3(...[0, 1, 2].map((c) => frame.grid.origin[c] + frame.grid.unit * frame.position[c][node]));
+      return arrow(from, new THREE.Vector3(...components.map((column) => unit * column[i])));
+    });
     this.object.geometry.dispose(); // the buffer of the last time
     this.object.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
     this.object.geometry.setDrawRange(0, points.length / 3);

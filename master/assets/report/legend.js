@@ -14,7 +14,7 @@ function legend(place, way, shown, changed) {
   if (!way.kinds) {
     const scale = make("div", "scale");
     const bar = make("div", "bar");
-    bar.style.background = `linear-gradient(to top, ${SCALE.map(css).join(",")})`;
+    bar.style.background = `linear-gradient(to top, ${scaleOf(way).map(css).join(",")})`;
     scale.append(bar);
     for (let i = 4; i >= 0; i--) {
       const above = i === 4 && way.most > way.top + 1e-6 * Math.abs(way.top);

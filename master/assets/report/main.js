@@ -39,6 +39,12 @@ class Page {
     this.playing = false;
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.second = facts.second && new SecondRun(facts.second);
+    this.plotted();
+  }
+
+  /** Makes the plots. */
+  plotted() {
+    const { facts } = this;
     const plots = this.second ? overlaid(facts.plots, facts.second.plots, this.names()) : facts.plots;
     if (plots && plots.time.length) {
       this.plots = new Plots(byId("plots"), plots, (time) => this.go(time));
@@ -80,19 +86,26 @@ class Page {
     byId("plots").prepend(note);
   }
 
+  whyNoPicture() {
+    return "There is no picture: the run wrote no field files. Set output.field_interval to 0 or more and repeat `crumple run`, which makes this page again.";
+  }
+
+  /** Ways to colour the model. */
+  colourings() {
+    return colourings(this.model, this.facts);
+  }
+
   /** Makes the picture. Throws if this is not possible. */
   async picture() {
     const { model } = this.facts;
     if (!model || !model.frames.length) {
-      throw new Error(
-        "There is no picture: the run wrote no field files. Set output.field_interval to 0 or more and repeat `crumple run`, which makes this page again.",
-      );
+      throw new Error(this.whyNoPicture());
     }
     if (typeof DecompressionStream === "undefined") throw new Error("This browser is too old for the picture: it cannot decompress it.");
     const packed = byId("packed");
     this.model = decode(await unpacked(packed.textContent), model);
     packed.remove();
-    this.ways = colourings(this.model, this.facts);
+    this.ways = this.colourings();
     this.way = this.ways.find((way) => way.kinds || way.most > 0);
     this.shown = this.model.parts.map(() => true);
     try {
@@ -109,6 +122,7 @@ class Page {
     this.stageMarks = new StageMarks(byId("marks"), this.view, this.facts.length_unit);
     this.view.after = () => this.stageMarks.draw();
     this.arrows = this.read && new ForceArrows(this.view, this.model, this.read);
+    this.nodeForces = new NodeForces(this.view, this.model);
     this.picker = new Picker(this.view, this.model, this.facts, () => this.picked());
     this.connect();
     this.dress();
@@ -116,8 +130,12 @@ class Page {
     byId("follow").checked = travels(this.view);
     this.view.following = byId("follow").checked;
     this.view.look("iso");
+    this.more();
     this.setUp();
   }
+
+  /** Adds what only one kind of page has. */
+  more() {}
 
   connect() {
     const on = (id, event, act) => byId(id).addEventListener(event, act);
@@ -137,6 +155,11 @@ class Page {
     byId("forces").parentElement.hidden = !this.arrows?.most;
     on("forces", "change", () => {
       this.arrows.on = byId("forces").checked;
+      this.redraw();
+    });
+    byId("node-forces").parentElement.hidden = !this.nodeForces.most;
+    on("node-forces", "change", () => {
+      this.nodeForces.on = byId("node-forces").checked;
       this.redraw();
     });
     on("follow", "change", () => {
@@ -210,7 +233,7 @@ class Page {
     const numbers = (key) => (asked.get(key) || "").split(",").map(Number);
     const [low, top] = numbers("scale");
     if (!way.kinds && top > low) [way.low, way.top] = [low, top];
-    for (const id of ["edges", "walls", "smooth", "parallel", "forces", "follow"]) {
+    for (const id of ["edges", "walls", "smooth", "parallel", "forces", "node-forces", "follow"]) {
       const box = byId(id);
       if (asked.has(id) && !box.parentElement.hidden && (asked.get(id) === "1") !== box.checked) {
         box.checked = asked.get(id) === "1";
@@ -322,9 +345,14 @@ class Page {
     if (!nothing) {
       byId("picked-name").textContent = picker.name();
       const item = (name, text) => Object.assign(document.createElement(name), { textContent: text });
-      byId("picked-data").replaceChildren(...picker.data(this.way, this.model.frames[this.frame]).flatMap(([name, text]) => [item("dt", name), item("dd", text)]));
+      byId("picked-data").replaceChildren(...this.dataOfPicked().flatMap(([name, text]) => [item("dt", name), item("dd", text)]));
     }
     this.view.draw();
+  }
+
+  /** Names and values of what is picked. */
+  dataOfPicked() {
+    return this.picker.data(this.way, this.model.frames[this.frame]);
   }
 
   /** Plots the course of what is picked: of the quantity that is shown. */
@@ -402,6 +430,7 @@ class Page {
   moved() {
     this.picker.update();
     if (this.arrows) this.arrows.update(this.time, this.model.frames[this.frame]);
+    this.nodeForces.update(this.model.frames[this.frame]);
   }
 
   /** Draws the same time completely again. */
@@ -477,24 +506,3 @@ class Page {
     act();
   }
 }
-
-async function begin() {
-  const page = new Page(JSON.parse(byId("facts").textContent));
-  window.crumple = page;
-  page.dark.addEventListener("change", () => page.dress());
-  if (page.plots) resized(byId("plots"), () => page.plots.fit());
-  try {
-    await page.histories();
-  } catch (error) {
-    page.withoutHistories(error.message);
-  }
-  try {
-    await page.picture();
-    root.dataset.state = "ready";
-  } catch (error) {
-    withoutPicture(error.message);
-    root.dataset.state = "without-picture";
-  }
-}
-
-begin();

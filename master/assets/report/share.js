@@ -45,7 +45,7 @@ function legendOn(pen, way, width, ink) {
   }
   const [top, long] = [36, 170];
   const fade = pen.createLinearGradient(0, top + long, 0, top);
-  SCALE.forEach((colour, i) => fade.addColorStop(i / (SCALE.length - 1), css(colour)));
+  scaleOf(way).forEach((colour, i) => fade.addColorStop(i / (SCALE.length - 1), css(colour)));
   pen.fillStyle = fade;
   pen.fillRect(left, top, 16, long);
   pen.fillStyle = ink;
@@ -89,7 +89,7 @@ function fragmentOf(page) {
   if (!page.way.kinds) said.set("scale", `${page.way.low},${page.way.top}`);
   said.set("camera", [...view.camera.position.toArray(), ...view.controls.target.toArray()].map(short).join(","));
   for (const id of ["edges", "walls"]) if (!on(id)) said.set(id, "0");
-  for (const id of ["smooth", "parallel", "forces"]) if (on(id)) said.set(id, "1");
+  for (const id of ["smooth", "parallel", "forces", "node-forces"]) if (on(id)) said.set(id, "1");
   said.set("follow", on("follow") ? "1" : "0");
   if (byId("magnify").value !== "1") said.set("magnify", byId("magnify").value);
   if (byId("cut-axis").value !== "none") said.set("cut", [byId("cut-axis").value, byId("cut-place").value, on("cut-flip") ? 1 : 0].join(","));

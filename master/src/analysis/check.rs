@@ -8,9 +8,12 @@ use crate::input::confine;
 use crate::input::findings::Findings;
 use crate::input::job::report::SHOWN;
 use crate::input::job::{self, Model, Report};
+use crate::results::report::Made;
+use crate::results::report::model_page::{self, ExpectedCost};
 use crate::results::requirements;
 use crate::stdout;
 use crumple_proto::exit_code::COMPLETED;
+use std::path::Path;
 
 /// Runs `crumple check`: prints the description to standard output, or all problems to standard
 /// error; with `--json`, the findings to standard output in both cases. Returns the exit code.
@@ -23,20 +26,25 @@ pub fn run(args: &CheckArgs) -> u8 {
     }
     let read = job::read(&args.job.job, &args.sets());
     let described = read.and_then(|model| Described::new(model, args.job.options.workers));
+    let code = if described.is_ok() { COMPLETED } else { Report::EXIT_CODE };
+    let page = args.page().map(|path| write_page(args, &described, &path));
     if args.json {
-        let code = if described.is_ok() { COMPLETED } else { Report::EXIT_CODE };
         print(&findings(&described, SHOWN));
-        return code;
+        return said(page.as_ref(), true).unwrap_or(code);
     }
     let Described { model, text, .. } = match described {
         Ok(described) => described,
         Err(report) => {
             eprint!("{report}");
+            said(page.as_ref(), false);
             return Report::EXIT_CODE;
         }
     };
     stdout::write(format_args!("{text}"));
-    let Some(time) = args.step else { return 0 };
+    if let Some(code) = said(page.as_ref(), false) {
+        return code;
+    }
+    let Some(time) = args.step else { return COMPLETED };
     match spectrum::assembled(&model, time) {
         Ok(found) => {
             stdout::write(format_args!("{}", stability(&found, model.settings.safety)));
@@ -49,11 +57,36 @@ pub fn run(args: &CheckArgs) -> u8 {
     }
 }
 
+/// Writes the page of a job that can run, or of its problems.
+fn write_page(
+    args: &CheckArgs,
+    described: &Result<Described, Report>,
+    path: &Path,
+) -> Result<Made, String> {
+    match described {
+        Ok(Described { model, text, cost }) => model_page::write(model, cost, text, path),
+        Err(report) => model_page::write_refused(&args.job.job, report, path),
+    }
+}
+
+/// Says where the page is, or why it is not written, and returns the exit code of that.
+fn said(page: Option<&Result<Made, String>>, quiet: bool) -> Option<u8> {
+    match page? {
+        Ok(made) if quiet => eprintln!("{made}"),
+        Ok(made) => stdout::write(format_args!("\n{made}\n")),
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Some(Report::EXIT_CODE);
+        }
+    }
+    None
+}
+
 /// A job that can run.
 pub struct Described {
     model: Model,
     text: String,
-    memory_mb: f64,
+    cost: ExpectedCost,
 }
 
 impl Described {
@@ -66,18 +99,18 @@ impl Described {
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         let workers = model.workers(workers, cores)?;
         requirements::check_names(&model)?;
-        let (costs, memory_mb) = cost::describe(&model, workers);
+        let (costs, cost) = cost::describe(&model, workers);
         let text = describe(&model) + &costs;
-        Ok(Self { model, text, memory_mb })
+        Ok(Self { model, text, cost })
     }
 }
 
 /// Returns the problems of a job, or its warnings and its description; at most `most` of them.
 pub fn findings(described: &Result<Described, Report>, most: usize) -> Findings {
     match described {
-        Ok(Described { model, text, memory_mb }) => {
+        Ok(Described { model, text, cost }) => {
             let warnings: Vec<_> = model.warnings.iter().map(|one| model.show(one)).collect();
-            Findings::new(true, *memory_mb, (&warnings, most), text.clone())
+            Findings::new(true, cost.memory_mb, (&warnings, most), text.clone())
         }
         Err(report) => Findings::new(false, 0.0, (&report.problems, most), report.to_string()),
     }

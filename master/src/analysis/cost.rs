@@ -7,6 +7,7 @@
 //! busy machine.
 
 use crate::input::job::Model;
+use crate::results::report::model_page::ExpectedCost;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::loads::ResolvedLoads;
@@ -51,16 +52,21 @@ struct CostSample {
     search_s: f64,
 }
 
-/// Returns the tables that `crumple check` prints for `workers` workers, and the memory of the run
-/// in total [MB]; 0 if it cannot be estimated.
-pub fn describe(model: &Model, workers: usize) -> (String, f64) {
+/// Returns the tables that `crumple check` prints for `workers` workers, and the cost of the run;
+/// memory and time are 0 if they cannot be estimated.
+pub fn describe(model: &Model, workers: usize) -> (String, ExpectedCost) {
+    let cycles = (model.settings.end_time / model.first_dt().0).ceil();
+    let cycles = match model.settings.max_cycles {
+        0 => cycles,
+        most => cycles.min(most as f64),
+    };
     let mut out = String::new();
     // Writing to a string cannot fail.
-    let memory_mb = write(model, workers, &mut out).unwrap_or_else(|_| {
+    let (memory_mb, cycle_s) = write(model, workers, &mut out).unwrap_or_else(|_| {
         out.push_str("\nno costs: the sample cannot be set up\n");
-        0.0
+        (0.0, 0.0)
     });
-    (out, memory_mb)
+    (out, ExpectedCost { workers, cycles, cycle_s, memory_mb })
 }
 
 /// A model as records, with its nodes by id.
@@ -104,11 +110,12 @@ struct SceneCosts {
     saved_items: [usize; 3],
 }
 
+/// Writes the tables. Returns the memory of the run [MB] and the CPU time of a cycle [s].
 fn write(
     model: &Model,
     workers: usize,
     out: &mut String,
-) -> Result<f64, Box<dyn std::error::Error>> {
+) -> Result<(f64, f64), Box<dyn std::error::Error>> {
     let records = model.records();
     let scene = ModelRecords::new(model, &records);
     let mut costs = SceneCosts::default();
@@ -117,7 +124,7 @@ fn write(
     write_contact(&scene, &mut costs, out)?;
     write_checkpoint(&scene, &mut costs, out)?;
     write_rates(model, out)?;
-    Ok(write_totals(&scene, &costs, workers, out)?)
+    Ok((write_totals(&scene, &costs, workers, out)?, costs.cycle_s))
 }
 
 /// Measures a sample of each part, and writes the table of parts.

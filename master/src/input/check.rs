@@ -78,38 +78,70 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
     }
 }
 
-fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
+/// Figures of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartFigures {
+    /// Number of elements.
+    pub elements: usize,
+    /// Mass, with mass scaling [mass].
+    pub mass: f64,
+    /// Smallest and largest thickness of its elements [length].
+    thickness: [f64; 2],
+    /// Smallest stable step, before the safety factor; infinite for a rigid part [time].
+    pub smallest_step: f64,
+}
+
+impl PartFigures {
+    /// Returns the thickness of the part, or the range of its elements.
+    pub fn thickness(&self, part: &Part) -> String {
+        let [least, most] = self.thickness;
+        if least < most {
+            format!("{} to {}", figure(least), figure(most))
+        } else {
+            part.thickness.to_string()
+        }
+    }
+}
+
+/// Returns the figures of all parts of the settings.
+pub fn part_figures(model: &Model) -> Vec<PartFigures> {
     let parts = &model.settings.parts;
-    let mut figures = vec![(0usize, 0.0f64); parts.len()];
-    let mut own = vec![(f64::INFINITY, 0.0f64); parts.len()];
+    let none = PartFigures {
+        elements: 0,
+        mass: 0.0,
+        thickness: [f64::INFINITY, 0.0],
+        smallest_step: f64::INFINITY,
+    };
+    let mut figures = vec![none; parts.len()];
     for (i, &part) in model.elements.part.iter().enumerate() {
-        let figure = &mut figures[part as usize];
-        figure.0 += 1;
-        figure.1 += model.elements.mass_with_scaling(i);
-        let (of, element) = (&mut own[part as usize], &model.mesh.elements[i]);
+        let (of, element) = (&mut figures[part as usize], &model.mesh.elements[i]);
+        of.elements += 1;
+        of.mass += model.elements.mass_with_scaling(i);
+        of.smallest_step = of.smallest_step.min(model.elements.stable_dt[i]);
         let thickness = if element.own.thickness > 0.0 {
             element.own.thickness
         } else {
             parts[part as usize].thickness
         };
-        *of = (of.0.min(thickness), of.1.max(thickness));
+        of.thickness = [of.thickness[0].min(thickness), of.thickness[1].max(thickness)];
     }
+    figures
+}
+
+fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
+    let parts = &model.settings.parts;
     let mut rows = vec![
         ["part", "name", "element", "material", "thickness", "elements", "mass"].map(String::from),
     ];
-    for (index, (part, (count, mass))) in parts.iter().zip(figures).enumerate() {
+    for (index, (part, figures)) in parts.iter().zip(part_figures(model)).enumerate() {
         rows.push([
             part.id.to_string(),
             part.name.clone(),
             model.blocks.names(part, index).join(", "),
             part.material.clone(),
-            if own[index].0 < own[index].1 {
-                format!("{} to {}", figure(own[index].0), figure(own[index].1))
-            } else {
-                part.thickness.to_string()
-            },
-            count.to_string(),
-            figure(mass),
+            figures.thickness(part),
+            figures.elements.to_string(),
+            figure(figures.mass),
         ]);
     }
     writeln!(out)?;
@@ -240,7 +272,13 @@ fn shapes(model: &Model, out: &mut String) -> std::fmt::Result {
         q.max_warpage_deg.element
     )?;
     let (worst, element) = (q.min_jacobian.value, q.min_jacobian.element);
-    writeln!(out, "jacobian     ratio {} at least (element {element})", figure(worst))
+    writeln!(out, "jacobian     ratio {} at least (element {element})", figure(worst))?;
+    writeln!(
+        out,
+        "skew         {} degrees at most (element {})",
+        figure(q.max_skew_deg.value),
+        q.max_skew_deg.element
+    )
 }
 
 fn loads(model: &Model, out: &mut String) -> std::fmt::Result {

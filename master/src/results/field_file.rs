@@ -212,7 +212,10 @@ fn numbers_due(name: &str, points: usize, cells: usize) -> Option<Option<usize>>
         Some(tuples.checked_mul(array.components))
     };
     let of_cells = ["offsets", "types"].contains(&name).then_some(Some(cells));
-    of(&[vtu::POINTS], points).or(of(POINT_ARRAYS, points)).or(of(CELL_ARRAYS, cells)).or(of_cells)
+    of(&[vtu::POINTS, vtu::CONTACT_FORCE], points)
+        .or(of(POINT_ARRAYS, points))
+        .or(of(CELL_ARRAYS, cells))
+        .or(of_cells)
 }
 
 fn size_of_kind(kind: NumberType) -> usize {
@@ -320,7 +323,7 @@ mod tests {
     #[test]
     fn a_series_is_read_back_as_it_was_written() {
         let dir = tempfile::tempdir().unwrap();
-        let mut series = FieldSeries::new(dir.path(), false);
+        let mut series = FieldSeries::new(dir.path(), Default::default());
         for (index, time) in [(0, 0.0), (3, 0.125)] {
             write_triangle(&dir.path().join(vtu::step_folder(index)).join(vtu::piece_name(0)));
             series.add(index, time, 1).unwrap();

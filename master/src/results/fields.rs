@@ -6,7 +6,7 @@
 //! collection, so that every element appears once in the main one. Files are renamed into place,
 //! so that collections are complete at any moment, even if the run is killed.
 
-use crumple_worker::vtu::{self, Array};
+use crumple_worker::vtu::{self, Array, OptionalArrays};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -26,15 +26,14 @@ pub struct FieldSeries {
     dir: PathBuf,
     /// Index and time of the steps so far, in order of arrival.
     steps: Vec<(usize, f64)>,
-    /// True if contact has a second decomposition; see [`vtu::cell_arrays`].
-    second_decomposition: bool,
+    /// Arrays that the pieces have in addition to those of all runs.
+    optional: OptionalArrays,
 }
 
 impl FieldSeries {
-    /// Creates an empty series in the folder `dir`. `second_decomposition` states if contact has
-    /// one. Nothing is written before the first step.
-    pub fn new(dir: &Path, second_decomposition: bool) -> Self {
-        Self { dir: dir.to_owned(), steps: Vec::new(), second_decomposition }
+    /// Creates an empty series in the folder `dir`. Nothing is written before the first step.
+    pub fn new(dir: &Path, optional: OptionalArrays) -> Self {
+        Self { dir: dir.to_owned(), steps: Vec::new(), optional }
     }
 
     /// Continues a series after a checkpoint: removes all other steps in the folder.
@@ -85,13 +84,13 @@ impl FieldSeries {
     /// same index.
     pub fn add(&mut self, step_index: usize, time: f64, workers: usize) -> io::Result<()> {
         let folder = self.dir.join(vtu::step_folder(step_index));
-        let arrays = vtu::cell_arrays(self.second_decomposition);
-        write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name), &arrays)?;
+        let optional = self.optional;
+        write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name), optional)?;
         self.steps.retain(|&(index, _)| index != step_index);
         self.steps.push((step_index, time));
         if workers > 1 {
             let pieces = (0..workers).map(vtu::exterior_name);
-            write_step(&folder.join(STEP_EXTERIOR_FILE), pieces, &arrays)?;
+            write_step(&folder.join(STEP_EXTERIOR_FILE), pieces, optional)?;
         }
         self.write_collections()
     }
@@ -100,7 +99,7 @@ impl FieldSeries {
 fn write_step(
     path: &Path,
     pieces: impl Iterator<Item = String>,
-    cell_arrays: &[Array],
+    optional: OptionalArrays,
 ) -> io::Result<()> {
     vtu::write_whole(path, |out| {
         let order = vtu::BYTE_ORDER;
@@ -111,8 +110,8 @@ fn write_step(
         )?;
         writeln!(out, r#"<PUnstructuredGrid GhostLevel="0">"#)?;
         write_arrays(out, "PPoints", &[vtu::POINTS])?;
-        write_arrays(out, "PPointData", vtu::POINT_ARRAYS)?;
-        write_arrays(out, "PCellData", cell_arrays)?;
+        write_arrays(out, "PPointData", &optional.point_arrays())?;
+        write_arrays(out, "PCellData", &optional.cell_arrays())?;
         for piece in pieces {
             writeln!(out, r#"<Piece Source="{piece}"/>"#)?;
         }
@@ -160,7 +159,7 @@ mod tests {
     #[test]
     fn a_step_written_again_stands_once_and_one_worker_has_no_exterior() {
         let dir = tempfile::tempdir().unwrap();
-        let mut series = FieldSeries::new(dir.path(), false);
+        let mut series = FieldSeries::new(dir.path(), OptionalArrays::default());
         series.add(0, 0.0, 1).unwrap();
         series.add(7, 1.0, 1).unwrap();
         series.add(7, 1.5, 1).unwrap();

@@ -5,6 +5,7 @@ pub mod d3plot;
 pub mod exodus;
 pub mod field_file;
 pub mod fields;
+pub mod figures;
 pub mod histories;
 pub mod history;
 pub mod probe;

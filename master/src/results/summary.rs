@@ -1,6 +1,7 @@
 //! `summary.json`: the outcome of a run.
 
 use crate::input::connectivity::{ConnectedPiece, pieces};
+use crate::results::figures::{CrushFigures, HeadInjuryFigures};
 use crate::results::steering::SteeringRecord;
 use crate::results::warnings::EngineeringWarning;
 use crumple_proto::exit_code::{COMPLETED, FAILED, STOPPED, UNMET};
@@ -377,6 +378,10 @@ pub struct Summary {
     pub lost: Vec<String>,
     /// Engineering warnings, in the order in which they were found.
     pub warnings: Vec<EngineeringWarning>,
+    /// Crush figures of each force, if an object moves.
+    pub crush: Vec<CrushFigures>,
+    /// Head injury criteria of the nodes with an acceleration.
+    pub head_injury: Vec<HeadInjuryFigures>,
     /// Requirements of the job, if the run is complete.
     pub requirements: Vec<RequirementResult>,
     /// blake3 hash of the state; see [`state_digest`].

@@ -20,6 +20,8 @@ pub struct Output {
     /// Write `contacts.csv` and `contact_pairs.csv` if there is contact between parts: the force on
     /// each part, and between each pair of parts.
     pub contacts: bool,
+    /// Also write the contact force on each node to the field files: the array `contact_force`.
+    pub contact_forces: bool,
     /// Also write the fields as a d3plot database, and the histories as a binout, at the end of the
     /// run.
     pub d3plot: bool,
@@ -45,6 +47,7 @@ impl Default for Output {
             parts: true,
             walls: true,
             contacts: true,
+            contact_forces: false,
             d3plot: false,
             vtkhdf: false,
             exodus: false,

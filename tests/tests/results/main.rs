@@ -2,10 +2,13 @@
 //! reproduced and compared.
 
 mod binout;
+mod contact_forces;
 mod d3plot;
 mod exodus;
 mod histories;
 mod logs;
+mod mentioned;
+mod model_page;
 mod paraview;
 mod provenance;
 mod python;

@@ -79,7 +79,7 @@ fn write_strip(
 /// other's outermost square.
 fn write_series(dir: &Path) -> io::Result<()> {
     use vtu::{EXTERIOR, INTERFACE, INTERIOR};
-    let mut series = FieldSeries::new(dir, false);
+    let mut series = FieldSeries::new(dir, Default::default());
     for (step, time) in [(0, 0.0), (12, 0.125)] {
         let folder = dir.join(vtu::step_folder(step));
         let piece = |worker: usize| folder.join(vtu::piece_name(worker));

@@ -28,7 +28,7 @@ fn crushed(more: &[&str]) -> Ended {
 }
 
 /// Opens a page, and waits until its picture is drawn.
-fn opened(page: &Path, fragment: &str) -> Option<Browser> {
+pub fn opened(page: &Path, fragment: &str) -> Option<Browser> {
     let mut browser = Browser::start()?;
     open(&mut browser, page, fragment);
     Some(browser)
@@ -40,21 +40,21 @@ fn open(browser: &mut Browser, page: &Path, fragment: &str) {
     browser.wait("the page is drawn", "document.documentElement.dataset.state === 'ready'");
 }
 
-fn sound(browser: &mut Browser) {
+pub fn sound(browser: &mut Browser) {
     assert_eq!(browser.evaluate("document.documentElement.dataset.errors"), "0");
     let problems = browser.problems();
     assert!(problems.is_empty(), "{problems:#?}");
 }
 
 /// Drives the page by the ids of its controls, and notes which were used.
-struct Controls {
-    browser: Browser,
-    used: BTreeSet<String>,
+pub struct Controls {
+    pub browser: Browser,
+    pub used: BTreeSet<String>,
 }
 
 impl Controls {
     /// Sets the value of a list or field, or the state of a box, as a user does.
-    fn set(&mut self, id: &str, value: impl Into<Value>) {
+    pub fn set(&mut self, id: &str, value: impl Into<Value>) {
         let value = value.into();
         let key = if value.is_boolean() { "checked" } else { "value" };
         self.browser.evaluate(&format!(
@@ -67,17 +67,17 @@ impl Controls {
         self.used.insert(id.into());
     }
 
-    fn click(&mut self, id: &str) {
+    pub fn click(&mut self, id: &str) {
         self.browser.click(&format!("#{id}"));
         self.used.insert(id.into());
     }
 
-    fn number(&mut self, script: &str) -> f64 {
+    pub fn number(&mut self, script: &str) -> f64 {
         let value = self.browser.evaluate(script);
         value.as_f64().unwrap_or_else(|| panic!("{script}: {value}"))
     }
 
-    fn text(&mut self, id: &str) -> String {
+    pub fn text(&mut self, id: &str) -> String {
         let text = self.browser.evaluate(&format!("byId({id:?}).innerText"));
         text.as_str().unwrap_or_else(|| panic!("{id}: {text}")).to_owned()
     }
@@ -88,7 +88,7 @@ impl Controls {
     }
 
     /// Does something that must change the picture.
-    fn changes(&mut self, what: &str, act: impl FnOnce(&mut Self)) {
+    pub fn changes(&mut self, what: &str, act: impl FnOnce(&mut Self)) {
         let before = self.pixels();
         act(self);
         assert_ne!(self.pixels(), before, "{what} changes the picture");
@@ -206,13 +206,13 @@ fn every_control_has_its_effect() {
     picture(&mut page);
     picking(&mut page);
     workbench(&mut page);
-    figures(&mut page);
+    figures(&mut page, &ended.summary());
     leaving(&mut page);
     let all = "[...document.querySelectorAll('button, input, select')].map((e) => e.id || \
                (e.dataset.view ? 'view-' + e.dataset.view : e.className || 'part-box'))";
     let all: BTreeSet<String> = serde_json::from_value(page.browser.evaluate(all)).unwrap();
     // Contact forces are offered if there is contact between parts.
-    let hidden = ["forces"].map(String::from);
+    let hidden = ["forces", "node-forces"].map(String::from);
     let left: Vec<_> = all.iter().filter(|id| !page.used.contains(*id)).collect();
     assert_eq!(left, hidden.iter().collect::<Vec<_>>(), "controls that no test uses");
     sound(&mut page.browser);
@@ -362,7 +362,27 @@ fn workbench(page: &mut Controls) {
     page.browser.picture("report-workbench");
 }
 
-fn figures(page: &mut Controls) {
+fn figures(page: &mut Controls, summary: &Value) {
+    // Unless the user chooses otherwise, the tables have the values of `summary.json`.
+    let cells = "[...byId('head-table').tBodies[0].rows[0].cells].map((c) => c.textContent)";
+    let head: Vec<String> = serde_json::from_value(page.browser.evaluate(cells)).unwrap();
+    let same = |shown: &str, known: &Value| {
+        let (shown, known) = (shown.parse::<f64>().unwrap(), known.as_f64().unwrap());
+        assert!((shown / known - 1.0).abs() < 1e-3, "{shown} on the page, {known} in the summary");
+    };
+    let injury = &summary["head_injury"][0];
+    assert_eq!(injury["node"], head[0].as_str());
+    same(&head[1], &injury["peak_g"]);
+    same(&head[2], &injury["hic15"]);
+    same(&head[4], &injury["hic36"]);
+    let cells = "[...byId('crush-table').tBodies[0].rows[0].cells].map((c) => c.textContent)";
+    let row: Vec<String> = serde_json::from_value(page.browser.evaluate(cells)).unwrap();
+    let crush = &summary["crush"][0];
+    assert_eq!(crush["force"], row[0].as_str());
+    for (place, key) in [(1, "peak"), (3, "mean"), (5, "stroke"), (6, "energy")] {
+        same(&row[place], &crush[key]);
+    }
+    same(&row[7], &crush["specific_energy"]);
     let row = |page: &mut Controls| -> Vec<f64> {
         let cells = "[...byId('crush-table').tBodies[0].rows[0].cells].slice(1).map((c) => \
                      Number(c.textContent))";

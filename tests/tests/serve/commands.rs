@@ -42,6 +42,36 @@ fn the_commands_submit_watch_list_stop_resume_and_fetch() {
     assert_eq!(service.command(&["watch", "99"]).status.code(), Some(2));
 }
 
+/// A run that does not meet a requirement is completed, and its exit code 1 is that of the job and
+/// of `crumple watch`; one that meets it has 0.
+#[test]
+fn a_requirement_that_is_not_met_is_exit_code_1_of_the_service() {
+    let service = Service::start(&[]);
+    let folder = tempfile::tempdir().unwrap();
+    let bars = fs::read_to_string(root().join("cases/bars/job.toml")).unwrap();
+    let with = |limit: &str| {
+        format!(
+            "{bars}\n[[require]]\nname = \"elements\"\nquantity = {{ summary = \
+             \"elements.quad4\" }}\nbelow = {limit}\n"
+        )
+    };
+    for (limit, code) in [("79.5", 1), ("80.5", 0)] {
+        let job = folder.path().join("job.toml");
+        fs::write(&job, with(limit)).unwrap();
+        let sent = service.command(&["submit", job.to_str().unwrap(), "--watch"]);
+        let said = String::from_utf8_lossy(&sent.stdout).into_owned();
+        assert_eq!(sent.status.code(), Some(code), "{said}");
+        let id = if code == 1 { 1 } else { 2 };
+        let job = service.get(&format!("/api/jobs/{id}")).json();
+        assert_eq!(
+            (job["state"].as_str(), job["code"].as_i64()),
+            (Some("completed"), Some(code.into()))
+        );
+        let watched = service.command(&["watch", &id.to_string()]);
+        assert_eq!(watched.status.code(), Some(code), "watch of a job that has ended");
+    }
+}
+
 #[test]
 fn a_folder_with_includes_is_sent_as_it_is() {
     let service = Service::start(&[]);

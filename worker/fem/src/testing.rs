@@ -30,6 +30,7 @@ pub fn settings() -> Settings {
         planned: Vec::new(),
         histories: Default::default(),
         field_dir: String::new(),
+        contact_forces: false,
         checkpoint: Default::default(),
         materials: Vec::new(),
         parts: Vec::new(),

@@ -51,6 +51,7 @@ impl RunningWorker {
             stopped: _,
             checkpoint_due: _,
             copy_due: _,
+            fields_cycle: _,
             view_due: _,
             steering: _,
             paused: _,

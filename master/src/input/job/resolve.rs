@@ -297,6 +297,7 @@ pub fn settings(
         output: output_times(job),
         planned: Vec::new(),
         histories: HistoryRequests::default(),
+        contact_forces: job.output.contact_forces && contact.is_some(),
         field_dir: String::new(),
         checkpoint: checkpoint_settings(job),
         materials: job.material.iter().map(material).collect(),

@@ -5,9 +5,11 @@
 //! (u32, plus one, zero for none); the ids of elements and nodes (lower words, then upper words, as
 //! the corners); the parts of the elements (u16, index into the list of the description). Then for
 //! each time: states of the elements (u8), workers (u16), the scalars (u16), the scalars of the
-//! nodes, x, y and z of the nodes (u16). Each column is the difference from the same column at
-//! the previous time, in zigzag coding (0, -1, 1, -2, ...), the lowest bytes of all numbers
-//! first, so that small changes give mostly zeros. `decode.js` is the decoder.
+//! nodes, x, y and z of the nodes (u16); the nodes with a contact force (u32, each minus the one
+//! before) and the components of their forces (bits of f32, likewise). Each column of u8 and u16 is
+//! the difference from the same column at the previous time, in zigzag coding (0, -1, 1, -2, ...),
+//! the lowest bytes of all numbers first, so that small changes give mostly zeros. `decode.js` is
+//! the decoder.
 
 use super::scene::PageScene;
 use super::series::{ABSENT, FieldFrame, MeshSeries, NODE_SCALARS, SCALARS};
@@ -38,6 +40,8 @@ pub struct Description {
     pub node_ranges: Vec<Option<[f32; 2]>>,
     /// Times.
     pub frames: Vec<Quantizer>,
+    /// Number of nodes with a contact force at each time; empty if the run did not write them.
+    pub forces: Vec<usize>,
     /// Number of elements that are hidden at some time because a node has no finite coordinates.
     pub nowhere: usize,
 }
@@ -103,12 +107,16 @@ pub fn encode(series: &MeshSeries, scene: &PageScene) -> (Description, Vec<u8>) 
     let both = [&ranges[..], &node_ranges[..]];
     let mut before = EncodedColumns::new(scene);
     let mut hidden = vec![false; scene.elements.len()];
-    let mut grids = Vec::new();
+    let (mut grids, mut forces) = (Vec::new(), Vec::new());
+    let has_forces = scene.frames.iter().any(|&k| !series.frames[k].contact_force.is_empty());
     for &k in &scene.frames {
         let (columns, grid) = EncodedColumns::at_time(series, scene, k, both, &before, &mut hidden);
         out.bytes(columns.state.iter().zip(&before.state).map(|(a, b)| a.wrapping_sub(*b)));
         for (now, then) in columns.numbers.iter().zip(&before.numbers) {
             out.u16(now.iter().zip(then).map(|(a, b)| zigzag16(a.wrapping_sub(*b))));
+        }
+        if has_forces {
+            forces.push(pack_forces(&series.frames[k].contact_force, &scene.nodes, &mut out));
         }
         before = columns;
         grids.push(grid);
@@ -121,9 +129,22 @@ pub fn encode(series: &MeshSeries, scene: &PageScene) -> (Description, Vec<u8>) 
         ranges,
         node_ranges,
         frames: grids,
+        forces,
         nowhere: hidden.iter().filter(|h| **h).count(),
     };
     (description, out.finish())
+}
+
+/// Adds the contact forces on these nodes of the series that are not zero; returns their number.
+fn pack_forces(all: &[[f32; 3]], nodes: &[u32], out: &mut PackedColumns) -> usize {
+    let force = |(place, &node): (u32, &u32)| {
+        let force = all.get(node as usize).copied().unwrap_or_default();
+        (force != [0.0; 3]).then_some((place, force))
+    };
+    let acting: Vec<(u32, [f32; 3])> = (0..).zip(nodes).filter_map(force).collect();
+    out.chain(acting.iter().map(|a| a.0));
+    (0..3).for_each(|c| out.chain(acting.iter().map(|a| a.1[c].to_bits())));
+    acting.len()
 }
 
 /// Compression level. Level 9 saves half a per cent of the pictures of the brick wall and the
@@ -320,6 +341,8 @@ mod tests {
     fn what_is_packed_comes_out_again_to_half_a_unit() {
         let mut series = row_of_cubes(4, &[1, 3, 0, 2]);
         series.frames[1].scalars[0][1] = f32::NAN;
+        series.frames[1].contact_force = vec![[0.0; 3]; series.node_ids.len()];
+        series.frames[1].contact_force[7] = [1.5, 0.0, -2.0];
         let scene = PageScene::new(&series, faces(&series));
         let (d, packed) = encode(&series, &scene);
         let mut read = Unpacked::new(&packed);
@@ -368,6 +391,12 @@ mod tests {
                 let back = low + number as f32 / MOST_VALUE * (high - low);
                 let off = (back - frame.node_scalars[0][n]).abs();
                 assert!(off <= 0.51 * NODE_SCALARS[0].unit() / MOST_VALUE * (high - low));
+            }
+            let nodes = read.chain(d.forces[k]);
+            let force = [0, 1, 2].map(|_| read.chain(d.forces[k]));
+            if k == 1 {
+                assert_eq!(nodes, [7]);
+                assert_eq!(force.map(|c| f32::from_bits(c[0])), [1.5, 0.0, -2.0]);
             }
             for (n, x) in frame.position.iter().enumerate() {
                 for c in 0..3 {

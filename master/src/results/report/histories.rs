@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// Maximum number of values: 6 MB before compression. Longer histories are thinned.
 const MOST_VALUES: usize = 1_500_000;
+/// Maximum number of values in memory: 200 MB.
+const MOST_IN_MEMORY: usize = 50_000_000;
 /// Maximum number of columns. Objects beyond it are omitted.
 const MOST_COLUMNS: usize = 2000;
 
@@ -106,6 +108,12 @@ impl KindFile {
 }
 
 impl ReportHistories {
+    /// Reads the histories of the run in `dir` as far as the files are intact, with all rows unless
+    /// memory does not suffice for them.
+    pub fn whole(dir: &Path) -> Self {
+        Self::with_limits(dir, MOST_IN_MEMORY, MOST_COLUMNS)
+    }
+
     /// Reads the histories of the run in `dir`, as far as the files are intact. Damage is named by
     /// the readers of the plots.
     pub fn read(dir: &Path) -> Self {
@@ -168,6 +176,17 @@ impl ReportHistories {
     /// Returns the number of columns.
     fn width(&self) -> usize {
         self.objects.iter().map(|object| object.quantities.len()).sum()
+    }
+
+    /// Returns the times of the rows [time].
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// Returns the values of a quantity of an object over the rows, not finite where there is none.
+    pub fn column(&self, object: usize, quantity: usize) -> &[f32] {
+        let before: usize = self.objects[..object].iter().map(|o| o.quantities.len()).sum();
+        &self.columns[before + quantity]
     }
 
     /// Returns the packed columns for `histories.js`: the two words of each time, the lower ones

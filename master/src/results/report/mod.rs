@@ -5,10 +5,12 @@
 //! - `series`: the field files, joined; `surface`: the visible faces
 //! - `scene`: the selection for the page; `encode`: the selection as bytes
 //! - `state`: one state of a run that is watched, for the page of the service
+//! - `model_page`: the page of a job before its run
 //! - `page`: the page; its scripts are in `master/assets/report`
 
 mod encode;
-mod histories;
+pub mod histories;
+pub mod model_page;
 mod page;
 mod paths;
 mod plots;
@@ -219,7 +221,7 @@ fn make(
     }
     let tables: String = (0..runs.len())
         .filter_map(|i| {
-            let tables = tables::tables(runs[i].sources.summary.as_ref()?);
+            let tables = tables::tables(runs[i].sources.summary.as_ref()?, "Run");
             let head = second.map_or(String::new(), |s| {
                 format!("<section class=\"table\"><h2>{}</h2></section>\n", escape(s.names[i]))
             });
@@ -247,6 +249,7 @@ fn make(
             facts: &page::json(&all),
             pictures: [picture(0), picture(1)],
             histories: [&histories[0], histories.get(1).map_or(&[][..], Vec::as_slice)],
+            ..page::Content::default()
         };
         page::page(&content)
     };
@@ -499,7 +502,7 @@ mod tests {
 
         let fields = dir.path().join("fields");
         std::fs::create_dir(&fields).unwrap();
-        let mut writer = crate::results::fields::FieldSeries::new(&fields, false);
+        let mut writer = crate::results::fields::FieldSeries::new(&fields, Default::default());
         writer.add(0, 0.0, 2).unwrap();
         let made = write(dir.path(), true).unwrap();
         assert_eq!(made.problems.len(), 3, "summary and two pieces: {:?}", made.problems);

@@ -4,11 +4,18 @@ use base64::{Engine, prelude::BASE64_STANDARD};
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("../../../assets/report/page.html");
+/// Sections of the page of a run next to the picture, and below it.
+const OF_RUN: [&str; 2] = [
+    include_str!("../../../assets/report/run_plots.html"),
+    include_str!("../../../assets/report/run_figures.html"),
+];
+/// The same of the page of a job before its run.
+const OF_MODEL: [&str; 2] = [include_str!("../../../assets/report/model.html"), ""];
 const STYLE: [&str; 2] = [
     include_str!("../../../assets/vendor/uPlot.min.css"),
     include_str!("../../../assets/report/page.css"),
 ];
-const SCRIPTS: [&str; 21] = [
+const SCRIPTS: [&str; 24] = [
     include_str!("../../../assets/vendor/three.min.js"),
     include_str!("../../../assets/vendor/uPlot.min.js"),
     include_str!("../../../assets/report/decode.js"),
@@ -20,6 +27,7 @@ const SCRIPTS: [&str; 21] = [
     include_str!("../../../assets/report/view.js"),
     include_str!("../../../assets/report/pick.js"),
     include_str!("../../../assets/report/stage.js"),
+    include_str!("../../../assets/report/arrows.js"),
     include_str!("../../../assets/report/forces.js"),
     include_str!("../../../assets/report/plots.js"),
     include_str!("../../../assets/report/signal.js"),
@@ -30,11 +38,25 @@ const SCRIPTS: [&str; 21] = [
     include_str!("../../../assets/report/share.js"),
     include_str!("../../../assets/report/second.js"),
     include_str!("../../../assets/report/main.js"),
+    include_str!("../../../assets/report/model.js"),
+    include_str!("../../../assets/report/begin.js"),
 ];
+
+/// Subject of a page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PageKind {
+    /// A run, or two.
+    #[default]
+    Run,
+    /// A job before its run.
+    Model,
+}
 
 /// Content that differs between reports.
 #[derive(Clone, Debug, Default)]
 pub struct Content<'a> {
+    /// Subject of the page.
+    pub kind: PageKind,
     /// Title, as text.
     pub title: &'a str,
     /// Subtitle, as text.
@@ -51,6 +73,8 @@ pub struct Content<'a> {
     pub pictures: [&'a [u8]; 2],
     /// The histories of up to two runs, compressed.
     pub histories: [&'a [u8]; 2],
+    /// Values and marks of a model before its run, compressed.
+    pub setup: &'a [u8],
 }
 
 /// Returns the complete page.
@@ -66,9 +90,18 @@ pub fn page(content: &Content<'_>) -> String {
     };
     let scripts: String =
         SCRIPTS.iter().map(|script| format!("<script>\n{script}\n</script>\n")).collect();
+    let (page_kind, [aside, below], source) = match content.kind {
+        PageKind::Run => ("run", OF_RUN, "the results in its folder"),
+        PageKind::Model => ("model", OF_MODEL, "the job, before its run"),
+    };
     fill(
         TEMPLATE,
         &[
+            ("page_kind", page_kind),
+            ("aside", aside),
+            ("below", below),
+            ("source", source),
+            ("setup", &BASE64_STANDARD.encode(content.setup)),
             ("title", &escape(content.title)),
             ("subtitle", &escape(content.subtitle)),
             ("kind", if content.warnings.is_empty() { "calm" } else { "warned" }),
@@ -174,6 +207,11 @@ mod tests {
         let without = fill(TEMPLATE, &[]);
         assert!(!without.contains("{{") && !without.contains("}}"));
         for name in [
+            "page_kind",
+            "aside",
+            "below",
+            "source",
+            "setup",
             "title",
             "subtitle",
             "kind",

@@ -187,6 +187,8 @@ pub struct FieldFrame {
     pub scalars: [Vec<f32>; SCALARS.len()],
     /// A column for each of [`NODE_SCALARS`].
     pub node_scalars: [Vec<f32>; NODE_SCALARS.len()],
+    /// Contact forces on the nodes; empty if the run did not write them [force].
+    pub contact_force: Vec<[f32; 3]>,
 }
 
 /// All times.
@@ -299,6 +301,7 @@ impl SeriesReader {
         let mut nodes = Vec::with_capacity(piece.points);
         let node_scalars: Vec<_> =
             NODE_SCALARS.iter().map(|s| s.values(piece)).collect::<Result<_, _>>()?;
+        let forces = piece.f32(vtu::CONTACT_FORCE.name).unwrap_or_default(); // on request
         let ids = piece.i64(vtu::NODE_ID.name)?;
         for (at, (id, x)) in ids.iter().zip(points.chunks_exact(3)).enumerate() {
             let next = self.node_of.len() as u32;
@@ -309,6 +312,9 @@ impl SeriesReader {
             put(&mut frame.position, node, [x[0], x[1], x[2]], [f32::NAN; 3]);
             for (column, values) in frame.node_scalars.iter_mut().zip(&node_scalars) {
                 put(column, node, values[at], f32::NAN);
+            }
+            if let Some(&[x, y, z]) = forces.get(3 * at..3 * at + 3) {
+                put(&mut frame.contact_force, node, [x, y, z], [0.0; 3]);
             }
             nodes.push(node);
         }

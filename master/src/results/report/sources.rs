@@ -212,7 +212,8 @@ impl RunFiles {
         }
     }
 
-    fn unit_words(&self) -> Vec<&str> {
+    /// Returns the words of the units: length, time, mass and others.
+    pub fn unit_words(&self) -> Vec<&str> {
         self.units().split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect()
     }
 

@@ -124,6 +124,7 @@ pub mod tests {
                 (0..count).map(|e| (e * (s as u32 + 1)) as f32 * time as f32).collect()
             }),
             node_scalars: [(0..4 * (count + 1)).map(|n| n as f32 * time as f32).collect()],
+            contact_force: Vec::new(),
             state,
         };
         MeshSeries {

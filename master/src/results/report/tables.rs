@@ -23,12 +23,12 @@ const FIRST: [&str; 14] = [
     "law",
 ];
 
-/// Returns the tables as HTML.
-pub fn tables(summary: &Map<String, Value>) -> String {
+/// Returns the tables as HTML. The single values have the title `first`.
+pub fn tables(summary: &Map<String, Value>, first: &str) -> String {
     let keys = || ordered(summary).into_iter().filter(|k| !ELSEWHERE.contains(k));
     let mut out = String::new();
     let single: Vec<_> = keys().filter(|k| !is_table(&summary[*k])).collect();
-    out += &table("Run", &pairs(single.into_iter().map(|k| (k, &summary[k]))));
+    out += &table(first, &pairs(single.into_iter().map(|k| (k, &summary[k]))));
     for key in keys().filter(|k| is_table(&summary[*k])) {
         let body = match &summary[key] {
             Value::Object(map) if map.values().all(Value::is_object) && !map.is_empty() => {
@@ -170,7 +170,7 @@ mod tests {
             ],
             "elements": { "quad4": 3 }
         });
-        let html = tables(summary.as_object().unwrap());
+        let html = tables(summary.as_object().unwrap(), "Run");
         for part in [
             "<tr><th scope=\"row\">status</th><td>failed</td></tr><tr><th scope=\"row\">reason</th>\
              <td>element &lt;7&gt; &amp; &quot;more&quot;</td></tr>",
@@ -184,7 +184,7 @@ mod tests {
             assert!(html.contains(part), "no {part} in {html}");
         }
         assert!(!html.contains("twice") && !html.contains("<b>"), "{html}");
-        assert_eq!(tables(&Map::new()).matches("<table>").count(), 1);
+        assert_eq!(tables(&Map::new(), "Run").matches("<table>").count(), 1);
     }
 
     #[test]

@@ -20,6 +20,7 @@ use crate::run::service::Desk;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::Captured;
 use crumple_proto::transport::Transport;
+use crumple_worker::vtu::OptionalArrays;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -39,8 +40,8 @@ impl<'a> Control<'a> {
         provenance::record(out, stamp.job.clone(), start)
             .map_err(output_error(&out.join(provenance::FILE)))?;
         let mut checkpoints = new_checkpoints(model, out, workers, stamp);
-        let second_decomposition = model.settings.has_second_decomposition();
-        let mut series = FieldSeries::new(&out.join(fields::DIR), second_decomposition);
+        let arrays = OptionalArrays::of(&model.settings);
+        let mut series = FieldSeries::new(&out.join(fields::DIR), arrays);
         let known = match &mut from {
             Some((from, _)) => Some(restore_files(from, out, &mut checkpoints, &mut series)?),
             None => {

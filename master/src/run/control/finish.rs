@@ -1,8 +1,8 @@
 //! The end of a run: its summary.
 
 use super::{Control, RunError};
-use crate::results::requirements;
 use crate::results::summary::{self, RunEnd, Summary};
+use crate::results::{figures, requirements};
 use crate::run::balance::URGENT;
 use crumple_proto::report::FinalReport;
 
@@ -16,6 +16,7 @@ impl Control<'_> {
             .map_err(missing)?;
         self.watch_files();
         let mut summary = self.summary();
+        (summary.crush, summary.head_injury) = figures::read(&self.out);
         let path = self.out.join("summary.json");
         let unwritten = |error| RunError::Output { path: path.clone(), error };
         summary.write(&path).map_err(unwritten)?;
@@ -88,6 +89,8 @@ impl Control<'_> {
             checkpoints: self.checkpoints.summary,
             lost: self.history.lost.clone(),
             warnings: std::mem::take(&mut self.warnings),
+            crush: Vec::new(),
+            head_injury: Vec::new(),
             requirements: Vec::new(),
             state_digest: summary::state_digest(&mut self.states),
         }
