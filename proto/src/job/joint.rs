@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// changed by it.
 ///
 /// The angle about the axis and the distance along it are those of the second body against the
-/// first one, and 0 at the start.
+/// first one, or of the only body in space, and 0 at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointInput {
@@ -20,13 +20,13 @@ pub struct JointInput {
     pub bodies: Vec<String>,
     /// Point of both bodies that the joint keeps together or guides [length].
     pub point: [f64; 3],
-    /// Axis, fixed in the first body (the only one, with the ground); all kinds but `spherical` and
-    /// `fixed` have one. That of a `planar` joint is its normal, that of a `universal` joint its
-    /// first axis.
+    /// Axis, fixed in the first of two bodies, or in space with the ground; all kinds but
+    /// `spherical` and `fixed` have one. That of a `planar` joint is its normal, that of a
+    /// `universal` joint its first axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
-    /// Second axis of a universal joint, fixed in the second body and perpendicular to `axis` at
-    /// the start.
+    /// Second axis of a universal joint, fixed in the second of two bodies, or in the only one, and
+    /// perpendicular to `axis` at the start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_axis: Option<[f64; 3]>,
     /// Distance that a screw moves along its axis in a full turn; negative for a left-hand screw
@@ -80,7 +80,7 @@ pub struct JointResistance {
     /// Largest moment (or force) of Coulomb friction.
     pub friction: f64,
     /// Smallest and largest angle (or distance), with 0 between them. The joint stops there without
-    /// rebound.
+    /// rebound. A value of 1e19 or more is no stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stops: Option<[f64; 2]>,
 }

@@ -64,13 +64,13 @@ fn stiffness_belongs_to_the_axis_of_the_joint() {
                   *DEFINE_CURVE\n1\n-1.0,-30.0\n0.0,0.0\n2.0,10.0\n\
                   *DEFINE_CURVE\n2\n-1.0,-3.0\n1.0,3.0\n";
     let hinge = "*CONSTRAINED_JOINT_REVOLUTE_ID\n44,door\n21,22,23,24\n";
-    let stiffness = |parts: &str| {
+    let stiffness = |parts: &str, es: &str| {
         format!(
             "{system}{hinge}*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n1,{parts},7,7,44\n\
-             0,1,0,0,2,0\n0.0,0.0,0.0,5.0\n0.0,0.0,30.0,90.0\n"
+             0,1,0,0,2,0\n0.0,0.0,{es},5.0\n0.0,0.0,30.0,90.0\n"
         )
     };
-    let how = |parts: &str| joints(&stiffness(parts))[0].rotation.clone().unwrap();
+    let how = |parts: &str| joints(&stiffness(parts, "900.0"))[0].rotation.clone().unwrap();
     let forward = how("1,2");
     assert_eq!(forward.table, [[-1.0, -30.0], [0.0, 0.0], [2.0, 10.0]]);
     assert_eq!((forward.damping, forward.friction), (3.0, 5.0));
@@ -79,11 +79,23 @@ fn stiffness_belongs_to_the_axis_of_the_joint() {
     let back = how("2,1");
     assert_eq!(back.table, [[-2.0, -10.0], [0.0, 0.0], [1.0, 30.0]]);
     assert!((back.stops[0] + TAU / 4.0).abs() < 1e-15, "{:?}", back.stops);
+    // Without the stiffness of friction and stops, both are inactive.
+    let idle = joints(&stiffness("1,2", "0.0"))[0].rotation.clone().unwrap();
+    assert_eq!((idle.friction, idle.stops), (0.0, [f64::NEG_INFINITY, f64::INFINITY]));
+    assert_eq!(idle.table, forward.table);
     let slider = "*CONSTRAINED_JOINT_TRANSLATIONAL\n21,22,23,24,25,26\n\
-                  *CONSTRAINED_JOINT_STIFFNESS_TRANSLATIONAL\n1,1,2,7\n0,1\n\n0,0,0.0,2.5\n";
+                  *CONSTRAINED_JOINT_STIFFNESS_TRANSLATIONAL\n1,1,2,7\n0,1\n0,0,5.0\n0,0,0.0,2.5\n";
     let sliding = joints(&format!("{system}{slider}"))[0].sliding.clone().unwrap();
     assert_eq!(sliding.table.len(), 3);
-    assert!(sliding.stops[0] < -1e19 && sliding.stops[1] == 2.5, "{:?}", sliding.stops);
+    assert_eq!(sliding.stops, [f64::NEG_INFINITY, 2.5]);
+}
+
+/// Joints without an id get numbers that no id of the deck has.
+#[test]
+fn numbers_of_joints_do_not_collide() {
+    let lines = "*CONSTRAINED_JOINT_REVOLUTE_ID\n2,door\n21,22,23,24\n\
+                 *CONSTRAINED_JOINT_SPHERICAL\n25,26\n*CONSTRAINED_JOINT_LOCKING\n23,24\n";
+    assert_eq!(joints(lines).len(), 3);
 }
 
 /// Faults name the card, the field and what to do.
@@ -98,6 +110,14 @@ fn faults_of_joints_are_named() {
         ("*CONSTRAINED_JOINT_SPHERICAL\n21,23\n", "both ends are the same body"),
         ("*CONSTRAINED_JOINT_UNIVERSAL\n21,22,23,24\n", "not perpendicular"),
         ("*CONSTRAINED_JOINT_SCREW\n21,22,23,24\n0.0\n", "has no pitch"),
+        ("*CONSTRAINED_JOINT_REVOLUTE\n21,22,12,24\n", "node 12 is not of the rigid body of n1"),
+        (
+            &format!(
+                "{system}{hinge}*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n1,1,2,7\n\n0,0,3.0,2.0\n\
+                 *CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n2,1,2,7\n\n0,0,3.0,2.0\n"
+            ),
+            "this joint has another one",
+        ),
         ("*CONSTRAINED_JOINT_GEARS\n21,22,23,24,25,26\n", "is not supported"),
         (
             &format!("{hinge}*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n1,1,2,8\n"),

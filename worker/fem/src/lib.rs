@@ -19,5 +19,4 @@ pub mod registry;
 pub mod step_data;
 pub mod testing;
 pub mod time;
-
 pub mod work;

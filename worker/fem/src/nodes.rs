@@ -302,18 +302,27 @@ impl Nodes {
     }
 
     /// Returns the data of local nodes that a step without contact reads and writes.
-    pub fn step_data(&self) -> [StepData; 4] {
-        let columns = if self.rotations { 2 } else { 1 };
+    pub fn step_data(&self) -> Vec<StepData> {
         let each = self.local_count * size_of::<Row>();
         let row = |data, bytes, reads, writes| StepData { data, bytes, reads, writes };
-        [
-            // Read by elements, and by the update that writes them.
+        let mut rows = vec![
+            // Elements read coordinates and velocities; the end of a step changes coordinates.
             row("coordinates", each, 2, 1),
-            // Read by elements, by the update of velocities, and written at the end of the step.
-            row("velocities before and after", 2 * columns * each, 2, 1),
-            row("nodal forces", columns * each, 1, 1),
-            row("inverse masses", columns * each, 1, 0),
-        ]
+            row("velocities", each, 2, 0),
+            row("velocities of the next step", each, 1, 1),
+            row("nodal forces", each, 1, 1),
+            row("inverse masses", each, 1, 0),
+        ];
+        if self.rotations {
+            rows.extend([
+                // The end of a step exchanges both columns.
+                row("rotational velocities", each, 3, 1),
+                row("rotational velocities of the next step", each, 1, 2),
+                row("nodal moments", each, 1, 1),
+                row("inverse inertias", each, 1, 0),
+            ]);
+        }
+        rows
     }
 
     /// Returns the number of local and ghost nodes.

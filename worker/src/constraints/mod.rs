@@ -7,9 +7,9 @@
 //! | stage | order |
 //! |---|---|
 //! | forces | ties: forces on slaves go to their masters |
-//! | velocities without contact | prescribed motion, rigid bodies, motion of walls, tied slaves |
-//! | during contact | walls stop single nodes; rigid bodies carry their members |
-//! | after contact | masters of ties, walls, rigid bodies, tied slaves |
+//! | velocities without contact | prescribed motion, bodies, joints, motion of walls, tied slaves |
+//! | during contact | walls stop single nodes; rigid bodies and joints carry their members |
+//! | after contact | masters of ties, walls, rigid bodies, joints, tied slaves |
 //! | end of the step | rigid bodies, walls |
 //!
 //! After contact, masters have the contact forces of their slaves before they reach a wall.

@@ -10,6 +10,8 @@ use std::f64::consts::TAU;
 /// Largest cosine of the angle between the axes of a universal joint: they are perpendicular but
 /// for the precision of coordinates in a deck.
 const SQUARE: f64 = 1e-3;
+/// Stops from which on there is none.
+const FAR: f64 = 1e19;
 
 /// Checks the joints of a job and resolves them. `job.rigid` and the resolved bodies have the same
 /// order.
@@ -132,7 +134,9 @@ impl JointCheck<'_> {
     }
 
     fn unit(&mut self, key: &str, given: [f64; 3]) -> Option<Vector3<f64>> {
-        let unit = Vector3::from(given).try_normalize(0.0);
+        // The largest component first: squares of large numbers overflow.
+        let given = Vector3::from(given);
+        let unit = (given / given.amax()).try_normalize(0.5);
         if unit.is_none() {
             self.fault(key, "the direction is zero", "give a direction, such as [0, 0, 1]");
         }
@@ -196,7 +200,8 @@ impl JointCheck<'_> {
             0.0 => given.table.clone(),
             stiffness => vec![[0.0, 0.0], [1.0, stiffness]],
         };
-        let stops = given.stops.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let far = |stop: f64| if stop.abs() < FAR { stop } else { f64::INFINITY.copysign(stop) };
+        let stops = given.stops.map_or([f64::NEG_INFINITY, f64::INFINITY], |stops| stops.map(far));
         Some(Resistance { table, damping: given.damping, friction: given.friction, stops })
     }
 }

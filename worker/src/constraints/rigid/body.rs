@@ -61,6 +61,15 @@ pub struct Body {
     base: V3,
 }
 
+/// Part of the state of a body at the end of a step, see [`Body::end_state`].
+#[derive(Clone, Copy, Debug)]
+pub struct EndState {
+    next: Momentum,
+    next_turn: UnitQuaternion<f64>,
+    next_spin: V3,
+    led_angular: V3,
+}
+
 /// Velocity of the centre and angular momentum about it, in space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Momentum {
@@ -264,6 +273,12 @@ impl Body {
         (moved, self.mobility * angular)
     }
 
+    /// Returns the changes as [`Body::reply`], as if no degree of freedom were held.
+    pub fn open_reply(&self, impulse: &V3, angular: &V3) -> (V3, V3) {
+        let r = self.turn.to_rotation_matrix().into_inner();
+        (impulse / self.mass, r * (self.inverse * (r.transpose() * angular)))
+    }
+
     /// Returns the change of velocity along `direction` at `arm` per unit impulse in that
     /// direction [1/mass].
     pub fn compliance(&self, arm: &V3, direction: &V3) -> f64 {
@@ -288,6 +303,23 @@ impl Body {
                 self.next.angular[c] = taken[c];
             }
         }
+    }
+
+    /// Returns the part of the state at the end of the step that joints change.
+    pub fn end_state(&self) -> EndState {
+        EndState {
+            next: self.next,
+            next_turn: self.next_turn,
+            next_spin: self.next_spin,
+            led_angular: self.led_angular,
+        }
+    }
+
+    /// Sets the part of the state at the end of the step that joints change.
+    pub fn set_end_state(&mut self, state: &EndState) {
+        let EndState { next, next_turn, next_spin, led_angular } = *state;
+        (self.next, self.next_turn, self.next_spin) = (next, next_turn, next_spin);
+        self.led_angular = led_angular;
     }
 
     /// Returns the centre and the rotation R at present: a member is at `c + R r`, where r is

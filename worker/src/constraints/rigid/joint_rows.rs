@@ -1,12 +1,12 @@
 //! Rows of joints: gaps and their derivatives, by the kind of the joint.
 
 use super::body::Body;
-use super::joints::JointState;
+use super::joints::{JointState, REGULAR};
 use crate::math::row::V3;
 use crate::time::StepSizes;
 use crumple_proto::job::JointKind;
 use crumple_proto::joint::{Resistance, ResolvedJoint};
-use nalgebra::Matrix3;
+use nalgebra::{DMatrix, DVector, Matrix3};
 use std::f64::consts::TAU;
 
 /// One scalar condition of a joint. Its velocity is `linear . (v2 - v1) + angular2 . w2 -
@@ -27,6 +27,8 @@ pub struct JointRow {
     pub gap: f64,
     /// Distance or angle to which a gap is compared [length, or radian].
     pub size: f64,
+    /// Factor from the velocity of the row to that of points of the joint [1, or length].
+    pub reach: f64,
     /// Its effect.
     pub form: RowForm,
 }
@@ -105,10 +107,19 @@ impl JointRow {
 
     /// Returns the change of velocity along this row per unit impulse along another one.
     pub fn compliance(&self, other: &Self, bodies: &[Body]) -> f64 {
+        self.sum_of_replies(other, |body, impulse, moment| bodies[body].reply(impulse, moment))
+    }
+
+    /// Returns the compliance of the row itself as if no degree of freedom of its bodies were held.
+    pub fn open_compliance(&self, bodies: &[Body]) -> f64 {
+        self.sum_of_replies(self, |body, impulse, moment| bodies[body].open_reply(impulse, moment))
+    }
+
+    fn sum_of_replies(&self, other: &Self, reply: impl Fn(usize, &V3, &V3) -> (V3, V3)) -> f64 {
         let mut sum = 0.0;
         for (body, linear, angular) in self.ends() {
             for (_, impulse, moment) in other.ends().filter(|end| end.0 == body) {
-                let (moved, turned) = bodies[body].reply(&impulse, &moment);
+                let (moved, turned) = reply(body, &impulse, &moment);
                 sum += linear.dot(&moved) + angular.dot(&turned);
             }
         }
@@ -127,6 +138,8 @@ struct RowBuilder<'a> {
     /// Vector from the point of the first body to that of the second [length].
     apart: V3,
     size: f64,
+    /// Number of rows of other joints before those of this one.
+    start: usize,
     steps: StepSizes,
     rows: &'a mut Vec<JointRow>,
 }
@@ -135,10 +148,13 @@ impl RowBuilder<'_> {
     fn add(&mut self, linear: V3, turning: V3, gap: f64, form: RowForm) {
         // The derivative of d . (p2 - p1), with d fixed in the first body.
         let angular = self.arms.map(|arm| arm.cross(&linear) + turning);
-        let size = if linear == V3::zeros() { 1.0 } else { self.size };
+        let turns = linear == V3::zeros();
+        let (size, reach) = if turns { (1.0, self.size) } else { (self.size, 1.0) };
         let (joint, number) = (self.joint, self.number);
         let (first, second) = (self.job.first, self.job.second);
-        self.rows.push(JointRow { joint, number, first, second, linear, angular, gap, size, form });
+        let row =
+            JointRow { joint, number, first, second, linear, angular, gap, size, reach, form };
+        self.rows.push(row);
         self.number += 1;
     }
 
@@ -153,24 +169,43 @@ impl RowBuilder<'_> {
         self.add(V3::zeros(), turning, of_first.dot(&of_second), RowForm::Gap);
     }
 
+    /// Returns the compliance of the last row, with the gap rows of the joint solved.
+    fn coupled_compliance(&self) -> f64 {
+        let Some((row, others)) = self.rows[self.start..].split_last() else { return 0.0 };
+        let gaps: Vec<&JointRow> =
+            others.iter().filter(|r| matches!(r.form, RowForm::Gap)).collect();
+        let own = row.compliance(row, self.bodies);
+        let mut matrix = DMatrix::from_fn(gaps.len(), gaps.len(), |i, j| {
+            gaps[i].compliance(gaps[j], self.bodies)
+        });
+        for (i, gap) in gaps.iter().enumerate() {
+            matrix[(i, i)] += REGULAR * gap.open_compliance(self.bodies);
+        }
+        let column = DVector::from_fn(gaps.len(), |i, _| gaps[i].compliance(row, self.bodies));
+        let taken = matrix.cholesky().map_or(0.0, |factor| column.dot(&factor.solve(&column)));
+        (own - taken).max(0.0)
+    }
+
     /// Resists in a coordinate q with the given directions.
     fn resist(&mut self, how: &Resistance, q: f64, (linear, turning): (V3, V3)) {
-        let (dt, mid) = (self.steps.dt, self.steps.dt_velocity);
+        let (dt, mid) = (self.steps.dt, self.steps.dt_damped);
         let (force, slope) = value(&how.table, q);
-        let (slope, damping) = (slope.max(0.0), 0.5 * mid * how.damping);
-        if slope > 0.0 || damping > 0.0 || force != 0.0 {
+        // A falling branch has no stiffness here: its force is that at the present time.
+        let (stiff, damping) = (mid * dt * slope.max(0.0), mid * how.damping);
+        if stiff > 0.0 || damping > 0.0 || force != 0.0 {
             let at = self.rows.len();
             self.add(linear, turning, q, RowForm::Gap);
-            let row = &self.rows[at];
-            let (before, own) = (row.last_velocity(self.bodies), row.compliance(row, self.bodies));
-            // The part of a stiffness that the step cannot follow is implicit, which damps it.
-            let stiff = mid * dt * slope;
-            let implicit = if stiff * own > 1.0 { 1.0 - 1.0 / (stiff * own) } else { 0.0 };
-            let both = 0.25 * stiff * (1.0 - implicit);
-            let start = -mid * force + (both - damping) * before;
+            let own = self.coupled_compliance();
+            let before = self.rows[at].last_velocity(self.bodies);
+            // The part that the step cannot follow is implicit, which damps it.
+            let implicit = |x: f64| if x > 1.0 { 1.0 - 1.0 / x } else { 0.0 };
+            let (late, slow) = (implicit(stiff * own), implicit(0.5 * damping * own));
+            let (spring, damper) = (0.25 * stiff * (1.0 - late), 0.5 * damping * (1.0 - slow));
+            let start = -mid * force + (spring - damper) * before;
             // A constant force has no stiffness: a tiny one keeps the row soft.
-            let by = (both + stiff * implicit + damping).max(f64::MIN_POSITIVE.sqrt());
-            self.rows[at].form = RowForm::Soft { softness: 1.0 / by, start };
+            let by = spring + stiff * late + damper + damping * slow;
+            let softness = 1.0 / by.max(f64::MIN_POSITIVE.sqrt());
+            self.rows[at].form = RowForm::Soft { softness, start };
         }
         if how.friction > 0.0 {
             let bound = Bound::Friction(mid * how.friction);
@@ -208,6 +243,7 @@ pub fn rows_of(
         arms: [points[1] - c1, points[1] - c2],
         apart: points[1] - points[0],
         size: points[1].norm().max(state.arms[1].norm()).max(f64::MIN_POSITIVE),
+        start: rows.len(),
         steps,
         rows,
     };

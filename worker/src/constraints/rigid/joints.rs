@@ -2,20 +2,25 @@
 //!
 //! Each joint has scalar rows: the gap of a row is a function of the places and orientations of its
 //! two bodies, and has to be 0 at the end of the step. Impulses along the rows follow from the
-//! linear system `J M^-1 J^T l = -(gap / dt + J v)`, as in Andersen's RATTLE (1983) for the
-//! central differences; at the end of the step Newton's method removes what the rotations add, so
-//! that gaps stay at round-off. The two impulses of a row are opposite and act at one point, so
-//! momentum and angular momentum are conserved.
+//! linear system `J M^-1 J^T l = -(gap / dt + J v)`, as in SHAKE (Ryckaert, Ciccotti & Berendsen
+//! 1977) for the central differences; at the end of the step Newton's method removes what the
+//! rotations add, so that gaps stay at round-off. The two impulses of a row are opposite and act at
+//! one point, so momentum and angular momentum are conserved.
 //!
 //! A table or a damper is a soft row: with the row's velocities u- and u+ at the mid-steps before
 //! and after, its impulse is `-dt (f(q) + f'(q) dt (u+ - u-) / 4 + c (u- + u+) / 2)`. This is the
-//! trapezoidal rule (Newmark, beta = 1/4), which loses no energy. The part of a stiffness that is
-//! too large for the step is implicit, `-dt f'(q) dt u+`, which damps it. Friction and stops are
-//! bounded rows, solved by projected Gauss-Seidel in the Schur complement of all others.
+//! trapezoidal rule (Newmark, beta = 1/4), which loses no energy in linear springs with a constant
+//! step. The part of a stiffness or of a damper that is too large for the step is implicit, which
+//! damps it. Friction and stops are bounded rows, solved by projected Gauss-Seidel in the Schur
+//! complement of all others.
+//!
+//! Joints only reduce the compliance of bodies, so the bounds that contact assumes for bodies
+//! ([`super::Bodies::prepare_contact`]) stay bounds; contact on light bodies that are joined to
+//! heavy ones takes more sweeps.
 //!
 //! All workers have all bodies and compute the same bits.
 
-use super::body::Body;
+use super::body::{Body, EndState};
 use super::joint_rows::{JointRow, RowForm, rows_of};
 use crate::math::row::V3;
 use crate::time::StepSizes;
@@ -23,9 +28,14 @@ use crumple_proto::joint::ResolvedJoint;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3};
 use serde::{Deserialize, Serialize};
 
-/// Added to the diagonal of the scaled system: rows may depend on each other, as in a planar
-/// linkage of four hinges, and more of them do where all its bars are in one line.
-const REGULAR: f64 = 1e-6;
+/// Added to the diagonal of the system, as a fraction of the compliance of a row without held
+/// degrees of freedom: rows may depend on each other, as in a planar linkage of four hinges.
+pub const REGULAR: f64 = 1e-9;
+/// Compliance of a row, as such a fraction, below which it is no condition: it would only hold what
+/// is held already, such as a guided body whose hinge is inclined by round-off.
+const HELD: f64 = 1e-9;
+/// Largest number of corrections of a solution, which remove the effect of `REGULAR`.
+const REFINED: usize = 3;
 /// Largest number of Newton steps at the end of a step, and the gap at which they end, as a
 /// fraction of the size of the joint or of a radian.
 const NEWTON: usize = 8;
@@ -110,8 +120,8 @@ impl Joints {
         let Self { jobs, states, system } = self;
         system.rows.clear();
         add_rows(jobs, states, (&frames, bodies), steps, &mut system.rows);
-        // A row between bodies that cannot react is no unknown.
-        let reacts = |row: &JointRow| row.compliance(row, bodies) > 0.0;
+        let reacts =
+            |row: &JointRow| row.compliance(row, bodies) > HELD * row.open_compliance(bodies);
         system.rows.retain(reacts);
         system.prepare(bodies, steps.dt);
     }
@@ -123,13 +133,20 @@ impl Joints {
         self.correct(bodies);
     }
 
-    /// Changes the impulses of all joints to fit the present momenta of the bodies. Returns the
-    /// largest change of a row's velocity, of points only [length/time].
-    pub fn correct(&mut self, bodies: &mut [Body]) -> f64 {
+    /// Changes the impulses of all joints to fit the present momenta of the bodies.
+    pub fn correct(&mut self, bodies: &mut [Body]) {
+        if !self.is_empty() {
+            self.system.solve(bodies);
+        }
+    }
+
+    /// Returns by how much the joints reduce the change of velocity at `arm` of body number `index`
+    /// along `direction` per unit impulse there [1/mass].
+    pub fn reduction(&self, bodies: &[Body], index: usize, arm: &V3, direction: &V3) -> f64 {
         if self.is_empty() {
             return 0.0;
         }
-        self.system.solve(bodies)
+        self.system.reduction(bodies, index, (direction, &arm.cross(direction)))
     }
 
     /// Closes the gaps at the end of the step, with all rotations computed by `turn`.
@@ -144,18 +161,28 @@ impl Joints {
         }
         let Self { jobs, states, system } = self;
         let mut at_end: Vec<JointRow> = Vec::new();
-        let mut before = f64::INFINITY;
+        let mut last: Option<(f64, Vec<EndState>, Vec<f64>)> = None;
         for _ in 0..NEWTON {
             let frames: Vec<(V3, Matrix3<f64>)> =
                 bodies.iter().map(|b| b.next_frame(steps.dt)).collect();
             at_end.clear();
             add_rows(jobs, states, (&frames, bodies), steps, &mut at_end);
             let (gaps, largest) = system.gaps(&at_end);
-            // Near a singular position Newton's method may not converge: the next step goes on.
-            if largest <= CLOSED || largest > 0.5 * before {
+            if largest <= CLOSED {
                 break;
             }
-            before = largest;
+            match last.take() {
+                // Near a singular position Newton's method may not converge: the next step goes on.
+                Some((before, state, impulses)) if largest >= before => {
+                    bodies.iter_mut().zip(&state).for_each(|(b, state)| b.set_end_state(state));
+                    system.impulses = impulses;
+                    break;
+                }
+                _ => {
+                    let states = bodies.iter().map(Body::end_state).collect();
+                    last = Some((largest, states, system.impulses.clone()));
+                }
+            }
             system.close(&gaps, bodies);
             turn(bodies);
         }
@@ -209,8 +236,8 @@ impl System {
             RowForm::Soft { softness, .. } => softness,
             RowForm::Gap | RowForm::Bounded(_) => 0.0,
         };
-        let stiff = |i: usize| rows[i].compliance(&rows[i], bodies) + softness(i);
-        self.scale = held.iter().map(|&i| 1.0 / stiff(i).sqrt()).collect();
+        let open = |i: usize| rows[i].open_compliance(bodies);
+        self.scale = held.iter().map(|&i| 1.0 / (open(i) + softness(i)).sqrt()).collect();
         let scale = &self.scale;
         let mut matrix = DMatrix::zeros(held.len(), held.len());
         for (a, &i) in held.iter().enumerate() {
@@ -218,7 +245,8 @@ impl System {
                 let value = rows[i].compliance(&rows[j], bodies) * scale[a] * scale[b];
                 (matrix[(a, b)], matrix[(b, a)]) = (value, value);
             }
-            matrix[(a, a)] = 1.0 + REGULAR;
+            let own = rows[i].compliance(&rows[i], bodies) + softness(i);
+            matrix[(a, a)] = own * scale[a] * scale[a] + REGULAR;
         }
         self.factor = Cholesky::new(matrix);
         let coupling = |k: usize| -> DVector<f64> {
@@ -260,37 +288,61 @@ impl System {
         }
     }
 
-    /// Solves all rows for the present momenta; returns the largest change of a velocity by a row
-    /// of points.
-    fn solve(&mut self, bodies: &mut [Body]) -> f64 {
-        let first = self.solve_held(bodies);
-        if self.bounded.is_empty() {
-            return first;
+    /// Solves all rows for the present momenta.
+    fn solve(&mut self, bodies: &mut [Body]) {
+        self.solve_held(bodies);
+        if !self.bounded.is_empty() && self.solve_bounded(bodies) {
+            self.solve_held(bodies);
         }
-        let moved = self.solve_bounded(bodies);
-        if moved { first.max(self.solve_held(bodies)) } else { first }
     }
 
-    fn solve_held(&mut self, bodies: &mut [Body]) -> f64 {
+    fn reduction(&self, bodies: &[Body], index: usize, (impulse, angular): (&V3, &V3)) -> f64 {
+        let (moved, turned) = bodies[index].reply(impulse, angular);
+        let along = |&i: &usize| {
+            let ends = self.rows[i].ends().filter(|end| end.0 == index);
+            ends.map(|(_, linear, moment)| linear.dot(&moved) + moment.dot(&turned)).sum::<f64>()
+        };
+        let column = DVector::from_iterator(self.held.len(), self.held.iter().map(along));
+        column.dot(&self.inverse(&column))
+    }
+
+    /// Solves the held rows.
+    fn solve_held(&mut self, bodies: &mut [Body]) {
+        let mut before = f64::INFINITY;
+        for round in 0..=REFINED {
+            let (wanted, largest) = self.wanted(bodies);
+            if round > 0 && (largest == 0.0 || largest > 0.5 * before) {
+                break;
+            }
+            before = largest;
+            let by = self.inverse(&wanted);
+            self.push_held(&by, bodies);
+        }
+    }
+
+    /// Returns the changes of the velocities of held rows that fulfil them, and the largest one
+    /// [length/time].
+    fn wanted(&self, bodies: &[Body]) -> (DVector<f64>, f64) {
         let mut largest = 0.0f64;
         let wanted = self.held.iter().map(|&i| {
             let (row, u) = (&self.rows[i], self.rows[i].velocity(bodies));
-            match row.form {
+            let wanted = match row.form {
                 // With its impulse p, a soft row wants p = start - u / softness.
                 RowForm::Soft { softness, start } => (start - self.impulses[i]) * softness - u,
-                RowForm::Gap | RowForm::Bounded(_) => {
-                    let wanted = -row.gap / self.dt - u;
-                    largest = largest.max(wanted.abs() * row.linear.norm());
-                    wanted
-                }
+                RowForm::Gap | RowForm::Bounded(_) => -row.gap / self.dt - u,
+            };
+            if matches!(row.form, RowForm::Gap) {
+                largest = largest.max(wanted.abs() * row.reach);
             }
+            wanted
         });
-        let wanted = DVector::from_iterator(self.held.len(), wanted);
-        let by = self.inverse(&wanted);
+        (DVector::from_iterator(self.held.len(), wanted), largest)
+    }
+
+    fn push_held(&mut self, by: &DVector<f64>, bodies: &mut [Body]) {
         for (a, i) in self.held.clone().into_iter().enumerate() {
             self.push(i, by[a], bodies);
         }
-        largest
     }
 
     /// Solves bounded rows, with held ones; returns true if an impulse has changed.
@@ -346,8 +398,6 @@ impl System {
     fn close(&mut self, gaps: &[f64], bodies: &mut [Body]) {
         let wanted = DVector::from_iterator(gaps.len(), gaps.iter().map(|gap| -gap / self.dt));
         let by = self.inverse(&wanted);
-        for (a, i) in self.held.clone().into_iter().enumerate() {
-            self.push(i, by[a], bodies);
-        }
+        self.push_held(&by, bodies);
     }
 }

@@ -5,6 +5,9 @@
 //! sweeps: all forces on a body change the velocities of all its nodes before any force is
 //! updated again.
 //!
+//! Joints between bodies act whenever the momenta of bodies change: without contact, in its sweeps,
+//! after each impulse of a wall, and at the end of the step.
+//!
 //! No other force moves members. Their velocities take them exactly from position to position,
 //! `x = c + R r`.
 
@@ -34,11 +37,6 @@ use walls::{WallCandidate, WallContact, WallImpulse};
 
 /// Index that marks a node that is no member.
 const NONE: u32 = u32::MAX;
-
-/// Largest number of turns between walls and joints in a step, and the relative change of velocity
-/// at which they end.
-const ROUNDS: usize = 100;
-const AGREED: f64 = 1e-10;
 
 /// Force and moment on a member, about the centre of the body.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -163,8 +161,8 @@ impl Bodies {
         self.body_of(slave).is_some_and(|b| segment.iter().all(|&n| self.body_of(n) == Some(b)))
     }
 
-    /// Computes the momenta at the next mid-step without contact and walls, and the velocities
-    /// of local members from them.
+    /// Computes the momenta at the next mid-step with joints, without contact and walls, and the
+    /// velocities of local members from them.
     ///
     /// # Errors
     /// A worker is gone.
@@ -413,7 +411,10 @@ impl Bodies {
         if !self.joints.is_empty() {
             let of_joints = self.joints.impulses(self.bodies.len());
             for (body, (impulse, angular)) in self.bodies.iter().zip(&of_joints) {
-                ledger.joints.add(body.work(impulse, angular));
+                // As for walls, damping takes a part of forces.
+                let felt = body.work(impulse, angular);
+                ledger.joints.add(felt * given);
+                ledger.external.add(felt * (1.0 - given));
             }
         }
         for (body, damped) in self.bodies.iter().zip(&self.damped) {
@@ -501,22 +502,27 @@ impl Bodies {
             dt,
             pushes: &mut self.pushes,
         };
+        let joined = !self.joints.is_empty();
+        let speed = |body: &Body, arms: &[V3]| {
+            let far = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
+            body.next.velocity.norm() + far * body.present_spin().norm()
+        };
+        // Joints may give a body the speed of any other one.
+        let fastest = if joined {
+            self.bodies.iter().zip(&self.arms).map(|(b, arms)| speed(b, arms)).fold(0.0, f64::max)
+        } else {
+            0.0
+        };
         let mut near: Vec<Vec<WallCandidate>> = Vec::new();
-        for ((body, arms), job) in self.bodies.iter_mut().zip(&self.arms).zip(&self.jobs) {
-            near.push(meeting.find_candidates(body, (arms, &job.nodes)));
-            meeting.sweep(body, near.last_mut().map_or(&mut [], |list| list));
-        }
-        // Walls and joints in turns, until neither changes what the other has found.
-        if near.iter().any(|list| !list.is_empty()) {
-            let fastest = self.bodies.iter().map(|b| b.next.velocity.norm()).fold(0.0, f64::max);
-            for _ in 0..ROUNDS {
-                if self.joints.correct(&mut self.bodies) <= AGREED * fastest {
-                    break;
-                }
-                for (body, list) in self.bodies.iter_mut().zip(&mut near) {
-                    meeting.sweep(body, list);
-                }
+        for (b, (arms, job)) in self.arms.iter().zip(&self.jobs).enumerate() {
+            let mut list = meeting.find_candidates(&self.bodies[b], (arms, &job.nodes), fastest);
+            if !joined {
+                meeting.sweep(&mut self.bodies[b], &mut list);
             }
+            near.push(list);
+        }
+        if joined {
+            meeting.sweep_with_joints(&mut self.bodies, &mut self.joints, &mut near);
         }
         for (b, list) in near.iter().enumerate() {
             meeting.record(b, list);

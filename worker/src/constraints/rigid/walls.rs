@@ -6,6 +6,7 @@
 //! same. The impact is plastic, as it is for single nodes.
 
 use super::body::Body;
+use super::joints::Joints;
 use crate::constraints::walls::Walls;
 use crate::math::row::V3;
 use crumple_proto::ids::NodeId;
@@ -13,6 +14,8 @@ use crumple_proto::ids::NodeId;
 /// Largest number of sweeps, and the relative change at which they end.
 const SWEEPS: usize = 200;
 const SETTLED: f64 = 1e-10;
+/// Least compliance of a member with joints, as a fraction of that without: joints may hold it.
+const REDUCED: f64 = 1e-9;
 
 /// Impulse of a wall on a member.
 #[derive(Clone, Copy, Debug)]
@@ -54,39 +57,74 @@ pub struct WallContact<'a> {
 impl WallContact<'_> {
     /// Keeps the members `near` of a body in front of all walls.
     pub fn sweep(&mut self, body: &mut Body, near: &mut [WallCandidate]) {
-        let dt = self.dt;
         for _ in 0..SWEEPS {
             let (mut change, mut largest) = (0.0f64, 0.0f64);
             for n in near.iter_mut() {
-                let wall = &self.walls.each()[n.wall];
-                let velocity = &mut self.velocity[n.wall];
-                let opening = n.gap / dt + n.normal.dot(&(body.velocity_at(&n.arm) - *velocity));
-                let pressed = (n.pressed - opening / n.soft).max(0.0);
-                let by = n.normal * (pressed - n.pressed);
-                n.pressed = pressed;
-                body.add_impulse(&by, &n.arm.cross(&by));
-                *velocity -= wall.recoil(&by);
-                let mut moved = by.norm();
-                if wall.friction > 0.0 && (pressed > 0.0 || n.sheared != V3::zeros()) {
-                    let v = body.velocity_at(&n.arm) - *velocity;
-                    let sliding = v - n.normal * n.normal.dot(&v);
-                    let soft =
-                        sliding.try_normalize(0.0).map_or(0.0, |d| body.compliance(&n.arm, &d));
-                    let wanted = if soft > 0.0 { n.sheared - sliding / soft } else { n.sheared };
-                    let (size, limit) = (wanted.norm(), wall.friction * pressed);
-                    let sheared = if size > limit { wanted * (limit / size) } else { wanted };
-                    let by = sheared - n.sheared;
-                    n.sheared = sheared;
-                    body.add_impulse(&by, &n.arm.cross(&by));
-                    moved = moved.max(by.norm());
-                }
-                change = change.max(moved);
-                largest = largest.max(pressed);
+                change = change.max(self.touch(body, n));
+                largest = largest.max(n.pressed);
             }
             if change <= SETTLED * largest {
                 break;
             }
         }
+    }
+
+    /// Keeps the members `near` of each body in front of all walls; after each change the joints
+    /// are solved again.
+    pub fn sweep_with_joints(
+        &mut self,
+        bodies: &mut [Body],
+        joints: &mut Joints,
+        near: &mut [Vec<WallCandidate>],
+    ) {
+        for (b, list) in near.iter_mut().enumerate() {
+            for n in list {
+                let reduced = n.soft - joints.reduction(bodies, b, &n.arm, &n.normal);
+                n.soft = reduced.max(REDUCED * n.soft);
+            }
+        }
+        for _ in 0..SWEEPS {
+            let (mut change, mut largest) = (0.0f64, 0.0f64);
+            for (b, list) in near.iter_mut().enumerate() {
+                for n in list {
+                    let moved = self.touch(&mut bodies[b], n);
+                    if moved > 0.0 {
+                        joints.correct(bodies);
+                    }
+                    change = change.max(moved);
+                    largest = largest.max(n.pressed);
+                }
+            }
+            if change <= SETTLED * largest {
+                break;
+            }
+        }
+    }
+
+    /// Updates the impulse on a member; returns the size of its change [force time].
+    fn touch(&mut self, body: &mut Body, n: &mut WallCandidate) -> f64 {
+        let wall = &self.walls.each()[n.wall];
+        let velocity = &mut self.velocity[n.wall];
+        let opening = n.gap / self.dt + n.normal.dot(&(body.velocity_at(&n.arm) - *velocity));
+        let pressed = (n.pressed - opening / n.soft).max(0.0);
+        let by = n.normal * (pressed - n.pressed);
+        n.pressed = pressed;
+        body.add_impulse(&by, &n.arm.cross(&by));
+        *velocity -= wall.recoil(&by);
+        let mut moved = by.norm();
+        if wall.friction > 0.0 && (pressed > 0.0 || n.sheared != V3::zeros()) {
+            let v = body.velocity_at(&n.arm) - *velocity;
+            let sliding = v - n.normal * n.normal.dot(&v);
+            let soft = sliding.try_normalize(0.0).map_or(0.0, |d| body.compliance(&n.arm, &d));
+            let wanted = if soft > 0.0 { n.sheared - sliding / soft } else { n.sheared };
+            let (size, limit) = (wanted.norm(), wall.friction * pressed);
+            let sheared = if size > limit { wanted * (limit / size) } else { wanted };
+            let by = sheared - n.sheared;
+            n.sheared = sheared;
+            body.add_impulse(&by, &n.arm.cross(&by));
+            moved = moved.max(by.norm());
+        }
+        moved
     }
 
     /// Records the impulses on the members `near` of body number `index`.
@@ -99,19 +137,22 @@ impl WallContact<'_> {
     }
 
     /// Returns the members that walls may stop in the step, in ascending (wall, node). `arms` are
-    /// positions of members relative to the centre at time 0.
+    /// positions of members relative to the centre at time 0; a member may get the speed `fastest`
+    /// from other bodies.
     pub fn find_candidates(
         &self,
         body: &Body,
         (arms, ids): (&[V3], &[NodeId]),
+        fastest: f64,
     ) -> Vec<WallCandidate> {
         let far = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
         let mut near: Vec<WallCandidate> = Vec::new();
         for ((number, wall), velocity) in
             self.walls.each().iter().enumerate().zip(self.velocity.iter())
         {
-            let speed =
-                (body.next.velocity - velocity).norm() + far * body.spin(&body.next.angular).norm();
+            let own = body.next.velocity - velocity;
+            let speed = (own.norm() + far * body.spin(&body.next.angular).norm())
+                .max(fastest + velocity.norm() * f64::from(fastest > 0.0));
             // Twice the largest motion of the body in the step: impulses of other walls may
             // accelerate it.
             let reach = 2.0 * self.dt * speed;

@@ -26,7 +26,8 @@ const FAR: f64 = 1e20;
 
 /// A joint under construction.
 struct DeckJoint {
-    id: i64,
+    /// Id of the deck, if it gives one.
+    id: Option<i64>,
     kind: &'static str,
     bodies: [String; 2],
     axis: Option<[f64; 3]>,
@@ -42,6 +43,8 @@ struct StiffnessFields {
     kinds: &'static [&'static str],
     curve: [&'static str; 3],
     damping: [&'static str; 3],
+    /// Stiffness before friction and at stops; 0 makes both inactive.
+    stiffness: [&'static str; 3],
     friction: [&'static str; 3],
     stops: [[&'static str; 2]; 3],
     /// Factor on stops.
@@ -55,6 +58,7 @@ const STIFFNESSES: [StiffnessFields; 2] = [
         kinds: &["revolute", "cylindrical", "screw"],
         curve: ["lcidph", "lcidt", "lcidps"],
         damping: ["dlcidph", "dlcidt", "dlcidps"],
+        stiffness: ["esph", "est", "esps"],
         friction: ["fmph", "fmt", "fmps"],
         stops: [["nsaph", "psaph"], ["nsat", "psat"], ["nsaps", "psaps"]],
         scale: TAU / 360.0,
@@ -65,6 +69,7 @@ const STIFFNESSES: [StiffnessFields; 2] = [
         kinds: &["cylindrical", "translational"],
         curve: ["lcidx", "lcidy", "lcidz"],
         damping: ["dlcidx", "dlcidy", "dlcidz"],
+        stiffness: ["esx", "esy", "esz"],
         friction: ["ffx", "ffy", "ffz"],
         stops: [["nsdx", "psdx"], ["nsdy", "psdy"], ["nsdz", "psdz"]],
         scale: 1.0,
@@ -77,8 +82,7 @@ impl DeckConverter {
         let mut joints: Vec<DeckJoint> = Vec::new();
         for (keyword, kind, has_axis) in KINDS {
             for record in self.take_records(keyword) {
-                let number = joints.len() as i64 + 1;
-                joints.extend(self.joint(&record, kind, has_axis, number));
+                joints.extend(self.joint(&record, kind, has_axis));
             }
         }
         for fields in &STIFFNESSES {
@@ -86,7 +90,16 @@ impl DeckConverter {
                 self.joint_stiffness(&record, fields, &mut joints);
             }
         }
-        joints.into_iter().for_each(|joint| self.add("joint", joint.table));
+        // Joints without an id get numbers that no other one has.
+        let mut free = joints.iter().filter_map(|joint| joint.id).max().unwrap_or(0);
+        for mut joint in joints {
+            let id = joint.id.unwrap_or_else(|| {
+                free += 1;
+                free
+            });
+            joint.table.put("name", joint.table.place(), format!("joint-{id}"));
+            self.add("joint", joint.table);
+        }
     }
 
     fn joint(
@@ -94,20 +107,15 @@ impl DeckConverter {
         record: &CardRecord,
         kind: &'static str,
         has_axis: bool,
-        number: i64,
     ) -> Option<DeckJoint> {
         let place = record.place("n1");
-        let id = match record.has("ID") {
-            true => record.integer("jid"),
-            false => number,
-        };
+        let id = record.has("ID").then(|| record.integer("jid"));
         let first = self.body_with(record, "n1");
         let second = self.body_with(record, "n2");
         let start = self.joint_node(record, "n1")?;
         let bodies = [first?, second?];
-        let name = format!("joint-{id}");
+        self.check_pairs(record, &bodies);
         let mut table = JobTable::new(place)
-            .with("name", place, name)
             .with("kind", record.head, kind)
             .with("bodies", place, bodies.clone().to_vec())
             .with("point", place, start);
@@ -119,13 +127,29 @@ impl DeckConverter {
         }
         if kind == "universal" {
             table.put("second_axis", record.place("n4"), self.direction(record, ["n2", "n4"])?);
-        } else if has_axis && record.integer("n4") != 0 {
-            self.body_with(record, "n4");
         }
         if kind == "screw" {
             table.put("pitch", record.place("parm"), TAU * record.real("parm"));
         }
         Some(DeckJoint { id, kind, bodies, axis, table })
+    }
+
+    /// Reports nodes of a joint that are not of the body of n1 or n2.
+    fn check_pairs(&mut self, record: &CardRecord, bodies: &[String; 2]) {
+        let pairs = [("n3", 0), ("n4", 1), ("n5", 0), ("n6", 1)];
+        for (field, end) in pairs.into_iter().filter(|(field, _)| record.integer(field) != 0) {
+            let found = self.body_with(record, field);
+            if found.is_some_and(|body| body != bodies[end]) {
+                let message = format!(
+                    "{}: node {} is not of the rigid body of n{}",
+                    record.name(),
+                    record.integer(field),
+                    end + 1
+                );
+                let help = "n1, n3 and n5 are nodes of one body, n2, n4 and n6 of the other";
+                self.trouble.error(record.place(field), message, help);
+            }
+        }
     }
 
     /// Returns the name of the rigid body of a node. Reports an error if it has none.
@@ -177,7 +201,8 @@ impl DeckConverter {
             return self.missing(place, "*DEFINE_COORDINATE_...", cida, &known);
         };
         let cidb = record.integer("cidb");
-        if cidb != 0 && self.axes.get(&cidb) != Some(&axes) {
+        let is_same = |other: &[[f64; 3]; 3]| (0..3).all(|k| cosine(&axes[k], &other[k]) > ALIGNED);
+        if cidb != 0 && !self.axes.get(&cidb).is_some_and(is_same) {
             let why = "the system of the second body has to have the axes of cida at the start";
             self.unsupported_value(record, "cidb", why);
         }
@@ -194,20 +219,34 @@ impl DeckConverter {
         let [Some(first), Some(second)] = bodies else { return };
         let jid = record.integer("jid");
         let swapped = |joint: &DeckJoint| joint.bodies == [second.as_str(), first.as_str()];
-        let is_meant = |joint: &&mut DeckJoint| {
+        let is_meant = |joint: &DeckJoint| {
             let between = joint.bodies == [first.as_str(), second.as_str()] || swapped(joint);
-            fields.kinds.contains(&joint.kind) && between && (jid == 0 || joint.id == jid)
+            let is_named = jid == 0 || joint.id == Some(jid);
+            fields.kinds.contains(&joint.kind) && between && is_named
         };
-        let Some(joint) = joints.iter_mut().find(is_meant) else {
+        // Axis of the system that is that of the joint.
+        let along = |joint: &DeckJoint| {
+            let axis = joint.axis.unwrap_or_default();
+            (0..3).find(|&k| cosine(&axes[k], &axis).abs() > ALIGNED)
+        };
+        let fits = |joint: &&mut DeckJoint| is_meant(joint) && along(joint).is_some();
+        let Some(joint) = joints.iter_mut().find(fits) else {
+            if joints.iter().any(|joint| is_meant(joint)) {
+                let why = "the axis of the joint is no axis of this system";
+                return self.unsupported_card(record, "cida", why);
+            }
             let message =
                 format!("{}: no joint of these bodies has a `{}`", record.name(), fields.key);
-            let what = record.name();
-            return self.unsupported(record.place("pida"), message, what);
+            return self.unsupported(record.place("pida"), message, record.name());
         };
-        let axis = joint.axis.unwrap_or_default();
-        let along = |system: &[f64; 3]| (0..3).map(|c| axis[c] * system[c]).sum::<f64>();
-        let found = (0..3).find(|&k| along(&axes[k]).abs() > ALIGNED);
-        let sign = found.map_or(1.0, |k| along(&axes[k]).signum());
+        if joint.table.has(fields.key) {
+            let message = format!("{}: this joint has another one", record.name());
+            let help = "give each joint one stiffness, with the sums of their curves";
+            return self.trouble.error(record.place("pida"), message, help);
+        }
+        let found = along(joint);
+        let sign =
+            found.map_or(1.0, |k| cosine(&axes[k], &joint.axis.unwrap_or_default()).signum());
         let sign = if swapped(joint) { -sign } else { sign };
         let mut table = None;
         for k in 0..3 {
@@ -222,9 +261,8 @@ impl DeckConverter {
                 }
             }
         }
-        match table {
-            Some(table) => joint.table.put(fields.key, place, table),
-            None => self.unsupported_value(record, "cida", "the joint's axis is no axis of it"),
+        if let Some(table) = table {
+            joint.table.put(fields.key, place, table);
         }
     }
 
@@ -262,6 +300,18 @@ impl DeckConverter {
                 );
             }
         }
+        // Without this stiffness the format has neither friction nor stops.
+        let acts = record.real(fields.stiffness[k]) != 0.0;
+        let unused: Vec<&str> = [friction, fields.stops[k][0], fields.stops[k][1]]
+            .into_iter()
+            .filter(|field| !acts && record.real(field) != 0.0)
+            .collect();
+        if !unused.is_empty() {
+            let of = format!("{}, {}", record.name(), unused.join(" and "));
+            let asked = format!("friction or stops with {} = 0", fields.stiffness[k]);
+            self.map(of, asked, "none: it is 0, so they are inactive");
+            return table;
+        }
         match record.real(friction) {
             0.0 => {}
             limit if limit < 0.0 => {
@@ -277,4 +327,9 @@ impl DeckConverter {
         }
         table
     }
+}
+
+/// Returns the cosine of the angle between two unit vectors.
+fn cosine(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (0..3).map(|c| a[c] * b[c]).sum()
 }

@@ -62,7 +62,7 @@ impl DeckConverter {
             body.nodes.retain(|node| connected.binary_search(node).is_ok());
             let alone = parts.len() == 1 && body.nodes.is_empty();
             parts.iter().for_each(|&part| self.put_inertia(part, alone, &mut table));
-            table.put("parts", place, parts.clone());
+            table.put("parts", place, parts);
             if !body.nodes.is_empty() {
                 let set = format!("body-{id}-nodes");
                 self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);

@@ -7,20 +7,24 @@ const JOINT_ID: (&str, Times) = ("jid:i heading:a70", Count(id));
 const NODES: (&str, Times) = ("n1:i! n2:i! n3:i n4:i n5:i n6:i rps:r=1 damp:r=1", Once);
 
 const EXACT: UnusedFields = no_effect("rps damp", "joints are exact and need no penalty stiffness");
-const WITH_AXIS: &[UnusedFields] = &[EXACT, no_effect("n5 n6", "the other nodes give the joint")];
+const WITH_AXIS: &[UnusedFields] =
+    &[EXACT, no_effect("n5 n6", "the other nodes give the joint; only their bodies are checked")];
 const WITH_POINT: &[UnusedFields] = &[EXACT, no_effect("n3 n4 n5 n6", "n1 and n2 give the joint")];
 const WITH_SCREW: &[UnusedFields] = &[
     EXACT,
-    no_effect("n5 n6", "the other nodes give the joint"),
+    no_effect("n5 n6", "the other nodes give the joint; only their bodies are checked"),
     no_effect("lcid type r1 h_angle", "they are for motors, gears and pulleys"),
 ];
 const ROTATION_UNUSED: &[UnusedFields] = &[
     no_effect("jsid", "stiffnesses have no numbers"),
-    ignored("esph est esps", "friction and stops are rigid"),
+    ignored(
+        "esph est esps",
+        "friction and stops are rigid where they act, which is if it is not 0",
+    ),
 ];
 const SLIDING_UNUSED: &[UnusedFields] = &[
     no_effect("jsid", "stiffnesses have no numbers"),
-    ignored("esx esy esz", "friction and stops are rigid"),
+    ignored("esx esy esz", "friction and stops are rigid where they act, which is if it is not 0"),
 ];
 
 /// Creates a joint whose nodes n1, n3, n5 belong to the first body, n2, n4, n6 to the second.
@@ -64,7 +68,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`rotation` of the joint jid, or of the joint between the bodies of pida and pidb, whose \
          axis is an axis of cida: curve of the moment (angles in radians), a linear curve of the \
-         rate as damping, friction fm, and stops (degrees, 0 for none)",
+         rate as damping, friction fm and stops (degrees, 0 for none), both only if es is not 0",
     )
     .unused(ROTATION_UNUSED)
     .options(&["ID"])
@@ -77,8 +81,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("esx:r ffx:r esy:r ffy:r esz:r ffz:r", Maybe),
             ("nsdx:r psdx:r nsdy:r psdy:r nsdz:r psdz:r", Maybe),
         ],
-        "`sliding` in the same way: force by distance, friction ff, stops as distances (0 for \
-         none)",
+        "`sliding` in the same way: force by distance, friction ff, stops as distances",
     )
     .unused(SLIDING_UNUSED)
     .options(&["ID"])
