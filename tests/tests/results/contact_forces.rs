@@ -5,13 +5,11 @@ use super::report_page::{opened, sound};
 use crumple::results::field_file::{PieceArrays, pieces, steps};
 use crumple_tests::fields::assert_same_fields;
 use crumple_tests::program::{Ended, crumple_with, run};
+use std::collections::BTreeSet;
 use std::fs;
 
 /// Momentum of a bar: density, length, width (one element), thickness, velocity.
 const MOMENTUM: f64 = 7.85e-6 * 100.0 * 2.5 * 0.2 * 10.0;
-
-/// Largest id of a node of the first bar: 40 elements, two nodes across.
-const OF_FIRST_BAR: i64 = 82;
 
 /// Two bars, with field files and history rows of each step.
 fn bars(workers: &str, more: &[&str]) -> Ended {
@@ -25,15 +23,22 @@ fn bars(workers: &str, more: &[&str]) -> Ended {
     run(crumple_with(&args)).with_code(0)
 }
 
+/// Returns the places of the nodes of part 2 in a piece.
+fn nodes_of_second_bar(piece: &PieceArrays) -> BTreeSet<i64> {
+    let (corners, parts) = (piece.i64("connectivity").unwrap(), piece.u32("part").unwrap());
+    let quads = corners.chunks(4).zip(parts).filter(|(_, part)| *part == 2);
+    quads.flat_map(|(quad, _)| quad.to_vec()).collect()
+}
+
 /// Returns time and x component of the force on the second bar and on both, of each field file.
 fn forces(ended: &Ended) -> Vec<[f64; 3]> {
     let sum = |step: &crumple::results::field_file::FieldStep| {
         let mut sums = [step.time, 0.0, 0.0];
         for piece in pieces(&step.file).unwrap() {
             let piece = PieceArrays::read(&piece).unwrap();
-            let ids = piece.i64("node_id").unwrap();
-            for (id, force) in ids.iter().zip(piece.array("contact_force").unwrap().chunks(3)) {
-                sums[1] += if *id > OF_FIRST_BAR { force[0] } else { 0.0 };
+            let second = nodes_of_second_bar(&piece);
+            for (n, force) in piece.array("contact_force").unwrap().chunks(3).enumerate() {
+                sums[1] += if second.contains(&(n as i64)) { force[0] } else { 0.0 };
                 sums[2] += force[0];
             }
         }

@@ -48,7 +48,7 @@ pub struct Condition {
     pub detail: String,
     /// Number of nodes, faces or elements of the model.
     pub count: usize,
-    /// What is drawn.
+    /// Marks in the picture.
     pub marks: Marks,
     /// True if it is shown when the page opens.
     pub is_on: bool,

@@ -24,7 +24,7 @@ use std::time::Instant;
 /// Maximum number of rows of a list of findings.
 const MOST_ROWS: usize = 50;
 
-/// What a run is expected to cost.
+/// Expected cost of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExpectedCost {
     /// Number of workers.
@@ -177,7 +177,8 @@ fn subtitle(model: &Model, cost: &ExpectedCost) -> String {
 /// Returns the text of `crumple check` as a part of the page that opens by a click.
 fn described(text: &str) -> String {
     format!(
-        "<details class=\"table\"><summary>Text of crumple check</summary><pre>{}</pre></details>\n",
+        "<details class=\"table\"><summary>Text of crumple check</summary>\
+         <pre>{}</pre></details>\n",
         escape(text)
     )
 }

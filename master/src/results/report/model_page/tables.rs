@@ -101,8 +101,13 @@ fn walls(model: &Model, units: &UnitNames) -> Vec<Value> {
             with_unit("point", &units.length): wall.point.map(figure).join(", "),
             "direction": wall.direction.map(figure).join(", "),
             "friction": wall.friction,
-            "acts on": wall.nodes.as_ref().map_or("all nodes".into(), |n| format!("{} nodes", n.len())),
+            "acts on": acting(wall),
         })
     };
     model.settings.walls.iter().enumerate().map(row).collect()
+}
+
+/// Returns the nodes on which a wall acts, in words.
+fn acting(wall: &ResolvedWall) -> String {
+    wall.nodes.as_ref().map_or("all nodes".into(), |nodes| format!("{} nodes", nodes.len()))
 }
