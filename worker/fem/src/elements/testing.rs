@@ -142,11 +142,7 @@ pub fn laws() -> Vec<Material> {
         steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
         steel(
             "j2",
-            &[
-                ("hardening", hardening),
-                ("cowper_symonds", rate.clone()),
-                ("failure_strain", number(0.3)),
-            ],
+            &[("hardening", hardening), ("cowper_symonds", rate), ("failure_strain", number(0.3))],
         ),
         steel(
             "j2",
@@ -154,7 +150,7 @@ pub fn laws() -> Vec<Material> {
                 ("yield_stress", number(YIELD)),
                 ("hardening_modulus", number(0.5)),
                 ("kinematic_modulus", number(1.0)),
-                ("cowper_symonds", rate),
+                ("rate_factors", table(&[[0.0, 1.0], [5.0, 1.5], [50.0, 2.0]])),
                 ("viscoplastic", number(1.0)),
             ],
         ),

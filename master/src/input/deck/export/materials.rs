@@ -34,7 +34,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
                 deck.text(&title);
                 deck.card(&first);
             }
-            "j2" => {
+            "j2" if is_isotropic(material) => {
                 let [c, p] = pair("cowper_symonds");
                 let table = curve(deck, material);
                 deck.keyword("MAT_PIECEWISE_LINEAR_PLASTICITY_TITLE");
@@ -71,6 +71,12 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
             }
         }
     }
+}
+
+/// Returns true if a material has no key that the card of piecewise linear plasticity lacks here.
+fn is_isotropic(material: &Material) -> bool {
+    let others = ["kinematic_modulus", "hardening_by_rate", "rate_factors", "viscoplastic"];
+    !others.iter().any(|key| material.parameters.contains_key(*key))
 }
 
 fn johnson_cook(
