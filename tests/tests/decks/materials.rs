@@ -24,8 +24,8 @@ fn hardening_and_rates_of_metals() {
     assert_eq!(parameter(&mixed, "hardening_modulus"), (0.25 * modulus).to_string());
     assert_eq!(parameter(&mixed, "kinematic_modulus"), (0.75 * modulus).to_string());
     assert_eq!(parameter(&mixed, "viscoplastic"), "true");
-    let curves = "*DEFINE_CURVE\n5\n0.0,1.0\n1.0,1.5\n*DEFINE_TABLE\n9\n0.01\n10.0\n*DEFINE_CURVE\n6\n\
-                  0.0,0.3\n0.2,0.4\n*DEFINE_CURVE\n7\n0.1,0.5\n0.2,0.6\n";
+    let curves = "*DEFINE_CURVE\n5\n0.0,1.0\n1.0,1.5\n*DEFINE_TABLE\n9\n0.01\n10.0\n\
+                  *DEFINE_CURVE\n6\n0.0,0.3\n0.2,0.4\n*DEFINE_CURVE\n7\n0.1,0.5\n0.2,0.6\n";
     let card = |lcss: i64, lcsr: i64| {
         model(&format!("*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,{lcss},{lcsr}\n{curves}"))
     };
@@ -56,8 +56,8 @@ fn what_a_law_does_not_have_is_refused() {
     assert!(text.contains("blatz_ko' is for solids only"), "{text}");
 }
 
-/// A cube of the deck: its card, its curves, and the energy per volume at the end of a press to 70 %
-/// of its height, of the return, and of simple shear by one [J/mm^3].
+/// A cube of the deck: its card, and the energy per volume at the end of a press to 70 % of its
+/// height, of the return, and of simple shear by one [J/mm^3].
 struct Sample {
     card: &'static str,
     pressed: f64,

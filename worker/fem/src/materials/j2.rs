@@ -18,8 +18,8 @@
 //! of factors on the yield stress. With `viscoplastic` the rate of all of these is that of the
 //! plastic strain.
 //!
-//! `kinematic_modulus` adds kinematic hardening by Prager's rule, also beside isotropic hardening:
-//! the back stress grows by this modulus times the plastic strain, in uniaxial stress.
+//! `kinematic_modulus` adds kinematic hardening by Prager's rule, also together with isotropic
+//! hardening: the back stress grows by this modulus times the plastic strain, in uniaxial stress.
 //!
 //! `failure_strain`: effective plastic strain at which a point fails; its stress is zero from
 //! then on.

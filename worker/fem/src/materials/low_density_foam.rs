@@ -8,8 +8,8 @@
 //! d = (1 - hysteresis) (1 - (W/W_max)^shape)
 //! ```
 //! P is the nominal stress in the principal directions of the left Cauchy-Green tensor B, whose
-//! stretches are lambda. W is the energy of the curve of the lowest rate, W_max its largest value so
-//! far. Poisson's ratio is zero.
+//! stretches are lambda. W is the energy of the curve of the lowest rate, W_max its largest value
+//! so far. Poisson's ratio is zero.
 //!
 //! The rate is the largest nominal compressive one in the principal directions, as a running mean
 //! over about 12 steps. Decompression follows the curve of the lowest rate.

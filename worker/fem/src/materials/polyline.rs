@@ -3,7 +3,7 @@
 
 use crumple_math::lanes::Real;
 
-/// What a curve does beyond its last point.
+/// Course of a curve beyond its last point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
     /// It keeps the last value.

@@ -90,8 +90,8 @@ fn the_tables_say_what_may_be_left_out() {
     }
 }
 
-/// Returns sums of the stress over some steps with plastic flow and its reversal, in plane stress, unless
-/// the law is for solids only, and in three dimensions.
+/// Returns sums of the stress over some steps with plastic flow and its reversal, in plane stress,
+/// unless the law is for solids only, and in three dimensions.
 fn stress(material: &Material) -> [f64; 9] {
     let law = build(material).ok();
     let mut state = vec![0.0; 3 + law.as_ref().map_or(0, |law| law.history().len())];

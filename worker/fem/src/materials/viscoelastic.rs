@@ -1,5 +1,5 @@
-//! Linear viscoelasticity whose shear modulus decays with one rate (Herrmann & Peterson 1968), as in
-//! `*MAT_VISCOELASTIC`:
+//! Linear viscoelasticity whose shear modulus decays with one rate (Herrmann & Peterson 1968), as
+//! in `*MAT_VISCOELASTIC`:
 //! ```text
 //! s = 2 int G(t - tau) e'(tau) d tau,   G(t) = G_long + (G - G_long) exp(-beta t)
 //! ```
@@ -81,7 +81,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Viscoelastic
 /// Moduli of a step [force/length^2], and what is left of the decaying part.
 struct Step<R> {
     bulk: R,
-    /// Of the deviator, and its part that decays.
+    /// Shear modulus of the step, and its part that decays.
     shear: R,
     decaying: R,
     /// r.

@@ -47,8 +47,8 @@ fn reversed_uniaxial_stress_follows_the_closed_form() {
     }
 }
 
-/// Of the work, nothing returns but the elastic energy and that of the back stress: on a random
-/// path the rest never decreases.
+/// The work without the elastic energy and that of the back stress never decreases on a random
+/// path.
 #[test]
 fn dissipation_never_decreases() {
     let k = 20.0;

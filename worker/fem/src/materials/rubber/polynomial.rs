@@ -28,8 +28,8 @@ pub const LAW: Law = Law {
         form: Form::Numbers(6),
         otherwise: DefaultValue::Needed,
         range: None,
-        meaning: "Coefficients c10, c01, c11, c20, c02, c30 of the strain energy; the shear modulus \
-                  is 2 (c10 + c01) [force/length^2].",
+        meaning: "Coefficients c10, c01, c11, c20, c02, c30 of the strain energy; the shear \
+                  modulus is 2 (c10 + c01) [force/length^2].",
     }],
     build: None,
     solid,
