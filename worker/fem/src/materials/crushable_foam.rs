@@ -10,7 +10,7 @@
 //! slope; no slope may exceed Young's modulus, which limits the step.
 
 use super::parameters::Parameters;
-use super::polyline::{Beyond, Polyline};
+use super::polyline::{Beyond, RampCurve};
 use super::tensor::Principal;
 use super::{
     DefaultValue, ELASTIC, Elastic, Form, Law, ParameterRow, Solid, SolidLawResult, SolidPoint,
@@ -49,7 +49,7 @@ pub const LAW: Law = Law {
 
 struct CrushableFoam {
     elastic: Elastic,
-    curve: Polyline,
+    curve: RampCurve,
     cutoff: f64,
 }
 
@@ -72,7 +72,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<CrushableFoa
     }
     let cutoff = parameters.optional("tension_cutoff", "0 or above", |t| t >= 0.0);
     parameters.finish()?;
-    let curve = Polyline::new(&points, 1.0, Beyond::Straight);
+    let curve = RampCurve::new(&points, 1.0, Beyond::Straight);
     Ok(CrushableFoam { elastic, curve, cutoff: cutoff.unwrap_or(0.0) })
 }
 
