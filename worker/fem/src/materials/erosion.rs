@@ -4,7 +4,7 @@
 //! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain
 //! ```
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
-//! logarithm of the ratio of volumes, which of a negative limit may not fall below it. A point fails
+//! logarithm of the ratio of volumes; a negative limit of it is one of compression. A point fails
 //! as soon as one of them holds; its stress is zero from then on. Each criterion has the key of its
 //! name with `erosion_` before it.
 //!
