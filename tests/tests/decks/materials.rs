@@ -57,28 +57,6 @@ fn added_failure_of_a_material() {
     }
 }
 
-/// A cube that is pulled fails at the principal stress of uniaxial strain: then it has no internal
-/// energy more than at that strain, on any number of workers.
-#[test]
-fn a_cube_erodes_at_its_principal_stress() {
-    let cards = [
-        "*MAT_ELASTIC\n1,1e-6,0.01,0.25\n*MAT_ADD_EROSION\n1\n,0.00012\n",
-        "*MAT_ELASTIC\n2,1e-6,0.01,0.25\n*MAT_ADD_EROSION\n2\n,0.00024\n",
-        "*MAT_ELASTIC\n3,1e-6,0.01,0.25\n",
-    ];
-    let sample = |card| Sample { card, pressed: 0.0, returned: 0.0, sheared: 0.0 };
-    let samples = cards.map(sample);
-    // The stress falls to zero in one of some hundred steps: the measured error was 2.6e-3.
-    let all = energies(&deck(&samples, 3, 0.04 * SIDE, 0.05 * SIDE), 3, 5e-3);
-    // The modulus of uniaxial strain is 1.2 E; they fail at 1 and 2 % of strain.
-    for ([middle, end], strain) in all.iter().zip([0.01, 0.02]) {
-        let exact = 0.5 * 0.012 * strain * strain;
-        assert!((middle / exact - 1.0).abs() < 2e-2, "{middle:e} {exact:e}");
-        assert_eq!(middle, end, "a failed cube takes no energy");
-    }
-    assert!(all[2][1] > 1.4 * all[2][0], "the third cube does not fail: {:?}", all[2]);
-}
-
 /// A card that asks for more than its law has says which field, and how to go on.
 #[test]
 fn what_a_law_does_not_have_is_refused() {
@@ -247,7 +225,7 @@ fn deck(samples: &[Sample], axis: u8, distance: f64, back: f64) -> String {
 
 /// Runs a deck on 1, 2 and 3 workers with the same digest; returns the internal energy of each part
 /// per volume at the middle and at the end.
-fn energies(text: &str, parts: usize, balance: f64) -> Vec<[f64; 2]> {
+fn energies(text: &str, parts: usize) -> Vec<[f64; 2]> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
     fs::write(&path, text).unwrap();
@@ -259,7 +237,8 @@ fn energies(text: &str, parts: usize, balance: f64) -> Vec<[f64; 2]> {
     for ended in &runs {
         assert_eq!(ended.digest(), runs[0].digest(), "any number of workers");
         let error = ended.summary()["energy"]["error_max"].as_f64().expect("a number");
-        assert!(error < balance, "energy error {error}");
+        // The measured value was 1.6e-4: the prescribed velocities jump.
+        assert!(error < 5e-4, "energy error {error}");
     }
     let text = fs::read_to_string(runs[0].out().join("parts.csv")).expect("energies of parts");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
@@ -283,9 +262,8 @@ fn energies(text: &str, parts: usize, balance: f64) -> Vec<[f64; 2]> {
 #[test]
 fn cubes_of_rubber_and_foam_have_the_energy_of_their_closed_forms() {
     let samples = samples();
-    // The measured error was 1.6e-4: the prescribed velocities jump.
-    let pressed = energies(&deck(&samples, 3, -(1.0 - STRETCH) * SIDE, 0.0), samples.len(), 5e-4);
-    let sheared = energies(&deck(&samples, 1, SIDE, SIDE), samples.len(), 5e-4);
+    let pressed = energies(&deck(&samples, 3, -(1.0 - STRETCH) * SIDE, 0.0), samples.len());
+    let sheared = energies(&deck(&samples, 1, SIDE, SIDE), samples.len());
     for (k, sample) in samples.iter().enumerate() {
         let ([middle, end], [shear, _]) = (pressed[k], sheared[k]);
         let name = sample.card.lines().next().unwrap_or_default();
