@@ -325,18 +325,18 @@ pub struct MaterialSpec {
     pub law: String,
     /// Mass density [mass/length^3].
     pub density: f64,
-    /// Parameters of the law: a number, a list, or a list of lists.
+    /// Parameters of the law: a number, true or false, a list, or a list of lists.
     #[serde(flatten)]
     #[schemars(schema_with = "any_parameters")]
     pub parameters: BTreeMap<String, toml::Value>,
 }
 
-/// Returns the schema of any key whose value is a number, a list, or a list of lists. The
-/// parameters of a law are not part of this schema.
+/// Returns the schema of any key whose value is a number, true or false, a list, or a list of
+/// lists. The parameters of a law are not part of this schema.
 fn any_parameters(_: &mut SchemaGenerator) -> Schema {
     let list = json_schema!({ "type": "array", "items": { "type": "number" } });
     json_schema!({ "type": "object", "additionalProperties": { "anyOf": [
-        { "type": "number" }, list, { "type": "array", "items": list }
+        { "type": "number" }, { "type": "boolean" }, list, { "type": "array", "items": list }
     ] } })
 }
 

@@ -214,7 +214,7 @@ pub struct Material {
 /// A material parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Param {
-    /// One number.
+    /// One number; 1 for true and 0 for false.
     Number(f64),
     /// A list of numbers.
     List(Vec<f64>),

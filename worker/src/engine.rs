@@ -470,10 +470,10 @@ impl Engine {
 fn elasticity(settings: &Settings) -> Elasticity {
     let of = |part: &crumple_proto::job::Part| {
         let material = settings.materials.iter().find(|m| m.name == part.material);
-        let law = material.and_then(|m| crate::fem::materials::build(m).ok());
+        let elastic = material.and_then(|m| crate::fem::materials::elastic_of(m).ok());
         let fluid = part.particles.as_ref().map(|p| (p.bulk_modulus(), p.sound_speed));
-        law.map_or(fluid.unwrap_or_default(), |law| {
-            (law.elastic().youngs_modulus, law.elastic().plate_wave_speed())
+        elastic.map_or(fluid.unwrap_or_default(), |elastic| {
+            (elastic.youngs_modulus, elastic.plate_wave_speed())
         })
     };
     let (moduli, speeds) = settings.parts.iter().map(of).unzip();

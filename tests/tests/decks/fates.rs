@@ -84,7 +84,6 @@ fn no_given_field_is_without_a_word() {
         "`tmid` = 7",
         "propt 2",
         "`idof` = 3",
-        "`vp` = 1",
         "ibq 2",
         "`qb` = 0.2",
         "`qw` = 0.3",

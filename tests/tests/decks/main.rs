@@ -8,6 +8,7 @@ mod contacts;
 mod fates;
 mod formats;
 mod joints;
+mod materials;
 mod mesh_details;
 mod mesh_files;
 mod models;

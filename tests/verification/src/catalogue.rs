@@ -114,7 +114,7 @@ pub const CATALOGUE: &[Entry] = &[
             materials::JOHNSON_COOK,
             materials::RATES,
         ],
-        "kinematic hardening: no material law includes it",
+        "kinematic hardening: only the tests of the law compare it with closed forms",
     ),
     entry("A29", "Conservation", &[invariance::CONSERVATION, invariance::BOX], ""),
     entry(

@@ -133,7 +133,7 @@ impl BuiltElements {
             }));
         }
         for (index, material) in settings.materials.iter().enumerate() {
-            for mut problem in materials::build(material).err().unwrap_or_default() {
+            for mut problem in materials::elastic_of(material).err().unwrap_or_default() {
                 problem.path = format!("material.{index}.{}", problem.path);
                 problems.push(problem);
             }

@@ -338,9 +338,9 @@ fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
     let number = |v: &toml::Value| v.as_float().or(v.as_integer().map(|i| i as f64)).unwrap_or(0.0);
     let list =
         |v: &toml::Value| v.as_array().map(|items| items.iter().map(number).collect::<Vec<f64>>());
-    // The schema allows only numbers, lists and lists of lists.
+    // The schema allows only numbers, flags, lists and lists of lists.
     let param = |v: &toml::Value| match v.as_array() {
-        None => Param::Number(number(v)),
+        None => Param::Number(v.as_bool().map_or_else(|| number(v), f64::from)),
         Some(rows) if rows.first().is_some_and(toml::Value::is_array) => {
             Param::Table(rows.iter().filter_map(list).collect())
         }

@@ -8,7 +8,7 @@ use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{ELASTIC, LAWS};
+use crumple_worker::fem::materials::{EROSION, LAWS, Law};
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use schemars::JsonSchema;
@@ -154,7 +154,7 @@ pub fn schema() -> Value {
     // The library gives the law and its values.
     let needed = material["required"].take();
     let own = json!({ "if": { "not": { "required": ["use"] } }, "then": { "required": needed } });
-    let laws = LAWS.iter().map(|law| of_law(law.name, law.parameters));
+    let laws = LAWS.iter().map(of_law);
     material["allOf"] = laws.chain([own]).collect();
     material["required"] = json!(["name"]);
     // A deck may have what a job must have.
@@ -176,14 +176,14 @@ fn words(property: &mut Value, allowed: impl Iterator<Item = &'static str>) {
 }
 
 /// Returns the schema of the parameters of a law, for materials with this law.
-fn of_law(name: &str, parameters: &[ParameterRow]) -> Value {
-    let all = || ELASTIC.iter().chain(parameters);
+fn of_law(law: &Law) -> Value {
+    let all = || law.constants.iter().chain(law.parameters).chain(EROSION);
     let needed: Vec<&str> =
         all().filter(|p| p.otherwise == DefaultValue::Needed).map(|p| p.key).collect();
     let entry = |p: &ParameterRow| (p.key.to_string(), of_key(p));
     let properties: Map<String, Value> = all().map(entry).collect();
     json!({
-        "if": { "properties": { "law": { "const": name } }, "required": ["law"] },
+        "if": { "properties": { "law": { "const": law.name } }, "required": ["law"] },
         "then": {
             "properties": properties,
             "anyOf": [{ "required": ["use"] }, { "required": needed }]

@@ -11,15 +11,16 @@ use crumple_worker::fem::materials::plasticity::{
     Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve,
 };
 use crumple_worker::fem::materials::{
-    DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, Parameters, SolidLawResult,
+    DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, Parameters, SolidLawResult,
 };
 
 /// The row of this law.
 pub static LAW: Law = Law {
     name: "ludwik",
     meaning: "Von Mises plasticity with Ludwik's power law.",
+    constants: ELASTIC,
     parameters: PARAMETERS,
-    build,
+    build: Some(build),
     solid,
 };
 

@@ -9,8 +9,8 @@
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::materials::{
-    DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, Parameters, PlaneStress, Points,
-    Solid, SolidLawResult, SolidPoint,
+    DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, Parameters, PlaneStress,
+    Points, Solid, SolidLawResult, SolidPoint,
 };
 use crumple_worker::math::lanes::{Lane, Lane32, Real};
 
@@ -18,8 +18,9 @@ use crumple_worker::math::lanes::{Lane, Lane32, Real};
 pub static LAW: Law = Law {
     name: "maxwell",
     meaning: "Linear viscoelasticity with one relaxation time.",
+    constants: ELASTIC,
     parameters: PARAMETERS,
-    build,
+    build: Some(build),
     solid,
 };
 

@@ -29,18 +29,18 @@ pub struct FibreMaterial {
 impl FibreMaterial {
     /// Builds it from a law, or returns `None` if the law has too many history columns.
     pub fn new(law: Box<dyn PlaneStress>) -> Option<Self> {
-        let history = law.history();
+        let history = law.history().to_vec();
         (STRESS + history.len() <= MOST).then(|| Self {
             elastic: law.elastic(),
             stride: STRESS + history.len(),
-            plastic_strain: law_column(history, "plastic_strain", STRESS),
-            failed: law_column(history, "failed", STRESS),
+            plastic_strain: law_column(&history, "plastic_strain", STRESS),
+            failed: law_column(&history, "failed", STRESS),
             law,
         })
     }
 
     /// Returns the names of the columns of a fibre.
-    pub fn names(&self) -> impl Iterator<Item = &'static str> + use<> {
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
         let stresses = ["stress along", "stress across", "stress shear"];
         stresses.into_iter().chain(self.law.history().iter().copied())
     }

@@ -178,6 +178,7 @@ impl Hexahedron {
         // 3. Stress.
         let StressStep { before, after, stress, left } =
             self.material.update(state, &eps, &turn, dt);
+        let slowness = self.material.stiffened(state, slowness);
 
         // 4. Bulk viscosity, in compression only.
         let trace = eps[0] + eps[1] + eps[2];
@@ -361,6 +362,7 @@ impl Element for Hexahedron {
         );
         self.stable_dt(x, OwnSection::default())
             * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
+            * self.material.step_factor(history, 0)
     }
 
     fn is_unstrained(&self, history: ElementState<'_>) -> bool {

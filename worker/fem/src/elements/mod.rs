@@ -321,7 +321,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
             }
         }),
         Err(problem) => {
-            if let Some(found) = material.and_then(|m| materials::build(m).err()) {
+            if let Some(found) = material.and_then(|m| materials::elastic_of(m).err()) {
                 law_problems(found);
             }
             Err(vec![problem])

@@ -4,7 +4,7 @@
 use super::HourglassForm;
 use super::solid_testing::{Solids, solids};
 use super::testing::{
-    BOTH, E, FORMULATIONS, Noise, Patch, YIELD, laws, material, part, shells, steel,
+    BOTH, E, FORMULATIONS, Noise, Patch, YIELD, laws, laws_of_solids, material, part, shells, steel,
 };
 use crumple_proto::job::Precision;
 use crumple_proto::partition::Param;
@@ -52,7 +52,8 @@ fn shells_give_nearly_the_forces_of_double_precision() {
                 (0..patch.cells.len()).map(|e| patch.fields(e).plastic_strain).sum::<f64>()
             };
             let (flowed, short_flowed) = (strain(&long), strain(&short));
-            assert!(steel.law == "elastic" || flowed > 0.01, "{} {kind}: {flowed}", steel.law);
+            let flows = !["elastic", "viscoelastic"].contains(&steel.law.as_str());
+            assert!(!flows || flowed > 0.01, "{} {kind}: {flowed}", steel.law);
             assert!(
                 (short_flowed - flowed).abs() <= 2e-5 * flowed,
                 "{} {kind}: {flowed} {short_flowed}",
@@ -105,7 +106,7 @@ fn large_coordinates_and_speeds_cost_nothing() {
 
 #[test]
 fn solids_give_nearly_the_forces_of_double_precision() {
-    for steel in laws() {
+    for steel in laws_of_solids() {
         for form in [HourglassForm::Stiffness, HourglassForm::Viscous, HourglassForm::AssumedStrain]
         {
             let [long, short] = BOTH.map(|precision| {

@@ -41,6 +41,10 @@ pub struct SolidMaterial {
     plastic_strain: Option<usize>,
     /// Column of the law that marks failure, if it can fail.
     pub failed: Option<usize>,
+    /// See [`Solid::tensors`].
+    tensors: usize,
+    /// Column of the law with its stiffening, if it stiffens; see [`Solid::history`].
+    stiffening: Option<usize>,
 }
 
 /// Result of the update of the stress.
@@ -67,6 +71,8 @@ impl SolidMaterial {
             state: STRESS + history.len(),
             plastic_strain: law_column(history, "plastic_strain", STRESS),
             failed: law_column(history, "failed", STRESS),
+            tensors: law.tensors(),
+            stiffening: law_column(history, "stiffening", STRESS),
             law,
         }
     }
@@ -83,11 +89,37 @@ impl SolidMaterial {
     ) -> StressStep<R> {
         let before = rotated(turn, state);
         state[..STRESS].copy_from_slice(&before);
+        self.turn_tensors(state, turn);
         let left = R::update_solid(&*self.law, SolidPoint { state, strain: eps }, dt);
         let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
         let stress = rotated(turn, state);
         state[..STRESS].copy_from_slice(&stress);
+        self.turn_tensors(state, turn);
         StressStep { before, after, stress, left }
+    }
+
+    /// Rotates the tensors of the history.
+    #[inline(always)]
+    fn turn_tensors<R: PointReal>(&self, state: &mut [R], turn: &[[R; 3]; 3]) {
+        let (tensors, _) = state.as_chunks_mut::<STRESS>();
+        for tensor in tensors.iter_mut().skip(1).take(self.tensors) {
+            *tensor = rotated(turn, tensor);
+        }
+    }
+
+    /// Returns the slowness of waves [time/length] with the stiffening of the law.
+    #[inline(always)]
+    pub fn stiffened<R: Real>(&self, state: &[R], slowness: R) -> R {
+        match self.stiffening {
+            None => slowness,
+            Some(column) => slowness / (R::splat(1.0) + state[column]).sqrt(),
+        }
+    }
+
+    /// Returns the factor of the stiffening on the stable step, at a point whose columns begin at
+    /// `first`.
+    pub fn step_factor(&self, history: ElementState<'_>, first: usize) -> f64 {
+        self.stiffening.map_or(1.0, |column| (1.0 + history.at(first + column)).sqrt().recip())
     }
 
     /// Returns the bulk viscosity at this rate of -ln V [force/length^2], and the stable step with
@@ -131,7 +163,7 @@ impl SolidMaterial {
     }
 
     /// Returns the names of the columns of stress and law.
-    pub fn names(&self) -> impl Iterator<Item = String> + use<> {
+    pub fn names(&self) -> impl Iterator<Item = String> {
         let stress = ["xx", "yy", "zz", "xy", "yz", "zx"].map(|c| format!("stress {c}"));
         let law = self.law.history().iter().map(|name| name.to_string());
         stress.into_iter().chain(law)

@@ -69,10 +69,60 @@ pub fn steel(law: &str, more: &[(&str, Param)]) -> Material {
     m
 }
 
-/// Returns all laws, with all options that use powers, logarithms and exponentials.
+/// Returns a table of rows.
+fn table<const N: usize>(rows: &[[f64; N]]) -> Param {
+    Param::Table(rows.iter().map(|row| row.to_vec()).collect())
+}
+
+/// Returns all laws of solids only, and those of [`laws`].
+pub fn laws_of_solids() -> Vec<Material> {
+    let coefficients = Param::List(vec![30.0, 10.0, 1.0, 2.0, 0.5, 0.3]);
+    let curve = [[0.0, 0.0], [0.02, 1.0], [0.1, 1.5], [0.5, 30.0]];
+    let by_rate = [
+        [0.01, 0.0, 0.0],
+        [0.01, 0.02, 1.0],
+        [0.01, 0.5, 30.0],
+        [0.5, 0.0, 0.0],
+        [0.5, 0.02, 1.5],
+        [0.5, 0.5, 50.0],
+    ];
+    let of = |law: &str, numbers: &[(&str, f64)], others: &[(&str, Param)]| {
+        let mut material = material(law, 7.85e-6, numbers);
+        material
+            .parameters
+            .extend(others.iter().map(|(key, value)| (key.to_string(), value.clone())));
+        material
+    };
+    let nu = ("poisson", 0.3);
+    let hysteresis = [("youngs_modulus", 80.0), ("hysteresis", 0.2), ("shape", 2.0)];
+    let mut all = vec![
+        of("mooney_rivlin", &[("a", 30.0), ("b", 10.0), nu], &[]),
+        of("polynomial_rubber", &[nu], &[("coefficients", coefficients)]),
+        of("ogden", &[nu], &[("terms", table(&[[60.0, 1.3], [1.0, 5.0], [-4.0, -2.0]]))]),
+        of("blatz_ko", &[("shear_modulus", 40.0)], &[]),
+        of("low_density_foam", &hysteresis, &[("compression", table(&curve))]),
+        of("low_density_foam", &hysteresis[..1], &[("compression_by_rate", table(&by_rate))]),
+        of(
+            "crushable_foam",
+            &[("youngs_modulus", 80.0), ("poisson", 0.1), ("tension_cutoff", 0.5)],
+            &[("compression", table(&curve))],
+        ),
+    ];
+    all.extend(laws());
+    assert!(
+        LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)),
+        "a law is missing in this list"
+    );
+    all
+}
+
+/// Returns all laws of shells, with all options that use powers, logarithms and exponentials.
 pub fn laws() -> Vec<Material> {
     let number = Param::Number;
-    let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
+    let hardening = table(&[[0.0, YIELD], [0.02, 0.3], [0.05, 0.6]]);
+    let by_rate =
+        table(&[[0.001, 0.0, YIELD], [0.001, 0.05, 0.3], [1.0, 0.0, 0.5], [1.0, 0.05, 0.7]]);
+    let viscoelastic = [("long_term_shear_modulus", number(20.0)), ("decay_rate", number(3.0))];
     let rate = Param::List(vec![0.04, 5.0]);
     let damage = Param::List(vec![0.05, 3.44, -2.12, 0.002, 0.61]);
     let johnson_cook = [
@@ -89,15 +139,37 @@ pub fn laws() -> Vec<Material> {
     ];
     let all = vec![
         steel("elastic", &[]),
+        steel(
+            "elastic",
+            &[
+                ("erosion_principal_stress", number(1e3)),
+                ("erosion_max_pressure", number(1e3)),
+                ("erosion_von_mises", number(1e3)),
+            ],
+        ),
         steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
         steel(
             "j2",
-            &[("hardening", table), ("cowper_symonds", rate), ("failure_strain", number(0.3))],
+            &[("hardening", hardening), ("cowper_symonds", rate), ("failure_strain", number(0.3))],
         ),
+        steel(
+            "j2",
+            &[
+                ("yield_stress", number(YIELD)),
+                ("hardening_modulus", number(0.5)),
+                ("kinematic_modulus", number(1.0)),
+                ("rate_factors", table(&[[0.0, 1.0], [5.0, 1.5], [50.0, 2.0]])),
+                ("viscoplastic", number(1.0)),
+            ],
+        ),
+        steel("j2", &[("hardening_by_rate", by_rate), ("failure_strain", number(0.3))]),
+        steel("viscoelastic", &viscoelastic),
         steel("johnson_cook", &johnson_cook),
     ];
     assert!(
-        LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)),
+        LAWS.iter()
+            .filter(|row| row.build.is_some())
+            .all(|row| all.iter().any(|m| m.law == row.name)),
         "a law is missing in this list"
     );
     all

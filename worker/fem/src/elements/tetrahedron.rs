@@ -200,6 +200,7 @@ impl Tetrahedron {
         let StressStep { before, after, stress, .. } =
             self.material.update(state, &strain, &turn, dt);
         // Viscosity follows the own rate of the element, so that it dissipates.
+        let slowness = self.material.stiffened(state, slowness);
         let (q, stable_dt) =
             self.material.viscosity(R::splat(-per_time) * own_trace, length, density, slowness);
 
@@ -343,6 +344,7 @@ impl Element for Tetrahedron {
             (history.at(self.material.state), TetrahedronGradient::new(&edges(x)).volume());
         self.stable_dt(x, OwnSection::default())
             * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
+            * self.material.step_factor(history, 0)
     }
 
     fn averaged_volume(&self) -> Option<usize> {

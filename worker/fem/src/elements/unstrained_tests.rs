@@ -2,7 +2,7 @@
 //! bits as if they were computed.
 
 use super::solid_testing::solids;
-use super::testing::{BOTH, FORMULATIONS, Passed, Patch, laws, lay, shells};
+use super::testing::{BOTH, FORMULATIONS, Passed, Patch, laws, laws_of_solids, lay, shells};
 use super::{Element, HourglassForm};
 use crate::columns::HistoryColumns;
 use crumple_proto::job::Precision;
@@ -131,8 +131,13 @@ fn every_law_in_every_element_keeps_its_bits() {
                 &format!("{precision:?} {} shell {kind}", law.law),
             );
         }
+    }
+    let solids = laws_of_solids();
+    for (precision, law) in
+        BOTH.into_iter().flat_map(|precision| solids.iter().map(move |law| (precision, law)))
+    {
         for form in FORMS {
-            let meshes = [0; 2].map(|_| fresh_solids(precision, &law, form));
+            let meshes = [0; 2].map(|_| fresh_solids(precision, law, form));
             compare_runs(
                 meshes,
                 (Kick::Move(0), 1),

@@ -264,6 +264,10 @@ impl Wedge {
 
         // 2. Shape at the end, and bulk viscosity.
         let WedgeEndShape { gradient, density, slowness, length } = self.end(x, first_volume);
+        let slowness = states
+            .chunks_exact(self.material.state)
+            .map(|state| self.material.stiffened(state, slowness))
+            .fold(slowness, Real::min);
         let rate = R::splat(-per_time) * points.trace;
         let (q, stable_dt) = self.material.viscosity(rate, length, density, slowness);
 
@@ -511,6 +515,9 @@ impl Element for Wedge {
         let volume = WedgeGradient::new(&relative(x)).volume;
         self.stable_dt(x, OwnSection::default())
             * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
+            * (0..POINTS)
+                .map(|p| self.material.step_factor(history, p * self.material.state))
+                .fold(1.0, f64::min)
     }
 
     fn is_unstrained(&self, history: ElementState<'_>) -> bool {

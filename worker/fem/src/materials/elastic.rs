@@ -6,7 +6,9 @@
 //! is a Hencky law as long as the principal axes of strain do not rotate in the material.
 
 use super::parameters::Parameters;
-use super::{Elastic, Law, LawResult, PlaneStress, Points, Solid, SolidLawResult, SolidPoint};
+use super::{
+    ELASTIC, Elastic, Law, LawResult, PlaneStress, Points, Solid, SolidLawResult, SolidPoint,
+};
 use crumple_math::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
@@ -15,8 +17,9 @@ use crumple_proto::problem::Problem;
 pub const LAW: Law = Law {
     name: "elastic",
     meaning: "Linear elasticity, large rotations.",
+    constants: ELASTIC,
     parameters: &[],
-    build,
+    build: Some(build),
     solid,
 };
 

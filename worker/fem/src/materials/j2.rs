@@ -13,24 +13,34 @@
 //! e_xy^2)`). It is not filtered. It has no effect while the trial is below the static yield
 //! stress.
 //!
+//! `hardening_by_rate = [[rate, eps_p, sigma], ...]` gives a curve for each strain rate instead,
+//! linear between rates and constant beyond them. `rate_factors = [[rate, factor], ...]` is a curve
+//! of factors on the yield stress. With `viscoplastic` the rate of all of these is that of the
+//! plastic strain.
+//!
+//! `kinematic_modulus` adds kinematic hardening by Prager's rule, also together with isotropic
+//! hardening: the back stress grows by this modulus times the plastic strain, in uniaxial stress.
+//!
 //! `failure_strain`: effective plastic strain at which a point fails; its stress is zero from
 //! then on.
 //!
-//! Not included: kinematic hardening, transverse shear in the yield condition of shells (as in
-//! most shell codes).
+//! Not included: transverse shear in the yield condition of shells (as in most shell codes).
 
 use super::parameters::Parameters;
+use super::plasticity::combined::{CombinedPlasticity, RateFactor};
 use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve};
-use super::{DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
+use super::polyline::{Beyond, CurveFamily, RampCurve};
+use super::{DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
 /// The row of this law.
 pub const LAW: Law = Law {
     name: "j2",
-    meaning: "Von Mises plasticity with isotropic hardening.",
+    meaning: "Von Mises plasticity with isotropic and kinematic hardening.",
+    constants: ELASTIC,
     parameters: PARAMETERS,
-    build,
+    build: Some(build),
     solid,
 };
 
@@ -38,7 +48,7 @@ const PARAMETERS: &[ParameterRow] = &[
     ParameterRow {
         key: "yield_stress",
         form: Form::Number,
-        otherwise: DefaultValue::Depends("needed without `hardening`"),
+        otherwise: DefaultValue::Depends("needed without `hardening` and `hardening_by_rate`"),
         range: None,
         meaning: "Yield stress at zero plastic strain [force/length^2].",
     },
@@ -67,6 +77,38 @@ const PARAMETERS: &[ParameterRow] = &[
                   [1/time].",
     },
     ParameterRow {
+        key: "hardening_by_rate",
+        form: Form::List("[[rate, strain, stress], ...]"),
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Tables as in `hardening`, one for each strain rate [1/time], in ascending order; \
+                  linear between rates, constant beyond them [force/length^2].",
+    },
+    ParameterRow {
+        key: "rate_factors",
+        form: Form::List("[[rate, factor], ...]"),
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Strain rate: curve of the factor on the yield stress over the rate [1/time]; \
+                  constant beyond its points.",
+    },
+    ParameterRow {
+        key: "viscoplastic",
+        form: Form::Flag,
+        otherwise: DefaultValue::Flag(false),
+        range: None,
+        meaning: "True if the rate is that of the plastic strain, in equilibrium with the stress; \
+                  otherwise that of the total strain.",
+    },
+    ParameterRow {
+        key: "kinematic_modulus",
+        form: Form::Number,
+        otherwise: DefaultValue::Number(0.0),
+        range: None,
+        meaning: "Slope of the back stress over plastic strain in uniaxial stress: kinematic \
+                  hardening [force/length^2].",
+    },
+    ParameterRow {
         key: "failure_strain",
         form: Form::Number,
         otherwise: DefaultValue::Absent,
@@ -76,40 +118,176 @@ const PARAMETERS: &[ParameterRow] = &[
 ];
 
 fn build(material: &Material) -> LawResult {
-    Parameters::new(material).shell_law(read)
+    let mut parameters = Parameters::new(material);
+    let elastic = parameters.elastic();
+    Ok(match read(parameters, elastic)? {
+        J2Form::Isotropic(law) => Box::new(law),
+        J2Form::Combined(law) => Box::new(law),
+    })
 }
 
 fn solid(material: &Material) -> SolidLawResult {
-    Parameters::new(material).solid_law(read)
+    let mut parameters = Parameters::new(material);
+    let elastic = parameters.solid_elastic();
+    Ok(match read(parameters, elastic)? {
+        J2Form::Isotropic(law) => Box::new(law),
+        J2Form::Combined(law) => Box::new(law),
+    })
+}
+
+/// The two forms of this law.
+enum J2Form {
+    /// Isotropic hardening, with the rate of Cowper and Symonds.
+    Isotropic(Plasticity),
+    /// All options.
+    Combined(CombinedPlasticity),
 }
 
 /// Reads the remaining parameters and returns the law.
-fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, Vec<Problem>> {
-    let (yield_stress, slope, ramps) = hardening(&mut parameters);
-    let rate = match parameters.get("cowper_symonds") {
-        None => Rate::None,
-        Some(Param::List(list))
-            if list.len() == 2 && list.iter().all(|v| v.is_finite() && *v > 0.0) =>
-        {
-            Rate::CowperSymonds { c: list[0], inv_p: 1.0 / list[1] }
-        }
-        Some(_) => {
-            parameters.wrong(
-                "cowper_symonds",
-                "is not [C, p]",
-                "give two numbers above 0: C in 1/time, and p",
-            );
-            Rate::None
-        }
+fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2Form, Vec<Problem>> {
+    let by_rate = hardening_by_rate(&mut parameters);
+    let (yield_stress, slope, ramps) = match &by_rate {
+        Some(rows) => (rows.first().map_or(1.0, |row| row[2]), 0.0, Vec::new()),
+        None => hardening(&mut parameters),
     };
-    let failure = match parameters.optional("failure_strain", "above 0", |f| f > 0.0) {
-        Some(strain) => FailureCriterion::Strain(strain),
-        None => FailureCriterion::None,
-    };
+    let cowper_symonds = cowper_symonds(&mut parameters);
+    let factors = rate_factors(&mut parameters);
+    if cowper_symonds.is_some() && factors.is_some() {
+        let what = "is given together with cowper_symonds";
+        parameters.wrong("rate_factors", what, "give only one of them");
+    }
+    let viscoplastic = parameters.flag("viscoplastic");
+    if viscoplastic && by_rate.is_none() && factors.is_none() && cowper_symonds.is_none() {
+        let help = "give cowper_symonds, rate_factors or hardening_by_rate, or leave it out";
+        parameters.wrong("viscoplastic", "is true without a dependence on the rate", help);
+    }
+    let kinematic = parameters.optional("kinematic_modulus", "0 or above", |h| h >= 0.0);
+    let kinematic = kinematic.unwrap_or(0.0);
+    let failure_strain = parameters.optional("failure_strain", "above 0", |f| f > 0.0);
     parameters.finish()?;
-    let curve = YieldCurve::lines(yield_stress, slope, &ramps);
-    let coefficients = Coefficients::new(&elastic, yield_stress);
-    Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure, coefficients })
+    let is_combined = by_rate.is_some() || factors.is_some() || viscoplastic || kinematic > 0.0;
+    let rate = match cowper_symonds {
+        Some([c, p]) if !is_combined => Rate::CowperSymonds { c, inv_p: 1.0 / p },
+        _ => Rate::None,
+    };
+    let failure = match failure_strain {
+        Some(strain) if !is_combined => FailureCriterion::Strain(strain),
+        _ => FailureCriterion::None,
+    };
+    let points = match &by_rate {
+        Some(rows) => {
+            let lowest = rows.iter().take_while(|row| row[0] == rows[0][0]);
+            lowest.map(|row| [row[1], row[2]]).collect()
+        }
+        None => Vec::new(),
+    };
+    let (slope, ramps) = if by_rate.is_some() { bends(&points) } else { (slope, ramps) };
+    let base = Plasticity {
+        elastic,
+        yield_stress,
+        curve: YieldCurve::lines(yield_stress, slope, &ramps),
+        rate,
+        thermal: None,
+        failure,
+        coefficients: Coefficients::new(&elastic, yield_stress),
+    };
+    if !is_combined {
+        return Ok(J2Form::Isotropic(base));
+    }
+    let rows = by_rate.unwrap_or_else(|| rows_of(yield_stress, slope, &ramps));
+    let beyond = if ramps.is_empty() { Beyond::Straight } else { Beyond::Constant };
+    Ok(J2Form::Combined(CombinedPlasticity {
+        base,
+        hardening: CurveFamily::new(&rows, 1.0 / yield_stress, beyond),
+        kinematic: kinematic / yield_stress,
+        rate: match (cowper_symonds, factors) {
+            (Some([c, p]), _) => RateFactor::CowperSymonds { c, inv_p: 1.0 / p },
+            (_, Some(points)) => RateFactor::Curve(RampCurve::new(&points, 1.0, Beyond::Constant)),
+            _ => RateFactor::None,
+        },
+        viscoplastic,
+        failure_strain: failure_strain.unwrap_or(f64::INFINITY),
+    }))
+}
+
+/// Returns the rows [0, eps_p, sigma] of a curve that begins with this stress and slope and has
+/// these changes of slope.
+fn rows_of(yield_stress: f64, slope: f64, ramps: &[(f64, f64)]) -> Vec<[f64; 3]> {
+    let mut rows = vec![[0.0, 0.0, yield_stress]];
+    let (mut slope, mut last) = (slope, [0.0, yield_stress]);
+    for &(start, change) in ramps {
+        last = [start, last[1] + slope * (start - last[0])];
+        rows.push([0.0, last[0], last[1]]);
+        slope += change;
+    }
+    if ramps.is_empty() {
+        rows.push([0.0, 1.0, yield_stress + slope]);
+    }
+    rows
+}
+
+/// Returns C [1/time] and p.
+fn cowper_symonds(parameters: &mut Parameters<'_>) -> Option<[f64; 2]> {
+    const KEY: &str = "cowper_symonds";
+    match parameters.get(KEY)? {
+        Param::List(list) if list.len() == 2 && list.iter().all(|v| v.is_finite() && *v > 0.0) => {
+            Some([list[0], list[1]])
+        }
+        _ => {
+            let help = "give two numbers above 0: C in 1/time, and p";
+            parameters.wrong(KEY, "is not [C, p]", help);
+            None
+        }
+    }
+}
+
+/// Returns the points of the factor over the rate.
+fn rate_factors(parameters: &mut Parameters<'_>) -> Option<Vec<[f64; 2]>> {
+    const KEY: &str = "rate_factors";
+    let rows = parameters.rows::<2>(KEY, "[[rate, factor], ...]")?;
+    let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0] && two[0][1] <= two[1][1]);
+    if !rows.is_empty() && !(ascends && rows[0][0] >= 0.0 && rows[0][1] > 0.0) {
+        let help = "give increasing rates from 0 on, and factors above 0 that do not decrease";
+        parameters.wrong(KEY, "has rates or factors in the wrong order", help);
+    }
+    Some(rows)
+}
+
+/// Returns the rows [rate, plastic strain, stress].
+fn hardening_by_rate(parameters: &mut Parameters<'_>) -> Option<Vec<[f64; 3]>> {
+    const KEY: &str = "hardening_by_rate";
+    let rows = parameters.rows::<3>(KEY, "[[rate, eps_p, sigma], ...]")?;
+    for key in ["yield_stress", "hardening_modulus", "hardening"] {
+        if parameters.get(key).is_some() {
+            let what = format!("is given together with {key}");
+            parameters.wrong(KEY, what, "give only one of them");
+        }
+    }
+    if rows.is_empty() {
+        return Some(rows);
+    }
+    let curves: Vec<&[[f64; 3]]> = rows.chunk_by(|a, b| a[0] == b[0]).collect();
+    let fault = if rows[0][0] < 0.0 || curves.windows(2).any(|two| two[0][0][0] >= two[1][0][0]) {
+        Some("has rates that are below 0 or do not increase")
+    } else if curves
+        .iter()
+        .any(|curve| curve[0][1] != 0.0 || curve.windows(2).any(|two| two[0][1] >= two[1][1]))
+    {
+        Some("has plastic strains of a rate that do not increase from 0 on")
+    } else if curves
+        .iter()
+        .any(|curve| curve[0][2] <= 0.0 || curve.windows(2).any(|two| two[0][2] > two[1][2]))
+    {
+        Some("has a stress that is not above 0 or decreases from one row of a rate to the next")
+    } else {
+        None
+    };
+    if let Some(fault) = fault {
+        let help = "give [[rate, 0, sigma], [rate, eps_p, sigma], ...], rate by rate";
+        parameters.wrong(KEY, fault, help);
+        return Some(vec![[0.0, 0.0, 1.0]]);
+    }
+    Some(rows)
 }
 
 /// Returns the yield stress, the first slope, and the changes of slope.
@@ -159,10 +337,17 @@ fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
         );
         return (1.0, 0.0, Vec::new());
     }
+    let (slope, ramps) = bends(&rows);
+    (rows[0][1], slope, ramps)
+}
+
+/// Returns the first slope of a curve that is constant beyond its last point, and the changes of
+/// slope.
+fn bends(rows: &[[f64; 2]]) -> (f64, Vec<(f64, f64)>) {
     let mut slopes: Vec<f64> =
         rows.windows(2).map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0])).collect();
     slopes.push(0.0);
-    let ramps =
-        rows[1..].iter().zip(slopes.windows(2)).map(|(row, s)| (row[0], s[1] - s[0])).collect();
-    (rows[0][1], slopes[0], ramps)
+    let bends =
+        rows.iter().skip(1).zip(slopes.windows(2)).map(|(row, s)| (row[0], s[1] - s[0])).collect();
+    (slopes[0], bends)
 }

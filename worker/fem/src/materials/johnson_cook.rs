@@ -17,7 +17,7 @@
 
 use super::parameters::Parameters;
 use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, Thermal, YieldCurve};
-use super::{DefaultValue, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
+use super::{DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -25,8 +25,9 @@ use crumple_proto::problem::Problem;
 pub const LAW: Law = Law {
     name: "johnson_cook",
     meaning: "Johnson-Cook plasticity with strain rate, adiabatic heating and failure.",
+    constants: ELASTIC,
     parameters: PARAMETERS,
-    build,
+    build: Some(build),
     solid,
 };
 

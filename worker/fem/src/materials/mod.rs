@@ -4,13 +4,21 @@
 //! history out; all in axes that rotate with the material. Rotation, thickness and integration
 //! belong to the element.
 
+mod crushable_foam;
 mod elastic;
+mod erosion;
 mod j2;
 mod johnson_cook;
+mod low_density_foam;
 mod parameters;
 pub mod plasticity;
+mod polyline;
+mod rubber;
+mod tensor;
+mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
+pub use erosion::EROSION;
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
@@ -94,7 +102,7 @@ pub struct Points<'a, R> {
 /// law.
 pub trait PlaneStress: Send + Sync {
     /// Returns the names of the history columns per point. All start at zero.
-    fn history(&self) -> &'static [&'static str];
+    fn history(&self) -> &[&'static str];
 
     /// Returns the elastic constants and the density.
     fn elastic(&self) -> Elastic;
@@ -136,8 +144,16 @@ pub struct SolidPoint<'a, R> {
 /// strain increment the state must stay zero, whatever the time: unstrained elements skip the
 /// law.
 pub trait Solid: Send + Sync {
-    /// Returns the names of the history columns. All start at zero.
-    fn history(&self) -> &'static [&'static str];
+    /// Returns the names of the history columns. All start at zero. A column `stiffening` holds by
+    /// how much the modulus of longitudinal waves exceeds that of the elastic constants, as a
+    /// fraction of it: the element then takes a shorter step.
+    fn history(&self) -> &[&'static str];
+
+    /// Returns how many symmetric tensors, of six columns each in the order of the stress, begin
+    /// the history. The element rotates them with the stress.
+    fn tensors(&self) -> usize {
+        0
+    }
 
     /// Returns the elastic constants and the density.
     fn elastic(&self) -> Elastic;
@@ -204,23 +220,26 @@ pub type LawResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
 /// A law in three dimensions, or all problems of its material.
 pub type SolidLawResult = Result<Box<dyn Solid>, Vec<Problem>>;
 
-/// Parameters of all laws.
-pub const ELASTIC: &[ParameterRow] = &[
-    ParameterRow {
-        key: "youngs_modulus",
-        form: Form::Number,
-        otherwise: DefaultValue::Needed,
-        range: None,
-        meaning: "Young's modulus [force/length^2].",
-    },
-    ParameterRow {
-        key: "poisson",
-        form: Form::Number,
-        otherwise: DefaultValue::Needed,
-        range: None,
-        meaning: "Poisson's ratio; below 0.5 for solids.",
-    },
-];
+/// Elastic constants as parameters of a law.
+pub const ELASTIC: &[ParameterRow] = &[YOUNGS_MODULUS, POISSON];
+
+/// Young's modulus as a parameter.
+pub const YOUNGS_MODULUS: ParameterRow = ParameterRow {
+    key: "youngs_modulus",
+    form: Form::Number,
+    otherwise: DefaultValue::Needed,
+    range: None,
+    meaning: "Young's modulus [force/length^2].",
+};
+
+/// Poisson's ratio as a parameter.
+pub const POISSON: ParameterRow = ParameterRow {
+    key: "poisson",
+    form: Form::Number,
+    otherwise: DefaultValue::Needed,
+    range: None,
+    meaning: "Poisson's ratio; below 0.5 for solids.",
+};
 
 /// A row of [`LAWS`]. Both functions read the same parameters. They return all problems, with
 /// paths relative to the material.
@@ -229,10 +248,12 @@ pub struct Law {
     pub name: &'static str,
     /// Meaning, in one line.
     pub meaning: &'static str,
-    /// Its parameters, without [`ELASTIC`].
+    /// Its elastic constants: [`ELASTIC`] in most laws.
+    pub constants: &'static [ParameterRow],
+    /// Its other parameters.
     pub parameters: &'static [ParameterRow],
-    /// Builds the law for shells.
-    pub build: fn(&Material) -> LawResult,
+    /// Builds the law for shells; `None` if it is for solids only.
+    pub build: Option<fn(&Material) -> LawResult>,
     /// Builds the law for solids.
     pub solid: fn(&Material) -> SolidLawResult,
 }
@@ -244,18 +265,51 @@ impl Named for Law {
 }
 
 /// All laws.
-pub static LAWS: Registry<Law> = Registry::new(&[elastic::LAW, j2::LAW, johnson_cook::LAW]);
+pub static LAWS: Registry<Law> = Registry::new(&[
+    elastic::LAW,
+    j2::LAW,
+    johnson_cook::LAW,
+    viscoelastic::LAW,
+    rubber::mooney_rivlin::LAW,
+    rubber::polynomial::LAW,
+    rubber::ogden::LAW,
+    rubber::blatz_ko::LAW,
+    low_density_foam::LAW,
+    crushable_foam::LAW,
+]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,
 /// with paths relative to it.
 pub fn build(material: &Material) -> LawResult {
-    (row_of(material)?.build)(material)
+    let row = row_of(material)?;
+    let Some(build) = row.build else {
+        let Material { name, law, .. } = material;
+        let message = format!("material '{name}': the law '{law}' is for solids only");
+        let with_shells = LAWS.iter().filter(|law| law.build.is_some()).map(|law| law.name);
+        let help = format!("use one of {}", with_shells.collect::<Vec<_>>().join(", "));
+        return Err(vec![Problem::error("law", message, help)]);
+    };
+    let (rest, limits) = erosion::split(material)?;
+    erosion::shell(material, build(&rest)?, limits)
+}
+
+/// Returns the elastic constants of a material for any element, or all its problems, with paths
+/// relative to it.
+pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
+    let row = row_of(material)?;
+    let (rest, _) = erosion::split(material)?;
+    match row.build {
+        Some(build) => build(&rest).map(|law| law.elastic()),
+        None => (row.solid)(&rest).map(|law| law.elastic()),
+    }
 }
 
 /// Builds the law of a solid's material. Returns all problems of the material if there are any,
 /// with paths relative to it.
 pub fn build_solid(material: &Material) -> SolidLawResult {
-    (row_of(material)?.solid)(material)
+    let row = row_of(material)?;
+    let (rest, limits) = erosion::split(material)?;
+    erosion::solid(material, (row.solid)(&rest)?, limits)
 }
 
 fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
@@ -269,6 +323,8 @@ fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
 #[cfg(test)]
 #[path = "table_tests.rs"]
 mod table_tests;
+#[cfg(test)]
+mod testing;
 
 /// Constants of the law that checks a part when its own law cannot be built.
 const PLACEHOLDER: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };

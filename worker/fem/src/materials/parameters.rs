@@ -66,18 +66,73 @@ impl<'a> Parameters<'a> {
         value.unwrap_or(1.0)
     }
 
+    /// Returns a flag; false if it is not given.
+    pub fn flag(&mut self, key: &'static str) -> bool {
+        match self.get(key) {
+            None => false,
+            Some(Param::Number(value)) if [0.0, 1.0].contains(value) => *value == 1.0,
+            Some(_) => {
+                self.wrong(key, "is not a flag", "give true or false");
+                false
+            }
+        }
+    }
+
+    /// Returns the rows of an optional table of N finite numbers each; `form` describes the table.
+    /// Reports an error, and returns no rows, if it has another form.
+    pub fn rows<const N: usize>(&mut self, key: &'static str, form: &str) -> Option<Vec<[f64; N]>> {
+        let given = self.get(key)?;
+        let rows: Option<Vec<[f64; N]>> = match given {
+            Param::Table(rows) => rows.iter().map(|row| row.as_slice().try_into().ok()).collect(),
+            _ => None,
+        };
+        let sound = |rows: &Vec<[f64; N]>| {
+            !rows.is_empty() && rows.iter().flatten().all(|value| value.is_finite())
+        };
+        let rows = rows.filter(sound);
+        if rows.is_none() {
+            self.wrong(key, format_args!("is not a table of rows {form}"), format!("give {form}"));
+        }
+        Some(rows.unwrap_or_default())
+    }
+
+    /// Returns the points of an optional curve with ascending abscissas from 0 on, which start at
+    /// zero. Reports an error, and returns no points, if they do not. `fits` checks a point, and
+    /// `wanted` says in words what it accepts.
+    pub fn curve(
+        &mut self,
+        key: &'static str,
+        form: &str,
+        (wanted, fits): (&str, impl Fn(&[f64; 2]) -> bool),
+    ) -> Option<Vec<[f64; 2]>> {
+        let rows = self.rows::<2>(key, form)?;
+        let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0]);
+        if !rows.is_empty() && !(ascends && rows[0][0] == 0.0 && rows.iter().all(fits)) {
+            let help = format!("give {form} with increasing abscissas from 0 on, {wanted}");
+            self.wrong(key, "is not such a curve", help);
+            return Some(Vec::new());
+        }
+        Some(rows)
+    }
+
     /// Returns `youngs_modulus`, `poisson` and the density.
     pub fn elastic(&mut self) -> Elastic {
-        let density = self.material.density;
-        if !(density.is_finite() && density > 0.0) {
-            self.wrong("density", format_args!("is {density}"), "it has to be above 0");
-        }
+        let density = self.density();
         Elastic {
             youngs_modulus: self.required("youngs_modulus", "above 0", |e| e > 0.0),
             poisson: self
                 .required("poisson", "above -1 and at most 0.5", |nu| nu > -1.0 && nu <= 0.5),
             density,
         }
+    }
+
+    /// Returns the density.
+    pub fn density(&mut self) -> f64 {
+        let density = self.material.density;
+        if !(density.is_finite() && density > 0.0) {
+            self.wrong("density", format_args!("is {density}"), "it has to be above 0");
+        }
+        density
     }
 
     /// Returns the elastic constants of a solid, whose bulk modulus must be finite.

@@ -1,6 +1,7 @@
 //! Converts `*MAT_...`: laws and their parameters.
 
 use super::DeckConverter;
+use super::soft_materials;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -46,14 +47,19 @@ const KEYWORDS: [&str; 7] = [
 impl DeckConverter {
     pub(super) fn materials(&mut self) -> HashMap<i64, DeckMaterial> {
         let mut materials: HashMap<i64, DeckMaterial> = HashMap::new();
-        for keyword in KEYWORDS {
+        for keyword in KEYWORDS.into_iter().chain(soft_materials::KEYWORDS) {
             for record in self.take_records(keyword) {
                 let id = record.integer("mid");
                 let title = record.word("heading").to_string();
                 let taken = title.is_empty() || materials.values().any(|m| m.name == title);
                 let name = if taken { format!("mat-{id}") } else { title };
                 let place = record.place("mid");
-                let (mut table, mut e) = elastic(&record, &name);
+                let is_soft = soft_materials::KEYWORDS.contains(&keyword);
+                let (mut table, mut e) = if is_soft {
+                    (without_constants(&record, &name), 0.0)
+                } else {
+                    elastic(&record, &name)
+                };
                 let (mut rigid, mut weld) = (None, None);
                 let elastic = match keyword {
                     "MAT_SPOTWELD" => record.real("sigy") == 0.0,
@@ -70,6 +76,7 @@ impl DeckConverter {
                         table.put("youngs_modulus", record.place("ym"), e);
                     }
                     "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
                     _ => {}
                 }
                 if elastic {
@@ -97,6 +104,7 @@ impl DeckConverter {
                 }
             }
         }
+        self.erosion(&mut materials);
         materials
     }
 
@@ -104,15 +112,34 @@ impl DeckConverter {
         table.put("law", record.head, "j2");
         let (e, tangent) = (record.real("e"), record.real("etan"));
         table.put("yield_stress", record.place("sigy"), record.real("sigy"));
-        self.hardening_modulus(record, e, tangent, table);
-        if record.real("beta") < 1.0 && tangent > 0.0 {
-            let of = format!("material {}", record.integer("mid"));
-            let asked = format!("beta {}: kinematic hardening", record.real("beta"));
-            self.map(of, asked, "isotropic hardening, which differs when the load reverses");
+        let beta = record.real("beta");
+        if (0.0..=1.0).contains(&beta) {
+            let modulus = self.plastic_modulus(record, e, tangent);
+            for (key, share) in [("hardening_modulus", beta), ("kinematic_modulus", 1.0 - beta)] {
+                if modulus * share != 0.0 {
+                    table.put(key, record.place("etan"), modulus * share);
+                }
+            }
+        } else {
+            let message = format!("{}: beta is {beta}", record.name());
+            let help = "give a share of isotropic hardening from 0 (kinematic) to 1 (isotropic)";
+            self.trouble.error(record.place("beta"), message, help);
         }
-        rates(record, "src", "srp", table);
+        if rates(record, "src", "srp", table) {
+            self.viscoplastic(record, table);
+        }
         if record.real("fs") > 0.0 {
             table.put("failure_strain", record.place("fs"), record.real("fs"));
+        }
+    }
+
+    /// Sets the rate that counts for a law with rates: that of the total strain (vp 0) or of the
+    /// plastic strain (vp 1).
+    fn viscoplastic(&mut self, record: &CardRecord, table: &mut JobTable) {
+        match record.real("vp") {
+            1.0 => table.put("viscoplastic", record.place("vp"), true),
+            0.0 | -1.0 => {}
+            _ => self.unsupported_value(record, "vp", "use 0 or 1"),
         }
     }
 
@@ -123,6 +150,14 @@ impl DeckConverter {
         tangent: f64,
         table: &mut JobTable,
     ) {
+        let modulus = self.plastic_modulus(record, e, tangent);
+        if modulus != 0.0 {
+            table.put("hardening_modulus", record.place("etan"), modulus);
+        }
+    }
+
+    /// Returns the plastic modulus of a tangent modulus; 0 after an error.
+    fn plastic_modulus(&mut self, record: &CardRecord, e: f64, tangent: f64) -> f64 {
         if tangent >= e {
             let message = format!(
                 "{}: the tangent modulus {tangent} is not below Young's modulus {e}",
@@ -133,14 +168,14 @@ impl DeckConverter {
                 message,
                 "give the slope of stress over total strain after yield",
             );
-        } else if tangent != 0.0 {
-            table.put("hardening_modulus", record.place("etan"), e * tangent / (e - tangent));
+            return 0.0;
         }
+        e * tangent / (e - tangent)
     }
 
     fn piecewise(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
-        rates(record, "c", "p", table);
+        let mut has_rates = rates(record, "c", "p", table);
         let fail = record.real("fail");
         if fail < 0.0 {
             self.unsupported_value(record, "fail", "failure by a user routine");
@@ -150,14 +185,27 @@ impl DeckConverter {
         if record.real("tdel") != 0.0 {
             self.unsupported_value(record, "tdel", "failure by the time step");
         }
-        if record.integer("lcsr") != 0 {
-            self.unsupported_value(
-                record,
-                "lcsr",
-                "a curve of the yield stress over the strain rate; use c and p",
-            );
+        let lcsr = record.integer("lcsr");
+        if lcsr > 0 && !has_rates {
+            let place = record.place("lcsr");
+            if let Some(curve) = self.curve(lcsr, place) {
+                let place = curve.lines.first().copied().unwrap_or(place);
+                table.put("rate_factors", place, rows(&curve.points));
+                has_rates = true;
+            }
+        } else if lcsr != 0 {
+            let why = "a curve of factors over the strain rate, without c and p next to it";
+            self.unsupported_value(record, "lcsr", why);
         }
         let lcss = record.integer("lcss");
+        let by_rate = self.tables.contains_key(&lcss);
+        if has_rates || by_rate {
+            self.viscoplastic(record, table);
+        }
+        if by_rate {
+            self.hardening_by_rate(record, lcss, table);
+            return;
+        }
         if lcss > 0 {
             if [record.real("sigy"), record.real("etan")] != [0.0; 2] {
                 let of = format!("material {}", record.integer("mid"));
@@ -199,6 +247,22 @@ impl DeckConverter {
         } else {
             table.put("hardening", record.place("es"), rows(&starting_at_zero(points)));
         }
+    }
+
+    /// Converts a table of curves by strain rate.
+    fn hardening_by_rate(&mut self, record: &CardRecord, lcss: i64, table: &mut JobTable) {
+        let place = record.place("lcss");
+        let Some(rows) = self.table_rows(lcss, place) else { return };
+        if rows.iter().any(|row| row[0] < 0.0) {
+            self.unsupported_value(record, "lcss", "logarithms of the rates; give the rates");
+            return;
+        }
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for curve in rows.chunk_by(|a, b| a[0] == b[0]) {
+            let points = starting_at_zero(curve.iter().map(|row| [row[1], row[2]]).collect());
+            all.extend(points.iter().map(|p| vec![curve[0][0], p[0], p[1]]));
+        }
+        table.put("hardening_by_rate", place, all);
     }
 
     /// Converts a Johnson-Cook material and returns Young's modulus [force/length^2].
@@ -306,12 +370,21 @@ impl DeckConverter {
 /// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].
 fn elastic(record: &CardRecord, name: &str) -> (JobTable, f64) {
     let e = record.real("e");
-    let table = JobTable::new(record.head)
-        .with("name", record.place("mid"), name)
-        .with("density", record.place("ro"), record.real("ro"))
-        .with("youngs_modulus", record.place("e"), e)
-        .with("poisson", record.place("pr"), record.real("pr"));
+    let table = without_constants(record, name).with("youngs_modulus", record.place("e"), e).with(
+        "poisson",
+        record.place("pr"),
+        record.real("pr"),
+    );
     (table, e)
+}
+
+/// Converts name and density.
+fn without_constants(record: &CardRecord, name: &str) -> JobTable {
+    JobTable::new(record.head).with("name", record.place("mid"), name).with(
+        "density",
+        record.place("ro"),
+        record.real("ro"),
+    )
 }
 
 /// Returns the degrees of freedom that the constraint codes 0 to 7 fix.
@@ -329,10 +402,13 @@ pub fn held(code: f64, dofs: [&'static str; 3]) -> Vec<&'static str> {
     }
 }
 
-fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable) {
-    if record.real(c) > 0.0 && record.real(p) > 0.0 {
+/// Converts C and p of Cowper and Symonds; returns true if they are given.
+fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable) -> bool {
+    let are_given = record.real(c) > 0.0 && record.real(p) > 0.0;
+    if are_given {
         table.put("cowper_symonds", record.place(c), [record.real(c), record.real(p)]);
     }
+    are_given
 }
 
 fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {

@@ -20,6 +20,7 @@ mod sections;
 mod segments;
 mod sets;
 mod shells;
+mod soft_materials;
 mod space;
 mod springs;
 mod tables;

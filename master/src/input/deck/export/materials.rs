@@ -6,6 +6,17 @@ use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
 use toml::Table;
 
+/// Most terms of a rubber on its card.
+const MOST_TERMS: usize = 8;
+
+/// Returns the number of terms of a rubber.
+fn terms(material: &Material) -> usize {
+    match material.parameters.get("terms") {
+        Some(Param::Table(terms)) => terms.len(),
+        _ => 0,
+    }
+}
+
 /// Writes the materials of deformable parts. `rigid` holds the parts with a material of a rigid
 /// body.
 pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
@@ -34,7 +45,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
                 deck.text(&title);
                 deck.card(&first);
             }
-            "j2" => {
+            "j2" if is_isotropic(material) => {
                 let [c, p] = pair("cowper_symonds");
                 let table = curve(deck, material);
                 deck.keyword("MAT_PIECEWISE_LINEAR_PLASTICITY_TITLE");
@@ -66,11 +77,100 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
                 }
             }
             "johnson_cook" => johnson_cook(deck, material, mid, &title, number),
+            "mooney_rivlin" | "polynomial_rubber" | "ogden" | "blatz_ko"
+                if terms(material) <= MOST_TERMS =>
+            {
+                rubber(deck, material, mid, &title);
+            }
+            "low_density_foam" => low_density_foam(deck, material, mid, &title),
+            "j2" | "viscoelastic" | "crushable_foam" => {
+                deck.keyword("MAT_ELASTIC_TITLE");
+                deck.text(&title);
+                deck.card(&first);
+                without_card(deck, material, &["youngs_modulus", "poisson"]);
+            }
             law => {
                 deck.text(&format!("$ material {title}: law {} has no keyword", line(law)));
             }
         }
     }
+}
+
+/// Writes the law and all parameters but these, which its card has, after `$crumple:`.
+fn without_card(deck: &mut DeckWriter, material: &Material, on_card: &[&str]) {
+    let list = |numbers: &[f64]| toml::Value::from(numbers.to_vec());
+    let value = |(key, param): (&String, &Param)| {
+        let value = match param {
+            Param::Number(x) if key == "viscoplastic" => (*x == 1.0).into(),
+            Param::Number(x) => (*x).into(),
+            Param::List(numbers) => list(numbers),
+            Param::Table(rows) => rows.iter().map(|row| list(row)).collect::<Vec<_>>().into(),
+        };
+        (key.clone(), value)
+    };
+    let others = material.parameters.iter().filter(|(key, _)| !on_card.contains(&key.as_str()));
+    let head = [named(&material.name), ("law".into(), material.law.as_str().into())];
+    deck.entry("material", head.into_iter().chain(others.map(value)).collect());
+}
+
+/// Writes a rubber as a card.
+fn rubber(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
+    let number = |key: &str| match material.parameters.get(key) {
+        Some(Param::Number(x)) => Number(*x),
+        _ => Blank,
+    };
+    let (id, density) = (Id(mid), Number(material.density));
+    let keyword = match material.law.as_str() {
+        "mooney_rivlin" => "MAT_MOONEY-RIVLIN_RUBBER_TITLE",
+        "polynomial_rubber" => "MAT_HYPERELASTIC_RUBBER_TITLE",
+        "ogden" => "MAT_OGDEN_RUBBER_TITLE",
+        _ => "MAT_BLATZ-KO_RUBBER_TITLE",
+    };
+    let mut cards = vec![match material.law.as_str() {
+        "mooney_rivlin" => vec![id, density, number("poisson"), number("a"), number("b")],
+        "blatz_ko" => vec![id, density, number("shear_modulus")],
+        _ => vec![id, density, number("poisson")],
+    }];
+    match material.parameters.get("terms").or(material.parameters.get("coefficients")) {
+        Some(Param::Table(terms)) => {
+            for column in 0..2 {
+                cards.push(terms.iter().map(|term| Number(term[column])).collect());
+            }
+        }
+        Some(Param::List(c)) => cards.push(c.iter().map(|c| Number(*c)).collect()),
+        _ => {}
+    }
+    deck.keyword(keyword);
+    deck.text(title);
+    for card in cards {
+        deck.card(&card);
+    }
+}
+
+/// Writes a foam as a card with a curve; the rest, also curves by rate, after `$crumple:`.
+fn low_density_foam(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
+    const CURVE: &str = "compression";
+    let Some(Param::Table(rows)) = material.parameters.get(CURVE) else {
+        deck.text(&format!("$ material {title}: curves by rate have no keyword"));
+        return;
+    };
+    let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
+    let curve = points(deck, &pairs);
+    let e = match material.parameters.get("youngs_modulus") {
+        Some(Param::Number(e)) => Number(*e),
+        _ => Blank,
+    };
+    deck.keyword("MAT_LOW_DENSITY_FOAM_TITLE");
+    deck.text(title);
+    deck.card(&[Id(mid), Number(material.density), e, Id(curve)]);
+    deck.card(&[]);
+    without_card(deck, material, &["youngs_modulus", CURVE]);
+}
+
+/// Returns true if a material has no key that the card of piecewise linear plasticity lacks here.
+fn is_isotropic(material: &Material) -> bool {
+    let others = ["kinematic_modulus", "hardening_by_rate", "rate_factors", "viscoplastic"];
+    !others.iter().any(|key| material.parameters.contains_key(*key))
 }
 
 fn johnson_cook(

@@ -41,10 +41,10 @@ pub const KEYWORDS: &[Keyword] = &[
             ("mid:i! ro:r! e:r! pr:r sigy:r! etan:r beta:r", Once),
             ("src:r srp:r fs:r vp:r", Maybe),
         ],
-        "law `j2` with the plastic modulus e etan/(e - etan). Hardening is isotropic for any beta; \
-         `check` shows this. src and srp are `cowper_symonds`, fs is `failure_strain`",
+        "law `j2` with the plastic modulus e etan/(e - etan), of which beta is the isotropic share \
+         and the rest `kinematic_modulus`. src and srp are `cowper_symonds`, with vp 1 \
+         `viscoplastic`; fs is `failure_strain`",
     )
-    .unused(&[RATE_OF_STRAIN])
     .aliases(&["MAT_003", "MAT_3"])
     .options(&["TITLE"]),
     Keyword::new(
@@ -56,10 +56,11 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eps:r*8", Maybe),
             ("es:r*8", Maybe),
         ],
-        "law `j2` with the table of lcss, with eps and es, or with sigy and etan; c and p are \
-         `cowper_symonds`, fail is `failure_strain`",
+        "law `j2` with the curve of lcss (`hardening`), with its curves by rate \
+         (`hardening_by_rate`), with eps and es, or with sigy and etan; c and p are \
+         `cowper_symonds`, lcsr is `rate_factors`, with vp 1 `viscoplastic`; fail is \
+         `failure_strain`",
     )
-    .unused(&[RATE_OF_STRAIN])
     .aliases(&["MAT_024", "MAT_24"])
     .options(&["TITLE"]),
     Keyword::new(

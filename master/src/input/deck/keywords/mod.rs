@@ -11,6 +11,7 @@ mod materials;
 mod mesh;
 mod parts;
 mod sets;
+mod soft_materials;
 
 use super::record::CardRecord;
 use super::table::{Card, Effect, Keyword, Times, UnusedFields};
@@ -22,6 +23,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Mesh", mesh::KEYWORDS),
     ("Parts and sections", parts::KEYWORDS),
     ("Materials", materials::KEYWORDS),
+    ("Rubber and foam", soft_materials::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Rigid bodies and constraints", constraints::KEYWORDS),

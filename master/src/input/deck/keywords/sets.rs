@@ -102,7 +102,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DEFINE_TABLE",
         &[("heading:l", Count(title)), ("tbid:i! sfa:r=1 offa:r", Once), ("value:r20", Rest)],
-        "friction by pressure and speed (fs 2); a `*DEFINE_CURVE` for each value must follow",
+        "friction by pressure and speed (fs 2), or curves of a material by strain rate; a \
+         `*DEFINE_CURVE` for each value must follow",
     )
     .options(&["TITLE"]),
     Keyword::new(

@@ -12,6 +12,7 @@
 //! temperature rise, damage (failure at 1) and `failed` (0 or 1). A failed point has no stress
 //! and no plastic flow from then on.
 
+pub mod combined;
 mod plane_stress;
 mod solid;
 

@@ -237,7 +237,7 @@ impl Plasticity {
 
 /// Returns `e:e` of the isochoric strain increment with these in-plane components.
 #[inline(always)]
-fn square<R: Real>(eps: [R; 3]) -> R {
+pub(super) fn square<R: Real>(eps: [R; 3]) -> R {
     let e_xy = R::splat(0.5) * eps[2];
     let sum = eps[0].mul_add(eps[0] + eps[1], eps[1].mul_add(eps[1], e_xy * e_xy));
     sum + sum

@@ -1,0 +1,267 @@
+//! Converts materials of rubber and foam, and failure that is added to any material.
+
+use super::DeckConverter;
+use super::materials::DeckMaterial;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
+use std::collections::HashMap;
+
+/// Keywords of this file.
+pub const KEYWORDS: [&str; 8] = [
+    "MAT_VISCOELASTIC",
+    "MAT_BLATZ-KO_RUBBER",
+    "MAT_MOONEY-RIVLIN_RUBBER",
+    "MAT_HYPERELASTIC_RUBBER",
+    "MAT_OGDEN_RUBBER",
+    "MAT_LOW_DENSITY_FOAM",
+    "MAT_CRUSHABLE_FOAM",
+    "MAT_FU_CHANG_FOAM",
+];
+
+/// Criteria of failure: field, key, and sign of the field.
+const CRITERIA: [(&str, &str, f64); 6] = [
+    ("mxpres", "erosion_max_pressure", 1.0),
+    ("mnpres", "erosion_min_pressure", 1.0),
+    ("sigp1", "erosion_principal_stress", 1.0),
+    ("sigvm", "erosion_von_mises", 1.0),
+    ("effeps", "erosion_plastic_strain", -1.0),
+    ("voleps", "erosion_volume_strain", 1.0),
+];
+
+/// Stress from which on a limit of tension is none [force/length^2].
+const NO_LIMIT: f64 = 1e19;
+
+impl DeckConverter {
+    /// Converts the parameters of a material and returns Young's modulus [force/length^2].
+    pub(super) fn soft_material(
+        &mut self,
+        keyword: &str,
+        record: &CardRecord,
+        table: &mut JobTable,
+    ) -> f64 {
+        match keyword {
+            "MAT_VISCOELASTIC" => viscoelastic(record, table),
+            "MAT_BLATZ-KO_RUBBER" => {
+                table.put("law", record.head, "blatz_ko");
+                number(record, table, "g", "shear_modulus");
+                2.926 * record.real("g")
+            }
+            "MAT_MOONEY-RIVLIN_RUBBER" => {
+                table.put("law", record.head, "mooney_rivlin");
+                for (field, key) in [("pr", "poisson"), ("a", "a"), ("b", "b")] {
+                    number(record, table, field, key);
+                }
+                let is_fit = ["sgl", "sw", "st"].iter().any(|field| record.real(field) != 0.0);
+                if record.integer("lcid") != 0 || is_fit {
+                    self.unsupported_value(record, "lcid", "a fit to a test; give a and b");
+                }
+                2.0 * (1.0 + record.real("pr")) * 2.0 * (record.real("a") + record.real("b"))
+            }
+            "MAT_HYPERELASTIC_RUBBER" => {
+                table.put("law", record.head, "polynomial_rubber");
+                let c = ["c10", "c01", "c11", "c20", "c02", "c30"].map(|c| record.real(c));
+                table.put("coefficients", record.place("c10"), c);
+                self.rubber_options(record, table);
+                2.0 * (1.0 + record.real("pr")) * 2.0 * (c[0] + c[1])
+            }
+            "MAT_OGDEN_RUBBER" => self.ogden(record, table),
+            "MAT_CRUSHABLE_FOAM" => self.crushable_foam(record, table),
+            _ => self.low_density_foam(keyword, record, table),
+        }
+    }
+
+    /// Converts `*MAT_ADD_EROSION` to criteria of the materials.
+    pub(super) fn erosion(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
+        for record in self.take_records("MAT_ADD_EROSION") {
+            let (id, place) = (record.integer("mid"), record.place("mid"));
+            let excluded = record.real("excl");
+            let given = |field: &str| ![0.0, excluded].contains(&record.real(field));
+            for field in [
+                "mneps", "mxeps", "epssh", "sigth", "impulse", "failtm", "epsthin", "engcrt",
+                "radcrt",
+            ]
+            .iter()
+            .filter(|field| given(field))
+            {
+                let why = "this criterion; use mxpres, mnpres, sigp1, sigvm, voleps or effeps";
+                self.unsupported_value(&record, field, why);
+            }
+            for field in ["idam", "lcfld"].iter().filter(|field| record.integer(field) != 0) {
+                self.unsupported_value(&record, field, "damage and forming limits");
+            }
+            if record.real("ncs") > 1.0 {
+                self.unsupported_value(&record, "ncs", "failure by several criteria together");
+            }
+            if given("effeps") && record.real("effeps") > 0.0 {
+                let why = "a total strain; give the plastic strain with a negative sign";
+                self.unsupported_value(&record, "effeps", why);
+            }
+            for field in ["sigp1", "sigvm"].iter().filter(|field| record.real(field) < 0.0) {
+                self.unsupported_value(&record, field, "a curve over the strain rate");
+            }
+            let Some(material) = materials.get_mut(&id) else {
+                let known: Vec<String> = materials.keys().map(i64::to_string).collect();
+                self.missing(place, "*MAT_...", id, &known);
+                continue;
+            };
+            let Some(table) = &mut material.table else { continue };
+            for (field, key, sign) in CRITERIA {
+                let value = sign * record.real(field);
+                if given(field) && (value > 0.0 || matches!(field, "voleps" | "mnpres" | "mxpres"))
+                {
+                    table.put(key, record.place(field), value);
+                }
+            }
+        }
+    }
+
+    /// Converts what both rubbers with fits have in common.
+    fn rubber_options(&mut self, record: &CardRecord, table: &mut JobTable) {
+        number(record, table, "pr", "poisson");
+        if record.integer("n") != 0 {
+            self.unsupported_value(record, "n", "a fit to a test; give the constants with n 0");
+        }
+        let relaxes = record.lines("gi").any(|line| line.real("gi") != 0.0);
+        if relaxes || record.real("g") != 0.0 {
+            let field = if relaxes { "gi" } else { "g" };
+            self.unsupported_value(record, field, "the rubber has no relaxation and no damping");
+        }
+    }
+
+    fn ogden(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {
+        table.put("law", record.head, "ogden");
+        let list = |name| record.line(name).map(|line| line.reals(name)).unwrap_or_default();
+        let terms: Vec<Vec<f64>> = list("mu")
+            .into_iter()
+            .zip(list("alpha"))
+            .filter(|&(mu, alpha)| mu != 0.0 || alpha != 0.0)
+            .map(|(mu, alpha)| vec![mu, alpha])
+            .collect();
+        let shear = 0.5 * terms.iter().map(|term| term[0] * term[1]).sum::<f64>();
+        if !terms.is_empty() {
+            table.put("terms", record.place("mu"), terms);
+        }
+        self.rubber_options(record, table);
+        2.0 * (1.0 + record.real("pr")) * shear
+    }
+
+    fn crushable_foam(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {
+        table.put("law", record.head, "crushable_foam");
+        number(record, table, "e", "youngs_modulus");
+        number(record, table, "pr", "poisson");
+        number(record, table, "tsc", "tension_cutoff");
+        if record.real("model") != 0.0 {
+            self.unsupported_value(record, "model", "use 0: limits of the principal stresses");
+        }
+        let place = record.place("lcid");
+        if let Some(curve) = self.curve(record.integer("lcid"), place) {
+            let points = self.compression(record, curve.points);
+            table.put("compression", place, points);
+        }
+        record.real("e")
+    }
+
+    fn low_density_foam(
+        &mut self,
+        keyword: &str,
+        record: &CardRecord,
+        table: &mut JobTable,
+    ) -> f64 {
+        table.put("law", record.head, "low_density_foam");
+        number(record, table, "e", "youngs_modulus");
+        let given = |field: &str| record.real(field) != 0.0;
+        if given("tc") && record.real("tc") < NO_LIMIT {
+            number(record, table, "tc", "tension_cutoff");
+        }
+        for (field, key) in [("hu", "hysteresis"), ("shape", "shape")] {
+            if given(field) {
+                number(record, table, field, key);
+            }
+        }
+        if given("fail") {
+            let why = "tension ends at `tc` and does not fall; use 0";
+            self.unsupported_value(record, "fail", why);
+        }
+        if keyword == "MAT_LOW_DENSITY_FOAM" {
+            if given("beta") {
+                self.unsupported_value(record, "beta", "unloaded foam does not creep");
+            }
+            let place = record.place("lcid");
+            if let Some(curve) = self.curve(record.integer("lcid"), place) {
+                let points = from_origin(self.compression(record, curve.points));
+                table.put("compression", place, points);
+            }
+        } else {
+            for (field, why) in
+                [("tflag", "tension is linear"), ("pvid", "pressure has no curve of its own")]
+            {
+                if given(field) {
+                    self.unsupported_value(record, field, why);
+                }
+            }
+            self.curves_by_rate(record, table);
+        }
+        record.real("e")
+    }
+
+    /// Converts the curves of `*MAT_FU_CHANG_FOAM`, or its only one.
+    fn curves_by_rate(&mut self, record: &CardRecord, table: &mut JobTable) {
+        let (id, place) = (record.integer("tbid"), record.place("tbid"));
+        if !self.tables.contains_key(&id) && self.curves.contains_key(&id) {
+            if let Some(curve) = self.curve(id, place) {
+                let points = from_origin(self.compression(record, curve.points));
+                table.put("compression", place, points);
+            }
+            return;
+        }
+        let Some(rows) = self.table_rows(id, place) else { return };
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for curve in rows.chunk_by(|a, b| a[0] == b[0]) {
+            let points = curve.iter().map(|row| [row[1], row[2]]).collect();
+            let points = from_origin(self.compression(record, points));
+            all.extend(points.iter().map(|point| vec![curve[0][0], point[0], point[1]]));
+        }
+        table.put("compression_by_rate", place, all);
+    }
+
+    /// Returns the points of a curve of compression from a strain of zero on. Notes points before
+    /// it, which are for tension.
+    fn compression(&mut self, record: &CardRecord, mut points: Vec<[f64; 2]>) -> Vec<Vec<f64>> {
+        if points.iter().any(|point| point[0] < 0.0) {
+            let of = format!("material {}", record.integer("mid"));
+            self.map(of, "points of its curve at strains below 0", "not used: tension is linear");
+            points.retain(|point| point[0] >= 0.0);
+        }
+        if let Some(&[first, stress]) = points.first()
+            && first > 0.0
+        {
+            points.insert(0, [0.0, stress]);
+        }
+        points.iter().map(|point| point.to_vec()).collect()
+    }
+}
+
+fn number(record: &CardRecord, table: &mut JobTable, field: &str, key: &str) {
+    table.put(key, record.place(field), record.real(field));
+}
+
+/// Returns a curve that begins without stress: a first point that was added keeps the line.
+fn from_origin(mut points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    if let Some(first) = points.first_mut() {
+        first[1] = 0.0;
+    }
+    points
+}
+
+/// Converts the moduli to those of fast loads; returns Young's modulus [force/length^2].
+fn viscoelastic(record: &CardRecord, table: &mut JobTable) -> f64 {
+    let [bulk, fast] = ["bulk", "g0"].map(|field| record.real(field));
+    let e = 9.0 * bulk * fast / (3.0 * bulk + fast);
+    let nu = (3.0 * bulk - 2.0 * fast) / (2.0 * (3.0 * bulk + fast));
+    table.put("law", record.head, "viscoelastic");
+    table.put("youngs_modulus", record.place("bulk"), e);
+    table.put("poisson", record.place("bulk"), nu);
+    number(record, table, "gi", "long_term_shear_modulus");
+    number(record, table, "beta", "decay_rate");
+    e
+}

@@ -1,0 +1,150 @@
+//! Materials of rubber and foam, and failure that is added to any material.
+
+use super::title;
+use crate::input::deck::table::{
+    Keyword,
+    Times::{self, *},
+    UnusedFields, ignored, no_effect,
+};
+
+const TITLE: (&str, Times) = ("heading:l", Count(title));
+const REFERENCE: UnusedFields =
+    ignored("ref", "the stress is zero in the mesh as given; there is no reference geometry");
+const DAMPING: UnusedFields = ignored("damp", "the bulk viscosity of the elements damps");
+const OF_CONTACT: UnusedFields = no_effect("kcon", "contact finds its stiffness itself");
+
+/// Cards of rubbers with constants, or with a fit to a test.
+const FIT: &str = "sgl:r sw:r st:r lcid:i";
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new(
+        "MAT_ADD_EROSION",
+        &[
+            TITLE,
+            ("mid:i! excl:r mxpres:r mneps:r effeps:r voleps:r numfip:r ncs:r", Once),
+            ("mnpres:r sigp1:r sigvm:r mxeps:r epssh:r sigth:r impulse:r failtm:r", Maybe),
+            ("idam:i dmgtyp:r lcsdg:i ecrit:r dmgexp:r dcrit:r fadexp:r lcregd:i", Maybe),
+            ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
+        ],
+        "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, voleps, and effeps \
+         below 0 (plastic strain); the other criteria and damage (idam) are not supported",
+    )
+    .unused(&[
+        ignored("numfip", "an element is removed when all its points have failed"),
+        no_effect("dmgtyp lcsdg ecrit dmgexp dcrit fadexp lcregd", "they are for damage (idam)"),
+        no_effect("nsff", "it is for lcfld"),
+    ])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_VISCOELASTIC",
+        &[TITLE, ("mid:i! ro:r! bulk:r! g0:r! gi:r beta:r", Once)],
+        "law `viscoelastic`",
+    )
+    .aliases(&["MAT_006", "MAT_6"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_BLATZ-KO_RUBBER",
+        &[TITLE, ("mid:i! ro:r! g:r! ref:r", Once)],
+        "law `blatz_ko`",
+    )
+    .unused(&[REFERENCE])
+    .aliases(&["MAT_007", "MAT_7"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_MOONEY-RIVLIN_RUBBER",
+        &[TITLE, ("mid:i! ro:r! pr:r! a:r b:r ref:r", Once), (FIT, Maybe)],
+        "law `mooney_rivlin` with a and b; a fit to the curve lcid is not supported",
+    )
+    .unused(&[REFERENCE])
+    .aliases(&["MAT_027", "MAT_27"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_HYPERELASTIC_RUBBER",
+        &[
+            TITLE,
+            ("mid:i! ro:r! pr:r! n:i nv:i g:r sigf:r ref:r", Once),
+            ("c10:r c01:r c11:r c20:r c02:r c30:r", Maybe),
+            ("gi:r betai:r", Rest),
+        ],
+        "law `polynomial_rubber` with the constants of n 0; a fit to a test (n above 0) and \
+         relaxation (gi, betai) are not supported",
+    )
+    .unused(&[
+        REFERENCE,
+        ignored("sigf", "there is no friction damping"),
+        no_effect("nv betai", "there is no relaxation"),
+    ])
+    .aliases(&["MAT_077_H", "MAT_77_H"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_OGDEN_RUBBER",
+        &[
+            TITLE,
+            ("mid:i! ro:r! pr:r! n:i nv:i g:r sigf:r ref:r", Once),
+            ("mu:r*8", Maybe),
+            ("alpha:r*8", Maybe),
+            ("gi:r betai:r", Rest),
+        ],
+        "law `ogden` with the terms of n 0; a fit to a test (n above 0) and relaxation (gi, betai) \
+         are not supported",
+    )
+    .unused(&[
+        REFERENCE,
+        ignored("sigf", "there is no friction damping"),
+        no_effect("nv betai", "there is no relaxation"),
+    ])
+    .aliases(&["MAT_077_O", "MAT_77_O"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_LOW_DENSITY_FOAM",
+        &[
+            TITLE,
+            ("mid:i! ro:r! e:r! lcid:i! tc:r hu:r beta:r damp:r", Once),
+            ("shape:r fail:r bvflag:r ed:r beta1:r kcon:r ref:r", Maybe),
+        ],
+        "law `low_density_foam`: lcid is `compression`, tc `tension_cutoff`, hu `hysteresis`",
+    )
+    .unused(&[
+        REFERENCE,
+        DAMPING,
+        OF_CONTACT,
+        no_effect("bvflag", "the bulk viscosity of the elements acts"),
+        ignored("ed beta1", "there is no relaxation of the foam"),
+    ])
+    .aliases(&["MAT_057", "MAT_57"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_CRUSHABLE_FOAM",
+        &[TITLE, ("mid:i! ro:r! e:r! pr:r lcid:i! tsc:r damp:r model:r", Once)],
+        "law `crushable_foam`: lcid is `compression`, tsc `tension_cutoff`",
+    )
+    .unused(&[DAMPING])
+    .aliases(&["MAT_063", "MAT_63"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_FU_CHANG_FOAM",
+        &[
+            TITLE,
+            ("mid:i! ro:r! e:r! kcon:r tc:r fail:r damp:r tbid:i!", Once),
+            ("bvflag:r sflag:r rflag:r tflag:r pvid:i sraf:r ref:r hu:r", Maybe),
+            ("d0:r n0:r n1:r n2:r n3:r c0:r c1:r c2:r", Maybe),
+            ("c3:r c4:r c5:r aij:r sij:r minr:r maxr:r shape:r", Maybe),
+            ("expon:r riuld:r", Maybe),
+        ],
+        "law `low_density_foam`: the curves of tbid are `compression_by_rate`, over the nominal \
+         strain rate; tc is `tension_cutoff`, hu `hysteresis`",
+    )
+    .unused(&[
+        REFERENCE,
+        DAMPING,
+        OF_CONTACT,
+        no_effect("bvflag", "the bulk viscosity of the elements acts"),
+        ignored("sflag rflag", "strains, stresses and rates of the curves are nominal"),
+        no_effect("sraf", "the rate is a running mean"),
+        no_effect("d0 n0 n1 n2 n3 c0 c1 c2 c3 c4 c5 aij sij", "tbid replaces them"),
+        ignored("minr maxr", "the rates of the curves are the limits"),
+        ignored("expon riuld", "unloading has the form of `hysteresis` and `shape`"),
+    ])
+    .aliases(&["MAT_083", "MAT_83"])
+    .options(&["TITLE"]),
+];

@@ -1,0 +1,140 @@
+//! Curves of straight lines between points, as sums of ramps. Such a sum needs no search, so that
+//! no lane waits for another.
+
+use crumple_math::lanes::Real;
+
+/// Course of a curve beyond its last point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Beyond {
+    /// It keeps the last value.
+    Constant,
+    /// It keeps the last slope.
+    Straight,
+}
+
+/// A curve; constant before its first point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RampCurve {
+    /// Ordinate of the first point.
+    first: f64,
+    /// Abscissas at which the slope changes, and the change.
+    ramps: Vec<(f64, f64)>,
+}
+
+impl RampCurve {
+    /// Creates a curve from points with ascending abscissas; ordinates are multiplied by `scale`.
+    pub fn new(points: &[[f64; 2]], scale: f64, beyond: Beyond) -> Self {
+        let mut ramps = Vec::with_capacity(points.len());
+        let mut slope = 0.0;
+        for two in points.windows(2) {
+            let next = scale * (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]);
+            ramps.push((two[0][0], next - slope));
+            slope = next;
+        }
+        if let (Some(last), Beyond::Constant) = (points.last(), beyond) {
+            ramps.push((last[0], -slope));
+        }
+        Self { first: points.first().map_or(0.0, |p| scale * p[1]), ramps }
+    }
+
+    /// Returns the ordinate and the slope at an abscissa; at a point, the slope after it.
+    #[inline(always)]
+    pub fn at<R: Real>(&self, x: R) -> [R; 2] {
+        let (mut value, mut slope) = (R::splat(self.first), R::zero());
+        for &(start, change) in &self.ramps {
+            let beyond = x - R::splat(start);
+            let change = R::select(beyond.ge(R::zero()), R::splat(change), R::zero());
+            value = change.mul_add(beyond, value);
+            slope += change;
+        }
+        [value, slope]
+    }
+
+    /// Returns the integral from zero to an abscissa above zero.
+    #[inline(always)]
+    pub fn area<R: Real>(&self, x: R) -> R {
+        let mut area = R::splat(self.first) * x;
+        for &(start, change) in &self.ramps {
+            let beyond = Real::max(x - R::splat(start), R::zero());
+            area = R::splat(0.5 * change).mul_add(beyond * beyond, area);
+        }
+        area
+    }
+}
+
+/// Curves at ascending values, linear between them; constant outside the values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveFamily {
+    values: Vec<f64>,
+    curves: Vec<RampCurve>,
+}
+
+impl CurveFamily {
+    /// Creates curves from rows [value, abscissa, ordinate], ordered by value and abscissa.
+    pub fn new(rows: &[[f64; 3]], scale: f64, beyond: Beyond) -> Self {
+        let groups = rows.chunk_by(|a, b| a[0] == b[0]);
+        let curve = |rows: &[[f64; 3]]| {
+            let points: Vec<[f64; 2]> = rows.iter().map(|row| [row[1], row[2]]).collect();
+            RampCurve::new(&points, scale, beyond)
+        };
+        let (values, curves) = groups.map(|rows| (rows[0][0], curve(rows))).unzip();
+        Self { values, curves }
+    }
+
+    /// Returns the curve of the smallest value.
+    pub fn lowest(&self) -> &RampCurve {
+        &self.curves[0]
+    }
+
+    /// Returns the ordinate, its slope over the abscissa, and its slope over the value.
+    #[inline(always)]
+    pub fn at<R: Real>(&self, value: R, x: R) -> [R; 3] {
+        let [mut below, mut slope] = self.curves[0].at(x);
+        let (mut sum, mut over) = (below, R::zero());
+        let mut below_slope = slope;
+        for (two, curve) in self.values.windows(2).zip(&self.curves[1..]) {
+            let per = R::splat(1.0 / (two[1] - two[0]));
+            let share = (value - R::splat(two[0])) * per;
+            let inside = R::both(share.ge(R::zero()), share.lt(R::splat(1.0)));
+            let share = Real::min(Real::max(share, R::zero()), R::splat(1.0));
+            let [above, above_slope] = curve.at(x);
+            sum = share.mul_add(above - below, sum);
+            slope = share.mul_add(above_slope - below_slope, slope);
+            over = R::select(inside, (above - below) * per, over);
+            (below, below_slope) = (above, above_slope);
+        }
+        [sum, slope, over]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A curve of three points and its integral, in units of round-off.
+    #[test]
+    fn a_curve_goes_through_its_points_and_has_its_area() {
+        let points = [[0.5, 2.0], [1.0, 3.0], [2.0, 1.0]];
+        let constant = RampCurve::new(&points, 2.0, Beyond::Constant);
+        let straight = RampCurve::new(&points, 2.0, Beyond::Straight);
+        for (x, [value, slope]) in
+            [(0.0, [4.0, 0.0]), (0.5, [4.0, 4.0]), (0.75, [5.0, 4.0]), (1.5, [4.0, -4.0])]
+        {
+            assert_eq!((constant.at(x), straight.at(x)), ([value, slope], [value, slope]), "{x}");
+        }
+        assert_eq!((constant.at(3.0), straight.at(3.0)), ([2.0, 0.0], [-2.0, -4.0]));
+        let area = 0.5 * 4.0 + 0.5 * 5.0 + 1.0 * 4.0;
+        assert!((constant.area(2.0) - area).abs() < 1e-14, "{}", constant.area(2.0));
+    }
+
+    /// Halfway between two values the ordinate is the mean; outside it is that of the last value.
+    #[test]
+    fn a_family_is_linear_between_its_values() {
+        let rows = [[1.0, 0.0, 1.0], [1.0, 1.0, 2.0], [3.0, 0.0, 5.0], [3.0, 1.0, 10.0]];
+        let family = CurveFamily::new(&rows, 1.0, Beyond::Straight);
+        assert_eq!(family.at(2.0, 0.5), [(1.5 + 7.5) / 2.0, 3.0, 3.0]);
+        assert_eq!(family.at(0.0, 0.5), [1.5, 1.0, 0.0]);
+        assert_eq!(family.at(9.0, 0.5), [7.5, 5.0, 0.0]);
+        assert_eq!(family.lowest().at(0.5), [1.5, 1.0]);
+    }
+}

@@ -1,0 +1,100 @@
+//! Rubbers in three dimensions: the stress follows from the left Cauchy-Green tensor B, by the
+//! derivative of a strain energy. One file for each energy.
+//!
+//! The history holds `b = B - 1` and rotates with the stress. [`tensor::stretch`](super::tensor)
+//! advances it by the strain increment, so that the stress depends on the deformation alone, up to
+//! the second order of the step where the body rotates. The step follows the stiffening of the
+//! rubber.
+
+pub mod blatz_ko;
+pub mod mooney_rivlin;
+pub mod ogden;
+pub mod polynomial;
+
+use super::parameters::Parameters;
+use super::tensor::{Symmetric, deviator, inner, stretch, trace};
+use super::{Elastic, Solid, SolidPoint};
+use crumple_math::lanes::{Lane, Lane32, Real};
+
+const HISTORY: &[&str] =
+    &["green xx", "green yy", "green zz", "green xy", "green yz", "green zx", "stiffening"];
+
+/// A strain energy.
+trait StrainEnergy: Send + Sync {
+    /// Returns the elastic constants at small strain.
+    fn elastic(&self) -> Elastic;
+
+    /// Returns the Cauchy stress [force/length^2]. It is zero, bit for bit, if b is zero.
+    fn stress<R: Real>(&self, b: &Symmetric<R>) -> Symmetric<R>;
+
+    /// Returns a bound of `d(J sigma_i)/d(ln lambda_i)/J` over all principal directions
+    /// [force/length^2].
+    fn modulus<R: Real>(&self, b: &Symmetric<R>) -> R;
+}
+
+/// The law of a strain energy.
+struct Rubber<W>(W);
+
+impl<W: StrainEnergy> Rubber<W> {
+    #[inline(always)]
+    fn solid<R: Real>(&self, point: SolidPoint<'_, R>) -> R {
+        let state = point.state;
+        let b = stretch(&std::array::from_fn(|c| state[6 + c]), point.strain);
+        let stress = self.0.stress(&b);
+        // Waves along a principal axis have the modulus minus the stress there.
+        let s = deviator(&stress);
+        let least = (R::splat(2.0 / 3.0) * inner(&s, &s))
+            .sqrt()
+            .neg_mul_add(R::splat(1.0), R::splat(1.0 / 3.0) * trace(&stress));
+        let modulus = self.0.modulus(&b) + Real::max(-least, R::zero());
+        let ratio = modulus / self.0.modulus(&[R::zero(); 6]) - R::splat(1.0);
+        state[..6].copy_from_slice(&stress);
+        state[6..12].copy_from_slice(&b);
+        state[12] = Real::max(ratio, R::zero());
+        R::splat(1.0)
+    }
+}
+
+impl<W: StrainEnergy> Solid for Rubber<W> {
+    fn history(&self) -> &'static [&'static str] {
+        HISTORY
+    }
+    fn tensors(&self) -> usize {
+        1
+    }
+    fn elastic(&self) -> Elastic {
+        self.0.elastic()
+    }
+    fn update(&self, point: SolidPoint<'_, Lane>, _dt: f64) -> Lane {
+        self.solid(point)
+    }
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, _dt: f64) -> Lane32 {
+        self.solid(point)
+    }
+    fn update_one(&self, point: SolidPoint<'_, f64>, _dt: f64) -> f64 {
+        self.solid(point)
+    }
+}
+
+/// Returns the elastic constants of a shear modulus [force/length^2] and Poisson's ratio.
+fn elastic_of_shear(shear: f64, poisson: f64, density: f64) -> Elastic {
+    Elastic { youngs_modulus: 2.0 * shear * (1.0 + poisson), poisson, density }
+}
+
+/// Reads Poisson's ratio of a rubber.
+fn poisson(parameters: &mut Parameters<'_>) -> f64 {
+    let wanted = "from 0 and below 0.5, as 0.495";
+    parameters.required("poisson", wanted, |nu| (0.0..0.5).contains(&nu))
+}
+
+/// Records a problem if the shear modulus of some keys is not above 0.
+fn check_shear(parameters: &mut Parameters<'_>, key: &str, shear: f64) {
+    if shear.is_nan() || shear <= 0.0 {
+        let what = format!("gives the shear modulus {shear} at small strain");
+        parameters.wrong(key, what, "it has to be above 0");
+    }
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,144 @@
+//! Rubber with a strain energy in powers of the invariants (Rivlin & Saunders 1951), as in
+//! `*MAT_HYPERELASTIC_RUBBER`:
+//! ```text
+//! W = sum c_pq (I1 - 3)^p (I2 - 3)^q + K/2 (J - 1)^2
+//! K = 2 G (1 + nu) / (3 (1 - 2 nu)),   G = 2 (c10 + c01)
+//! ```
+//! with the invariants `I1 = I III^(-1/3)` and `I2 = II III^(-2/3)` of the isochoric part. Uniaxial
+//! stress near nu = 1/2 is `2 (lambda^2 - 1/lambda) (dW/dI1 + dW/dI2 / lambda)`.
+
+use super::{Rubber, StrainEnergy, check_shear, elastic_of_shear, poisson};
+use crate::materials::parameters::Parameters;
+use crate::materials::tensor::{
+    Symmetric, deviator, inner, largest_bound, square, trace, volume_change,
+};
+use crate::materials::{DefaultValue, Elastic, Form, Law, POISSON, ParameterRow, SolidLawResult};
+use crumple_math::lanes::Real;
+use crumple_proto::partition::{Material, Param};
+
+const KEY: &str = "coefficients";
+
+/// The row of this law.
+pub const LAW: Law = Law {
+    name: "polynomial_rubber",
+    meaning: "Rubber with a strain energy in powers of the invariants.",
+    constants: &[POISSON],
+    parameters: &[ParameterRow {
+        key: KEY,
+        form: Form::Numbers(6),
+        otherwise: DefaultValue::Needed,
+        range: None,
+        meaning: "Coefficients c10, c01, c11, c20, c02, c30 of the strain energy; the shear \
+                  modulus is 2 (c10 + c01) [force/length^2].",
+    }],
+    build: None,
+    solid,
+};
+
+struct Polynomial {
+    elastic: Elastic,
+    c: [f64; 6],
+    bulk: f64,
+}
+
+fn solid(material: &Material) -> SolidLawResult {
+    let mut parameters = Parameters::new(material);
+    let density = parameters.density();
+    let nu = poisson(&mut parameters);
+    let c: Option<[f64; 6]> = match parameters.get(KEY) {
+        Some(Param::List(list)) => list.as_slice().try_into().ok(),
+        _ => None,
+    };
+    let c = c.filter(|c| c.iter().all(|c| c.is_finite())).unwrap_or_else(|| {
+        let help = "give c10, c01, c11, c20, c02 and c30; 0 for a term that is not there";
+        parameters.wrong(KEY, "is not a list of six numbers", help);
+        [1.0; 6]
+    });
+    let shear = 2.0 * (c[0] + c[1]);
+    check_shear(&mut parameters, KEY, shear);
+    let elastic = elastic_of_shear(shear, nu, density);
+    parameters.finish()?;
+    Ok(Box::new(Rubber(Polynomial { elastic, c, bulk: elastic.bulk_modulus() })))
+}
+
+/// The isochoric invariants and the derivatives of the energy by them.
+struct Invariants<R> {
+    /// J, and `J^(-2/3)`.
+    volume: R,
+    scale: R,
+    /// Invariants minus 3.
+    first: R,
+    second: R,
+    /// Derivatives of W by them.
+    w1: R,
+    w2: R,
+}
+
+impl Polynomial {
+    #[inline(always)]
+    fn invariants<R: Real>(&self, green: &Symmetric<R>) -> Invariants<R> {
+        let [c10, c01, c11, c20, c02, c30] = self.c.map(R::splat);
+        let (one, two, three) = (R::splat(1.0), R::splat(2.0), R::splat(3.0));
+        let all = R::zero().le(R::zero());
+        let x = volume_change(green);
+        let scale = (one + x).powf_where(-1.0 / 3.0, all);
+        let i = trace(green);
+        // II = 3 + 2 tr b + (tr b^2 - b:b)/2.
+        let ii = two.mul_add(i, R::splat(0.5) * i.mul_add(i, -inner(green, green)));
+        let rest = scale - one;
+        let first = scale.mul_add(i, three * rest);
+        let second = (scale * scale).mul_add(ii, three * rest * (scale + one));
+        let w1 = c10 + c11 * second + two * c20 * first + three * c30 * first * first;
+        let w2 = c01 + c11 * first + two * c02 * second;
+        Invariants { volume: (one + x).sqrt(), scale, first, second, w1, w2 }
+    }
+}
+
+impl StrainEnergy for Polynomial {
+    fn elastic(&self) -> Elastic {
+        self.elastic
+    }
+
+    /// `J sigma = 2 dev((w1 + w2 I1) B - w2 B^2) + K J (J - 1) 1` with the isochoric B.
+    #[inline(always)]
+    fn stress<R: Real>(&self, green: &Symmetric<R>) -> Symmetric<R> {
+        let Invariants { volume, scale, first, w1, w2, .. } = self.invariants(green);
+        let (one, two) = (R::splat(1.0), R::splat(2.0));
+        let (linear, squared) = (deviator(green), deviator(&square(green)));
+        // dev B^2 = 2 dev b + dev b^2.
+        let rest = w2 * scale * scale;
+        let factor = scale.mul_add(w2.mul_add(first + R::splat(3.0), w1), -(rest + rest));
+        let x = volume_change(green);
+        let mean = R::splat(self.bulk) * (x / (volume + one));
+        std::array::from_fn(|c| {
+            let s = two * rest.neg_mul_add(squared[c], factor * linear[c]) / volume;
+            if c < 3 { s + mean } else { s }
+        })
+    }
+
+    #[inline(always)]
+    fn modulus<R: Real>(&self, green: &Symmetric<R>) -> R {
+        let Invariants { volume, scale, first, second, w1, w2 } = self.invariants(green);
+        let [_, _, c11, c20, c02, c30] = self.c.map(|c| R::splat(c.abs()));
+        let (one, three) = (R::splat(1.0), R::splat(3.0));
+        let (i1, i2) = (first + three, second + three);
+        let two_thirds = R::splat(2.0 / 3.0);
+        // Squares of the deviators of the isochoric B and of its inverse.
+        let s = deviator(green);
+        let of_b = scale * scale * inner(&s, &s);
+        let of_inverse = Real::max(two_thirds * i2 * i2 - (i1 + i1), R::zero());
+        let largest = scale * (one + largest_bound(green));
+        let inverse = R::splat(1.0 / 3.0) * i2 + (two_thirds * of_inverse).sqrt();
+        let share = |largest: R, sum: R| {
+            R::splat(8.0 / 9.0).mul_add(largest, R::splat(2.0 / 9.0) * (sum - largest))
+        };
+        let linear = w1.abs() * share(largest, i1) + w2.abs() * share(inverse, i2);
+        let second_order = (c20 + three * c30 * first) * of_b
+            + c02 * of_inverse
+            + c11 * (of_b * of_inverse).sqrt();
+        let shear = R::splat(2.0) * linear + R::splat(16.0 / 3.0) * second_order;
+        // d(J (J - 1))/d ln J = J (2 J - 1).
+        let volumetric = R::splat(self.bulk) * Real::max(volume + volume - one, R::zero());
+        shear / volume + volumetric
+    }
+}
