@@ -16,8 +16,8 @@ fn kinetic(solids: &Solids, masses: &[(f64, f64)]) -> f64 {
     masses.iter().zip(&solids.v).map(|((mass, _), v)| 0.5 * mass * square(v)).sum()
 }
 
-/// Returns the largest kinetic energy of a motion over that at its start. `free` says which axes move; `speed` is the largest
-/// velocity in units of the dilatational wave.
+/// Returns the largest kinetic energy of a motion over that at its start. `free` says which axes
+/// move; `speed` is the largest velocity in units of the dilatational wave.
 fn gains(law: &Material, free: [bool; 3], speed: f64, steps: usize) -> f64 {
     let (nodes, cells) = block([6, 1, 1], [6.0, 1.0, 1.0]);
     let part = solid_part(HourglassForm::Stiffness, None);
@@ -33,7 +33,7 @@ fn gains(law: &Material, free: [bool; 3], speed: f64, steps: usize) -> f64 {
     let (mut stable, mut dt) = (std::collections::VecDeque::from([start]), FACTOR * start);
     let mut most = 0.0f64;
     for step in 0..steps {
-        // The steps of a run: the mean of two for velocities, and the smallest limit of the last 256.
+        // The steps of a run: the mean of two for velocities, the smallest limit of the last 256.
         let next = FACTOR * stable.iter().copied().fold(f64::INFINITY, f64::min);
         let (force, _) = solids.nodal();
         for ((v, force), (mass, _)) in solids.v.iter_mut().zip(force).zip(&masses) {

@@ -100,8 +100,9 @@ impl<'a> Parameters<'a> {
         Some(rows.unwrap_or_default())
     }
 
-    /// Returns the points of an optional curve whose abscissas ascend from 0 on. Reports an error, and returns no points, if they do not. `fits` checks a point, and
-    /// `wanted` says in words what it accepts.
+    /// Returns the points of an optional curve whose abscissas ascend from 0 on. Reports an error,
+    /// and returns no points, if they do not. `fits` checks a point, and `wanted` says in words
+    /// what it accepts.
     pub fn curve(
         &mut self,
         key: &'static str,
