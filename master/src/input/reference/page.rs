@@ -4,7 +4,7 @@ use super::schema;
 use crumple_cases::GENERATORS;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{ELASTIC, LAWS};
+use crumple_worker::fem::materials::{ELASTIC, EROSION, LAWS};
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use serde_json::Value;
 use std::fmt::Write;
@@ -192,6 +192,8 @@ impl Page<'_> {
             if own.is_empty() { String::new() } else { format!(" except `{}`", own.join("`, `")) };
         let _ = write!(self.text, "\nEvery law{except} has these keys:\n\n");
         self.parameters(ELASTIC);
+        self.text += "\nEvery law can have these criteria of failure:\n\n";
+        self.parameters(EROSION);
         for law in LAWS.iter() {
             let only = if law.build.is_none() { " For solids only." } else { "" };
             let _ = write!(self.text, "\n### `law = \"{}\"`\n\n{}{only}\n", law.name, law.meaning);

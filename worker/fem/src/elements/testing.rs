@@ -139,6 +139,14 @@ pub fn laws() -> Vec<Material> {
     ];
     let all = vec![
         steel("elastic", &[]),
+        steel(
+            "elastic",
+            &[
+                ("erosion_principal_stress", number(1e3)),
+                ("erosion_max_pressure", number(1e3)),
+                ("erosion_von_mises", number(1e3)),
+            ],
+        ),
         steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
         steel(
             "j2",

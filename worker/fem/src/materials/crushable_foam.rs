@@ -12,7 +12,7 @@
 //! times the slope: the step follows where that exceeds the elastic one.
 
 use super::parameters::Parameters;
-use super::polyline::{Beyond, Polyline};
+use super::polyline::{Beyond, RampCurve};
 use super::tensor::Principal;
 use super::{
     DefaultValue, ELASTIC, Elastic, Form, Law, ParameterRow, Solid, SolidLawResult, SolidPoint,
@@ -51,7 +51,7 @@ pub const LAW: Law = Law {
 
 struct CrushableFoam {
     elastic: Elastic,
-    curve: Polyline,
+    curve: RampCurve,
     cutoff: f64,
 }
 
@@ -78,7 +78,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<CrushableFoa
     }
     let cutoff = parameters.optional("tension_cutoff", "0 or above", |t| t >= 0.0);
     parameters.finish()?;
-    let curve = Polyline::new(&points, 1.0, Beyond::Straight);
+    let curve = RampCurve::new(&points, 1.0, Beyond::Straight);
     Ok(CrushableFoam { elastic, curve, cutoff: cutoff.unwrap_or(0.0) })
 }
 

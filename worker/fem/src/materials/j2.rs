@@ -29,7 +29,7 @@
 use super::parameters::Parameters;
 use super::plasticity::combined::{CombinedPlasticity, RateFactor};
 use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve};
-use super::polyline::{Beyond, CurveFamily, Polyline};
+use super::polyline::{Beyond, CurveFamily, RampCurve};
 use super::{DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
@@ -122,8 +122,8 @@ fn build(material: &Material) -> LawResult {
     let mut parameters = Parameters::new(material);
     let elastic = parameters.elastic();
     Ok(match read(parameters, elastic)? {
-        Flow::Isotropic(law) => Box::new(law),
-        Flow::Combined(law) => Box::new(law),
+        J2Form::Isotropic(law) => Box::new(law),
+        J2Form::Combined(law) => Box::new(law),
     })
 }
 
@@ -131,13 +131,13 @@ fn solid(material: &Material) -> SolidLawResult {
     let mut parameters = Parameters::new(material);
     let elastic = parameters.solid_elastic();
     Ok(match read(parameters, elastic)? {
-        Flow::Isotropic(law) => Box::new(law),
-        Flow::Combined(law) => Box::new(law),
+        J2Form::Isotropic(law) => Box::new(law),
+        J2Form::Combined(law) => Box::new(law),
     })
 }
 
 /// The two forms of this law.
-enum Flow {
+enum J2Form {
     /// Isotropic hardening, with the rate of Cowper and Symonds.
     Isotropic(Plasticity),
     /// All options.
@@ -145,7 +145,7 @@ enum Flow {
 }
 
 /// Reads the remaining parameters and returns the law.
-fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Flow, Vec<Problem>> {
+fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2Form, Vec<Problem>> {
     let by_rate = hardening_by_rate(&mut parameters);
     let (yield_stress, slope, ramps) = match &by_rate {
         Some(rows) => (rows.first().map_or(1.0, |row| row[2]), 0.0, Vec::new()),
@@ -193,19 +193,19 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Flow, Vec<Pr
         coefficients: Coefficients::new(&elastic, yield_stress),
     };
     if !is_combined {
-        return Ok(Flow::Isotropic(base));
+        return Ok(J2Form::Isotropic(base));
     }
     // Only a hardening modulus has no last point.
     let endless = by_rate.is_none() && ramps.is_empty();
     let beyond = if endless { Beyond::Straight } else { Beyond::Constant };
     let rows = by_rate.unwrap_or_else(|| rows_of(yield_stress, slope, &ramps));
-    Ok(Flow::Combined(CombinedPlasticity {
+    Ok(J2Form::Combined(CombinedPlasticity {
         base,
         hardening: CurveFamily::new(&rows, 1.0 / yield_stress, beyond),
         kinematic: kinematic / yield_stress,
         rate: match (cowper_symonds, factors) {
             (Some([c, p]), _) => RateFactor::CowperSymonds { c, inv_p: 1.0 / p },
-            (_, Some(points)) => RateFactor::Curve(Polyline::new(&points, 1.0, Beyond::Constant)),
+            (_, Some(points)) => RateFactor::Curve(RampCurve::new(&points, 1.0, Beyond::Constant)),
             _ => RateFactor::None,
         },
         viscoplastic,

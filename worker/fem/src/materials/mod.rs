@@ -6,6 +6,7 @@
 
 mod crushable_foam;
 mod elastic;
+mod erosion;
 mod j2;
 mod johnson_cook;
 mod low_density_foam;
@@ -17,6 +18,7 @@ mod tensor;
 mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
+pub use erosion::EROSION;
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
@@ -298,23 +300,27 @@ pub fn build(material: &Material) -> LawResult {
         let help = format!("use one of {}", with_shells.collect::<Vec<_>>().join(", "));
         return Err(vec![Problem::error("law", message, help)]);
     };
-    build(material)
+    let (rest, limits) = erosion::split(material)?;
+    erosion::shell(material, build(&rest)?, limits)
 }
 
 /// Returns the elastic constants of a material for any element, or all its problems, with paths
 /// relative to it.
 pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
     let row = row_of(material)?;
+    let (rest, _) = erosion::split(material)?;
     match row.build {
-        Some(build) => build(material).map(|law| law.elastic()),
-        None => (row.solid)(material).map(|law| law.elastic()),
+        Some(build) => build(&rest).map(|law| law.elastic()),
+        None => (row.solid)(&rest).map(|law| law.elastic()),
     }
 }
 
 /// Builds the law of a solid's material. Returns all problems of the material if there are any,
 /// with paths relative to it.
 pub fn build_solid(material: &Material) -> SolidLawResult {
-    (row_of(material)?.solid)(material)
+    let row = row_of(material)?;
+    let (rest, limits) = erosion::split(material)?;
+    erosion::solid(material, (row.solid)(&rest)?, limits)
 }
 
 fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {

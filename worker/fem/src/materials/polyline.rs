@@ -14,14 +14,14 @@ pub enum Beyond {
 
 /// A curve; constant before its first point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Polyline {
+pub struct RampCurve {
     /// Ordinate of the first point.
     first: f64,
     /// Abscissas at which the slope changes, and the change.
     ramps: Vec<(f64, f64)>,
 }
 
-impl Polyline {
+impl RampCurve {
     /// Creates a curve from points with ascending abscissas; ordinates are multiplied by `scale`.
     pub fn new(points: &[[f64; 2]], scale: f64, beyond: Beyond) -> Self {
         let mut ramps = Vec::with_capacity(points.len());
@@ -66,7 +66,7 @@ impl Polyline {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveFamily {
     values: Vec<f64>,
-    curves: Vec<Polyline>,
+    curves: Vec<RampCurve>,
 }
 
 impl CurveFamily {
@@ -75,7 +75,7 @@ impl CurveFamily {
         let groups = rows.chunk_by(|a, b| a[0] == b[0]);
         let curve = |rows: &[[f64; 3]]| {
             let points: Vec<[f64; 2]> = rows.iter().map(|row| [row[1], row[2]]).collect();
-            Polyline::new(&points, scale, beyond)
+            RampCurve::new(&points, scale, beyond)
         };
         let (values, curves) = groups.map(|rows| (rows[0][0], curve(rows))).unzip();
         Self { values, curves }
@@ -96,7 +96,7 @@ impl CurveFamily {
     }
 
     /// Returns the curve of the smallest value.
-    pub fn lowest(&self) -> &Polyline {
+    pub fn lowest(&self) -> &RampCurve {
         &self.curves[0]
     }
 
@@ -129,8 +129,8 @@ mod tests {
     #[test]
     fn a_curve_goes_through_its_points_and_has_its_area() {
         let points = [[0.5, 2.0], [1.0, 3.0], [2.0, 1.0]];
-        let constant = Polyline::new(&points, 2.0, Beyond::Constant);
-        let straight = Polyline::new(&points, 2.0, Beyond::Straight);
+        let constant = RampCurve::new(&points, 2.0, Beyond::Constant);
+        let straight = RampCurve::new(&points, 2.0, Beyond::Straight);
         for (x, [value, slope]) in
             [(0.0, [4.0, 0.0]), (0.5, [4.0, 4.0]), (0.75, [5.0, 4.0]), (1.5, [4.0, -4.0])]
         {

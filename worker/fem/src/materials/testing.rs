@@ -20,7 +20,7 @@ pub fn table<const N: usize>(rows: &[[f64; N]]) -> Param {
 pub fn problems(material: &Material) -> String {
     let solid = build_solid(material).err();
     let row = LAWS.iter().find(|row| row.name == material.law).expect("a law");
-    let shell = row.build.and_then(|build| build(material).err());
+    let shell = row.build.and_then(|_| build(material).err());
     format!("{:?} {:?}", solid, shell)
 }
 

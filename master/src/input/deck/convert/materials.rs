@@ -104,6 +104,7 @@ impl DeckConverter {
                 }
             }
         }
+        self.erosion(&mut materials);
         materials
     }
 

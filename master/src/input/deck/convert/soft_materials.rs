@@ -1,8 +1,10 @@
-//! Converts materials of rubber and foam.
+//! Converts materials of rubber and foam, and failure that is added to any material.
 
 use super::DeckConverter;
+use super::materials::DeckMaterial;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use std::collections::HashMap;
 
 /// Keywords of this file.
 pub const KEYWORDS: [&str; 8] = [
@@ -14,6 +16,16 @@ pub const KEYWORDS: [&str; 8] = [
     "MAT_LOW_DENSITY_FOAM",
     "MAT_CRUSHABLE_FOAM",
     "MAT_FU_CHANG_FOAM",
+];
+
+/// Criteria of failure: field, key, and sign of the field.
+const CRITERIA: [(&str, &str, f64); 6] = [
+    ("mxpres", "erosion_max_pressure", 1.0),
+    ("mnpres", "erosion_min_pressure", 1.0),
+    ("sigp1", "erosion_principal_stress", 1.0),
+    ("sigvm", "erosion_von_mises", 1.0),
+    ("effeps", "erosion_plastic_strain", -1.0),
+    ("voleps", "erosion_volume_strain", 1.0),
 ];
 
 /// Stress from which on a limit of tension is none [force/length^2].
@@ -55,6 +67,51 @@ impl DeckConverter {
             "MAT_OGDEN_RUBBER" => self.ogden(record, table),
             "MAT_CRUSHABLE_FOAM" => self.crushable_foam(record, table),
             _ => self.low_density_foam(keyword, record, table),
+        }
+    }
+
+    /// Converts `*MAT_ADD_EROSION` to criteria of the materials.
+    pub(super) fn erosion(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
+        for record in self.take_records("MAT_ADD_EROSION") {
+            let (id, place) = (record.integer("mid"), record.place("mid"));
+            let excluded = record.real("excl");
+            let given = |field: &str| ![0.0, excluded].contains(&record.real(field));
+            for field in [
+                "mneps", "mxeps", "epssh", "sigth", "impulse", "failtm", "epsthin", "engcrt",
+                "radcrt",
+            ]
+            .iter()
+            .filter(|field| given(field))
+            {
+                let why = "this criterion; use mxpres, mnpres, sigp1, sigvm, voleps or effeps";
+                self.unsupported_value(&record, field, why);
+            }
+            for field in ["idam", "lcfld"].iter().filter(|field| record.integer(field) != 0) {
+                self.unsupported_value(&record, field, "damage and forming limits");
+            }
+            if record.real("ncs") > 1.0 {
+                self.unsupported_value(&record, "ncs", "failure by several criteria together");
+            }
+            if given("effeps") && record.real("effeps") > 0.0 {
+                let why = "a total strain; give the plastic strain with a negative sign";
+                self.unsupported_value(&record, "effeps", why);
+            }
+            for field in ["sigp1", "sigvm"].iter().filter(|field| record.real(field) < 0.0) {
+                self.unsupported_value(&record, field, "a curve over the strain rate");
+            }
+            let Some(material) = materials.get_mut(&id) else {
+                let known: Vec<String> = materials.keys().map(i64::to_string).collect();
+                self.missing(place, "*MAT_...", id, &known);
+                continue;
+            };
+            let Some(table) = &mut material.table else { continue };
+            for (field, key, sign) in CRITERIA {
+                let value = sign * record.real(field);
+                if given(field) && (value > 0.0 || matches!(field, "voleps" | "mnpres" | "mxpres"))
+                {
+                    table.put(key, record.place(field), value);
+                }
+            }
         }
     }
 

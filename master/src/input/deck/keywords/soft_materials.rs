@@ -1,4 +1,4 @@
-//! Materials of rubber and foam.
+//! Materials of rubber and foam, and failure that is added to any material.
 
 use super::title;
 use crate::input::deck::table::{
@@ -17,6 +17,24 @@ const OF_CONTACT: UnusedFields = no_effect("kcon", "contact finds its stiffness 
 const FIT: &str = "sgl:r sw:r st:r lcid:i";
 
 pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new(
+        "MAT_ADD_EROSION",
+        &[
+            TITLE,
+            ("mid:i! excl:r mxpres:r mneps:r effeps:r voleps:r numfip:r ncs:r", Once),
+            ("mnpres:r sigp1:r sigvm:r mxeps:r epssh:r sigth:r impulse:r failtm:r", Maybe),
+            ("idam:i dmgtyp:r lcsdg:i ecrit:r dmgexp:r dcrit:r fadexp:r lcregd:i", Maybe),
+            ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
+        ],
+        "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, voleps, and effeps \
+         below 0 (plastic strain); the other criteria and damage (idam) are not supported",
+    )
+    .unused(&[
+        ignored("numfip", "an element is removed when all its points have failed"),
+        no_effect("dmgtyp lcsdg ecrit dmgexp dcrit fadexp lcregd", "they are for damage (idam)"),
+        no_effect("nsff", "it is for lcfld"),
+    ])
+    .options(&["TITLE"]),
     Keyword::new(
         "MAT_VISCOELASTIC",
         &[TITLE, ("mid:i! ro:r! bulk:r! g0:r! gi:r beta:r", Once)],

@@ -19,7 +19,7 @@
 //! Stresses are in units of the initial yield stress.
 
 use super::{Coefficients, Plasticity, effective_rate, tolerance};
-use crate::materials::polyline::{CurveFamily, Polyline};
+use crate::materials::polyline::{CurveFamily, RampCurve};
 use crate::materials::{Elastic, PlaneStress, Points, Solid, SolidPoint};
 use crumple_math::lanes::{Lane, Lane32, Real, dot};
 
@@ -73,7 +73,7 @@ pub enum RateFactor {
         inv_p: f64,
     },
     /// A curve over the rate.
-    Curve(Polyline),
+    Curve(RampCurve),
 }
 
 /// A plastic law with mixed hardening or tables by rate.
@@ -94,7 +94,7 @@ pub struct CombinedPlasticity {
 
 /// A relative stress to be returned.
 #[derive(Clone, Copy)]
-struct Trial<R> {
+struct RelativeTrial<R> {
     /// See above.
     p: R,
     q: R,
@@ -134,13 +134,13 @@ impl CombinedPlasticity {
 
     /// Returns the rate that counts before flow.
     #[inline(always)]
-    fn first_rate<R: Real>(&self, trial: &Trial<R>) -> R {
+    fn first_rate<R: Real>(&self, trial: &RelativeTrial<R>) -> R {
         if self.viscoplastic { R::zero() } else { trial.rate }
     }
 
     /// Returns the yield stress at y, with alpha and beta and their derivatives.
     #[inline(always)]
-    fn denominators<R: Real>(&self, trial: &Trial<R>, y: R) -> ([R; 3], [R; 2]) {
+    fn denominators<R: Real>(&self, trial: &RelativeTrial<R>, y: R) -> ([R; 3], [R; 2]) {
         let [a, b] = self.base.coefficients.moduli.map(|m| R::splat(m + self.kinematic));
         let per_dt = R::splat(if trial.dt > 0.0 { 1.0 / trial.dt } else { 0.0 });
         let rate = if self.viscoplastic { y * per_dt } else { trial.rate };
@@ -152,7 +152,7 @@ impl CombinedPlasticity {
     /// Returns y in the lanes of `mask`, zero in others, with the yield stress, alpha and beta at
     /// it.
     #[inline(always)]
-    fn solve<R: Real>(&self, trial: &Trial<R>, mask: R::Mask) -> (R, [R; 3]) {
+    fn solve<R: Real>(&self, trial: &RelativeTrial<R>, mask: R::Mask) -> (R, [R; 3]) {
         let [a, b] = self.base.coefficients.moduli;
         let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
         let mut high = (trial.p + trial.q).sqrt() * R::splat(1.0 / (a.min(b) + self.kinematic));
@@ -182,7 +182,7 @@ impl CombinedPlasticity {
 
     /// Returns the lanes in which the trial is beyond the yield surface.
     #[inline(always)]
-    fn over<R: Real>(&self, trial: &Trial<R>) -> R::Mask {
+    fn over<R: Real>(&self, trial: &RelativeTrial<R>) -> R::Mask {
         let [s, ..] = self.yield_stress(trial.eps_p, self.first_rate(trial));
         (trial.p + trial.q).gt(s * s)
     }
@@ -215,7 +215,7 @@ impl CombinedPlasticity {
         let xi: [R; 3] = std::array::from_fn(|c| state[c] - a[c]);
         let (sum, difference) = (xi[0] + xi[1], xi[1] - xi[0]);
         let [of_s, of_d, of_t] = [0.25, 0.75, 3.0].map(|factor| R::splat(factor * per_yield2));
-        let trial = Trial {
+        let trial = RelativeTrial {
             p: of_s * sum * sum,
             q: (of_d * difference).mul_add(difference, of_t * xi[2] * xi[2]),
             eps_p: state[STRAIN],
@@ -279,7 +279,7 @@ impl CombinedPlasticity {
         let a: [R; 6] = std::array::from_fn(|c| if kinematic == 1 { back[c] } else { R::zero() });
         let xi: [R; 6] = std::array::from_fn(|c| deviator[c] - a[c]);
         let square = R::splat(1.5) * inner(&xi, 2.0);
-        let trial = Trial {
+        let trial = RelativeTrial {
             p: R::zero(),
             q: square * R::splat(self.base.coefficients.per_yield2),
             eps_p: columns[0],

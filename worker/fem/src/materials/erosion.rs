@@ -1,0 +1,349 @@
+//! Criteria of failure that any law can have in addition to its own, as in `*MAT_ADD_EROSION`:
+//! ```text
+//! p >= max_pressure,   p <= min_pressure,   sigma_1 >= principal_stress,
+//! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain
+//! ```
+//! with the pressure p (the mean stress with the other sign), the largest principal stress and the
+//! logarithm of the ratio of volumes; a negative limit of it is one of compression. A point fails
+//! as soon as one of them holds; its stress is zero from then on. Each criterion has the key of its
+//! name with `erosion_` before it.
+//!
+//! A law without criteria is not wrapped, so that it runs the same code as before.
+
+use super::tensor::{deviator, inner, trace};
+use super::{
+    DefaultValue, Elastic, Form, LawResult, ParameterRow, PlaneStress, PointReal, Points, Solid,
+    SolidLawResult, SolidPoint,
+};
+use crate::materials::plasticity::Plasticity;
+use crate::materials::tensor::Principal;
+use crumple_math::lanes::{Lane, Lane32, Real};
+use crumple_proto::partition::{Material, Param};
+use crumple_proto::problem::Problem;
+
+/// Creates a row of a criterion.
+const fn row(key: &'static str, meaning: &'static str) -> ParameterRow {
+    ParameterRow { key, form: Form::Number, otherwise: DefaultValue::Absent, range: None, meaning }
+}
+
+/// Keys of all laws.
+pub const EROSION: &[ParameterRow] = &[
+    row(
+        "erosion_max_pressure",
+        "Pressure, positive in compression, from which on a point fails [force/length^2].",
+    ),
+    row(
+        "erosion_min_pressure",
+        "Pressure, negative in tension, down to which a point carries stress [force/length^2].",
+    ),
+    row(
+        "erosion_principal_stress",
+        "Largest principal stress from which on a point fails [force/length^2].",
+    ),
+    row("erosion_von_mises", "Von Mises stress from which on a point fails [force/length^2]."),
+    row(
+        "erosion_plastic_strain",
+        "Effective plastic strain from which on a point fails, of laws that have one.",
+    ),
+    row(
+        "erosion_volume_strain",
+        "Logarithm of the ratio of volumes from which on a point fails; a negative one is a limit \
+         of compression. For solids.",
+    ),
+];
+
+/// ErosionLimits in the order of [`EROSION`].
+type ErosionLimits = [Option<f64>; 6];
+
+/// Returns the material without its criteria, and their limits; or all problems of the criteria.
+pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Problem>> {
+    let mut rest = material.clone();
+    let mut problems = Vec::new();
+    let mut limits = [None; 6];
+    for (limit, row) in limits.iter_mut().zip(EROSION) {
+        let Some(param) = rest.parameters.remove(row.key) else { continue };
+        let wanted = match row.key {
+            "erosion_min_pressure" => "below 0",
+            "erosion_volume_strain" => "above or below 0, but not 0",
+            _ => "above 0",
+        };
+        let fits = |x: f64| match wanted {
+            "below 0" => x < 0.0,
+            "above 0" => x > 0.0,
+            _ => x != 0.0,
+        };
+        match param {
+            Param::Number(x) if x.is_finite() && fits(x) => *limit = Some(x),
+            _ => {
+                let message = format!("material '{}': {} is not valid", material.name, row.key);
+                problems.push(Problem::error(row.key, message, format!("it has to be {wanted}")));
+            }
+        }
+    }
+    if problems.is_empty() { Ok((rest, limits)) } else { Err(problems) }
+}
+
+/// A law with criteria.
+struct Eroding<L: ?Sized> {
+    law: Box<L>,
+    limits: ErosionLimits,
+    names: Vec<&'static str>,
+    /// Number of columns of stress and of the law without criteria.
+    own: usize,
+    /// Columns with those of stress: failure, plastic strain, volume.
+    failed: usize,
+    plastic_strain: Option<usize>,
+    volume: Option<usize>,
+}
+
+impl<L: ?Sized> Eroding<L> {
+    fn new(
+        material: &Material,
+        law: Box<L>,
+        limits: ErosionLimits,
+        (stress, history): (usize, Vec<&'static str>),
+    ) -> Result<Self, Vec<Problem>> {
+        let own = stress + history.len();
+        let mut names = history;
+        let mut column = |name: &'static str| {
+            let found = names.iter().position(|known| *known == name);
+            stress
+                + found.unwrap_or_else(|| {
+                    names.push(name);
+                    names.len() - 1
+                })
+        };
+        let volume = limits[5].map(|_| column("erosion volume"));
+        let failed = column("failed");
+        let plastic_strain =
+            names.iter().position(|name| *name == "plastic_strain").map(|at| stress + at);
+        let missing = if limits[4].is_some() && plastic_strain.is_none() {
+            Some((EROSION[4].key, "the law has no plastic strain"))
+        } else if limits[5].is_some() && stress != 6 {
+            Some((EROSION[5].key, "shells have no change of volume of their own"))
+        } else {
+            None
+        };
+        if let Some((key, why)) = missing {
+            let message = format!("material '{}': {key} is given, but {why}", material.name);
+            return Err(vec![Problem::error(key, message, "remove it")]);
+        }
+        Ok(Self { law, limits, names, own, failed, plastic_strain, volume })
+    }
+
+    /// Marks failure by the stress (xx, yy, zz, xy, yz, zx) and the columns; removes the stress of
+    /// failed lanes, the first `stress` columns.
+    #[inline(always)]
+    fn fail<R: Real>(&self, sig: &[R; 6], state: &mut [R], stress: usize) {
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let mut fails = zero.gt(zero);
+        let mut at_least = |value: R, limit: Option<f64>| {
+            if let Some(limit) = limit {
+                fails = R::either(fails, value.ge(R::splat(limit)));
+            }
+        };
+        let pressure = R::splat(-1.0 / 3.0) * trace(sig);
+        at_least(pressure, self.limits[0]);
+        at_least(-pressure, self.limits[1].map(|limit| -limit));
+        if self.limits[2].is_some() {
+            let [a, b, c] = Principal::new(sig).values;
+            at_least(Real::max(Real::max(a, b), c), self.limits[2]);
+        }
+        if self.limits[3].is_some() {
+            let s = deviator(sig);
+            at_least((R::splat(1.5) * inner(&s, &s)).sqrt(), self.limits[3]);
+        }
+        if let Some(column) = self.plastic_strain {
+            at_least(state[column], self.limits[4]);
+        }
+        if let (Some(column), Some(limit)) = (self.volume, self.limits[5]) {
+            at_least(R::splat(limit.signum()) * state[column], Some(limit.abs()));
+        }
+        let failed = R::select(fails, one, state[self.failed]);
+        state[self.failed] = failed;
+        let alive = failed.lt(R::splat(0.5));
+        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, *s, zero));
+    }
+}
+
+impl Eroding<dyn PlaneStress> {
+    #[inline(always)]
+    fn shell<R: PointReal>(&self, points: Points<'_, R>, dt: f64) {
+        let states = points.state.chunks_exact_mut(3 + self.names.len());
+        for ((state, eps), through) in states.zip(points.strain).zip(points.thickness_strain) {
+            let point = Points {
+                state: &mut state[..self.own],
+                strain: std::slice::from_ref(eps),
+                thickness_strain: std::slice::from_mut(through),
+            };
+            R::update(&*self.law, point, dt);
+            let (zero, sig) = (R::zero(), [state[0], state[1], state[2]]);
+            self.fail(&[sig[0], sig[1], zero, sig[2], zero, zero], state, 3);
+        }
+    }
+}
+
+impl Eroding<dyn Solid> {
+    #[inline(always)]
+    fn solid<R: PointReal>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
+        let (state, strain) = (point.state, point.strain);
+        let own = SolidPoint { state: &mut state[..self.own], strain };
+        let left = R::update_solid(&*self.law, own, dt);
+        if let Some(column) = self.volume {
+            state[column] += strain[0] + strain[1] + strain[2];
+        }
+        let sig = std::array::from_fn(|c| state[c]);
+        self.fail(&sig, state, 6);
+        left
+    }
+}
+
+/// Adds criteria to a law of shells.
+pub fn shell(material: &Material, law: Box<dyn PlaneStress>, limits: ErosionLimits) -> LawResult {
+    if limits == [None; 6] {
+        return Ok(law);
+    }
+    let columns = (3, law.history().to_vec());
+    Ok(Box::new(Eroding::new(material, law, limits, columns)?))
+}
+
+/// Adds criteria to a law of solids.
+pub fn solid(material: &Material, law: Box<dyn Solid>, limits: ErosionLimits) -> SolidLawResult {
+    if limits == [None; 6] {
+        return Ok(law);
+    }
+    let columns = (6, law.history().to_vec());
+    Ok(Box::new(Eroding::new(material, law, limits, columns)?))
+}
+
+impl PlaneStress for Eroding<dyn PlaneStress> {
+    fn history(&self) -> &[&'static str] {
+        &self.names
+    }
+    fn elastic(&self) -> Elastic {
+        self.law.elastic()
+    }
+    fn initial_yield_stress(&self) -> f64 {
+        self.law.initial_yield_stress()
+    }
+    fn rate_dependent(&self) -> Option<&Plasticity> {
+        self.law.rate_dependent()
+    }
+    fn update(&self, points: Points<'_, Lane>, dt: f64) {
+        self.shell(points, dt);
+    }
+    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
+        self.shell(points, dt);
+    }
+    fn update_one(&self, points: Points<'_, f64>, dt: f64) {
+        self.shell(points, dt);
+    }
+}
+
+impl Solid for Eroding<dyn Solid> {
+    fn history(&self) -> &[&'static str] {
+        &self.names
+    }
+    fn tensors(&self) -> usize {
+        self.law.tensors()
+    }
+    fn elastic(&self) -> Elastic {
+        self.law.elastic()
+    }
+    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
+        self.solid(point, dt)
+    }
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32 {
+        self.solid(point, dt)
+    }
+    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
+        self.solid(point, dt)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::materials::testing::{Cube, Sheet, material, problems};
+    use crumple_proto::partition::Material;
+
+    const E: f64 = 200.0;
+
+    fn glass(more: &[(&str, f64)]) -> Material {
+        let numbers = [&[("youngs_modulus", E), ("poisson", 0.25)], more].concat();
+        material("elastic", &numbers, &[])
+    }
+
+    /// Strain at which a cube on this path fails, in steps of 1e-6 of the strain along x; it has no
+    /// stress then, and none afterwards.
+    fn fails_at(law: &Material, path: [f64; 6]) -> f64 {
+        let mut cube = Cube::new(law);
+        let mut steps = 0.0;
+        while cube.at("failed") == 0.0 {
+            cube.step(path.map(|e| 1e-6 * e), 1.0);
+            steps += 1.0;
+            assert!(steps < 2e4, "it must fail: {path:?}");
+        }
+        cube.step(path.map(|e| 1e-3 * e), 1.0);
+        assert!(cube.state[..6].iter().all(|s| *s == 0.0), "{:?}", cube.state);
+        1e-6 * steps
+    }
+
+    /// Each criterion at the strain of its closed form, within a step.
+    #[test]
+    fn each_criterion_fails_at_its_limit() {
+        let (bulk, g) = (E / 1.5, E / 2.5);
+        let all = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+        let shear = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+        for (key, limit, path, exact) in [
+            ("erosion_max_pressure", 0.5, all.map(|e: f64| -e), 0.5 / (3.0 * bulk)),
+            ("erosion_min_pressure", -0.5, all, 0.5 / (3.0 * bulk)),
+            // Shear stress 2 G e is the principal stress; the von Mises stress is sqrt(3) of it.
+            ("erosion_principal_stress", 0.4, shear, 0.4 / (2.0 * g)),
+            ("erosion_von_mises", 0.4, shear, 0.4 / (2.0 * g * 3.0f64.sqrt())),
+            ("erosion_volume_strain", 0.01, all, 0.01 / 3.0),
+            ("erosion_volume_strain", -0.01, all.map(|e: f64| -e), 0.01 / 3.0),
+        ] {
+            let got = fails_at(&glass(&[(key, limit)]), path);
+            assert!((got - exact).abs() < 1.5e-6, "{key} {limit}: {got} for {exact}");
+        }
+        let metal = [
+            ("youngs_modulus", E),
+            ("poisson", 0.25),
+            ("yield_stress", 0.2),
+            ("erosion_plastic_strain", 0.005),
+        ];
+        let got = fails_at(&material("j2", &metal, &[]), shear);
+        // Effective strain 2/sqrt(3) e, of which 0.2/(3 G) is elastic.
+        let exact = (0.005 + 0.2 / (3.0 * g)) * 3.0f64.sqrt() / 2.0;
+        assert!((got - exact).abs() < 1.5e-6, "{got} for {exact}");
+    }
+
+    /// A sheet fails at the principal stress of uniaxial tension, but not in compression.
+    #[test]
+    fn a_sheet_fails_in_tension() {
+        let law = glass(&[("erosion_principal_stress", 0.1)]);
+        let mut sheet = Sheet::new(&law);
+        (0..499).for_each(|_| sheet.pull(1e-6, 1.0));
+        assert!((sheet.state[0] - 0.0998).abs() < 1e-9 && sheet.state[3] == 0.0);
+        (0..3).for_each(|_| sheet.pull(1e-6, 1.0));
+        assert!(sheet.state[0] == 0.0 && sheet.state[3] == 1.0, "{:?}", sheet.state);
+        let mut pressed = Sheet::new(&law);
+        (0..1000).for_each(|_| pressed.step([-1e-6, 0.25e-6, 0.0], 1.0));
+        assert!((pressed.state[0] + 1e-3 * E).abs() < 1e-9, "uniaxial: {:?}", pressed.state);
+        assert_eq!(pressed.state[3], 0.0);
+    }
+
+    #[test]
+    fn wrong_criteria_are_refused() {
+        for (key, value, words) in [
+            ("erosion_min_pressure", 1.0, "below 0"),
+            ("erosion_von_mises", 0.0, "above 0"),
+            ("erosion_plastic_strain", 0.1, "no plastic strain"),
+        ] {
+            let text = problems(&glass(&[(key, value)]));
+            assert!(text.contains(words) && text.contains(key), "{text}");
+        }
+        let text = problems(&glass(&[("erosion_volume_strain", 0.1)]));
+        assert!(text.contains("shells have no change of volume"), "{text}");
+    }
+}
