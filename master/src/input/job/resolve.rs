@@ -380,8 +380,7 @@ mod tests {
     fn a_flag_of_a_material_is_no_number() {
         let text = "[[material]]\nname = \"a\"\nlaw = \"j2\"\ndensity = 1.0\n\
                     youngs_modulus = true\npoisson = 1\n";
-        let job: Job = toml::from_str(&format!("end_time = 1.0\n[mesh]\n{text}")).unwrap();
-        let parameters = super::material(&job.material[0]).parameters;
+        let parameters = super::material(&job(text).material[0]).parameters;
         assert_eq!(parameters["youngs_modulus"], Param::Flag(true));
         assert_eq!(parameters["poisson"], Param::Number(1.0));
     }
