@@ -214,12 +214,14 @@ pub struct Material {
 /// A material parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Param {
-    /// One number; 1 for true and 0 for false.
+    /// One number.
     Number(f64),
     /// A list of numbers.
     List(Vec<f64>),
     /// A list of rows.
     Table(Vec<Vec<f64>>),
+    /// True or false.
+    Flag(bool),
 }
 
 /// Node with its complete state.

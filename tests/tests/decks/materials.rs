@@ -192,7 +192,8 @@ fn deck(samples: &[Sample], axis: u8, distance: f64, back: f64) -> String {
          *DEFINE_CURVE\n1\n0.0,0.0\n{half},{distance}\n{END},{back}\n\
          *DEFINE_CURVE\n21\n0.0,0.0\n0.05,1e-5\n0.55,3e-5\n0.9,1e-3\n\
          *DEFINE_CURVE\n22\n0.0,2e-5\n0.5,2e-5\n0.9,1e-4\n\
-         *DEFINE_TABLE_2D\n31\n0.1,21\n10.0,22\n"
+         *DEFINE_CURVE\n23\n0.0,0.0\n0.05,2e-5\n0.55,6e-5\n0.9,2e-3\n\
+         *DEFINE_TABLE_2D\n31\n0.1,21\n10.0,23\n"
     );
     let (mut nodes, mut tops, mut sides) = (String::new(), String::new(), String::new());
     for (k, sample) in samples.iter().enumerate() {

@@ -139,6 +139,11 @@ impl<'a> Values<'a> {
         self.given.get(key).cloned().unwrap_or_else(default)
     }
 
+    /// Returns true if the job gives this key.
+    pub fn is_given(&self, key: &str) -> bool {
+        self.given.contains_key(key)
+    }
+
     /// Returns a number. Panics if it is not one; the master checks types.
     pub fn number(&self, key: &str) -> f64 {
         self.value(key).number().unwrap_or_else(|| panic!("{key} is not a number"))

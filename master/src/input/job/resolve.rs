@@ -340,7 +340,7 @@ fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
         |v: &toml::Value| v.as_array().map(|items| items.iter().map(number).collect::<Vec<f64>>());
     // The schema allows only numbers, flags, lists and lists of lists.
     let param = |v: &toml::Value| match v.as_array() {
-        None => Param::Number(v.as_bool().map_or_else(|| number(v), f64::from)),
+        None => v.as_bool().map_or_else(|| Param::Number(number(v)), Param::Flag),
         Some(rows) if rows.first().is_some_and(toml::Value::is_array) => {
             Param::Table(rows.iter().filter_map(list).collect())
         }
@@ -374,6 +374,16 @@ mod tests {
 
     fn job(text: &str) -> Job {
         toml::from_str(&format!("end_time = 1.0\n[mesh]\n{text}")).unwrap()
+    }
+
+    /// `true` stays a flag: no law takes it for the number 1.
+    #[test]
+    fn a_flag_of_a_material_is_no_number() {
+        let text = "[[material]]\nname = \"a\"\nlaw = \"j2\"\ndensity = 1.0\n\
+                    youngs_modulus = true\npoisson = 1\n";
+        let parameters = super::material(&job(text).material[0]).parameters;
+        assert_eq!(parameters["youngs_modulus"], Param::Flag(true));
+        assert_eq!(parameters["poisson"], Param::Number(1.0));
     }
 
     fn fields(job: &Job) -> Vec<f64> {

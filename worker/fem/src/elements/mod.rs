@@ -13,6 +13,8 @@ mod hexahedron;
 mod inverted_tests;
 mod kinematics;
 #[cfg(test)]
+mod law_motion_tests;
+#[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod offset_tests;

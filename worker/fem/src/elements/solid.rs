@@ -6,7 +6,7 @@
 use super::pass::GroupNodes;
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
-use crate::materials::{Elastic, PointLanes, PointReal, Solid, SolidPoint};
+use crate::materials::{Elastic, PointLanes, PointReal, STRETCH_COLUMN, Solid, SolidPoint};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, dot};
 
@@ -130,9 +130,19 @@ impl SolidMaterial {
         let [b1, b2] = self.bulk_viscosity.map(R::splat);
         let rate = length * rate;
         let quadratic = b2 * rate;
-        let q = rate * density.mul_add(quadratic, b1 * R::splat(self.modulus()) * slowness);
+        let linear = match self.stiffening {
+            None => b1 * R::splat(self.modulus()) * slowness,
+            Some(_) => b1 * density / slowness,
+        };
+        let q = rate * density.mul_add(quadratic, linear);
         let stable_dt = viscous(length * slowness, (quadratic + quadratic).mul_add(slowness, b1));
         (q, stable_dt)
+    }
+
+    /// Returns true if the law may compute in single precision. The rounding of a history that
+    /// adds up the deformation drifts: near nu = 1/2 its volume then gives a wrong pressure.
+    pub fn any_precision(&self) -> bool {
+        !self.law.history().contains(&STRETCH_COLUMN)
     }
 
     /// Returns lambda + 2 mu [force/length^2].

@@ -5,7 +5,7 @@ use super::{
     Element, ElementFields, ElementNodalForces, ElementPass, PassTotals, build_block, energy_places,
 };
 use crate::columns::HistoryColumns;
-use crate::materials::LAWS;
+use crate::materials::{LAWS, elastic_of};
 use crate::nodes::NodeView;
 use crumple_proto::job::{Part, Precision};
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -96,7 +96,7 @@ pub fn laws_of_solids() -> Vec<Material> {
     let nu = ("poisson", 0.3);
     let hysteresis = [("youngs_modulus", 80.0), ("hysteresis", 0.2), ("shape", 2.0)];
     let mut all = vec![
-        of("mooney_rivlin", &[("a", 30.0), ("b", 10.0), nu], &[]),
+        of("mooney_rivlin", &[("a", 30.0), ("b", 10.0), ("poisson", 0.45)], &[]),
         of("polynomial_rubber", &[nu], &[("coefficients", coefficients)]),
         of("ogden", &[nu], &[("terms", table(&[[60.0, 1.3], [1.0, 5.0], [-4.0, -2.0]]))]),
         of("blatz_ko", &[("shear_modulus", 40.0)], &[]),
@@ -159,7 +159,7 @@ pub fn laws() -> Vec<Material> {
                 ("hardening_modulus", number(0.5)),
                 ("kinematic_modulus", number(1.0)),
                 ("rate_factors", table(&[[0.0, 1.0], [5.0, 1.5], [50.0, 2.0]])),
-                ("viscoplastic", number(1.0)),
+                ("viscoplastic", Param::Flag(true)),
             ],
         ),
         steel("j2", &[("hardening_by_rate", by_rate), ("failure_strain", number(0.3))]),
@@ -178,6 +178,12 @@ pub fn laws() -> Vec<Material> {
 /// Returns an elastic material.
 pub fn elastic(e: f64, nu: f64, rho: f64) -> Material {
     material("elastic", rho, &[("youngs_modulus", e), ("poisson", nu)])
+}
+
+/// Returns the speed of the dilatational wave of a material [length/time].
+pub fn wave_speed(material: &Material) -> f64 {
+    let elastic = elastic_of(material).map_err(|problems| format!("{problems:?}")).unwrap();
+    elastic.dilatational_wave_speed()
 }
 
 /// Returns the settings of a job that has one part of one material.

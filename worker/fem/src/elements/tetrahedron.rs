@@ -17,6 +17,8 @@
 //! `V_e` times the matrix that averages d is symmetric, so work and stress belong together. Its
 //! eigenvalues are at most 1: the stable step of the element without averaging is safe. A node
 //! averages only over elements of the same part, since a pressure may jump between two materials.
+//! A pressure that is not linear in the volume strain has no such potential: foams do not average,
+//! and rubbers keep the energy as far as their bulk modulus is constant.
 //! A failed element leaves the sums.
 //!
 //! Stable step as for the hexahedron, with a quarter of the mass at each corner:
@@ -25,6 +27,7 @@
 //! The shear strain stays constant in an element: coarse meshes are too stiff in bending.
 
 use super::pass::GroupCorners;
+use super::section::label;
 use super::solid::{
     SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, corner, increment, viscous, work_and_size,
 };
@@ -39,6 +42,7 @@ use crate::parameter::{DefaultValue, Form, ParameterRow, Values};
 use crumple_math::lanes::{Real, cross, dot};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::problem::Problem;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -52,7 +56,8 @@ pub const ROW: ElementEntry = ElementEntry {
             otherwise: DefaultValue::Word(NODAL),
             range: None,
             meaning: "Tetrahedra: volume strain averaged at nodes (`nodal`), or that of each \
-                      element (`element`), which locks as nu approaches 1/2 and in plastic flow.",
+                      element (`element`), which locks as nu approaches 1/2 and in plastic flow. \
+                      Foams take that of the element.",
         }],
         SOLID_KEYS,
     ],
@@ -74,8 +79,17 @@ pub struct Tetrahedron {
     averages: bool,
 }
 
-fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
-    let averages = values.word("pressure") == NODAL;
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
+    let nodal = values.word("pressure") == NODAL;
+    if nodal && values.is_given("pressure") && !law.averages_volume() {
+        let message = format!(
+            "part {}: pressure = \"nodal\" does not keep the energy with the law of its material",
+            label(part)
+        );
+        let help = "use pressure = \"element\", the default with foams";
+        return Err(vec![Problem::error("pressure", message, help)]);
+    }
+    let averages = nodal && law.averages_volume();
     Ok(Box::new(Tetrahedron { material: SolidMaterial::new(values, law), averages }))
 }
 
@@ -316,7 +330,7 @@ impl Element for Tetrahedron {
     }
 
     fn any_precision(&self) -> bool {
-        true
+        self.material.any_precision()
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

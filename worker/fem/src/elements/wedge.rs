@@ -486,7 +486,7 @@ impl Element for Wedge {
     }
 
     fn any_precision(&self) -> bool {
-        true
+        self.material.any_precision()
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

@@ -7,7 +7,9 @@
 //! does not recover. Principal directions of the elastic trial are kept.
 //!
 //! Valid for foam with a Poisson's ratio near zero. Beyond its points the curve keeps its last
-//! slope; no slope may exceed Young's modulus, which limits the step.
+//! slope; no slope may exceed Young's modulus. Stress grows at most with
+//! the elastic moduli, but where the volume grows it falls with the limit, whose bulk modulus is V
+//! times the slope: the step follows where that exceeds the elastic one.
 
 use super::parameters::Parameters;
 use super::polyline::{Beyond, RampCurve};
@@ -15,7 +17,7 @@ use super::tensor::Principal;
 use super::{
     DefaultValue, ELASTIC, Elastic, Form, Law, ParameterRow, Solid, SolidLawResult, SolidPoint,
 };
-use crumple_math::lanes::{Lane, Lane32, Real};
+use crumple_math::lanes::{Lane, Lane32, Real, dot};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 
@@ -64,6 +66,10 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<CrushableFoa
         parameters.wrong(CURVE, "is missing", "give [[0, stress], [volume strain, stress], ...]");
     }
     let points = points.unwrap_or_default();
+    if points.iter().any(|point| point[0] >= 1.0) {
+        let help = "the volume strain is below 1, where no volume is left";
+        parameters.wrong(CURVE, "has a volume strain of 1 or above", help);
+    }
     let slope = |two: &[[f64; 2]]| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]);
     let steepest = points.windows(2).map(slope).fold(0.0, f64::max);
     if steepest > elastic.youngs_modulus {
@@ -76,8 +82,9 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<CrushableFoa
     Ok(CrushableFoam { elastic, curve, cutoff: cutoff.unwrap_or(0.0) })
 }
 
-/// Column of the logarithm of the volume.
+/// Columns: logarithm of the volume, and stiffening.
 const VOLUME: usize = 6;
+const STIFFENING: usize = 7;
 
 impl CrushableFoam {
     #[inline(always)]
@@ -93,8 +100,12 @@ impl CrushableFoam {
         }
         state[VOLUME] += trace;
         let (zero, one) = (R::zero(), R::splat(1.0));
-        let crushed = Real::max(one - state[VOLUME].exp(), zero);
-        let least = -Real::max(self.curve.at(crushed)[0], zero);
+        let volume = state[VOLUME].exp();
+        let crushed = Real::max(one - volume, zero);
+        let [limit, slope] = self.curve.at(crushed);
+        let least = -Real::max(limit, zero);
+        let over = volume * slope * R::splat(1.0 / self.elastic.bulk_modulus()) - one;
+        state[STIFFENING] = R::select(crushed.gt(zero), Real::max(over, zero), zero);
         let most = R::splat(self.cutoff);
         let principal = Principal::new(&trial);
         let limited = principal.values.map(|value| Real::max(Real::min(value, most), least));
@@ -106,16 +117,21 @@ impl CrushableFoam {
         for c in 0..6 {
             state[c] = R::select(beyond, inside[c], trial[c]);
         }
-        one
+        let norm = |values: [R; 3]| dot(values, values).sqrt();
+        let size = Real::max(norm(principal.values), R::splat(R::SMALLEST));
+        R::select(beyond, norm(limited) / size, one)
     }
 }
 
 impl Solid for CrushableFoam {
     fn history(&self) -> &'static [&'static str] {
-        &["volume strain"]
+        &["volume strain", "stiffening"]
     }
     fn elastic(&self) -> Elastic {
         self.elastic
+    }
+    fn averages_volume(&self) -> bool {
+        false
     }
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
         self.solid(point, dt)
@@ -174,7 +190,7 @@ mod tests {
     #[test]
     fn pressure_follows_the_curve_of_the_volume() {
         let mut cube = Cube::new(&foam(0.2));
-        (0..300).for_each(|_| cube.step([-1e-3, -1e-3, -1e-3, 0.0, 0.0, 0.0], 1.0));
+        (0..300).for_each(|_| _ = cube.step([-1e-3, -1e-3, -1e-3, 0.0, 0.0, 0.0], 1.0));
         let exact = curve(1.0 - (-0.9f64).exp());
         for c in 0..3 {
             assert!((-cube.state[c] / exact - 1.0).abs() < 1e-6, "{} {exact}", cube.state[c]);
@@ -184,22 +200,41 @@ mod tests {
     /// Closed random paths never give energy.
     #[test]
     fn closed_paths_cost_work() {
-        for seed in 0..20 {
-            let mut cube = Cube::new(&foam(0.0));
+        for (seed, nu) in (0..20).flat_map(|seed| [(seed, 0.0), (seed, 0.3)]) {
+            let mut cube = Cube::new(&foam(nu));
             let mut noise = Noise(seed);
             let path: Vec<[f64; 6]> =
                 (0..3).map(|_| std::array::from_fn(|_| 1e-3 * noise.next())).collect();
             for sign in [1.0, -1.0] {
                 for e in &path {
-                    (0..50).for_each(|_| cube.step(e.map(|e| sign * e), 1.0));
+                    (0..50).for_each(|_| _ = cube.step(e.map(|e| sign * e), 1.0));
                 }
             }
             let s = &cube.state;
             let square: f64 = s[..3].iter().map(|x| x * x).sum::<f64>()
                 + 2.0 * s[3..6].iter().map(|x| x * x).sum::<f64>();
-            let stored = square / (2.0 * E);
-            assert!(cube.work > stored - 1e-6, "{seed}: {} {stored}", cube.work);
+            let sum = s[0] + s[1] + s[2];
+            let stored = ((1.0 + nu) * square - nu * sum * sum) / (2.0 * E);
+            assert!(cube.work > stored - 1e-6, "{seed} {nu}: {} {stored}", cube.work);
         }
+    }
+
+    /// Crushed foam has no more hourglass stress than limited stress; the step follows the curve
+    /// where all sides are at the limit, by the bulk modulus V times its slope.
+    #[test]
+    fn crushing_lowers_what_is_left_and_shortens_the_step() {
+        let law = [("compression", table(&[[0.0, 0.02], [0.5, 0.03], [0.9, 0.8]]))];
+        let law = material("crushable_foam", &[("youngs_modulus", E), ("poisson", 0.0)], &law);
+        let mut cube = Cube::new(&law);
+        assert_eq!(cube.step([-1e-3, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0), 1.0, "elastic");
+        (0..50).for_each(|_| _ = cube.step([-0.01, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0));
+        let trial = cube.state[0] - E * 0.01;
+        let left = cube.step([-0.01, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0);
+        assert!((left - cube.state[0] / trial).abs() < 1e-12 && left < 0.8, "{left}");
+        (0..100).for_each(|_| _ = cube.step([-1e-3, -1e-3, -1e-3, 0.0, 0.0, 0.0], 1.0));
+        let bulk = cube.at("volume strain").exp() * (0.8 - 0.03) / 0.4;
+        let over = bulk / (E / 3.0) - 1.0;
+        assert!((cube.at("stiffening") - over).abs() < 1e-9 && over > 0.2, "{over}");
     }
 
     #[test]
@@ -211,5 +246,9 @@ mod tests {
             &steep,
         ));
         assert!(text.contains("at least its largest slope, 10"), "{text}");
+        let whole = [("compression", table(&[[0.0, 0.1], [1.0, 0.2]]))];
+        let numbers = [("youngs_modulus", E), ("poisson", 0.0)];
+        let text = problems(&material("crushable_foam", &numbers, &whole));
+        assert!(text.contains("volume strain of 1 or above"), "{text}");
     }
 }

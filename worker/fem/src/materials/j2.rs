@@ -81,8 +81,9 @@ const PARAMETERS: &[ParameterRow] = &[
         form: Form::List("[[rate, strain, stress], ...]"),
         otherwise: DefaultValue::Absent,
         range: None,
-        meaning: "Tables as in `hardening`, one for each strain rate [1/time], in ascending order; \
-                  linear between rates, constant beyond them [force/length^2].",
+        meaning: "Tables as in `hardening`, one for each strain rate [1/time], in ascending order, \
+                  none below that of a smaller rate; linear between rates, constant beyond them \
+                  [force/length^2].",
     },
     ParameterRow {
         key: "rate_factors",
@@ -194,8 +195,10 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2Form, Vec<
     if !is_combined {
         return Ok(J2Form::Isotropic(base));
     }
+    // Only a hardening modulus has no last point.
+    let endless = by_rate.is_none() && ramps.is_empty();
+    let beyond = if endless { Beyond::Straight } else { Beyond::Constant };
     let rows = by_rate.unwrap_or_else(|| rows_of(yield_stress, slope, &ramps));
-    let beyond = if ramps.is_empty() { Beyond::Straight } else { Beyond::Constant };
     Ok(J2Form::Combined(CombinedPlasticity {
         base,
         hardening: CurveFamily::new(&rows, 1.0 / yield_stress, beyond),
@@ -286,6 +289,15 @@ fn hardening_by_rate(parameters: &mut Parameters<'_>) -> Option<Vec<[f64; 3]>> {
         let help = "give [[rate, 0, sigma], [rate, eps_p, sigma], ...], rate by rate";
         parameters.wrong(KEY, fault, help);
         return Some(vec![[0.0, 0.0, 1.0]]);
+    }
+    let last = rows.iter().fold(0.0, |last: f64, row| last.max(row[1]));
+    let family = CurveFamily::new(&rows, 1.0, Beyond::Constant);
+    if let Some([rate, strain]) = family.crossing(last) {
+        let what = format!(
+            "has a stress at the rate {rate} and the plastic strain {strain} below that of the \
+             rate before it"
+        );
+        parameters.wrong(KEY, what, "the yield stress must not fall as the rate grows");
     }
     Some(rows)
 }

@@ -138,6 +138,10 @@ pub struct SolidPoint<'a, R> {
     pub strain: &'a [R; 6],
 }
 
+/// First column of a tensor `b = B - 1` of the left Cauchy-Green tensor B. Elements whose law has
+/// it compute in double precision.
+pub const STRETCH_COLUMN: &str = "B-1 xx";
+
 /// A law in three dimensions.
 ///
 /// The result of each lane must not depend on other lanes, bit for bit. With zero state and zero
@@ -158,8 +162,15 @@ pub trait Solid: Send + Sync {
     /// Returns the elastic constants and the density.
     fn elastic(&self) -> Elastic;
 
+    /// Returns false if elements must not average the volume strain: averaging keeps the energy
+    /// only with a pressure that is linear in the volume strain.
+    fn averages_volume(&self) -> bool {
+        true
+    }
+
     /// Updates stress and history over a step `dt` [time] of a group. Returns the norm of the
-    /// deviator after plastic flow over that of the elastic trial; one without plastic flow.
+    /// deviator after plastic flow over that of the elastic trial (of the stress, in laws that
+    /// limit all of it); one without plastic flow.
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane;
 
     /// Updates in single precision, by the same code.

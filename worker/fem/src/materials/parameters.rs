@@ -48,7 +48,11 @@ impl<'a> Parameters<'a> {
                 self.wrong(key, format_args!("is {value}"), format!("it has to be {wanted}"));
                 None
             }
-            _ => {
+            Param::Flag(flag) => {
+                self.wrong(key, format_args!("is {flag}"), format!("give one number, {wanted}"));
+                None
+            }
+            Param::List(_) | Param::Table(_) => {
                 self.wrong(key, "is a list", format!("give one number, {wanted}"));
                 None
             }
@@ -70,7 +74,7 @@ impl<'a> Parameters<'a> {
     pub fn flag(&mut self, key: &'static str) -> bool {
         match self.get(key) {
             None => false,
-            Some(Param::Number(value)) if [0.0, 1.0].contains(value) => *value == 1.0,
+            Some(Param::Flag(flag)) => *flag,
             Some(_) => {
                 self.wrong(key, "is not a flag", "give true or false");
                 false
@@ -96,9 +100,9 @@ impl<'a> Parameters<'a> {
         Some(rows.unwrap_or_default())
     }
 
-    /// Returns the points of an optional curve with ascending abscissas from 0 on, which start at
-    /// zero. Reports an error, and returns no points, if they do not. `fits` checks a point, and
-    /// `wanted` says in words what it accepts.
+    /// Returns the points of an optional curve whose abscissas ascend from 0 on. Reports an error,
+    /// and returns no points, if they do not. `fits` checks a point, and `wanted` says in words
+    /// what it accepts.
     pub fn curve(
         &mut self,
         key: &'static str,
@@ -249,6 +253,12 @@ mod tests {
         );
         assert!(problems[4].help.contains("'youngs_modulus'"), "{}", problems[4].help);
         assert!(problems.iter().all(|problem| problem.message.contains("'steel'")));
+
+        let flags = ["youngs_modulus", "poisson", "yield_stress"];
+        let parameters = flags.map(|key| (key.to_string(), Param::Flag(true))).into();
+        let flagged = Material { parameters, density: 1.0, ..material.clone() };
+        let problems = crate::materials::build(&flagged).err().expect("flags are no numbers");
+        assert!(problems.len() == 3 && problems[0].message.contains("is true"), "{problems:?}");
 
         let material = Material { law: "j3".into(), ..material };
         let problems = crate::materials::build(&material).err().expect("no such law");

@@ -81,6 +81,20 @@ impl CurveFamily {
         Self { values, curves }
     }
 
+    /// Returns the first value, and an abscissa, at which a curve lies below that of the value
+    /// before it, from the abscissa 0 to `last`.
+    pub fn crossing(&self, last: f64) -> Option<[f64; 2]> {
+        self.curves.windows(2).zip(&self.values[1..]).find_map(|(two, &value)| {
+            let bends = two.iter().flat_map(|curve| curve.ramps.iter().map(|&(start, _)| start));
+            let mut places = bends.chain([0.0, last]).filter(|&x| x <= last);
+            let falls = |&x: &f64| {
+                let [low, high] = [two[0].at(x)[0], two[1].at(x)[0]];
+                high < low - 1e-9 * low.abs()
+            };
+            places.find(falls).map(|x| [value, x])
+        })
+    }
+
     /// Returns the curve of the smallest value.
     pub fn lowest(&self) -> &RampCurve {
         &self.curves[0]
@@ -136,5 +150,9 @@ mod tests {
         assert_eq!(family.at(0.0, 0.5), [1.5, 1.0, 0.0]);
         assert_eq!(family.at(9.0, 0.5), [7.5, 5.0, 0.0]);
         assert_eq!(family.lowest().at(0.5), [1.5, 1.0]);
+        assert_eq!(family.crossing(9.0), None);
+        let rows = [[1.0, 0.0, 1.0], [1.0, 1.0, 2.0], [3.0, 0.0, 1.5], [3.0, 1.0, 2.1]];
+        let family = CurveFamily::new(&rows, 1.0, Beyond::Straight);
+        assert_eq!([family.crossing(1.2), family.crossing(2.0)], [None, Some([3.0, 2.0])]);
     }
 }

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 fn sample(law: &Law) -> Material {
     let number = |key: &str| match key {
         "youngs_modulus" | "melting_temperature" => 200.0,
-        "poisson" | "n" => 0.3,
+        "poisson" => 0.45,
+        "n" => 0.3,
         "yield_stress" | "a" | "b" => 0.2,
         "reference_rate" | "m" => 1.0,
         "specific_heat" => 1e4,

@@ -25,8 +25,9 @@ pub fn problems(material: &Material) -> String {
 }
 
 /// A cube of one point.
+#[derive(Clone)]
 pub struct Cube {
-    law: Box<dyn Solid>,
+    law: std::rc::Rc<dyn Solid>,
     /// Stress and history.
     pub state: Vec<f64>,
     /// Logarithmic strain along the axes, and the sum of the shear increments.
@@ -38,6 +39,7 @@ pub struct Cube {
 impl Cube {
     pub fn new(material: &Material) -> Self {
         let law = build_solid(material).map_err(|problems| format!("{problems:?}")).unwrap();
+        let law: std::rc::Rc<dyn Solid> = law.into();
         let state = vec![0.0; 6 + law.history().len()];
         Self { law, state, strain: [0.0; 6], work: 0.0 }
     }
@@ -48,10 +50,10 @@ impl Cube {
         self.state[6 + column.unwrap_or_else(|| panic!("no column {name}"))]
     }
 
-    /// Applies an increment of strain.
-    pub fn step(&mut self, strain: [f64; 6], dt: f64) {
+    /// Applies an increment of strain. Returns what the law returns.
+    pub fn step(&mut self, strain: [f64; 6], dt: f64) -> f64 {
         let before: [f64; 6] = std::array::from_fn(|c| self.state[c]);
-        self.law.update_one(SolidPoint { state: &mut self.state, strain: &strain }, dt);
+        let left = self.law.update_one(SolidPoint { state: &mut self.state, strain: &strain }, dt);
         let volume =
             (self.strain[..3].iter().sum::<f64>() + 0.5 * strain[..3].iter().sum::<f64>()).exp();
         for c in 0..6 {
@@ -59,6 +61,7 @@ impl Cube {
             // An increment is the change of length over the mean length, as in the elements.
             self.strain[c] += if c < 3 { 2.0 * (0.5 * strain[c]).atanh() } else { strain[c] };
         }
+        left
     }
 
     /// Applies `strain`, with the same strain along all axes in `free` such that their stress is

@@ -101,7 +101,7 @@ fn without_card(deck: &mut DeckWriter, material: &Material, on_card: &[&str]) {
     let list = |numbers: &[f64]| toml::Value::from(numbers.to_vec());
     let value = |(key, param): (&String, &Param)| {
         let value = match param {
-            Param::Number(x) if key == "viscoplastic" => (*x == 1.0).into(),
+            Param::Flag(flag) => (*flag).into(),
             Param::Number(x) => (*x).into(),
             Param::List(numbers) => list(numbers),
             Param::Table(rows) => rows.iter().map(|row| list(row)).collect::<Vec<_>>().into(),

@@ -142,7 +142,7 @@ impl CombinedPlasticity {
     #[inline(always)]
     fn denominators<R: Real>(&self, trial: &RelativeTrial<R>, y: R) -> ([R; 3], [R; 2]) {
         let [a, b] = self.base.coefficients.moduli.map(|m| R::splat(m + self.kinematic));
-        let per_dt = R::splat(1.0 / trial.dt);
+        let per_dt = R::splat(if trial.dt > 0.0 { 1.0 / trial.dt } else { 0.0 });
         let rate = if self.viscoplastic { y * per_dt } else { trial.rate };
         let [s, by_strain, by_rate] = self.yield_stress(trial.eps_p + y, rate);
         let slope = if self.viscoplastic { by_rate.mul_add(per_dt, by_strain) } else { by_strain };
@@ -241,10 +241,12 @@ impl CombinedPlasticity {
             }
             state[STRAIN] += y;
         }
+        // The strain follows from the stress before failure removes it, as in `plane_stress`.
+        let through = R::splat(thinning).mul_add(state[0] + state[1] - before, -(eps[0] + eps[1]));
         if fails == 1 {
             self.fail(state, STRAIN, FAILED, 3);
         }
-        R::splat(thinning).mul_add(state[0] + state[1] - before, -(eps[0] + eps[1]))
+        through
     }
 
     #[inline(always)]
@@ -292,6 +294,7 @@ impl CombinedPlasticity {
         if R::any(over) {
             let (y, [s, _, beta]) = self.solve(&trial, over);
             let (keep, moves) = (s / beta, R::splat(self.kinematic) * y / s);
+            let before = inner(&deviator, 2.0);
             for c in 0..6 {
                 let xi = keep * xi[c];
                 let a = moves.mul_add(xi, a[c]);
@@ -300,7 +303,13 @@ impl CombinedPlasticity {
                     back[c] = R::select(over, a, back[c]);
                 }
             }
-            left = R::select(over, keep, one);
+            if kinematic == 1 {
+                // Not that of the relative stress.
+                let kept = inner(&deviator, 2.0) / Real::max(before, R::splat(R::SMALLEST));
+                left = R::select(over, Real::min(kept.sqrt(), one), one);
+            } else {
+                left = R::select(over, keep, one);
+            }
             columns[0] += y;
         }
         for c in 0..3 {

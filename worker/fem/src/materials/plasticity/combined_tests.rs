@@ -84,20 +84,21 @@ fn dissipation_never_decreases() {
 /// Cowper and Symonds, by a curve of factors, and by tables.
 #[test]
 fn viscoplastic_flow_has_the_stress_of_its_rate() {
-    let yields = [("yield_stress", YIELD), ("viscoplastic", 1.0)];
+    let viscoplastic = ("viscoplastic", Param::Flag(true));
+    let yields =
+        |more: (&str, Param)| steel(&[("yield_stress", YIELD)], &[viscoplastic.clone(), more]);
     let rate = 100.0 / 3.0_f64.sqrt();
     let rows = [[0.0, 0.0, 0.2], [0.0, 1.0, 0.3], [100.0, 0.0, 0.4], [100.0, 1.0, 0.7]];
     let between = rate / 100.0;
     type Stress<'a> = &'a dyn Fn(f64) -> f64;
     let cases: [(Material, Stress<'_>); 3] = [
-        (steel(&yields, &[("cowper_symonds", Param::List(vec![40.0, 5.0]))]), &|_| {
+        (yields(("cowper_symonds", Param::List(vec![40.0, 5.0]))), &|_| {
             YIELD * (1.0 + (rate / 40.0).powf(0.2))
         }),
-        (
-            steel(&yields, &[("rate_factors", table(&[[0.0, 1.0], [50.0, 1.5], [100.0, 1.8]]))]),
-            &|_| YIELD * (1.5 + 0.3 * (rate - 50.0) / 50.0),
-        ),
-        (steel(&[("viscoplastic", 1.0)], &[("hardening_by_rate", table(&rows))]), &|eps| {
+        (yields(("rate_factors", table(&[[0.0, 1.0], [50.0, 1.5], [100.0, 1.8]]))), &|_| {
+            YIELD * (1.5 + 0.3 * (rate - 50.0) / 50.0)
+        }),
+        (steel(&[], &[viscoplastic.clone(), ("hardening_by_rate", table(&rows))]), &|eps| {
             (1.0 - between) * (0.2 + 0.1 * eps) + between * (0.4 + 0.3 * eps)
         }),
     ];
@@ -156,7 +157,7 @@ fn one_rate_is_isotropic_hardening() {
     let mut noise = Noise(5);
     for _ in 0..300 {
         let strain: [f64; 6] = std::array::from_fn(|_| 1e-3 * noise.next());
-        cubes.iter_mut().for_each(|cube| cube.step(strain, 1e-3));
+        cubes.iter_mut().for_each(|cube| _ = cube.step(strain, 1e-3));
         let [x, y, t, ..] = strain;
         sheets.iter_mut().for_each(|sheet| sheet.step([x, y, t], 1e-3));
         if cubes[1].at("failed") + sheets[1].state[4] > 0.0 {
@@ -179,6 +180,7 @@ fn one_rate_is_isotropic_hardening() {
 #[test]
 fn wrong_tables_are_refused() {
     let falling = table(&[[0.0, 0.0, 0.3], [0.0, 0.1, 0.2]]);
+    let crossing = table(&[[0.0, 0.0, 0.3], [0.0, 0.1, 0.6], [1.0, 0.0, 0.4], [1.0, 0.2, 0.7]]);
     let unsorted = table(&[[2.0, 0.0, 0.3], [1.0, 0.0, 0.4]]);
     for (law, words) in [
         (steel(&[], &[("hardening_by_rate", falling)]), "decreases from one row of a rate"),
@@ -192,10 +194,73 @@ fn wrong_tables_are_refused() {
             steel(&[("yield_stress", 1.0)], &[("rate_factors", table(&[[0.0, 2.0], [1.0, 1.0]]))]),
             "wrong order",
         ),
-        (steel(&[("yield_stress", 1.0), ("viscoplastic", 1.0)], &[]), "without a dependence"),
+        (
+            steel(&[("yield_stress", 1.0)], &[("viscoplastic", Param::Flag(true))]),
+            "without a dependence",
+        ),
+        (steel(&[("yield_stress", 1.0), ("viscoplastic", 1.0)], &[]), "not a flag"),
+        (steel(&[], &[("hardening_by_rate", crossing)]), "rate 1 and the plastic strain 0.1"),
         (steel(&[("yield_stress", 1.0), ("kinematic_modulus", -1.0)], &[]), "0 or above"),
     ] {
         let text = problems(&law);
         assert!(text.contains(words), "{words}: {text}");
     }
+}
+
+/// A table whose lowest rate has one row is constant beyond the last row of its other rates.
+#[test]
+fn a_table_is_constant_beyond_its_last_row() {
+    let rows = [[1.0, 0.0, 0.3], [2.0, 0.0, 0.4], [2.0, 0.01, 0.6]];
+    let mut cube = Cube::new(&steel(&[], &[("hardening_by_rate", table(&rows))]));
+    (0..400).for_each(|_| _ = cube.step([0.0, 0.0, 0.0, 1e-3, 0.0, 0.0], 1e-6));
+    assert!(cube.at("plastic_strain") > 0.1 && (cube.von_mises() / 0.6 - 1.0).abs() < 1e-9);
+}
+
+/// The fraction that is left is that of the deviator, not of the stress relative to the back
+/// stress: 1 - 3 G y/trial in the first step, and near 1 where the back stress carries the stress.
+#[test]
+fn what_is_left_is_of_the_deviator() {
+    let law = steel(&[("yield_stress", YIELD), ("kinematic_modulus", 20.0)], &[]);
+    let mut cube = Cube::new(&law);
+    let g = 0.5 * E / (1.0 + NU);
+    for step in 0..200 {
+        let trial = cube.state[3] + g * 1e-3;
+        let left = cube.step([0.0, 0.0, 0.0, 1e-3, 0.0, 0.0], 1.0);
+        assert!((left - (cube.state[3] / trial).min(1.0)).abs() < 1e-12, "{step}: {left}");
+    }
+    assert!(cube.von_mises() > 5.0 * YIELD, "the back stress is larger than the yield stress");
+}
+
+/// A step of no time with stress and strain gives numbers, at rates and with viscoplastic flow.
+#[test]
+fn a_step_without_time_is_finite() {
+    let rate = ("cowper_symonds", Param::List(vec![40.0, 5.0]));
+    for viscoplastic in [false, true] {
+        let flag = ("viscoplastic", Param::Flag(viscoplastic));
+        let numbers = [("yield_stress", YIELD), ("kinematic_modulus", 1.0)];
+        let law = steel(&numbers, &[rate.clone(), flag]);
+        let (mut cube, mut sheet) = (Cube::new(&law), Sheet::new(&law));
+        for (shear, dt) in [(0.0, 0.0), (1e-2, 1e-3), (0.0, 0.0), (1e-2, 0.0)] {
+            cube.step([0.0, 0.0, 0.0, shear, 0.0, 0.0], dt);
+            sheet.step([0.0, 0.0, shear], dt);
+            let all = cube.state.iter().chain(&sheet.state);
+            assert!(all.into_iter().all(|value| value.is_finite()), "{:?}", cube.state);
+        }
+    }
+}
+
+/// The thickness strain of the step in which a point fails is that before its stress is removed.
+#[test]
+fn failure_does_not_thicken_a_sheet() {
+    let numbers = [("yield_stress", YIELD), ("kinematic_modulus", 1.0)];
+    let [mut fails, mut holds] = [[("failure_strain", 0.01)].as_slice(), &[]]
+        .map(|more| Sheet::new(&steel(&[&numbers, more].concat(), &[])));
+    for _ in 0..200 {
+        _ = [&mut fails, &mut holds].map(|sheet| sheet.step([1e-4, 0.0, 0.0], 1.0));
+        assert!((fails.strain[3] - holds.strain[3]).abs() < 1e-15, "{:?}", fails.strain);
+        if fails.state[0] == 0.0 {
+            return;
+        }
+    }
+    panic!("it must fail");
 }

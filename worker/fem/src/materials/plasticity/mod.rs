@@ -329,7 +329,8 @@ impl Plasticity {
 /// is `e:e` of its deviator.
 #[inline(always)]
 fn effective_rate<R: Real>(square: R, time: f64) -> R {
-    (R::splat(2.0 / 3.0) * square).sqrt() * R::splat(1.0 / time)
+    let per_time = if time > 0.0 { 1.0 / time } else { 0.0 };
+    (R::splat(2.0 / 3.0) * square).sqrt() * R::splat(per_time)
 }
 
 /// Returns the logarithm, zero below one.

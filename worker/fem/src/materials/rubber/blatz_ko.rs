@@ -60,18 +60,18 @@ impl StrainEnergy for BlatzKo {
     }
 
     #[inline(always)]
-    fn stress<R: Real>(&self, green: &Symmetric<R>) -> Symmetric<R> {
+    fn stress<R: Real>(&self, b: &Symmetric<R>) -> Symmetric<R> {
         let one = R::splat(1.0);
-        let third = one + volume_change(green);
+        let third = one + volume_change(b);
         let (per, direct) = (R::splat(self.shear) / third.sqrt(), one - power(third));
-        std::array::from_fn(|c| per * if c < 3 { green[c] + direct } else { green[c] })
+        std::array::from_fn(|c| per * if c < 3 { b[c] + direct } else { b[c] })
     }
 
     #[inline(always)]
-    fn modulus<R: Real>(&self, green: &Symmetric<R>) -> R {
+    fn moduli<R: Real>(&self, b: &Symmetric<R>) -> [R; 2] {
         let one = R::splat(1.0);
-        let third = one + volume_change(green);
-        let both = (one + largest_bound(green)) + R::splat(BETA) * power(third);
-        R::splat(2.0 * self.shear) * both / third.sqrt()
+        let third = one + volume_change(b);
+        let per = R::splat(2.0 * self.shear) / third.sqrt();
+        [per * (one + largest_bound(b)), per * R::splat(BETA) * power(third)]
     }
 }

@@ -3,8 +3,9 @@
 //!
 //! The history holds `b = B - 1` and rotates with the stress. [`tensor::stretch`](super::tensor)
 //! advances it by the strain increment, so that the stress depends on the deformation alone, up to
-//! the second order of the step where the body rotates. The step follows the stiffening of the
-//! rubber.
+//! the second order of the step where the body rotates. Elements compute in double precision: in
+//! single precision the sum of many steps has a wrong volume. The step follows the stiffening of
+//! the rubber.
 
 pub mod blatz_ko;
 pub mod mooney_rivlin;
@@ -13,11 +14,11 @@ pub mod polynomial;
 
 use super::parameters::Parameters;
 use super::tensor::{Symmetric, deviator, inner, stretch, trace};
-use super::{Elastic, Solid, SolidPoint};
+use super::{Elastic, STRETCH_COLUMN, Solid, SolidPoint};
 use crumple_math::lanes::{Lane, Lane32, Real};
 
 const HISTORY: &[&str] =
-    &["green xx", "green yy", "green zz", "green xy", "green yz", "green zx", "stiffening"];
+    &[STRETCH_COLUMN, "B-1 yy", "B-1 zz", "B-1 xy", "B-1 yz", "B-1 zx", "stiffening"];
 
 /// A strain energy.
 trait StrainEnergy: Send + Sync {
@@ -27,9 +28,9 @@ trait StrainEnergy: Send + Sync {
     /// Returns the Cauchy stress [force/length^2]. It is zero, bit for bit, if b is zero.
     fn stress<R: Real>(&self, b: &Symmetric<R>) -> Symmetric<R>;
 
-    /// Returns a bound of `d(J sigma_i)/d(ln lambda_i)/J` over all principal directions
-    /// [force/length^2].
-    fn modulus<R: Real>(&self, b: &Symmetric<R>) -> R;
+    /// Returns S and V of the bound `S 1 + V (1, 1, 1) (1, 1, 1)'` of the matrix
+    /// `d(J sigma_i)/d(ln lambda_j)/J` [force/length^2]. At small strain they are 2 G and lambda.
+    fn moduli<R: Real>(&self, b: &Symmetric<R>) -> [R; 2];
 }
 
 /// The law of a strain energy.
@@ -46,11 +47,20 @@ impl<W: StrainEnergy> Rubber<W> {
         let least = (R::splat(2.0 / 3.0) * inner(&s, &s))
             .sqrt()
             .neg_mul_add(R::splat(1.0), R::splat(1.0 / 3.0) * trace(&stress));
-        let modulus = self.0.modulus(&b) + Real::max(-least, R::zero());
-        let ratio = modulus / self.0.modulus(&[R::zero(); 6]) - R::splat(1.0);
+        let [shear, volumetric] = self.0.moduli(&b);
+        let shear = shear + Real::max(-least, R::zero());
+        // An element has `2 G g + lambda tr G` with g from `tr G/3` to `tr G`: both ends count.
+        let elastic = self.0.elastic();
+        let over = |share: f64| {
+            let first = share * 2.0 * elastic.shear_modulus() + elastic.lame();
+            R::splat(1.0 / first) * R::splat(share).mul_add(shear, volumetric) - R::splat(1.0)
+        };
+        let ratio = Real::max(over(1.0), over(1.0 / 3.0));
         state[..6].copy_from_slice(&stress);
         state[6..12].copy_from_slice(&b);
-        state[12] = Real::max(ratio, R::zero());
+        // Rounding does not stiffen a point without strain.
+        let strained = inner(&b, &b).gt(R::zero());
+        state[12] = R::select(strained, Real::max(ratio, R::zero()), R::zero());
         R::splat(1.0)
     }
 }

@@ -70,12 +70,12 @@ struct Stretches<R> {
 
 impl<R: Real> Stretches<R> {
     #[inline(always)]
-    fn new(green: &Symmetric<R>) -> Self {
+    fn new(b: &Symmetric<R>) -> Self {
         let one = R::splat(1.0);
         let all = R::zero().le(R::zero());
-        let third = one + volume_change(green);
+        let third = one + volume_change(b);
         let scale = third.powf_where(-1.0 / 3.0, all);
-        let principal = Principal::new(green);
+        let principal = Principal::new(b);
         let squares = principal.values.map(|value| scale * (one + value));
         Self { principal, volume: third.sqrt(), squares }
     }
@@ -95,8 +95,8 @@ impl StrainEnergy for Ogden {
 
     /// `J sigma_i = sum_j mu_j (l_i^alpha_j - mean) + K (J - 1)`.
     #[inline(always)]
-    fn stress<R: Real>(&self, green: &Symmetric<R>) -> Symmetric<R> {
-        let stretches = Stretches::new(green);
+    fn stress<R: Real>(&self, b: &Symmetric<R>) -> Symmetric<R> {
+        let stretches = Stretches::new(b);
         let mut sums = [R::zero(); 3];
         for &[mu, alpha] in &self.terms {
             let powers = stretches.powers(alpha);
@@ -107,23 +107,23 @@ impl StrainEnergy for Ogden {
             }
         }
         let volume = stretches.volume;
-        let change = volume_change(green) / (volume + R::splat(1.0));
+        let change = volume_change(b) / (volume + R::splat(1.0));
         let values = sums.map(|sum| R::splat(self.bulk).mul_add(change, sum) / volume);
         stretches.principal.compose(values)
     }
 
+    /// With `D = sum_j mu_j alpha_j diag(l_i^alpha_j)` and the deviatoric projection P the matrix
+    /// is `P D P + K J` in all entries, and `P D P` is at most P times the largest entry of D.
     #[inline(always)]
-    fn modulus<R: Real>(&self, green: &Symmetric<R>) -> R {
-        let stretches = Stretches::new(green);
-        let mut moduli = [R::splat(self.bulk) * stretches.volume; 3];
+    fn moduli<R: Real>(&self, b: &Symmetric<R>) -> [R; 2] {
+        let stretches = Stretches::new(b);
+        let mut sums = [R::zero(); 3];
         for &[mu, alpha] in &self.terms {
-            let powers = stretches.powers(alpha);
-            let sum = powers[0] + powers[1] + powers[2];
-            for (modulus, power) in moduli.iter_mut().zip(powers) {
-                let share = R::splat(1.0 / 3.0).mul_add(power, R::splat(1.0 / 9.0) * sum);
-                *modulus = R::splat(mu * alpha).mul_add(share, *modulus);
+            for (sum, power) in sums.iter_mut().zip(stretches.powers(alpha)) {
+                *sum = R::splat(mu * alpha).mul_add(power, *sum);
             }
         }
-        Real::max(Real::max(moduli[0], moduli[1]), moduli[2]) / stretches.volume
+        let shear = Real::max(Real::max(sums[0], sums[1]), sums[2]) / stretches.volume;
+        [shear, R::splat(1.0 / 3.0).neg_mul_add(shear, R::splat(self.bulk))]
     }
 }

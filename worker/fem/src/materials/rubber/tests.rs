@@ -122,10 +122,10 @@ fn blatz_ko_has_the_stress_of_its_closed_form() {
 fn small_strain_is_linear() {
     let compressible = |law: &Material| {
         let mut law = law.clone();
-        law.parameters.entry("poisson".into()).and_modify(|nu| *nu = Param::Number(0.4));
+        law.parameters.entry("poisson".into()).and_modify(|nu| *nu = Param::Number(0.45));
         law
     };
-    let all = closed().map(|closed| (compressible(&closed.law), 0.4));
+    let all = closed().map(|closed| (compressible(&closed.law), 0.45));
     let others = [(material("blatz_ko", &[("shear_modulus", 0.7)], &[]), 0.463)];
     for (law, nu) in all.into_iter().chain(others) {
         let elastic = super::super::build_solid(&law).ok().expect("a law").elastic();
@@ -166,7 +166,7 @@ fn a_closed_path_leaves_nothing() {
             }
         }
         for e in path.iter().rev() {
-            (0..200).for_each(|_| cube.step(e.map(|e| -e), 1.0));
+            (0..200).for_each(|_| _ = cube.step(e.map(|e| -e), 1.0));
         }
         let left = cube.state[..6].iter().fold(0.0, |m: f64, s| m.max(s.abs()));
         assert!(most > 1e-2 && cube.work.abs() < 1e-9 * most, "{} {} {most}", law.law, cube.work);
@@ -183,14 +183,20 @@ fn stiffening_bounds_the_modulus_of_waves() {
         law.parameters.entry("poisson".into()).and_modify(|nu| *nu = Param::Number(0.45));
         let elastic = super::super::build_solid(&law).ok().expect("a law").elastic();
         let first = elastic.lame() + 2.0 * elastic.shear_modulus();
-        for [x, y, z] in [[1.2, -0.5, -0.6], [-0.9, 0.4, 0.4], [-0.2, -0.2, -0.2], [0.8, 0.8, -1.5]]
-        {
+        for [x, y, z] in [
+            [1.2, -0.5, -0.6],
+            [-0.9, 0.4, 0.4],
+            [-0.2, -0.2, -0.2],
+            [0.8, 0.8, -1.5],
+            [-0.5, -0.5, -0.5],
+            [0.3, 0.3, 0.3],
+            [1.5, -0.75, -0.75],
+        ] {
             let mut cube = Cube::new(&law);
-            (0..300).for_each(|_| cube.step([x, y, z, 0.0, 0.0, 0.0].map(|e| e / 300.0), 1.0));
+            (0..300).for_each(|_| _ = cube.step([x, y, z, 0.0, 0.0, 0.0].map(|e| e / 300.0), 1.0));
             let bound = first * (1.0 + cube.at("stiffening"));
             for axis in 0..3 {
-                let mut next = Cube::new(&law);
-                next.state.clone_from(&cube.state);
+                let mut next = cube.clone();
                 let mut e = [0.0; 6];
                 e[axis] = 1e-6;
                 next.step(e, 1.0);
@@ -199,7 +205,25 @@ fn stiffening_bounds_the_modulus_of_waves() {
                 assert!(modulus < 1.001 * bound, "{} {axis}: {modulus} {bound}", law.law);
                 assert!(bound < 12.0 * first.max(modulus), "{}: a useless bound {bound}", law.law);
             }
+            // All directions at once: three times the bulk modulus.
+            let mut next = cube.clone();
+            next.step([1e-6, 1e-6, 1e-6, 0.0, 0.0, 0.0], 1.0);
+            let sum = |cube: &Cube| cube.state[..3].iter().sum::<f64>();
+            let modulus = (sum(&next) - sum(&cube)) / 3e-6 + 2.0 / 3.0 * sum(&cube);
+            let bound = 3.0 * elastic.bulk_modulus() * (1.0 + cube.at("stiffening"));
+            assert!(modulus < 1.001 * bound, "{} volume: {modulus} {bound}", law.law);
         }
+    }
+}
+
+/// Tension on all sides gives tension, at the smallest Poisson's ratio that is accepted.
+#[test]
+fn tension_on_all_sides_is_tension() {
+    let numbers = [("a", 0.3), ("b", 0.1), ("poisson", 0.4231)];
+    let mut cube = Cube::new(&material("mooney_rivlin", &numbers, &[]));
+    for step in 0..1000 {
+        cube.step([1e-3, 1e-3, 1e-3, 0.0, 0.0, 0.0], 1.0);
+        assert!(cube.state[0] > 0.0, "{step}: {}", cube.state[0]);
     }
 }
 
@@ -210,11 +234,21 @@ fn wrong_rubbers_are_refused() {
     for (law, words) in [
         (material("mooney_rivlin", &[("a", 0.0), ("b", 0.0), nu], &[]), "shear modulus 0"),
         (material("mooney_rivlin", &[("a", 1.0), ("b", 0.0), ("poisson", 0.5)], &[]), "below 0.5"),
+        (material("mooney_rivlin", &[("a", 1.0), ("b", 0.0), ("poisson", 0.39)], &[]), "0.4000"),
+        (material("mooney_rivlin", &[("a", 0.0), ("b", 1.0), ("poisson", 0.45)], &[]), "0.4545"),
         (material("ogden", &[nu], &[("terms", table(&[[1.0, -2.0]]))]), "mu alpha"),
         (material("ogden", &[nu], &[]), "terms is missing"),
         (
             material("polynomial_rubber", &[nu], &[("coefficients", Param::List(vec![1.0]))]),
             "six numbers",
+        ),
+        (
+            material(
+                "polynomial_rubber",
+                &[nu],
+                &[("coefficients", Param::List(vec![1.0, 0.0, 0.0, -0.3, 0.0, 0.0]))],
+            ),
+            "keep the sign of the strain",
         ),
         (material("blatz_ko", &[("shear_modulus", -1.0)], &[]), "above 0"),
     ] {
