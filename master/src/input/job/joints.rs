@@ -136,7 +136,7 @@ impl JointCheck<'_> {
     fn unit(&mut self, key: &str, given: [f64; 3]) -> Option<Vector3<f64>> {
         // The largest component first: squares of large numbers overflow.
         let given = Vector3::from(given);
-        let unit = (given / given.amax()).try_normalize(0.5);
+        let unit = (given.amax() > 0.0).then(|| (given / given.amax()).normalize());
         if unit.is_none() {
             self.fault(key, "the direction is zero", "give a direction, such as [0, 0, 1]");
         }

@@ -81,6 +81,7 @@ fn materials(model: &Model) -> Vec<Value> {
 
 fn words(value: &Param) -> String {
     match value {
+        Param::Flag(flag) => flag.to_string(),
         Param::Number(number) => figure(*number),
         Param::List(numbers) => format!("({} numbers)", numbers.len()),
         Param::Table(rows) => format!("({} rows)", rows.len()),
