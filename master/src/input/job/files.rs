@@ -201,14 +201,15 @@ pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
         path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         _ if !path.exists() => {
-            let help = "name a .toml job file, a .k deck, or a folder that holds job.toml";
+            let help =
+                "name a .toml job file, a .k or _0000.rad deck, or a folder that holds job.toml";
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
-        "toml" | "k" | "key" | "dyn" => Ok(path.to_path_buf()),
+        "toml" | "k" | "key" | "dyn" | "rad" => Ok(path.to_path_buf()),
         _ => Err(Problem::error(
             "",
             format!("{shown} is not a .toml file"),
-            "name a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
+            "name a .toml file, a .k, .key, .dyn or _0000.rad deck, or a folder with job.toml",
         )),
     }
 }

@@ -68,31 +68,43 @@ impl DeckConverter {
                 }
             }
         }
-        if loads.is_empty() {
-            return;
-        }
-        let faces = self.faces();
         for (number, (curve, scale, place, segments)) in loads.into_iter().enumerate() {
             let Some(name) = self.time_curve(curve, place) else { continue };
-            for (along, sign) in [(true, 1.0), (false, -1.0)] {
-                let loaded = self.of_sense(&segments, &faces, along);
-                for (part, (group, nodes)) in whole_groups(&loaded, &faces).into_iter().enumerate()
-                {
-                    let set = format!(
-                        "pressure-{}-{}{}",
-                        number + 1,
-                        if along { "" } else { "back-" },
-                        part + 1
-                    );
-                    self.rows.add_set(set.clone(), nodes, group);
-                    let table = JobTable::new(place)
-                        .with("nodes", place, set)
-                        .with("pressure", place, sign * scale)
-                        .with("curve", place, name.as_str());
-                    self.add("pressure", table);
-                }
+            let groups = self.groups_of_faces(&segments);
+            let mut counts = [0; 2];
+            for (sign, group, nodes) in groups {
+                let count = &mut counts[usize::from(sign < 0.0)];
+                *count += 1;
+                let back = if sign > 0.0 { "" } else { "back-" };
+                let set = format!("pressure-{}-{back}{count}", number + 1);
+                self.rows.add_set(set.clone(), nodes, group);
+                let table = JobTable::new(place)
+                    .with("nodes", place, set)
+                    .with("pressure", place, sign * scale)
+                    .with("curve", place, name.as_str());
+                self.add("pressure", table);
             }
         }
+    }
+
+    /// Returns faces in groups of nodes that contain no other face, with the sign of a pressure on
+    /// them: 1 if their normal is that of their element, otherwise -1. Reports segments that are no
+    /// face.
+    pub(super) fn groups_of_faces(
+        &mut self,
+        segments: &[DeckSegment],
+    ) -> Vec<(f64, Place, Vec<NodeId>)> {
+        if segments.is_empty() {
+            return Vec::new();
+        }
+        let faces = self.faces();
+        let mut found = Vec::new();
+        for (along, sign) in [(true, 1.0), (false, -1.0)] {
+            let loaded = self.of_sense(segments, &faces, along);
+            let groups = whole_groups(&loaded, &faces);
+            found.extend(groups.into_iter().map(|(place, nodes)| (sign, place, nodes)));
+        }
+        found
     }
 
     fn arrival(&mut self, line: &CardLine) {
