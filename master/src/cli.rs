@@ -103,10 +103,10 @@ pub enum Command {
     /// Write a job for a mesh file of another program, and print what became of its content.
     ///
     /// Reads Gmsh MSH 4.1 and 2.2, Abaqus input, Nastran bulk data, VTK (XML and legacy), STL and
-    /// EXODUS II; the format is recognised by the content. A Radioss starter file becomes a job with
-    /// this deck. The folder gets a copy of the file and a
+    /// EXODUS II; the format is recognised by the content. The folder gets a copy of the file and a
     /// job.toml with its parts, materials and sections. Values that the file does not have are
-    /// placeholders: the job lists them, and `crumple check` warns of each.
+    /// placeholders: the job lists them, and `crumple check` warns of each. A Radioss starter file
+    /// becomes a job that names it as its deck.
     Import(ImportArgs),
     /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
     ExportDeck(ExportArgs),

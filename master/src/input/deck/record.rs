@@ -61,11 +61,13 @@ impl CardLine {
         if self.card.is_header() { 0 } else { self.asked.get().count_ones() }
     }
 
-    /// Returns the fields with a value other than zero and the default, without headings; true for
-    /// those that were asked for.
+    /// Returns the fields with a value other than zero and the default, without headings and the
+    /// ids in the keyword's line; true for those that were asked for.
     pub fn given(&self) -> impl Iterator<Item = (&'static Field, &Value, bool)> {
         let is_name = |field: &Field| {
-            field.kind == FieldType::Line || ["heading", "title"].contains(&field.name.as_str())
+            field.kind == FieldType::Line
+                || field.width == 0
+                || ["heading", "title"].contains(&field.name.as_str())
         };
         let fields = self.card.fields.iter().zip(self.values.iter()).enumerate();
         fields.filter(move |(_, (field, _))| !is_name(field)).filter_map(

@@ -86,9 +86,9 @@ fn report_other(path: &Path, head: &[u8], trouble: &mut Trouble) {
 mod tests {
     use super::*;
 
-    /// The first keyword tells the format; comments and text do not.
+    /// The first keyword shows the format; comments and text do not.
     #[test]
-    fn formats_are_told_by_their_first_keyword() {
+    fn the_first_keyword_shows_the_format() {
         let of = |text: &str| of_content(text.as_bytes());
         assert_eq!(of("$ /BEGIN\n*KEYWORD\n"), Some(DeckFormat::LsDyna));
         assert_eq!(of("#RADIOSS STARTER\n/BEGIN\n"), Some(DeckFormat::Radioss));

@@ -103,7 +103,7 @@ impl Texts {
 
 /// Reader of files, with those that they include.
 pub(super) struct DeckReader<'t> {
-    /// What was read so far.
+    /// Files and blocks so far.
     pub(super) texts: Texts,
     /// Files that are being read, the innermost last, to detect files that include themselves.
     open: Vec<PathBuf>,
@@ -147,7 +147,8 @@ impl DeckReader<'_> {
                 let near = alike.map_or(String::new(), |name| format!("there is {name}; "));
                 let help = format!(
                     "{near}check its name and permissions; names are relative to the folder of the \
-                     main deck, the folder of the including file, or an *INCLUDE_PATH"
+                     main deck, the folder of the including file, or an *INCLUDE_PATH; a deck for \
+                     a service is sent with all files that it includes"
                 );
                 return self.trouble.error(place, format!("{shown} {what}"), help);
             }

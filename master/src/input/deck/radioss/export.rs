@@ -33,7 +33,7 @@ pub struct StarterDeck {
     pub starter: String,
     /// Text of the engine file.
     pub engine: String,
-    /// What other programs do not find in it, each as a sentence.
+    /// Losses: content of the job without a card, or with fewer digits; one text for each.
     pub losses: Vec<String>,
 }
 
@@ -69,6 +69,8 @@ struct StarterWriter<'m> {
     added: Vec<(u64, [f64; 3])>,
     /// Main node of each body by its name.
     mains: BTreeMap<String, u64>,
+    /// Names that bodies have when the deck is read, by those in the job.
+    body_names: BTreeMap<String, String>,
 }
 
 /// Largest ids that were given.
@@ -108,6 +110,7 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
         functions: BTreeMap::new(),
         added: Vec::new(),
         mains: BTreeMap::new(),
+        body_names: BTreeMap::new(),
     };
     w.begin(name);
     w.materials();

@@ -24,6 +24,8 @@ pub struct StarterBody {
     place: Place,
     /// Place of its number, for the order.
     order: usize,
+    /// Mass that is added to it [mass].
+    mass: f64,
 }
 
 impl StarterConverter {
@@ -50,7 +52,8 @@ impl StarterConverter {
             }
             let name = self.body_name(&record, id, is_link);
             let fixed = BTreeSet::new();
-            let body = StarterBody { name, nodes, fixed, place: record.head, order };
+            let mass = if is_link { 0.0 } else { record.real("mass") };
+            let body = StarterBody { name, nodes, fixed, place: record.head, order, mass };
             if self.mains.insert(main, body).is_some() {
                 let message = format!("node {} is the main node of two bodies", main.label());
                 let help = "give each body its own main node";
@@ -161,7 +164,11 @@ impl StarterConverter {
         let mut bodies: Vec<_> = self.mains.values().collect();
         bodies.sort_by_key(|body| body.order);
         let mut tables = Vec::new();
+        let mut masses = Vec::new();
         for body in bodies {
+            if body.mass > 0.0 {
+                masses.push((body.name.clone(), body.nodes.clone(), body.mass, body.place));
+            }
             let place = body.place;
             let mut table = JobTable::new(place).with("name", place, body.name.as_str());
             let parts = self.whole_parts(&body.nodes);
@@ -182,6 +189,19 @@ impl StarterConverter {
                 table.put("nodes", place, name);
             }
             self.deck.add("rigid", table);
+        }
+        self.main_masses(masses);
+    }
+
+    /// Adds the masses of main nodes in equal shares to the nodes of their bodies.
+    fn main_masses(&mut self, masses: Vec<(String, BTreeSet<NodeId>, f64, Place)>) {
+        for (name, nodes, mass, place) in masses {
+            let set = format!("{name} mass");
+            self.deck.rows.add_set(set.clone(), nodes.into_iter().collect(), place);
+            let table = JobTable::new(place).with("nodes", place, set);
+            self.deck.add("mass", table.with("mass", place, mass));
+            let asked = format!("mass {mass} of its main node");
+            self.deck.map(name, asked, "in equal shares on its nodes");
         }
     }
 

@@ -12,7 +12,7 @@ const KEYWORDS: [&str; 4] = ["/INTER/TYPE7", "/INTER/TYPE11", "/INTER/TYPE24", "
 const CONSTANT: i64 = 1000;
 
 /// The parts of both sides of an interface; the second is `None` for contact with itself.
-struct Sides {
+struct StarterSides {
     ahead: BTreeSet<i64>,
     behind: Option<BTreeSet<i64>>,
 }
@@ -91,7 +91,7 @@ impl StarterConverter {
     }
 
     /// Returns the parts of an interface. Contact works with whole parts.
-    fn sides(&mut self, record: &CardRecord) -> Option<Sides> {
+    fn sides(&mut self, record: &CardRecord) -> Option<StarterSides> {
         match record.row.keyword.name {
             "/INTER/TYPE7" => {
                 let (grnod, surf) = (record.integer("grnod"), record.integer("surf"));
@@ -106,7 +106,7 @@ impl StarterConverter {
                     }
                 };
                 let is_own = ahead == behind;
-                Some(Sides { ahead, behind: (!is_own).then_some(behind) })
+                Some(StarterSides { ahead, behind: (!is_own).then_some(behind) })
             }
             "/INTER/TYPE11" => {
                 let ahead = self.line_parts(record, "lines")?;
@@ -115,7 +115,7 @@ impl StarterConverter {
                     _ => Some(self.line_parts(record, "linem")?),
                 };
                 let behind = behind.filter(|behind| *behind != ahead);
-                Some(Sides { ahead, behind })
+                Some(StarterSides { ahead, behind })
             }
             _ => {
                 let [one, other] = ["surf1", "surf2"].map(|field| record.integer(field));
@@ -126,7 +126,7 @@ impl StarterConverter {
                     false => None,
                 };
                 let behind = behind.filter(|behind| *behind != ahead);
-                Some(Sides { ahead, behind })
+                Some(StarterSides { ahead, behind })
             }
         }
     }

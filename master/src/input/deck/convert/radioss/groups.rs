@@ -74,13 +74,14 @@ impl StarterConverter {
         }
         use crumple_proto::mesh::Shape;
         let [solids, springs, beams] = self.deck.rows.raised;
+        let [triangles, trusses] = self.raised;
         for element in self.deck.rows.elements() {
             let (kind, raised) = match element.shape {
                 Shape::Quad4 => ("GRSHEL", 0),
-                Shape::Tri3 => ("GRSH3N", 0),
+                Shape::Tri3 => ("GRSH3N", triangles),
                 Shape::Line2 => ("GRSPRI", springs),
                 Shape::Beam2 => ("GRBEAM", beams),
-                Shape::Truss2 => ("GRTRUS", beams),
+                Shape::Truss2 => ("GRTRUS", beams + trusses),
                 _ => ("GRBRIC", solids),
             };
             let id = ElemId(element.id.0.saturating_sub(raised));

@@ -11,6 +11,7 @@ use crate::input::deck::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{MeshElement, Shape, solid_of_eight};
+use std::collections::HashSet;
 
 /// Keywords of nodes and elements, with the number of nodes of an element that a line has.
 const KEYWORDS: [(&str, usize); 9] = [
@@ -24,6 +25,9 @@ const KEYWORDS: [(&str, usize); 9] = [
     ("/TRUSS", 2),
     ("/SPRING", 2),
 ];
+
+/// Largest number that is added to ids.
+const LARGEST_RAISE: u64 = 1_000_000_000_000_000;
 
 /// Returns true for keywords of nodes and elements.
 pub fn is_mesh(name: &str) -> bool {
@@ -173,6 +177,22 @@ impl StarterConverter {
         }
     }
 
+    /// Raises the ids of triangles and trusses that quads and beams have too: ids are unique for
+    /// each keyword only, and these share a list.
+    pub(super) fn kinds_apart(&mut self) {
+        let trusses = self.deck.truss_parts.clone();
+        let rows = &mut self.deck.rows;
+        let is_triangle = |e: &MeshElement| e.shape == Shape::Tri3;
+        let is_truss = |e: &MeshElement| trusses.contains(&e.part);
+        self.raised = [raise(&mut rows.shells, is_triangle), raise(&mut rows.beams, is_truss)];
+        for (kind, raised) in ["triangles", "trusses"].into_iter().zip(self.raised) {
+            if raised > 0 {
+                let used = format!("ids raised by {raised}");
+                self.deck.map(kind, "ids that other elements have too", used);
+            }
+        }
+    }
+
     /// Adds third nodes to beams whose second axis a vector shows.
     pub(super) fn show_axes(&mut self) {
         let mut points = Vec::new();
@@ -208,6 +228,24 @@ impl StarterConverter {
             self.deck.map("tetrahedra", asked, "two of their nodes are exchanged");
         }
     }
+}
+
+/// Raises the ids of some elements of a list above all others, if an element that is not one of
+/// them has the same id. Returns the number that is added.
+fn raise(list: &mut [MeshElement], is_one: impl Fn(&MeshElement) -> bool) -> u64 {
+    let others: HashSet<ElemId> = list.iter().filter(|e| !is_one(e)).map(|e| e.id).collect();
+    if !list.iter().any(|e| is_one(e) && others.contains(&e.id)) {
+        return 0;
+    }
+    let most = list.iter().map(|e| e.id.0).max().unwrap_or(0);
+    let mut raised = 10u64;
+    while raised <= most && raised < LARGEST_RAISE {
+        raised *= 10;
+    }
+    for element in list.iter_mut().filter(|e| is_one(e)) {
+        element.id.0 = element.id.0.saturating_add(raised);
+    }
+    raised
 }
 
 /// Returns six times the volume of a tetrahedron [length^3].

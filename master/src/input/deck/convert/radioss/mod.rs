@@ -78,6 +78,8 @@ pub struct StarterConverter {
     velocities: Vec<motion::StarterVelocity>,
     /// Vectors that show the second axis of beams, by index.
     shown: Vec<(usize, (NodeId, [f64; 3]), Place)>,
+    /// Numbers added to the ids of triangles and of trusses.
+    raised: [u64; 2],
     /// Tetrahedra whose nodes were put in order.
     turned: usize,
     /// Ids of units that entities refer to, with their places.
@@ -94,6 +96,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.collect(texts, leave_out);
     b.show_axes();
     b.turn_tetrahedra();
+    b.kinds_apart();
     b.deck.rows.number_apart(&mut b.deck.mapping);
     b.control();
     b.functions();
@@ -146,6 +149,7 @@ impl StarterConverter {
             wall_motions: BTreeMap::new(),
             velocities: Vec::new(),
             shown: Vec::new(),
+            raised: [0; 2],
             turned: 0,
             units: Vec::new(),
             made_curves: 0,

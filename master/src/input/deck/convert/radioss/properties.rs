@@ -11,6 +11,9 @@ const SHEAR: f64 = 5.0 / 6.0;
 /// Difference of two second moments over their sum that counts as none.
 const ROUND: f64 = 1e-9;
 
+/// Formulations of solids that one of the engine can replace.
+const SOLIDS: [i64; 8] = [0, 1, 2, 12, 14, 17, 18, 24];
+
 /// A property.
 #[derive(Debug)]
 pub struct StarterProperty {
@@ -131,6 +134,10 @@ impl StarterConverter {
     ) {
         let card = &of.record;
         let (isolid, itetra) = (all.flag(of, "isolid"), all.flag(of, "itetra4"));
+        if !SOLIDS.contains(&isolid) {
+            let why = "use 1 or 2 (one point, viscous), or 12, 14, 17, 18 or 24";
+            self.deck.unsupported_value(card, "isolid", why);
+        }
         let or = |field: &str, default: f64| match card.real(field) {
             0.0 => default,
             given => given,

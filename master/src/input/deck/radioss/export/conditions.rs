@@ -38,7 +38,11 @@ impl StarterWriter<'_> {
             self.titled("RBODY", id, &body.name);
             self.card(&[Whole(main), Gap, Gap, Gap, Gap, Gap, Whole(group)]);
             self.mains.insert(body.name.clone(), main);
-            let mut own = Table::from_iter([named(&body.name)]);
+            // A reader gives a body the name of no part.
+            let is_part = model.settings.parts.iter().any(|p| p.name == body.name);
+            let name = if is_part { format!("body-{id}") } else { body.name.clone() };
+            let mut own = Table::from_iter([named(&name)]);
+            self.body_names.insert(body.name.clone(), name);
             if let Some(mass) = body.mass {
                 own.insert("mass".into(), mass.into());
             }
@@ -80,7 +84,13 @@ impl StarterWriter<'_> {
         let model = self.model;
         let rows: Option<Vec<MotionRow>> = model.job.motion.iter().map(row).collect();
         let Some(rows) = rows else {
-            return list(&mut self.deck, "motion", &model.job.motion);
+            let renamed = |motion: &MotionInput| {
+                let own = motion.rigid.as_ref();
+                let rigid = own.map(|name| self.body_names.get(name).unwrap_or(name).clone());
+                MotionInput { rigid, ..motion.clone() }
+            };
+            let all: Vec<MotionInput> = model.job.motion.iter().map(renamed).collect();
+            return list(&mut self.deck, "motion", &all);
         };
         for ((motion, row), id) in model.job.motion.iter().zip(rows).zip(1..) {
             let function = self.function(motion.curve.as_deref());

@@ -53,13 +53,13 @@ pub const KEYWORDS: &[Keyword] = &[
             ("ioptoff:i ifail:i", Maybe),
         ],
         "`[[rigid]]` of the nodes of the group. Parts whose nodes are all in it are its `parts`. \
-         The main node is no part of the model: conditions on it act on the body",
+         The main node is no part of the model: conditions on it act on the body. mass is \
+         `[[mass]]` in equal shares on its nodes",
     )
     .unused(&[
         refused("sens", "bodies that a sensor switches"),
         no_effect("skew", "it is for the inertia"),
         no_effect("ispher", "the inertia is that of the nodes"),
-        ignored("mass", "the body has the mass of its nodes; add it by /ADMAS"),
         no_effect("ikrem icog", "the body turns about its centre of mass"),
         no_effect("surf", "contact has the surfaces of the elements"),
         ignored("jxx jyy jzz jxy jyz jxz", "the inertia is that of the nodes"),
