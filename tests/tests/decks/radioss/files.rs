@@ -2,6 +2,7 @@
 
 use super::{mesh, model, moves, properties, read_at, reading, said, steel, with};
 use crumple::input::mesh_file;
+use crumple_tests::manual::{Block, blocks};
 use crumple_tests::program::{crumple_with, run};
 use std::fs;
 use std::path::Path;
@@ -103,4 +104,23 @@ fn keys_in_comments_and_keywords_left_out() {
     assert!(read_at(&job, &[]).is_ok());
     let keyed = "$crumple: [time]\n$crumple: safety = 0.25\n".to_string() + &with("");
     assert_eq!(model(&keyed).job.time.safety, 0.25);
+}
+
+/// The deck that the guide shows runs as it is, and its converted form too.
+#[test]
+fn the_deck_of_the_guide_runs() {
+    let blocks = blocks("docs/guide/radioss.md");
+    let of = |block: &&Block| block.language == "text" && block.text.starts_with("/RUN/");
+    let text = &blocks.iter().find(of).expect("a deck").text;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fall_0000.rad");
+    fs::write(&path, text).unwrap();
+    let model = read_at(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!((model.mesh.elements.len(), model.job.wall.len()), (2, 1));
+    let ended = run(crumple_with(&["run", path.to_str().unwrap(), "--no-report"])).with_code(0);
+    // The plate begins 1 mm above the wall at 1 mm/ms and stays on it.
+    let impulse = fs::read_to_string(ended.out().join("walls.csv")).unwrap();
+    let last = impulse.lines().last().unwrap().split(',').nth(4).unwrap();
+    let momentum = 7.85e-6 * 20.0 * 10.0 * 1.0;
+    assert!(last.parse::<f64>().unwrap().abs() > 0.9 * momentum, "{last} of {momentum}");
 }

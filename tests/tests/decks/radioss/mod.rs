@@ -11,8 +11,8 @@ use crumple::input::job::{Model, read};
 use std::fs;
 use std::path::Path;
 
-/// Returns a card: `i5` is a whole number and `wX` a word in ten columns, `r0.5` a number in twenty,
-/// `_` is ten blanks. Other words are written as they are.
+/// Returns a card: `i5` is a whole number and `wX` a word in ten columns, `r0.5` a number in
+/// twenty, `_` is ten blanks. The fields follow each other without gaps.
 pub fn card(fields: &str) -> String {
     let mut text = String::new();
     for field in fields.split_whitespace() {

@@ -81,7 +81,8 @@ fn plastic_laws_keep_their_numbers() {
 /// A table of the yield stress is scaled and goes on with its last slope, as in Radioss.
 #[test]
 fn a_yield_table_continues_with_its_last_slope() {
-    let law = "/FUNCT/9\n=y\nr0 r300\nr0.1 r400\n/MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3 r0.6\ni1\n_\ni9\nr1e-3\nr0";
+    let law = "/FUNCT/9\n=y\nr0 r300\nr0.1 r400\n/MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3 r0.6\ni1\n\
+               _\ni9\nr1e-3\nr0";
     let model = of_law(law);
     let found = rows(&model, "hardening");
     assert_eq!(found[..2], [[0.0, 0.3], [0.1, 0.4]]);
