@@ -10,6 +10,9 @@ use std::path::Path;
 /// Bytes at the begin of a file by which its format is found.
 const HEAD: u64 = 64 * 1024;
 
+/// End of the name of an engine file.
+const ENGINE: &str = "_0001.rad";
+
 /// Format of a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeckFormat {
@@ -41,6 +44,12 @@ pub fn format(path: &Path, trouble: &mut Trouble) -> DeckFormat {
         }
         None => report_other(path, &head, trouble),
         Some(_) => {}
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(base) = name.strip_suffix(ENGINE) {
+        let message = format!("{} is an engine file", path.display());
+        let help = format!("name the starter file {base}_0000.rad, which is read with it");
+        trouble.error(Place::Whole, message, help);
     }
     found.unwrap_or(by_name)
 }

@@ -2,7 +2,7 @@
 
 use super::{mesh, model, moves, properties, read_at, reading, said, steel, with};
 use crumple::input::mesh_file;
-use crumple_tests::manual::{Block, blocks};
+use crumple_tests::manual::{Snippet, blocks};
 use crumple_tests::program::{crumple_with, run};
 use std::fs;
 use std::path::Path;
@@ -29,6 +29,8 @@ fn the_engine_file_belongs_to_the_starter() {
     let engine = folder.path().join("plate_0001.rad");
     fs::write(&engine, "#RADIOSS ENGINE\n/RUN/plate/1\n 7.5\n/VERS/2022\n/END\n").unwrap();
     assert_eq!(read_at(&path, &[]).unwrap().job.end_time, 7.5);
+    let report = read_at(&engine, &[]).err().unwrap();
+    assert!(report.contains("is an engine file") && report.contains("plate_0000.rad"), "{report}");
     // A mistake in it is named with its file.
     fs::write(&engine, "/RUN/plate/1\n7.5x\n").unwrap();
     let report = read_at(&path, &[]).err().unwrap();
@@ -110,7 +112,7 @@ fn keys_in_comments_and_keywords_left_out() {
 #[test]
 fn the_deck_of_the_guide_runs() {
     let blocks = blocks("docs/guide/radioss.md");
-    let of = |block: &&Block| block.language == "text" && block.text.starts_with("/RUN/");
+    let of = |block: &&Snippet| block.language == "text" && block.text.starts_with("/RUN/");
     let text = &blocks.iter().find(of).expect("a deck").text;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("fall_0000.rad");

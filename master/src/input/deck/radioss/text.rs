@@ -11,7 +11,7 @@ use crate::input::deck::{diagnostics::Trouble, number};
 use crate::input::job::tree::Place;
 use std::path::{Path, PathBuf};
 
-/// End of the name of a starter file, and that of its first engine file.
+/// Ends of the names of a starter file and of its first engine file.
 const STARTER: &str = "_0000";
 const ENGINE: &str = "_0001";
 /// End of the keywords of the engine within a starter file.
