@@ -443,6 +443,10 @@ pub struct BenchArgs {
     /// Run a few cycles of every scene, once, only to show that all of them run.
     #[arg(long)]
     pub tiny: bool,
+    /// Do not time the scenes: list the data that a step of each reads and writes, in bytes per
+    /// element.
+    #[arg(long, conflicts_with_all = ["tiny", "rounds"])]
+    pub traffic: bool,
     /// File for all values.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

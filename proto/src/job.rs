@@ -3,6 +3,7 @@
 mod beam;
 mod checkpoint;
 mod contact;
+mod joint;
 mod loads;
 mod output;
 mod particles;
@@ -19,6 +20,7 @@ mod wall;
 pub use beam::{BeamInput, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
+pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use particles::ParticlesInput;
@@ -121,6 +123,9 @@ pub struct Job {
     /// Rigid bodies.
     #[serde(default)]
     pub rigid: Vec<Rigid>,
+    /// Joints between rigid bodies.
+    #[serde(default)]
+    pub joint: Vec<JointInput>,
     /// Nodes tied to surfaces.
     #[serde(default)]
     pub tie: Vec<TieInput>,

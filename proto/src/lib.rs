@@ -21,6 +21,7 @@ pub mod exit_code;
 pub mod histories;
 pub mod ids;
 pub mod job;
+pub mod joint;
 pub mod loads;
 pub mod mesh;
 pub mod message;

@@ -4,6 +4,7 @@
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Compression, ContactInput, Part, Precision};
+use crate::joint::ResolvedJoint;
 use crate::loads::ResolvedLoads;
 use crate::mesh::{CornerNodes, OwnSection, Shape};
 use crate::rigid::RigidBody;
@@ -58,6 +59,8 @@ pub struct Settings {
     pub loads: ResolvedLoads,
     /// Rigid bodies; no two have a node in common.
     pub rigid: Vec<RigidBody>,
+    /// Joints between rigid bodies.
+    pub joints: Vec<ResolvedJoint>,
     /// Tied nodes, ascending.
     pub ties: Vec<Tie>,
     /// Largest step [time], 0 for none.

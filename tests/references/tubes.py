@@ -1,10 +1,11 @@
 """The tubes of B11, B12 and B13 as jobs with their own mesh, and their mean crush force.
 
-    python3 tubes.py CASE REFINE ELEMENT > job.toml     CASE is B11, B12a, B12b or B13
+    python3 tubes.py CASE REFINE ELEMENT [DEPTH] > job.toml    CASE is B11, B12a, B12b or B13
     crumple run job.toml --out DIR
     python3 tubes.py --force CASE DIR                   mean force [kN]
 
 REFINE = 1 is the mesh of the catalogue (`tests/verification/src/crush.rs`), 2 has half its sides.
+DEPTH multiplies the depth of the trigger (default 1).
 README.md has the results.
 """
 
@@ -39,7 +40,7 @@ def section(case, s):
     ][face]
 
 
-def job(case, refine, element):
+def job(case, refine, element, deeper=1.0):
     around, along, length, trigger, thickness, strength, modulus, head = CASES[case][:8]
     thinning, depth = CASES[case][8:]
     around, along = 4 * round(around * refine / 4), round(along * refine)
@@ -48,7 +49,7 @@ def job(case, refine, element):
     out.append("[mesh]\nnodes = [")
     for i in range(along + 1):
         z = length * i / along
-        wave = math.sin(math.pi * (z - low) / (high - low)) if low < z < high else 0.0
+        wave = deeper * math.sin(math.pi * (z - low) / (high - low)) if low < z < high else 0.0
         for k in range(around):
             (x, y), (dx, dy) = section(case, k / around)
             out.append(f"[{i * around + k + 1}, {x + wave * dx!r}, {y + wave * dy!r}, {z!r}],")
@@ -122,4 +123,4 @@ def force(case, folder):
 if sys.argv[1] == "--force":
     print(f"{force(*sys.argv[2:4]):.2f}")
 else:
-    print(job(sys.argv[1], float(sys.argv[2]), sys.argv[3]))
+    print(job(sys.argv[1], float(sys.argv[2]), sys.argv[3], *map(float, sys.argv[4:])))

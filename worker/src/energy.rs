@@ -24,23 +24,27 @@ pub struct Ledger {
     pub wall: WorkSum,
     /// Work of loads, damping and prescribed motion.
     pub external: WorkSum,
+    /// Work of joints on rigid bodies: minus what they store and absorb.
+    pub joints: WorkSum,
 }
 
 impl Ledger {
     /// Adds the ledger of another worker.
     pub fn add(&mut self, o: &Self) {
-        let Self { contact: ContactWork { total, friction, starting }, wall, external } = o;
+        let Self { contact: ContactWork { total, friction, starting }, wall, external, joints } = o;
         self.contact.total.merge(total);
         self.contact.friction.merge(friction);
         self.contact.starting.merge(starting);
         self.wall.merge(wall);
         self.external.merge(external);
+        self.joints.merge(joints);
     }
 
     /// Begins a step, before its first work is added.
     pub fn begin_step(&mut self, cycle: u64) {
-        let Self { contact: ContactWork { total, friction, starting }, wall, external } = self;
-        for sum in [total, friction, starting, wall, external] {
+        let Self { contact: ContactWork { total, friction, starting }, wall, external, joints } =
+            self;
+        for sum in [total, friction, starting, wall, external, joints] {
             sum.begin_step(cycle.is_multiple_of(CARRY_EVERY));
         }
     }
@@ -54,11 +58,14 @@ impl Ledger {
     /// Between two steps these are the energies of the time at which the finished step began.
     pub fn energies(&self, nodes: &Nodes, blocks: &Blocks) -> Energies<ExactSum> {
         let (kinetic, swing) = kinetic(nodes);
-        let of_elements = |kind: usize| blocks.energies().map(|(_, e)| e[kind]).collect();
+        let of_elements =
+            |kind: usize| -> ExactSum { blocks.energies().map(|(_, e)| e[kind]).collect() };
+        let mut internal = of_elements(0);
+        internal.remove(&self.joints.at_present());
         Energies {
             kinetic,
             swing,
-            internal: of_elements(0),
+            internal,
             hourglass: of_elements(1),
             contact: self.contact.total.at_present(),
             friction: self.contact.friction.at_present(),

@@ -277,7 +277,11 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     let bodies = &model.settings.rigid;
     if !bodies.is_empty() {
         let members: usize = bodies.iter().map(|b| b.nodes.len()).sum();
-        writeln!(out, "rigid        {} bodies of {members} nodes", bodies.len())?;
+        let joints = match model.settings.joints.len() {
+            0 => String::new(),
+            count => format!(", {count} joints"),
+        };
+        writeln!(out, "rigid        {} bodies of {members} nodes{joints}", bodies.len())?;
     }
     match &model.settings.contact {
         None => writeln!(out, "contact      none"),

@@ -13,4 +13,5 @@ mod mesh_files;
 mod models;
 mod odd_files;
 mod radioss;
+mod rigid_joints;
 mod runs;

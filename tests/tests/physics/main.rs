@@ -3,6 +3,7 @@
 mod bars;
 mod beams;
 mod free_rotation;
+mod joints;
 mod loads;
 mod particles;
 mod rigid;

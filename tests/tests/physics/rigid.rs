@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 /// Bodies of square shells, one part each.
 #[derive(Default)]
-struct Bodies {
-    scene: Scene,
+pub struct Bodies {
+    pub scene: Scene,
     /// Nodes of each part.
     parts: Vec<Vec<u32>>,
 }
@@ -22,14 +22,14 @@ impl Bodies {
     }
 
     /// Adds a plate in the plane z = `at[2]`, `cells` squares of side `side`.
-    fn plate(&mut self, at: [f64; 3], cells: [usize; 2], side: f64) {
+    pub fn plate(&mut self, at: [f64; 3], cells: [usize; 2], side: f64) {
         let place = |i: usize, j: usize| [at[0] + side * i as f64, at[1] + side * j as f64, at[2]];
         let grid = self.scene.lattice(self.next(), cells, place);
         self.parts.push(grid.all().to_vec());
     }
 
     /// Adds a closed box from `at` with `cells` squares of side `side` along its edges.
-    fn cuboid(&mut self, at: [f64; 3], cells: [usize; 3], side: f64) {
+    pub fn cuboid(&mut self, at: [f64; 3], cells: [usize; 3], side: f64) {
         let part = self.next();
         let mut known: BTreeMap<[usize; 3], u32> = BTreeMap::new();
         for axis in 0..3 {
@@ -57,7 +57,7 @@ impl Bodies {
 
     /// Returns the job with sets of all nodes of each part, `part_1` and so on; `rest` is the
     /// rest of the job.
-    fn job(&self, end_time: f64, rest: &str) -> Model {
+    pub fn job(&self, end_time: f64, rest: &str) -> Model {
         let mut scene = self.scene.clone();
         for (p, nodes) in (1..).zip(&self.parts) {
             let mut nodes = nodes.clone();

@@ -15,6 +15,7 @@ pub use volumes::{NodalVolumes, RemoteVolume};
 use crate::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::elements::{ElementNodalForces, PassTotals};
 use crate::nodes::Nodes;
+use crate::step_data::StepData;
 use crate::time::ElementSet;
 use crumple_math::row::{Row, xyz};
 use crumple_proto::ids::ElemId;
@@ -261,6 +262,21 @@ impl Blocks {
             moment: size_of_val(&self.moment[..]),
             connectivity: records + lists + self.volumes.as_ref().map_or(0, NodalVolumes::bytes),
         }
+    }
+
+    /// Returns the data of elements that a step with all elements reads and writes.
+    pub fn step_data(&self) -> [StepData; 5] {
+        let active = || self.blocks.iter().filter(|b| !b.idle);
+        let groups = |b: &Block| size_of_val(&b.groups[..]) + size_of_val(&b.unstrained[..]);
+        let row = |data, bytes, reads, writes| StepData { data, bytes, reads, writes };
+        let force = size_of_val(&self.force[..]) + size_of_val(&self.moment[..]);
+        [
+            row("history columns", active().map(Block::column_bytes).sum(), 1, 1),
+            row("energies of elements", active().map(Block::energy_bytes).sum(), 1, 1),
+            row("nodes of elements", active().map(groups).sum(), 1, 0),
+            row("element nodal forces", force, 1, 1),
+            row("lists of the assembly", self.plans[0].bytes(), 1, 0),
+        ]
     }
 
     /// Returns the measured CPU time of the kernel of each element per cycle, in the order of

@@ -16,6 +16,8 @@ pub mod nodes;
 pub mod parameter;
 pub mod particles;
 pub mod registry;
+pub mod step_data;
 pub mod testing;
 pub mod time;
+
 pub mod work;

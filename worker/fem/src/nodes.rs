@@ -2,6 +2,7 @@
 //! This worker integrates them, also those that other workers share; all compute the same bits.
 //! The rest are ghost nodes: copies that contact needs.
 
+use crate::step_data::StepData;
 use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_math::lanes::Lane;
@@ -297,6 +298,21 @@ impl Nodes {
         [
             named + size_of_val(&self.mass[..]) + rows(&moving),
             size_of_val(&self.inertia[..]) + rows(&turning),
+        ]
+    }
+
+    /// Returns the data of local nodes that a step without contact reads and writes.
+    pub fn step_data(&self) -> [StepData; 4] {
+        let columns = if self.rotations { 2 } else { 1 };
+        let each = self.local_count * size_of::<Row>();
+        let row = |data, bytes, reads, writes| StepData { data, bytes, reads, writes };
+        [
+            // Read by elements, and by the update that writes them.
+            row("coordinates", each, 2, 1),
+            // Read by elements, by the update of velocities, and written at the end of the step.
+            row("velocities before and after", 2 * columns * each, 2, 1),
+            row("nodal forces", columns * each, 1, 1),
+            row("inverse masses", columns * each, 1, 0),
         ]
     }
 

@@ -39,6 +39,7 @@ pub fn settings() -> Settings {
         walls: Vec::new(),
         loads: crumple_proto::loads::ResolvedLoads::default(),
         rigid: Vec::new(),
+        joints: Vec::new(),
         ties: Vec::new(),
         dt_max: 0.0,
         subcycles: 1,

@@ -40,7 +40,7 @@ impl ConstraintState {
         if let Some(wall) = self.walls.iter().zip(&settings.walls).position(is_other) {
             return Err(format!("rigid wall {wall} differs from that of the job"));
         }
-        self.bodies.validate(&settings.rigid)?;
+        self.bodies.validate(settings)?;
         self.ties.validate(&settings.ties)
     }
 }
@@ -60,7 +60,7 @@ impl Constraints {
         let mut walls = Walls::new(&settings.walls, curves);
         walls.restore(&state.walls);
         let mut bodies = state.bodies;
-        bodies.restore(&settings.rigid, curves);
+        bodies.restore(settings);
         Self {
             prescribed: Prescribed::new(&settings.loads),
             bodies,

@@ -3,6 +3,7 @@
 //!
 //! - `scenes.rs`: table `SCENES` of timed scenes
 //! - `calibration.rs`: peak rate and memory rate of one core
+//! - `traffic.rs`: data that a step touches
 //!
 //! Each round runs all scenes in turn, so that a slowdown of the machine affects all of them. A
 //! scene restarts in every round and is timed over the same cycles. Times are CPU times of the
@@ -10,6 +11,7 @@
 
 mod calibration;
 mod scenes;
+mod traffic;
 
 use crate::cli::BenchArgs;
 use crate::input::job::{Model, read_text};
@@ -78,24 +80,29 @@ pub fn run(args: &BenchArgs) -> u8 {
         eprintln!("  known: '{}'", names.join("', '"));
         return BAD_INPUT;
     }
-    let wanted: Vec<&BenchScene> = SCENES
+    let wanted: Vec<&'static BenchScene> = SCENES
         .iter()
         .filter(|s| args.only.is_empty() || args.only.iter().any(|name| name == s.name))
         .collect();
-    let results = match measure(&wanted, args) {
-        Ok(results) => results,
+    let made = if args.traffic {
+        traffic::count(&wanted)
+            .map(|all| (traffic::table(&all), serde_json::to_string_pretty(&all)))
+    } else {
+        measure(&wanted, args).map(|all| (table(&all), serde_json::to_string_pretty(&all)))
+    };
+    let (table, json) = match made {
+        Ok(made) => made,
         Err(why) => {
             eprintln!("error: {why}");
             return FAILED;
         }
     };
-    crate::stdout::write(format_args!("{}", table(&results)));
-    if let Some(file) = &args.json {
-        let text = serde_json::to_string_pretty(&results).unwrap_or_default();
-        if let Err(error) = std::fs::write(file, text) {
-            eprintln!("error: {}: {error}; choose another file with --json", file.display());
-            return BAD_INPUT;
-        }
+    crate::stdout::write(format_args!("{table}"));
+    if let Some(file) = &args.json
+        && let Err(error) = std::fs::write(file, json.unwrap_or_default())
+    {
+        eprintln!("error: {}: {error}; choose another file with --json", file.display());
+        return BAD_INPUT;
     }
     DONE
 }

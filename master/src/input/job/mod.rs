@@ -21,6 +21,7 @@ mod contact;
 mod files;
 mod histories;
 mod include;
+mod joints;
 pub mod laws;
 pub mod library;
 mod loads;
@@ -393,6 +394,7 @@ fn constrain(
     settings.loads = loads::resolve(job, mesh, &sets, smallest, &mut nodes, findings);
     settings.walls = walls::resolve(job, &sets, findings);
     settings.rigid = rigid::resolve(job, mesh, settings, &sets, &mut nodes, findings);
+    settings.joints = joints::resolve(job, findings);
     ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
     ties::lead(&settings.ties, &mut settings.loads.motions);
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);

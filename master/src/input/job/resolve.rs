@@ -307,6 +307,7 @@ pub fn settings(
         walls: Vec::new(),
         loads: ResolvedLoads::default(),
         rigid: Vec::new(),
+        joints: Vec::new(),
         ties: Vec::new(),
         dt_max: job.time.dt_max,
         subcycles: job.time.subcycles.max(1),

@@ -9,6 +9,10 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::elements::formulation;
 
+/// Keys of a part that only its shells use.
+const OF_SHELLS: [&str; 4] =
+    ["thickness", "offset", "contact_thickness", "contact_thickness_scale"];
+
 /// Returns the remedy if no element of a part uses a key.
 fn reason_without_effect(key: &ElementKey, part: &Part, used: &Used) -> Option<String> {
     let shapes = Shape::ALL.into_iter().filter(|&shape| used[shape as usize]);
@@ -66,6 +70,13 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut JobProblems) 
             continue;
         }
         let path = format!("part.{index}");
+        if !Shape::ALL.into_iter().any(|shape| used[shape as usize] && shape.is_shell()) {
+            for key in OF_SHELLS.into_iter().filter(|key| written(table, &path, key)) {
+                let message = format!("nothing in part {} uses `{key}`", part.id);
+                let help = "remove it: it is for shells";
+                findings.add(Problem::warning(format!("{path}.{key}"), message, help));
+            }
+        }
         for element_key in element_keys().iter().filter(|k| written(table, &path, k.key)) {
             let key = element_key.key;
             if let Some(help) = reason_without_effect(element_key, part, used) {
@@ -82,16 +93,30 @@ mod tests {
 
     /// Returns the warnings for the colliding bars (shells with 2 points) with some settings.
     fn warned(sets: &[&str]) -> Vec<String> {
-        let text = include_str!("../../../../cases/bars/job.toml").to_string();
+        warned_in(include_str!("../../../../cases/bars/job.toml"), sets)
+    }
+
+    fn warned_in(text: &str, sets: &[&str]) -> Vec<String> {
         let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
-        let model =
-            read_text("bars.toml".into(), text, &sets).unwrap_or_else(|report| panic!("{report}"));
+        let model = read_text("job.toml".into(), text.to_string(), &sets)
+            .unwrap_or_else(|report| panic!("{report}"));
         model
             .warnings
             .iter()
             .filter(|w| w.message.contains("use"))
             .map(|w| w.path.clone())
             .collect()
+    }
+
+    /// Solids have no thickness, so a thickness of theirs is reported.
+    #[test]
+    fn keys_of_shells_are_reported_for_solids() {
+        let block = include_str!("../../../../cases/block/job.toml");
+        assert_eq!(warned_in(block, &[]), [""; 0]);
+        assert_eq!(
+            warned_in(block, &["part.block.thickness=1.0", "part.block.offset=0.5"]),
+            ["part.0.thickness", "part.0.offset"]
+        );
     }
 
     #[test]

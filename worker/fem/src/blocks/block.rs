@@ -183,7 +183,17 @@ impl Block {
 
     /// Returns the bytes of history columns and energies.
     pub(super) fn history_bytes(&self) -> usize {
-        self.history.bytes() + size_of_val(&self.energies[..])
+        self.column_bytes() + self.energy_bytes()
+    }
+
+    /// Returns the bytes of history columns.
+    pub(super) fn column_bytes(&self) -> usize {
+        self.history.bytes()
+    }
+
+    /// Returns the bytes of the energies of elements.
+    pub(super) fn energy_bytes(&self) -> usize {
+        size_of_val(&self.energies[..])
     }
 
     /// Returns the number of slots of a group.

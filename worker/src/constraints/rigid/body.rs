@@ -160,6 +160,7 @@ impl Body {
     /// orientation.
     pub fn start_step(&mut self, time: f64, dt: f64) {
         self.next = self.last;
+        self.led_angular = V3::zeros();
         let (velocity, spin) = self.prescribed_velocities(time, dt);
         for c in (0..3).filter(|&c| self.held[c]) {
             self.next.velocity[c] = velocity[c];
@@ -255,6 +256,14 @@ impl Body {
         self.next.velocity + self.present_spin().cross(arm)
     }
 
+    /// Returns the changes of velocity and rotational velocity by an impulse at the centre and an
+    /// angular impulse, at the present orientation.
+    pub fn reply(&self, impulse: &V3, angular: &V3) -> (V3, V3) {
+        let mut moved = impulse / self.mass;
+        (0..3).filter(|&c| self.held[c]).for_each(|c| moved[c] = 0.0);
+        (moved, self.mobility * angular)
+    }
+
     /// Returns the change of velocity along `direction` at `arm` per unit impulse in that
     /// direction [1/mass].
     pub fn compliance(&self, arm: &V3, direction: &V3) -> f64 {
@@ -274,9 +283,8 @@ impl Body {
             // Along constrained axes the angular momentum follows from the motion.
             let r = self.turn.to_rotation_matrix().into_inner();
             let taken = r * self.inertia * r.transpose() * self.next_spin;
-            self.led_angular = V3::zeros();
             for c in (0..3).filter(|&c| self.held[c + 3]) {
-                self.led_angular[c] = taken[c] - self.next.angular[c];
+                self.led_angular[c] += taken[c] - self.next.angular[c];
                 self.next.angular[c] = taken[c];
             }
         }

@@ -81,6 +81,7 @@ impl Bodies {
             all.bodies.push(body);
             all.beyond.push(beyond);
         }
+        all.joints.extend(&settings.joints, &all.bodies);
         all.share.resize(all.bodies.len(), 0.0);
         all.damped.resize(all.bodies.len(), [(V3::zeros(), V3::zeros()); 2]);
         Ok(())
@@ -90,7 +91,11 @@ impl Bodies {
     ///
     /// # Errors
     /// They are not: the reason.
-    pub fn validate(&self, jobs: &[RigidBody]) -> Result<(), String> {
+    pub fn validate(&self, settings: &Settings) -> Result<(), String> {
+        let jobs = &settings.rigid;
+        if !self.joints.fits(&settings.joints) {
+            return Err("it has other joints than the job".into());
+        }
         let count = self.bodies.len();
         let lengths = [self.arms.len(), self.beyond.len(), self.share.len(), self.damped.len()];
         if count > jobs.len() || lengths.iter().any(|&length| length != count) {
@@ -107,8 +112,10 @@ impl Bodies {
     }
 
     /// Sets the definitions of bodies from a checkpoint.
-    pub fn restore(&mut self, jobs: &[RigidBody], curves: &[Vec<[f64; 2]>]) {
-        self.jobs = jobs.to_vec();
+    pub fn restore(&mut self, settings: &Settings) {
+        let (jobs, curves) = (&settings.rigid, &settings.loads.curves);
+        self.jobs = jobs.clone();
+        self.joints.restore(&settings.joints);
         self.bodies.iter_mut().zip(jobs).for_each(|(body, job)| body.restore(job, curves));
     }
 

@@ -10,6 +10,8 @@
 
 pub mod body;
 mod build;
+mod joint_rows;
+mod joints;
 #[cfg(test)]
 mod tests;
 mod walls;
@@ -25,12 +27,18 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::transport::{Mailbox, RankLost, Tag, Transport, words_of};
+use joints::Joints;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
-use walls::{WallContact, WallImpulse};
+use walls::{WallCandidate, WallContact, WallImpulse};
 
 /// Index that marks a node that is no member.
 const NONE: u32 = u32::MAX;
+
+/// Largest number of turns between walls and joints in a step, and the relative change of velocity
+/// at which they end.
+const ROUNDS: usize = 100;
+const AGREED: f64 = 1e-10;
 
 /// Force and moment on a member, about the centre of the body.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -88,7 +96,9 @@ pub struct Bodies {
     /// Body of each node here; empty without bodies.
     #[serde(skip)]
     body_of: Vec<u32>,
-    /// Momenta without contact and walls.
+    /// Joints between the bodies.
+    joints: Joints,
+    /// Momenta without contact, walls and joints.
     free: Vec<Momentum>,
     /// Factor on the compliance of single nodal masses that contact uses, per body.
     share: Vec<f64>,
@@ -196,6 +206,8 @@ impl Bodies {
         self.free.clear();
         self.free.extend(self.bodies.iter().map(|b| b.next));
         self.coupled = false;
+        self.joints.start_step(&self.bodies, steps);
+        self.joints.solve(&mut self.bodies);
         let motions: Vec<(V3, V3)> =
             self.bodies.iter().map(|b| (b.next.velocity, b.spin(&b.next.angular))).collect();
         for m in &self.members {
@@ -321,6 +333,7 @@ impl Bodies {
         }
         self.push_all(steps.dt_velocity);
         self.slow_all(steps);
+        self.joints.solve(&mut self.bodies);
         self.keep_out(walls, steps.dt);
         for &n in touched {
             if let Some(b) = self.body_of(n) {
@@ -365,7 +378,9 @@ impl Bodies {
             self.keep_out(walls, steps.dt);
             self.push_walls(walls);
         }
-        self.bodies.iter_mut().for_each(|b| b.rotate(time, steps.dt));
+        let turn = |all: &mut [Body]| all.iter_mut().for_each(|b| b.rotate(time, steps.dt));
+        turn(&mut self.bodies);
+        self.joints.close(&mut self.bodies, steps, turn);
         // Ghosts too: contact stores the slip of pairs, independent of the owner of their
         // nodes.
         let frames: Vec<(V3, Matrix3<f64>)> =
@@ -395,6 +410,12 @@ impl Bodies {
             ledger.external.add(felt * (1.0 - given));
             (0..3).for_each(|c| walls.impulses[p.wall][c].add(p.impulse[c] * given));
         }
+        if !self.joints.is_empty() {
+            let of_joints = self.joints.impulses(self.bodies.len());
+            for (body, (impulse, angular)) in self.bodies.iter().zip(&of_joints) {
+                ledger.joints.add(body.work(impulse, angular));
+            }
+        }
         for (body, damped) in self.bodies.iter().zip(&self.damped) {
             ledger.external.add(body.prescribed_work());
             for (impulse, angular) in damped {
@@ -406,6 +427,7 @@ impl Bodies {
     /// Ends the step: moves bodies and their local members to their new positions.
     pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
         self.bodies.iter_mut().for_each(|b| b.advance(dt));
+        self.joints.advance(&self.bodies);
         let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(Body::frame).collect();
         for m in &self.members {
             let (centre, turn) = &frames[m.body as usize];
@@ -479,10 +501,25 @@ impl Bodies {
             dt,
             pushes: &mut self.pushes,
         };
-        for (b, ((body, arms), job)) in
-            self.bodies.iter_mut().zip(&self.arms).zip(&self.jobs).enumerate()
-        {
-            meeting.enforce(b, body, (arms, &job.nodes));
+        let mut near: Vec<Vec<WallCandidate>> = Vec::new();
+        for ((body, arms), job) in self.bodies.iter_mut().zip(&self.arms).zip(&self.jobs) {
+            near.push(meeting.find_candidates(body, (arms, &job.nodes)));
+            meeting.sweep(body, near.last_mut().map_or(&mut [], |list| list));
+        }
+        // Walls and joints in turns, until neither changes what the other has found.
+        if near.iter().any(|list| !list.is_empty()) {
+            let fastest = self.bodies.iter().map(|b| b.next.velocity.norm()).fold(0.0, f64::max);
+            for _ in 0..ROUNDS {
+                if self.joints.correct(&mut self.bodies) <= AGREED * fastest {
+                    break;
+                }
+                for (body, list) in self.bodies.iter_mut().zip(&mut near) {
+                    meeting.sweep(body, list);
+                }
+            }
+        }
+        for (b, list) in near.iter().enumerate() {
+            meeting.record(b, list);
         }
     }
 }

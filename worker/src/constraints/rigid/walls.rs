@@ -28,7 +28,7 @@ pub struct WallImpulse {
 }
 
 /// Member near a wall.
-struct WallCandidate {
+pub struct WallCandidate {
     wall: usize,
     arm: V3,
     normal: V3,
@@ -52,14 +52,12 @@ pub struct WallContact<'a> {
 }
 
 impl WallContact<'_> {
-    /// Keeps the members of body number `index` in front of all walls and records the impulses.
-    /// `members` are positions relative to the centre at time 0, with ids.
-    pub fn enforce(&mut self, index: usize, body: &mut Body, members: (&[V3], &[NodeId])) {
+    /// Keeps the members `near` of a body in front of all walls.
+    pub fn sweep(&mut self, body: &mut Body, near: &mut [WallCandidate]) {
         let dt = self.dt;
-        let mut near = self.find_candidates(body, members);
         for _ in 0..SWEEPS {
             let (mut change, mut largest) = (0.0f64, 0.0f64);
-            for n in &mut near {
+            for n in near.iter_mut() {
                 let wall = &self.walls.each()[n.wall];
                 let velocity = &mut self.velocity[n.wall];
                 let opening = n.gap / dt + n.normal.dot(&(body.velocity_at(&n.arm) - *velocity));
@@ -89,6 +87,10 @@ impl WallContact<'_> {
                 break;
             }
         }
+    }
+
+    /// Records the impulses on the members `near` of body number `index`.
+    pub fn record(&mut self, index: usize, near: &[WallCandidate]) {
         let pushed = near.iter().filter(|n| n.pressed > 0.0);
         self.pushes.extend(pushed.map(|n| {
             let impulse = n.normal * n.pressed + n.sheared;
@@ -96,8 +98,13 @@ impl WallContact<'_> {
         }));
     }
 
-    /// Returns the members that walls may stop in the step, in ascending (wall, node).
-    fn find_candidates(&self, body: &Body, (arms, ids): (&[V3], &[NodeId])) -> Vec<WallCandidate> {
+    /// Returns the members that walls may stop in the step, in ascending (wall, node). `arms` are
+    /// positions of members relative to the centre at time 0.
+    pub fn find_candidates(
+        &self,
+        body: &Body,
+        (arms, ids): (&[V3], &[NodeId]),
+    ) -> Vec<WallCandidate> {
         let far = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
         let mut near: Vec<WallCandidate> = Vec::new();
         for ((number, wall), velocity) in

@@ -7,6 +7,7 @@ mod curves;
 mod histories;
 mod inertia;
 mod initial;
+mod joints;
 mod left_out;
 mod loads;
 mod materials;
@@ -83,6 +84,8 @@ pub struct DeckConverter {
     part_friction: BTreeMap<i64, contact::Friction>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
+    /// Names of rigid bodies by node, for joints.
+    node_bodies: HashMap<NodeId, String>,
     end_time: f64,
     /// Materials and sections of unsupported keywords.
     left_out: left_out::LeftOutCards,
@@ -128,6 +131,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.units(&mut materials);
     b.spc();
     b.rigid();
+    b.joints();
     b.fixes();
     b.motions();
     b.initial_velocities();
@@ -178,6 +182,7 @@ impl DeckConverter {
             with_offset: Vec::new(),
             part_friction: BTreeMap::new(),
             bodies: BTreeMap::new(),
+            node_bodies: HashMap::new(),
             end_time: 0.0,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),

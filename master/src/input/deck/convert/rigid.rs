@@ -47,15 +47,22 @@ impl DeckConverter {
             body.place = body.place.or(Some(of.place));
         }
         self.extra_nodes(&lead, &mut bodies);
+        let any_extra = bodies.values().any(|body| !body.nodes.is_empty());
+        let connected = if any_extra { self.rows.nodes_of(|_| true) } else { Vec::new() };
         for (id, mut body) in bodies {
             let place = body.place.unwrap_or(Place::Whole);
             self.hold(id, &mut body);
             let name = format!("part-{id}");
             let mut table = JobTable::new(place).with("name", place, name.as_str());
             let parts: Vec<i64> = body.parts.into_iter().collect();
+            let of_parts = self.rows.nodes_of(|part| parts.contains(&i64::from(part)));
+            let members = of_parts.into_iter().chain(body.nodes.iter().copied());
+            self.node_bodies.extend(members.map(|node| (node, name.clone())));
+            // Nodes without elements have no mass; joints only need their positions.
+            body.nodes.retain(|node| connected.binary_search(node).is_ok());
             let alone = parts.len() == 1 && body.nodes.is_empty();
             parts.iter().for_each(|&part| self.put_inertia(part, alone, &mut table));
-            table.put("parts", place, parts);
+            table.put("parts", place, parts.clone());
             if !body.nodes.is_empty() {
                 let set = format!("body-{id}-nodes");
                 self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);
@@ -190,6 +197,8 @@ impl DeckConverter {
             let place = record.place("pid");
             let Some(set) = self.node_set(nsid, record.place(field)) else { continue };
             let name = format!("body-{pid}");
+            let members = self.node_sets[&nsid].0.iter().copied();
+            self.node_bodies.extend(members.map(|node| (node, name.clone())));
             self.add(
                 "rigid",
                 JobTable::new(place).with("name", place, name.as_str()).with(

@@ -1,7 +1,7 @@
-//! Writes rigid bodies and prescribed motion as cards.
+//! Writes rigid bodies and prescribed motion as cards; joints stay in the job.
 
 use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, line, list, named};
-use crumple_proto::job::{Job, MotionInput, Rigid};
+use crumple_proto::job::{Job, JointInput, MotionInput, Rigid};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -94,6 +94,12 @@ pub fn write(
     } else {
         job.rigid.iter().for_each(|body| join(deck, body, bodies, &set));
     }
+    // A joint in a deck needs nodes of its bodies at its point and on its axis.
+    let renamed = |joint: &JointInput| {
+        let name = |body: &String| bodies.names.get(body).unwrap_or(body).clone();
+        JointInput { bodies: joint.bodies.iter().map(name).collect(), ..joint.clone() }
+    };
+    list(deck, "joint", &job.joint.iter().map(renamed).collect::<Vec<_>>());
     let cards: Option<Vec<MotionCard>> =
         job.motion.iter().map(|motion| card(motion, bodies)).collect();
     let Some(cards) = cards.filter(|cards| cards.is_sorted_by_key(|c| c.of_body)) else {

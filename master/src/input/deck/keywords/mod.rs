@@ -5,6 +5,7 @@ mod constraints;
 mod contact;
 mod control;
 mod histories;
+mod joints;
 mod loads;
 mod materials;
 mod mesh;
@@ -24,6 +25,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Rigid bodies and constraints", constraints::KEYWORDS),
+    ("Joints", joints::KEYWORDS),
     ("Contact and rigid walls", contact::KEYWORDS),
     ("Control", control::KEYWORDS),
     ("Histories", histories::KEYWORDS),

@@ -117,6 +117,7 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
     w.parts();
     w.groups();
     w.bodies();
+    w.joints();
     w.fixes();
     w.motions();
     w.initial();

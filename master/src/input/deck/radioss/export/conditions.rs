@@ -2,7 +2,7 @@
 
 use super::{Gap, Real, StarterWriter, Whole, Word, list, named};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{MotionInput, WallInput};
+use crumple_proto::job::{JointInput, MotionInput, WallInput};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
@@ -53,6 +53,17 @@ impl StarterWriter<'_> {
                 self.rest("rigid", own);
             }
         }
+    }
+
+    /// Leaves joints without a card; they name bodies as the reader does.
+    pub(super) fn joints(&mut self) {
+        let own = |name: &String| self.body_names.get(name).unwrap_or(name).clone();
+        let renamed = |joint: &JointInput| JointInput {
+            bodies: joint.bodies.iter().map(own).collect(),
+            ..joint.clone()
+        };
+        let all: Vec<JointInput> = self.model.job.joint.iter().map(renamed).collect();
+        list(&mut self.deck, "joint", &all);
     }
 
     pub(super) fn fixes(&mut self) {

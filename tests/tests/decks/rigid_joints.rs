@@ -1,0 +1,121 @@
+//! Joints between rigid bodies in keyword decks, and their resistance. Units mm, ms, kg.
+
+use crumple::input::job::{Model, Report, read};
+use crumple_proto::job::JointKind;
+use crumple_proto::joint::ResolvedJoint;
+use std::f64::consts::TAU;
+use std::fs;
+
+/// Two rigid plates in the plane z = 0, with extra nodes 21 to 26 on a line along y at x = 15.
+const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nleft\n1,1,1\nright\n2,1,1\n\
+    *SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+    *MAT_RIGID\n1,7.85e-6,207.0,0.3\n\n\n\
+    *NODE\n1,0,0,0\n2,10,0,0\n4,0,10,0\n5,10,10,0\n11,20,0,0\n12,30,0,0\n14,20,10,0\n15,30,10,0\n\
+    21,15,0,0\n22,15,0,0\n23,15,8,0\n24,15,8,0\n25,15,0,4\n26,15,0,4\n31,99,0,0\n\
+    *ELEMENT_SHELL\n1,1,1,2,5,4\n2,2,11,12,15,14\n\
+    *CONSTRAINED_EXTRA_NODES_NODE\n1,21\n1,23\n1,25\n2,22\n2,24\n2,26\n";
+
+fn deck(lines: &str) -> Result<Model, Report> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{BASE}{lines}*END\n")).unwrap();
+    let job = folder.path().join("job.toml");
+    fs::write(&job, "[mesh]\ndeck = \"deck.k\"\n[time]\ndt_max = 0.01\n").unwrap();
+    read(&job, &[])
+}
+
+fn joints(lines: &str) -> Vec<ResolvedJoint> {
+    deck(lines).unwrap_or_else(|report| panic!("{report}")).settings.joints
+}
+
+/// Each keyword becomes its kind, at n1, along its axes.
+#[test]
+fn each_keyword_has_its_kind() {
+    for (keyword, nodes, kind) in [
+        ("SPHERICAL", "21,22", JointKind::Spherical),
+        ("REVOLUTE", "21,22,23,24", JointKind::Revolute),
+        ("CYLINDRICAL", "21,22,23,24", JointKind::Cylindrical),
+        ("PLANAR", "21,22,23,24", JointKind::Planar),
+        ("TRANSLATIONAL", "21,22,23,24,25,26", JointKind::Translational),
+        ("UNIVERSAL", "21,22,23,26", JointKind::Universal),
+        ("LOCKING", "21,22,23,24,25,26", JointKind::Fixed),
+        ("SCREW", "21,22,23,24\n0.25", JointKind::Screw),
+    ] {
+        let found = joints(&format!("*CONSTRAINED_JOINT_{keyword}\n{nodes}\n"));
+        let [joint] = &found[..] else { panic!("{keyword}: {found:?}") };
+        assert_eq!((joint.kind, joint.first, joint.second), (kind, Some(0), 1), "{keyword}");
+        assert_eq!(joint.point, [15.0, 0.0, 0.0], "{keyword}");
+        if !matches!(kind, JointKind::Spherical | JointKind::Fixed) {
+            assert_eq!(joint.axes[0], [0.0, 1.0, 0.0], "{keyword}");
+        }
+        if kind == JointKind::Universal {
+            assert_eq!(joint.axes[1], [0.0, 0.0, 1.0]);
+        }
+        let lead = if kind == JointKind::Screw { 0.25 } else { 0.0 };
+        assert!((joint.lead - lead).abs() < 1e-15, "{keyword}: {}", joint.lead);
+    }
+}
+
+/// Resistance by the angles of a system of axes: its y axis is that of the joint, in the opposite
+/// direction if the parts are named in the other order.
+#[test]
+fn stiffness_belongs_to_the_axis_of_the_joint() {
+    let system = "*DEFINE_COORDINATE_SYSTEM\n7,0,0,0,1,0,0\n0,1,0\n\
+                  *DEFINE_CURVE\n1\n-1.0,-30.0\n0.0,0.0\n2.0,10.0\n\
+                  *DEFINE_CURVE\n2\n-1.0,-3.0\n1.0,3.0\n";
+    let hinge = "*CONSTRAINED_JOINT_REVOLUTE_ID\n44,door\n21,22,23,24\n";
+    let stiffness = |parts: &str| {
+        format!(
+            "{system}{hinge}*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n1,{parts},7,7,44\n\
+             0,1,0,0,2,0\n0.0,0.0,0.0,5.0\n0.0,0.0,30.0,90.0\n"
+        )
+    };
+    let how = |parts: &str| joints(&stiffness(parts))[0].rotation.clone().unwrap();
+    let forward = how("1,2");
+    assert_eq!(forward.table, [[-1.0, -30.0], [0.0, 0.0], [2.0, 10.0]]);
+    assert_eq!((forward.damping, forward.friction), (3.0, 5.0));
+    assert!((forward.stops[0] + TAU / 12.0).abs() < 1e-15, "{:?}", forward.stops);
+    assert!((forward.stops[1] - TAU / 4.0).abs() < 1e-15, "{:?}", forward.stops);
+    let back = how("2,1");
+    assert_eq!(back.table, [[-2.0, -10.0], [0.0, 0.0], [1.0, 30.0]]);
+    assert!((back.stops[0] + TAU / 4.0).abs() < 1e-15, "{:?}", back.stops);
+    let slider = "*CONSTRAINED_JOINT_TRANSLATIONAL\n21,22,23,24,25,26\n\
+                  *CONSTRAINED_JOINT_STIFFNESS_TRANSLATIONAL\n1,1,2,7\n0,1\n\n0,0,0.0,2.5\n";
+    let sliding = joints(&format!("{system}{slider}"))[0].sliding.clone().unwrap();
+    assert_eq!(sliding.table.len(), 3);
+    assert!(sliding.stops[0] < -1e19 && sliding.stops[1] == 2.5, "{:?}", sliding.stops);
+}
+
+/// Faults name the card, the field and what to do.
+#[test]
+fn faults_of_joints_are_named() {
+    let system = "*DEFINE_COORDINATE_SYSTEM\n7,0,0,0,1,0,0\n0,1,0\n";
+    let hinge = "*CONSTRAINED_JOINT_REVOLUTE\n21,22,23,24\n";
+    for (lines, wanted) in [
+        ("*CONSTRAINED_JOINT_REVOLUTE\n31,22,23,24\n", "node 31 belongs to no rigid body"),
+        ("*CONSTRAINED_JOINT_REVOLUTE\n21,22,21,24\n", "n1 and n3 have the same position"),
+        ("*CONSTRAINED_JOINT_REVOLUTE\n21,22,77,24\n", "there is no node with the id 77"),
+        ("*CONSTRAINED_JOINT_SPHERICAL\n21,23\n", "both ends are the same body"),
+        ("*CONSTRAINED_JOINT_UNIVERSAL\n21,22,23,24\n", "not perpendicular"),
+        ("*CONSTRAINED_JOINT_SCREW\n21,22,23,24\n0.0\n", "has no pitch"),
+        ("*CONSTRAINED_JOINT_GEARS\n21,22,23,24,25,26\n", "is not supported"),
+        (
+            &format!("{hinge}*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n1,1,2,8\n"),
+            "there is no *DEFINE_COORDINATE_... with the id 8",
+        ),
+        (
+            &format!("{system}{hinge}*CONSTRAINED_JOINT_STIFFNESS_TRANSLATIONAL\n1,1,2,7\n"),
+            "no joint of these bodies has a `sliding`",
+        ),
+        (
+            &format!(
+                "{system}{hinge}*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n1,1,2,7\n\n3.0,2.0\n"
+            ),
+            "the joint is not free about this axis",
+        ),
+    ] {
+        let report = deck(lines).err().expect(lines).to_string();
+        assert!(report.contains(wanted), "{lines}\n{report}");
+        assert!(report.contains("deck.k:") && report.contains("help"), "{lines}\n{report}");
+    }
+}
