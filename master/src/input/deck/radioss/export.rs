@@ -160,8 +160,8 @@ impl StarterWriter<'_> {
     fn number(&mut self, x: f64) -> String {
         shortest(x, WIDTH).unwrap_or_else(|| {
             self.rounded += 1;
-            let digits = (0..WIDTH).rev().map(|digits| format!("{x:.digits$e}"));
-            digits.into_iter().find(|text| text.len() <= WIDTH).unwrap_or_default()
+            let mut digits = (0..WIDTH).rev().map(|digits| format!("{x:.digits$e}"));
+            digits.find(|text| text.len() <= WIDTH).unwrap_or_default()
         })
     }
 

@@ -4,7 +4,7 @@ use super::StarterConverter;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Keywords of groups of nodes.
 const NODES: [&str; 10] = [
@@ -285,10 +285,9 @@ impl StarterConverter {
 
     /// Adds groups under their titles too, if no other group and no part has the name.
     pub(super) fn name_groups(&mut self) {
-        let taken: HashMap<&str, ()> = self.names.iter().map(|n| (n.as_str(), ())).collect();
         let mut named: BTreeMap<String, (Vec<NodeId>, Place)> = BTreeMap::new();
         for (title, ids) in &self.titles {
-            if let ([id], false) = (&ids[..], taken.contains_key(title.as_str()))
+            if let ([id], false) = (&ids[..], self.names.contains(title))
                 && let Some(group) = self.deck.node_sets.get(id)
             {
                 named.insert(title.clone(), group.clone());
