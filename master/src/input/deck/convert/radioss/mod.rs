@@ -45,6 +45,11 @@ struct StarterPart {
     subset: i64,
 }
 
+/// Nodes and parts of the elements of a group.
+type StarterGroup = (BTreeSet<NodeId>, BTreeSet<i64>);
+/// Nodes, part and kind of an element.
+type StarterEntry = (Vec<NodeId>, i64, &'static str);
+
 /// Data of a Radioss deck converted so far.
 pub struct StarterConverter {
     deck: DeckConverter,
@@ -57,9 +62,9 @@ pub struct StarterConverter {
     /// Parts of lines by id.
     lines: BTreeMap<i64, BTreeSet<i64>>,
     /// Elements of groups by kind and id: their nodes and parts.
-    element_groups: BTreeMap<(&'static str, i64), (BTreeSet<NodeId>, BTreeSet<i64>)>,
+    element_groups: BTreeMap<(&'static str, i64), StarterGroup>,
     /// Index of elements in the rows by id, for groups.
-    elements: HashMap<ElemId, Vec<(Vec<NodeId>, i64, &'static str)>>,
+    elements: HashMap<ElemId, Vec<StarterEntry>>,
     /// Bodies by their main node.
     mains: BTreeMap<NodeId, bodies::StarterBody>,
     /// Groups of groups and of surfaces, until these are known.
