@@ -206,6 +206,12 @@ impl CardRecord {
         self.line(name).map_or_else(|| self.default(name), |l| l.real(name))
     }
 
+    /// Returns a number by the name of its field; `default` if it is zero, blank or absent.
+    pub fn real_or(&self, name: &str, default: f64) -> f64 {
+        let given = self.real(name);
+        if given == 0.0 { default } else { given }
+    }
+
     /// Returns a word by the name of its field, empty if it is blank.
     pub fn word(&self, name: &str) -> &str {
         self.line(name).map_or("", |l| l.word(name))

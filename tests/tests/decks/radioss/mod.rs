@@ -4,6 +4,7 @@ mod broken;
 mod bytes;
 mod fates;
 mod files;
+mod meaning;
 mod models;
 mod runs;
 
@@ -103,9 +104,12 @@ pub fn steel() -> String {
 /// An initial velocity, so that the model moves.
 pub fn moves() -> String {
     deck(
-        "/INIVEL/TRA/1
+        "/GRNOD/PART/900
+        =moving
+        i1 i2
+        /INIVEL/TRA/1
         =start
-        r1.0 r0 r0 i0",
+        r1.0 r0 r0 i900",
     )
 }
 

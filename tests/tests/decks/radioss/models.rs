@@ -39,7 +39,8 @@ fn the_base_becomes_a_job() {
     assert_eq!(cube.element.as_deref(), Some("hexahedron"));
     let said = said(&model);
     assert!(said.contains("Ishell 24") && said.contains("hourglass assumed_strain"), "{said}");
-    assert_eq!(model.job.initial_velocity[0].velocity, [1.0, 0.0, 0.0]);
+    let start = &model.job.initial_velocity[0];
+    assert_eq!((start.velocity, start.nodes.as_deref()), ([1.0, 0.0, 0.0], Some("set-900")));
 }
 
 #[test]
@@ -279,7 +280,10 @@ fn loads_have_their_amounts() {
     let model = model(&with(lines));
     assert_eq!(model.job.load[0].force, [0.0, 0.5, 0.0], "0.25 on each of two nodes");
     assert_eq!(model.job.gravity[0].acceleration, [0.0, 0.0, -9.81e-3]);
-    assert_eq!((model.job.pressure[0].pressure, &model.job.pressure[0].parts[..]), (0.5, &[1][..]));
+    assert_eq!(
+        (model.job.pressure[0].pressure, &model.job.pressure[0].parts[..]),
+        (-0.5, &[1][..])
+    );
     let curve = |name: &Option<String>| {
         let name = name.as_ref().unwrap();
         model.job.curve.iter().find(|c| c.name == *name).unwrap().points.clone()

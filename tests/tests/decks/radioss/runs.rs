@@ -104,6 +104,7 @@ fn a_deck_that_is_written_again_is_the_same_job() {
         // Names of sets and curves follow from ids, which the writer gives.
         job.load.iter_mut().for_each(|l| (l.nodes, l.curve) = (String::new(), None));
         job.gravity.iter_mut().for_each(|g| g.curve = None);
+        job.initial_velocity.iter_mut().for_each(|v| v.nodes = None);
         job.mass.iter_mut().for_each(|m| m.nodes = String::new());
         job.curve.iter_mut().for_each(|c| c.name = String::new());
         job.mesh = Default::default();

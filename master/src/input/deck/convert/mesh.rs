@@ -383,6 +383,15 @@ impl Rows {
         self.sets.insert(name, (nodes, place));
     }
 
+    /// Adds a node set under a name that no other set has: the given one, or that with a number.
+    /// Returns the name.
+    pub fn add_new_set(&mut self, name: &str, nodes: Vec<NodeId>, place: Place) -> String {
+        let names = std::iter::once(name.to_string()).chain((2..).map(|n| format!("{name} {n}")));
+        let own = names.into_iter().find(|own| !self.has_set(own)).unwrap_or_default();
+        self.add_set(own.clone(), nodes, place);
+        own
+    }
+
     /// Returns true if there is a set of this name.
     pub fn has_set(&self, name: &str) -> bool {
         self.sets.contains_key(name)

@@ -70,7 +70,7 @@ impl DeckConverter {
         }
         for (number, (curve, scale, place, segments)) in loads.into_iter().enumerate() {
             let Some(name) = self.time_curve(curve, place) else { continue };
-            let groups = self.groups_of_faces(&segments);
+            let groups = self.groups_of_faces(&segments, false);
             let mut counts = [0; 2];
             for (sign, group, nodes) in groups {
                 let count = &mut counts[usize::from(sign < 0.0)];
@@ -93,11 +93,12 @@ impl DeckConverter {
     pub(super) fn groups_of_faces(
         &mut self,
         segments: &[DeckSegment],
+        solids_have_sense: bool,
     ) -> Vec<(f64, Place, Vec<NodeId>)> {
         if segments.is_empty() {
             return Vec::new();
         }
-        let faces = self.faces();
+        let faces = self.faces(solids_have_sense);
         let mut found = Vec::new();
         for (along, sign) in [(true, 1.0), (false, -1.0)] {
             let loaded = self.of_sense(segments, &faces, along);
@@ -114,13 +115,21 @@ impl DeckConverter {
         }
     }
 
-    /// Returns the faces of all shells, with their nodes in order, and of all solids.
-    fn faces(&self) -> HashMap<Vec<NodeId>, Option<Vec<NodeId>>> {
+    /// Returns the faces of all shells, with their nodes in order, and of all solids; with
+    /// `solids_have_sense` these have an order too, with the normal outwards.
+    fn faces(&self, solids_have_sense: bool) -> HashMap<Vec<NodeId>, Option<Vec<NodeId>>> {
         let mut faces = HashMap::new();
         for element in self.rows.elements() {
             for face in element.shape.faces() {
                 let corners: Vec<NodeId> = face.iter().map(|&c| element.nodes[c]).collect();
-                let order = element.shape.is_shell().then(|| element.corners().to_vec());
+                let order = match element.shape.is_shell() {
+                    true => Some(element.corners().to_vec()),
+                    false => solids_have_sense.then(|| {
+                        let mut order = corners.clone();
+                        order.dedup();
+                        order
+                    }),
+                };
                 faces.entry(key(&corners)).or_insert(order);
             }
         }

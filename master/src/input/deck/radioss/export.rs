@@ -13,6 +13,7 @@ mod parts;
 use crate::input::deck::export::{DeckWriter, differing, line, list, most, named};
 use crate::input::deck::number::shortest;
 use crate::input::job::Model;
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Time};
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, BTreeSet};
@@ -69,6 +70,8 @@ struct StarterWriter<'m> {
     added: Vec<(u64, [f64; 3])>,
     /// Main node of each body by its name.
     mains: BTreeMap<String, u64>,
+    /// Main node and nodes of each body.
+    body_nodes: Vec<(u64, BTreeSet<NodeId>)>,
     /// Names that bodies have when the deck is read, by those in the job.
     body_names: BTreeMap<String, String>,
 }
@@ -110,6 +113,7 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
         functions: BTreeMap::new(),
         added: Vec::new(),
         mains: BTreeMap::new(),
+        body_nodes: Vec::new(),
         body_names: BTreeMap::new(),
     };
     w.begin(name);

@@ -24,8 +24,12 @@ pub struct StarterBody {
     place: Place,
     /// Place of its number, for the order.
     order: usize,
+    /// Name of the node set of all its nodes, once there is one.
+    pub set: Option<String>,
+    /// True if walls stop its nodes.
+    pub in_walls: bool,
     /// Mass that is added to it [mass].
-    mass: f64,
+    pub mass: f64,
 }
 
 impl StarterConverter {
@@ -53,7 +57,9 @@ impl StarterConverter {
             let name = self.body_name(&record, id, is_link);
             let fixed = BTreeSet::new();
             let mass = if is_link { 0.0 } else { record.real("mass") };
-            let body = StarterBody { name, nodes, fixed, place: record.head, order, mass };
+            let in_walls = is_link || record.integer("ikrem") == 1;
+            let place = record.head;
+            let body = StarterBody { name, nodes, fixed, place, order, set: None, in_walls, mass };
             if self.mains.insert(main, body).is_some() {
                 let message = format!("node {} is the main node of two bodies", main.label());
                 let help = "give each body its own main node";
@@ -185,7 +191,7 @@ impl StarterConverter {
         }
         for (mut table, set, place) in tables {
             if let Some((name, nodes)) = set {
-                self.deck.rows.add_set(name.clone(), nodes, place);
+                let name = self.deck.rows.add_new_set(&name, nodes, place);
                 table.put("nodes", place, name);
             }
             self.deck.add("rigid", table);
@@ -196,8 +202,8 @@ impl StarterConverter {
     /// Adds the masses of main nodes in equal shares to the nodes of their bodies.
     fn main_masses(&mut self, masses: Vec<(String, BTreeSet<NodeId>, f64, Place)>) {
         for (name, nodes, mass, place) in masses {
-            let set = format!("{name} mass");
-            self.deck.rows.add_set(set.clone(), nodes.into_iter().collect(), place);
+            let nodes = nodes.into_iter().collect();
+            let set = self.deck.rows.add_new_set(&format!("{name} mass"), nodes, place);
             let table = JobTable::new(place).with("nodes", place, set);
             self.deck.add("mass", table.with("mass", place, mass));
             let asked = format!("mass {mass} of its main node");

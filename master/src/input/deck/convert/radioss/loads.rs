@@ -97,7 +97,8 @@ impl StarterConverter {
         for record in self.take(&["/PLOAD"]) {
             let Some(line) = record.line("fct").cloned() else { continue };
             let (id, place) = (record.integer("surf"), record.place("surf"));
-            let amount = or_one(line.real("fscale"));
+            // A positive value acts along the normal in a deck, and against it in a job.
+            let amount = -or_one(line.real("fscale"));
             let curve = self.time_function(&line, or_one(line.real("ascale")));
             let (Some(surface), Some(curve)) = (self.surface(id, place), curve) else { continue };
             let table = |key: &str, value: JobTable| {
@@ -112,11 +113,11 @@ impl StarterConverter {
                 let of = JobTable::new(record.head).with("parts", place, parts);
                 self.deck.add("pressure", table("fscale", of));
             }
-            let groups = self.deck.groups_of_faces(&surface.segments);
+            let groups = self.deck.groups_of_faces(&surface.segments, true);
             for (sign, of, nodes) in groups {
                 number += 1;
                 let set = format!("pressure-{number}");
-                self.deck.rows.add_set(set.clone(), nodes, of);
+                let set = self.deck.rows.add_new_set(&set, nodes, of);
                 let mut whole = table("fscale", JobTable::new(of).with("nodes", of, set));
                 whole.put("pressure", line.place("fscale"), sign * amount);
                 self.deck.add("pressure", whole);
@@ -158,9 +159,8 @@ impl StarterConverter {
             }
         }
         for (number, (mass, nodes, place)) in (1..).zip(equal.into_values()) {
-            let set = format!("mass-{number}");
             let total = mass * nodes.len() as f64;
-            self.deck.rows.add_set(set.clone(), nodes, place);
+            let set = self.deck.rows.add_new_set(&format!("mass-{number}"), nodes, place);
             self.put_mass(place, set, total);
         }
     }

@@ -17,6 +17,8 @@ const NO_DENSITY: f64 = 1e-20;
 const LINES: (f64, f64, i32) = (1e-4, 2.0, 60);
 /// Plastic strain up to which a yield curve is continued with its last slope.
 const FAR: f64 = 10.0;
+/// Reference temperature of a card without one [K].
+const ROOM: f64 = 300.0;
 /// Exponent of a power law that is a straight line.
 const STRAIGHT: f64 = 1.0;
 
@@ -84,12 +86,16 @@ impl StarterConverter {
         table: &mut JobTable,
     ) {
         self.limited(record);
-        let [a, b, n] = ["a", "b", "n"].map(|field| record.real(field));
+        let ([a, b], n) = (["a", "b"].map(|field| record.real(field)), record.real_or("n", 1.0));
         let [c, heat] = ["c", "rhocp"].map(|field| record.real(field));
         let [melt, fails] = ["tmelt", "epsmax"].map(|field| record.real(field));
         let hot = heat > 0.0 && melt > 0.0 && melt < NONE;
         let rate = record.real("eps0");
-        let [m, reference] = ["m", "tr"].map(|field| record.real(field));
+        let m = record.real_or("m", 1.0);
+        let reference = match record.real("tr") {
+            given if given > 0.0 => given,
+            _ => ROOM,
+        };
         let put = |table: &mut JobTable, key: &str, field: &str, value: f64| {
             table.put(key, record.place(field), value);
         };
@@ -108,7 +114,15 @@ impl StarterConverter {
         put(table, "a", "a", a);
         put(table, "b", "b", b);
         put(table, "n", "n", n);
-        if c > 0.0 {
+        if c > 0.0 && rate <= 0.0 {
+            let message = format!(
+                "{} {}: c = {c} without a reference rate eps0",
+                record.name(),
+                record.integer("id")
+            );
+            let help = "give eps0 above 0 in the columns 21 to 40 of the card of c, or c 0";
+            self.deck.trouble.error(record.place("eps0"), message, help);
+        } else if c > 0.0 {
             put(table, "c", "c", c);
             put(table, "reference_rate", "eps0", rate);
         }
@@ -124,7 +138,7 @@ impl StarterConverter {
                 let damage = ["d1", "d2", "d3", "d4", "d5"].map(|field| card.real(field));
                 table.put("damage", card.place("d1"), damage);
                 if damage[3] != 0.0 && c == 0.0 {
-                    table.put("reference_rate", card.place("eps0"), card.real("eps0"));
+                    table.put("reference_rate", card.place("eps0"), card.real_or("eps0", 1.0));
                 }
                 if fails > 0.0 && fails < NONE {
                     let of = format!("material {}", record.integer("id"));
@@ -179,8 +193,8 @@ impl StarterConverter {
     fn cowper_symonds(&mut self, record: &CardRecord, table: &mut JobTable) {
         self.limited(record);
         table.put("law", record.head, "j2");
-        let [a, b, n] = ["a", "b", "n"].map(|field| record.real(field));
-        let [c, p] = ["c", "p"].map(|field| record.real(field));
+        let [a, b, c] = ["a", "b", "c"].map(|field| record.real(field));
+        let [n, p] = ["n", "p"].map(|field| record.real_or(field, 1.0));
         if b == 0.0 || n == STRAIGHT {
             table.put("yield_stress", record.place("a"), a);
             if b != 0.0 {
@@ -200,7 +214,7 @@ impl StarterConverter {
                 format!("{count} straight lines from a strain of {least} to {most}"),
             );
         }
-        if c > 0.0 && p > 0.0 {
+        if c > 0.0 {
             table.put("cowper_symonds", record.place("c"), [c, p]);
         }
         fail(record, table);

@@ -79,6 +79,9 @@ pub struct StarterConverter {
     wall_nodes: BTreeSet<NodeId>,
     /// Motions of nodes of walls.
     wall_motions: BTreeMap<NodeId, Vec<motion::StarterMotion>>,
+    /// Main nodes of the bodies with nodes that have an initial velocity: true if the main node
+    /// has one too, and the place of the group.
+    moved: BTreeMap<NodeId, (bool, Place)>,
     /// Initial velocities so far.
     velocities: Vec<motion::StarterVelocity>,
     /// Vectors that show the second axis of beams, by index.
@@ -152,6 +155,7 @@ impl StarterConverter {
             used: BTreeSet::new(),
             wall_nodes: BTreeSet::new(),
             wall_motions: BTreeMap::new(),
+            moved: BTreeMap::new(),
             velocities: Vec::new(),
             shown: Vec::new(),
             raised: [0; 2],

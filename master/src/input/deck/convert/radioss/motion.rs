@@ -50,7 +50,7 @@ impl StarterConverter {
                 self.put_motion("nodes", set, &motion);
             } else if !others.is_empty() {
                 let name = format!("motion-{}", record.integer("id"));
-                self.deck.rows.add_set(name.clone(), others, place);
+                let name = self.deck.rows.add_new_set(&name, others, place);
                 self.put_motion("nodes", name, &motion);
             }
         }
@@ -135,7 +135,10 @@ impl StarterConverter {
                 }
             };
             if grnod == 0 {
-                self.put_velocity(place, None, (v, spin), [0.0; 3]);
+                let message = format!("{name}: no group is given");
+                let help = "give the id of a group of nodes; one of all nodes has the main nodes \
+                            of bodies too";
+                self.deck.trouble.error(place, message, help);
                 continue;
             }
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
@@ -155,6 +158,12 @@ impl StarterConverter {
         let place = record.place("grnod");
         let is_main = |node: &&NodeId| self.mains.contains_key(node);
         let mains: Vec<NodeId> = all.iter().filter(is_main).copied().collect();
+        for (main, body) in &self.mains {
+            let moves = all.binary_search(main).is_ok();
+            if moves || all.iter().any(|n| body.nodes.contains(n)) {
+                self.moved.entry(*main).or_insert((false, place)).0 |= moves;
+            }
+        }
         let rotates = record.row.keyword.name == "/INIVEL/ROT";
         let rest: Vec<NodeId> = all.iter().filter(|n| !mains.contains(n)).copied().collect();
         if rotates && !rest.is_empty() {
@@ -164,17 +173,23 @@ impl StarterConverter {
             self.put_velocity(place, Some(set), (v, spin), [0.0; 3]);
         } else if !rest.is_empty() {
             let name = format!("velocity-{}", record.integer("id"));
-            self.deck.rows.add_set(name.clone(), rest, place);
+            let name = self.deck.rows.add_new_set(&name, rest, place);
             self.put_velocity(place, Some(name), (v, spin), [0.0; 3]);
         }
         for main in mains {
             let Some(body) = self.mains.get(&main) else { continue };
-            let (name, nodes) = (format!("{} all nodes", body.name), body.nodes.clone());
+            let (known, nodes) = (body.set.clone(), body.nodes.clone());
             let centre = match rotates {
                 true => self.deck.rows.at(main).unwrap_or_default(),
                 false => [0.0; 3],
             };
-            self.deck.rows.add_set(name.clone(), nodes.into_iter().collect(), place);
+            let name = known.unwrap_or_else(|| {
+                let name = format!("{} all nodes", body.name);
+                self.deck.rows.add_new_set(&name, nodes.into_iter().collect(), place)
+            });
+            if let Some(body) = self.mains.get_mut(&main) {
+                body.set = Some(name.clone());
+            }
             self.put_velocity(place, Some(name), (v, spin), centre);
         }
     }
@@ -213,6 +228,17 @@ impl StarterConverter {
     }
 
     fn join_velocities(&mut self) {
+        for (main, (_, place)) in self.moved.iter().filter(|(_, (by_main, _))| !by_main) {
+            let Some(body) = self.mains.get(main) else { continue };
+            let message = format!(
+                "nodes of the body {} have an initial velocity, its main node {} has none",
+                body.name,
+                main.label()
+            );
+            let help = "Radioss gives a body the velocity of its main node, here it has that of \
+                        its nodes: add the main node to the group";
+            self.deck.trouble.warning(*place, message, help);
+        }
         for known in std::mem::take(&mut self.velocities) {
             let place = known.place;
             let mut table = JobTable::new(place);

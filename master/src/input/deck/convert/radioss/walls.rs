@@ -206,7 +206,8 @@ impl StarterConverter {
         let used = self.used_nodes().clone();
         if reach > 0.0 {
             for &node in &used {
-                let near = self.deck.rows.at(node).is_some_and(|x| shape.distance(x) <= reach);
+                let at = self.deck.rows.at(node).map(|x| shape.distance(x));
+                let near = at.is_some_and(|d| (0.0..=reach).contains(&d));
                 nodes.extend(near.then_some(node));
             }
         }
@@ -216,7 +217,10 @@ impl StarterConverter {
                 true => self.deck.node_sets[&removed].0.iter().copied().collect(),
                 false => BTreeSet::new(),
             };
+        let of_bodies = self.nodes_without_walls(name, &nodes);
         let is_all = used.is_subset(&nodes);
+        let is_group = of_bodies.is_empty();
+        let gone: BTreeSet<NodeId> = gone.union(&of_bodies).copied().collect();
         let left: Vec<NodeId> = nodes.difference(&gone).copied().collect();
         if left.is_empty() {
             let message = format!("{name} is left out: it stops no nodes");
@@ -225,28 +229,44 @@ impl StarterConverter {
             self.deck.trouble.warning(place, message, help);
             return false;
         }
-        if is_all && !gone.is_empty() {
+        if is_all && !gone.is_empty() && is_group {
             table.put("except", record.place("grnod2"), format!("set-{removed}"));
         } else if !is_all && gone.is_empty() && reach <= 0.0 {
             table.put("nodes", place, format!("set-{added}"));
-        } else if !is_all {
-            let set = format!("{name} nodes");
-            self.deck.rows.add_set(set.clone(), left, place);
+        } else if !is_all || !gone.is_empty() {
+            let set = self.deck.rows.add_new_set(&format!("{name} nodes"), left, place);
             table.put("nodes", place, set);
         }
         true
     }
 }
 
+impl StarterConverter {
+    /// Returns those of the nodes that belong to bodies whose nodes walls do not stop.
+    fn nodes_without_walls(&mut self, name: &str, nodes: &BTreeSet<NodeId>) -> BTreeSet<NodeId> {
+        let mut found = BTreeSet::new();
+        for body in self.mains.values().filter(|body| !body.in_walls) {
+            let own: Vec<NodeId> = body.nodes.intersection(nodes).copied().collect();
+            if !own.is_empty() {
+                let asked = format!("Ikrem 0 of the body {}", body.name);
+                self.deck.map(name, asked, format!("does not stop its {} nodes", own.len()));
+            }
+            found.extend(own);
+        }
+        found
+    }
+}
+
 impl StarterWall {
-    /// Returns the distance of a point from the wall, or from its plane [length].
+    /// Returns the distance of a point from the wall, or from its plane [length]; negative behind
+    /// it.
     fn distance(&self, x: [f64; 3]) -> f64 {
         let d = [0, 1, 2].map(|c| x[c] - self.point[c]);
-        let Some(along) = unit(self.normal) else { return (length(d) - self.radius).abs() };
+        let Some(along) = unit(self.normal) else { return length(d) - self.radius };
         let height: f64 = (0..3).map(|c| d[c] * along[c]).sum();
         match self.radius > 0.0 {
-            true => (length([0, 1, 2].map(|c| d[c] - height * along[c])) - self.radius).abs(),
-            false => height.abs(),
+            true => length([0, 1, 2].map(|c| d[c] - height * along[c])) - self.radius,
+            false => height,
         }
     }
 }

@@ -36,8 +36,11 @@ impl StarterWriter<'_> {
             let ids: Vec<u64> = nodes.iter().map(|n| n.label()).collect();
             let group = self.new_group(&format!("nodes of {}", body.name), &ids);
             self.titled("RBODY", id, &body.name);
-            self.card(&[Whole(main), Gap, Gap, Gap, Gap, Gap, Whole(group)]);
+            // Ikrem 1: walls stop the nodes of bodies.
+            let head = [Whole(main), Gap, Gap, Gap, Gap, Gap, Whole(group), Whole(1)];
+            self.card(&head);
             self.mains.insert(body.name.clone(), main);
+            self.body_nodes.push((main, nodes));
             // A reader gives a body the name of no part.
             let is_part = model.settings.parts.iter().any(|p| p.name == body.name);
             let name = if is_part { format!("body-{id}") } else { body.name.clone() };
@@ -137,7 +140,7 @@ impl StarterWriter<'_> {
             list(&mut self.deck, "initial_velocity", velocities);
         } else {
             for (velocity, id) in velocities.iter().zip(1..) {
-                let group = velocity.nodes.as_deref().map_or(0, |set| self.group(set));
+                let group = self.moving_group(velocity.nodes.as_deref());
                 self.titled("INIVEL/TRA", id, &format!("initial velocity {id}"));
                 let [x, y, z] = velocity.velocity.map(Real);
                 self.card(&[x, y, z, Whole(group)]);
@@ -149,6 +152,34 @@ impl StarterWriter<'_> {
             self.deck.text(&format!("mass of {}", mass.nodes));
             self.card(&[Real(mass.mass), Whole(group)]);
         }
+    }
+
+    /// Returns the id of a group of the nodes of a set, or of all nodes, together with the main
+    /// nodes of the bodies whose nodes all are in it: a body has the velocity of its main node.
+    fn moving_group(&mut self, set: Option<&str>) -> u64 {
+        let mesh = &self.model.mesh;
+        let nodes: BTreeSet<NodeId> = match set {
+            Some(set) => mesh.node_sets.get(set).into_iter().flatten().copied().collect(),
+            None => mesh.nodes.iter().map(|n| n.id).collect(),
+        };
+        let is_whole = |of: &&(u64, BTreeSet<NodeId>)| of.1.is_subset(&nodes);
+        let mains: Vec<u64> = self.body_nodes.iter().filter(is_whole).map(|of| of.0).collect();
+        let is_part = |of: &&(u64, BTreeSet<NodeId>)| !is_whole(of) && !of.1.is_disjoint(&nodes);
+        let partly = self.body_nodes.iter().filter(is_part).count();
+        let of = set.unwrap_or("all nodes");
+        if partly > 0 {
+            self.lose(format!(
+                "initial velocity of {of}: it moves a part of the nodes of {partly} bodies, which \
+                 other programs ignore"
+            ));
+        }
+        if let (Some(set), true) = (set, mains.is_empty()) {
+            return self.group(set);
+        }
+        let there = |n: &&NodeId| mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok();
+        let own = nodes.iter().filter(there).map(|n| n.label());
+        let all: Vec<u64> = own.chain(mains).collect();
+        self.new_group(&format!("{of} with main nodes"), &all)
     }
 
     /// Writes gravity, forces on nodes and pressure on parts.
@@ -174,7 +205,8 @@ impl StarterWriter<'_> {
             let surface = self.new_surface(&format!("faces of pressure {id}"), &pressure.parts);
             self.titled("PLOAD", id, &format!("pressure {id}"));
             let head = [Whole(surface), Whole(function), Gap, Gap, Gap, Gap];
-            self.card(&[&head[..], &[Real(1.0), Real(pressure.pressure)]].concat());
+            // A positive value acts along the normal in a deck, and against it in a job.
+            self.card(&[&head[..], &[Real(1.0), Real(-pressure.pressure)]].concat());
         }
     }
 
@@ -236,11 +268,17 @@ impl StarterWriter<'_> {
         }
         let node = self.wall_motion(wall, &mut exact);
         let group = |w: &Self, set: &Option<String>| set.as_deref().map_or(0, |s| w.group(s));
-        let (own, except) = (group(self, &wall.nodes), group(self, &wall.except));
+        let (mut own, except) = (group(self, &wall.nodes), group(self, &wall.except));
+        let mut reach = if wall.nodes.is_some() { 0.0 } else { FAR };
+        // The search finds nodes in front of a wall only.
+        if wall.nodes.is_none() && self.has_nodes_behind(wall) {
+            let all: Vec<u64> = self.model.mesh.nodes.iter().map(|n| n.id.label()).collect();
+            own = self.new_group(&format!("nodes of {name}"), &all);
+            reach = 0.0;
+        }
         self.titled(keyword, id, &name);
         let slide = if wall.friction > 0.0 { 2 } else { 0 };
         self.card(&[Whole(node.unwrap_or(0)), Whole(slide), Whole(own), Whole(except)]);
-        let reach = if wall.nodes.is_some() { 0.0 } else { FAR };
         self.card(&[Real(reach), Real(wall.friction), Real(2.0 * wall.radius.unwrap_or(0.0))]);
         match node {
             None => self.card(&wall.point.map(Real)),
@@ -263,6 +301,22 @@ impl StarterWriter<'_> {
         if exact.len() > 1 {
             self.rest("wall", exact);
         }
+    }
+
+    /// Returns true if nodes are behind a wall at the start: under its plane, or in it.
+    fn has_nodes_behind(&self, wall: &WallInput) -> bool {
+        let along = wall.axis.or(wall.normal);
+        self.model.mesh.nodes.iter().any(|node| {
+            let d = [0, 1, 2].map(|c| node.x[c] - wall.point[c]);
+            let of = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
+            match (along, wall.radius) {
+                (Some(axis), Some(radius)) => {
+                    of(d, d) - of(d, axis).powi(2) / of(axis, axis) < radius * radius
+                }
+                (Some(normal), None) => of(d, normal) < 0.0,
+                (None, radius) => of(d, d) < radius.unwrap_or(0.0).powi(2),
+            }
+        })
     }
 
     /// Adds the node of a moving wall, with its motion along an axis.

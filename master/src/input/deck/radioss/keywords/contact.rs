@@ -4,13 +4,18 @@ use super::{TITLE, not_yet};
 use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
-    Times::{self, Count, Maybe, Once},
+    Times::{self, AtMost, Count, Maybe, Once},
     UnusedFields, ignored, no_effect, refused,
 };
 
 /// Returns 1 if the curvature of an interface needs nodes.
 fn curved(record: &CardRecord) -> usize {
     usize::from(matches!(record.integer("icurv"), 1 | 2))
+}
+
+/// Returns 1 if a body can fail.
+fn fails(record: &CardRecord) -> usize {
+    usize::from(record.integer("ifail") != 0)
 }
 
 /// Returns 1 if friction has coefficients.
@@ -50,21 +55,23 @@ pub const KEYWORDS: &[Keyword] = &[
             ("node:i! sens:i skew:i ispher:i mass:r20 grnod:i! ikrem:i icog:i surf:i", Once),
             ("jxx:r20 jyy:r20 jzz:r20", Maybe),
             ("jxy:r20 jyz:r20 jxz:r20", Maybe),
-            ("ioptoff:i ifail:i", Maybe),
+            ("ioptoff:i iexpams:i=2 ifail:i", Maybe),
+            ("fn:r20 ft:r20 expn:r20=2 expt:r20=2", AtMost(fails)),
         ],
         "`[[rigid]]` of the nodes of the group. Parts whose nodes are all in it are its `parts`. \
          The main node is no part of the model: conditions on it act on the body. mass is \
-         `[[mass]]` in equal shares on its nodes",
+         `[[mass]]` in equal shares on its nodes. Walls do not stop its nodes unless Ikrem is 1",
     )
     .unused(&[
         refused("sens", "bodies that a sensor switches"),
         no_effect("skew", "it is for the inertia"),
-        no_effect("ispher", "the inertia is that of the nodes"),
-        no_effect("ikrem icog", "the body turns about its centre of mass"),
+        ignored("ispher icog", "mass and inertia of the body are those of its nodes"),
         no_effect("surf", "contact has the surfaces of the elements"),
         ignored("jxx jyy jzz jxy jyz jxz", "the inertia is that of the nodes"),
         no_effect("ioptoff", "rigid elements compute no forces"),
+        no_effect("iexpams", "mass scaling is that of elements"),
         refused("ifail", "bodies that fail"),
+        no_effect("fn ft expn expt", "they belong to ifail"),
     ]),
     Keyword::new(
         "/RBE2",
@@ -77,7 +84,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "/RWALL/PLANE",
         &[TITLE, WALL, REACH, POINT, END],
         "`[[wall]]` through M with the normal from M to M1. It stops the nodes of grnd_ID1 and \
-         those up to the distance d, without those of grnd_ID2. With a node, the third line is its \
+         those in front of it up to the distance d, without those of grnd_ID2. With a node, the third line is its \
          mass and initial velocity",
     )
     .unused(WALL_UNUSED),

@@ -30,8 +30,8 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
     Keyword::new(
         "/INIVEL/TRA",
-        &[TITLE, ("vx:r20 vy:r20 vz:r20 grnod:i skew:i", Once)],
-        "`[[initial_velocity]]`; all nodes without a group",
+        &[TITLE, ("vx:r20 vy:r20 vz:r20 grnod:i! skew:i", Once)],
+        "`[[initial_velocity]]`; that of a main node holds for its body",
     ),
     Keyword::new(
         "/INIVEL/ROT",
@@ -61,7 +61,8 @@ pub const KEYWORDS: &[Keyword] = &[
             TITLE,
             ("surf:i! fct:i! sens:i ipinch:i idel:i blank:a10 ascale:r20=1 fscale:r20=1", Once),
         ],
-        "`[[pressure]]` on the faces of a surface; a positive value acts against their normals",
+        "`[[pressure]]` on the faces of a surface; a positive value acts along their normals (by the \
+         right-hand rule), so the `pressure` of the job has the other sign",
     )
     .unused(&[SENSOR, refused("ipinch idel", "other forms of pressure")]),
     Keyword::new(
