@@ -135,6 +135,15 @@ impl CardLine {
         })
     }
 
+    /// Returns the integers of all fields of a list; 0 for blanks.
+    pub fn all_integers(&self, name: &str) -> Vec<i64> {
+        let number = |(_, value): (&'static Field, &Value)| match value.given {
+            Given::Integer(i) => i,
+            _ => 0,
+        };
+        self.list(name).map(number).collect()
+    }
+
     /// Returns all numbers of a list, with the default for blanks.
     pub fn reals(&self, name: &str) -> Vec<f64> {
         let number = |(field, value): (&'static Field, &Value)| match value.given {

@@ -47,10 +47,13 @@ fn convert(model: &Model, args: &ConvertArgs) -> Result<String, Problem> {
     let mut made = made(model, &args.to)?;
     let reading = losses_of_reading(model);
     made.losses.splice(0..0, reading);
+    let warnings: Vec<String> =
+        model.warnings.iter().map(|w| format!("{}: {}", w.message, w.help)).collect();
     let list = args.to.with_extension(LOSSES);
     let mut text = format!("{} as {}\n\n", args.from.display(), args.to.display());
     match made.losses.is_empty() {
-        true => text += "Nothing is lost.\n",
+        true if warnings.is_empty() => text += "Nothing is lost.\n",
+        true => text += "No losses apart from these warnings of reading.\n",
         false => {
             let _ = writeln!(text, "Losses ({}):", made.losses.len());
             made.losses.iter().for_each(|loss| text += &format!("- {loss}\n"));
@@ -58,12 +61,19 @@ fn convert(model: &Model, args: &ConvertArgs) -> Result<String, Problem> {
                      reads them.\n";
         }
     }
+    if !warnings.is_empty() {
+        let _ = writeln!(text, "\nWarnings of reading ({}):", warnings.len());
+        warnings.iter().for_each(|warning| text += &format!("- {warning}\n"));
+    }
     made.files.push((list, text.clone()));
-    for (path, content) in &made.files {
+    // No file is written if one of them is in the way.
+    for (path, _) in &made.files {
         if !args.overwrite && std::fs::symlink_metadata(path).is_ok() {
             let message = format!("{} exists", path.display());
             return Err(Problem::error("", message, "name another file, or give --overwrite"));
         }
+    }
+    for (path, content) in &made.files {
         std::fs::write(path, content).map_err(|error| {
             let message = format!("{} cannot be written: {error}", path.display());
             Problem::error("", message, "name a file in a folder that you can write to")

@@ -12,7 +12,7 @@ use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, solid_of_eight};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// A line of a file: the file's number, first byte and one past the last.
 type LineSpan = (u32, u32, u32);
@@ -31,6 +31,8 @@ pub struct Rows {
     spring_lines: Vec<LineSpan>,
     beam_lines: Vec<LineSpan>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
+    /// Names that two different node sets have, with the place of the second one.
+    pub same_names: Vec<(String, Place)>,
     /// Nodes with constraint codes `tc` and `rc`, with a line that has these codes.
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
@@ -378,9 +380,16 @@ impl Rows {
         Some(id)
     }
 
-    /// Adds a node set.
+    /// Adds a node set. A name that another set has is noted in `same_names`.
     pub fn add_set(&mut self, name: String, nodes: Vec<NodeId>, place: Place) {
-        self.sets.insert(name, (nodes, place));
+        let same = |known: &(Vec<NodeId>, Place)| {
+            let of = |nodes: &[NodeId]| nodes.iter().copied().collect::<BTreeSet<NodeId>>();
+            known.0 == nodes || of(&known.0) == of(&nodes)
+        };
+        match self.sets.get(&name) {
+            Some(known) if !same(known) => self.same_names.push((name, place)),
+            _ => drop(self.sets.insert(name, (nodes, place))),
+        }
     }
 
     /// Adds a node set under a name that no other set has: the given one, or that with a number.

@@ -150,10 +150,20 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     for (id, (nodes, place)) in sets {
         b.rows.add_set(format!("set-{id}"), nodes, place);
     }
+    b.same_names();
     (std::mem::take(&mut b.tree).into_node(), b)
 }
 
 impl DeckConverter {
+    /// Reports node sets that have the name of another one.
+    fn same_names(&mut self) {
+        for (name, place) in std::mem::take(&mut self.rows.same_names) {
+            let message = format!("two node sets of the job have the name {name}");
+            let help = "change the title or the id of one of them";
+            self.trouble.error(place, message, help);
+        }
+    }
+
     /// Creates it without data.
     fn new(trouble: Trouble, names: KeywordNames) -> Self {
         Self {

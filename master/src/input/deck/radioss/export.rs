@@ -12,6 +12,7 @@ mod parts;
 
 use crate::input::deck::export::{DeckWriter, differing, line, list, most, named};
 use crate::input::deck::number::shortest;
+use crate::input::deck::radioss::BEYOND;
 use crate::input::job::Model;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Time};
@@ -266,7 +267,7 @@ impl StarterWriter<'_> {
             return id;
         }
         let job: &Job = &self.model.job;
-        let end = 2.0 * job.end_time;
+        let end = BEYOND * job.end_time;
         let found = curve.and_then(|name| job.curve.iter().find(|c| c.name == name));
         let points =
             found.map_or(vec![[0.0, 1.0], [end, 1.0]], |c| constant_beyond(&c.points, end));

@@ -12,6 +12,9 @@ pub mod text;
 
 use super::reference::{Families, tables};
 
+/// Time up to which functions get points, over the end of the run.
+pub const BEYOND: f64 = 1e3;
+
 /// Text above the table.
 const HEAD: &str = include_str!("reference_head.md");
 

@@ -120,6 +120,7 @@ impl StarterConverter {
             let all = self.deck.node_sets[&grnod].0.clone();
             let wall_nodes = self.wall_nodes.clone();
             let mut others = Vec::with_capacity(all.len());
+            self.warn_of_walls(&record, &all);
             for &node in all.iter().filter(|n| !wall_nodes.contains(n)) {
                 match self.mains.get_mut(&node) {
                     Some(body) => body.fixed.extend(&dofs),
@@ -132,6 +133,17 @@ impl StarterConverter {
                 let name = format!("bcs-{}", record.integer("id"));
                 self.deck.fix_set((name, true), others, dofs, place);
             }
+        }
+    }
+
+    /// Warns of conditions on nodes of walls, which are no part of the model.
+    pub(super) fn warn_of_walls(&mut self, record: &CardRecord, nodes: &[NodeId]) {
+        if let Some(node) = nodes.iter().find(|n| self.wall_nodes.contains(n)) {
+            let message =
+                format!("{} on node {}, that of a wall, is ignored", record.name(), node.label());
+            let help = "a wall moves as its card and /IMPVEL of its node say; a free one moves \
+                        along its normal only";
+            self.deck.trouble.warning(record.place("grnod"), message, help);
         }
     }
 

@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 
 /// Keywords of contact.
 const KEYWORDS: [&str; 4] = ["/INTER/TYPE7", "/INTER/TYPE11", "/INTER/TYPE24", "/INTER/TYPE25"];
+/// Time from which on a limit is none.
+const NEVER: f64 = 1e20;
 /// Gap flag for a constant gap.
 const CONSTANT: i64 = 1000;
 
@@ -80,7 +82,7 @@ impl StarterConverter {
         if start > 0.0 {
             table.put("birth", record.place("tstart"), start);
         }
-        if stop > 0.0 && stop < self.deck.end_time {
+        if stop > 0.0 && stop < NEVER {
             table.put("death", record.place("tstop"), stop);
         }
         self.gap(record, name, &mut table);

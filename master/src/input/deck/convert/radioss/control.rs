@@ -3,10 +3,14 @@
 use super::StarterConverter;
 use crate::input::deck::record::CardRecord;
 
-/// Oldest version with fields of ten columns.
-const OLDEST: i64 = 51;
+/// Oldest version whose cards have the columns of the table.
+const OLDEST: i64 = 110;
+/// Factor of steps without a card.
+const SAFETY: f64 = 0.9;
 /// Largest mass of mass scaling, as a fraction: a deck prescribes a step and accepts the mass.
 const ANY_MASS: f64 = 1e9;
+/// Units of mass, length and time without others.
+const SYSTEM: [&str; 3] = ["kg", "m", "s"];
 /// Units of a deck with other names in a job.
 const NAMES: [(&str, &str); 5] =
     [("mg", "tonne"), ("t", "tonne"), ("ton", "tonne"), ("mus", "us"), ("sec", "s")];
@@ -48,8 +52,8 @@ impl StarterConverter {
         let version = record.integer("invers");
         if version != 0 && version < OLDEST {
             let message = format!("the deck has the version {version} of the format");
-            let help = "its fields have 8 and 16 columns, which are not read: convert it to \
-                        version 51 or later, whose fields have 10 and 20";
+            let help = "its cards have other fields and columns: convert it to version 110 or \
+                        later with the starter of Radioss";
             self.deck.trouble.error(record.place("invers"), message, help);
         }
         let [mass, length, time] = units_of(record);
@@ -69,11 +73,16 @@ impl StarterConverter {
 
     /// Reports entities in other units than those of the deck.
     fn other_units(&mut self, own: &[String; 3]) {
+        // Units that /BEGIN leaves blank are those of the International System.
+        let mut own = own.clone();
+        for (unit, default) in own.iter_mut().zip(SYSTEM).filter(|(unit, _)| unit.is_empty()) {
+            *unit = default.into();
+        }
         let records = self.take(&["/UNIT"]);
         let known: Vec<String> = records.iter().map(|r| r.integer("id").to_string()).collect();
         for (unit, place) in std::mem::take(&mut self.units) {
             match records.iter().find(|r| r.integer("id") == unit) {
-                Some(record) if units_of(record) == *own => {}
+                Some(record) if units_of(record) == own => {}
                 Some(record) => {
                     let message = format!(
                         "values in the units {} of /UNIT/{unit} are not converted",
@@ -91,18 +100,27 @@ impl StarterConverter {
         });
     }
 
-    /// Converts `/DT...`. The last factor of the file applies.
+    /// Converts `/DT...`. A deck has factors for kinds of elements and nodes, a job has one: the
+    /// smallest.
     fn steps(&mut self) {
-        for record in self.take(&["/DT", "/DT/NODA", "/DT/BRICK", "/DT/NODA/CST"]) {
-            let scale = record.real("scale");
-            if scale > 0.0 {
-                self.deck.tree.set_in("time", "safety", record.place("scale"), scale);
+        let records = self.take(&["/DT", "/DT/NODA", "/DT/BRICK", "/DT/NODA/CST"]);
+        let scaled = records.iter().map(|r| (r.real("scale"), r.place("scale")));
+        let mut scales: Vec<_> = scaled.filter(|(scale, _)| *scale > 0.0).collect();
+        scales.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if let [(least, place), ..] = scales[..] {
+            self.deck.tree.set_in("time", "safety", place, least);
+            if scales.iter().any(|(scale, _)| *scale != least) {
+                let all: Vec<String> = scales.iter().map(|s| s.0.to_string()).collect();
+                let asked = format!("factors {} of steps", all.join(", "));
+                self.deck.map("/DT", asked, format!("the smallest, {least}, for all"));
             }
-            if record.row.keyword.name != "/DT/NODA/CST" || record.real("dtmin") <= 0.0 {
+        }
+        let scale = scales.first().map_or(SAFETY, |s| s.0);
+        for record in records.iter().filter(|r| r.row.keyword.name == "/DT/NODA/CST") {
+            let (least, place) = (record.real("dtmin"), record.place("dtmin"));
+            if least <= 0.0 {
                 continue;
             }
-            let place = record.place("dtmin");
-            let (least, scale) = (record.real("dtmin"), if scale > 0.0 { scale } else { 0.9 });
             self.deck.tree.set_in("time", "mass_scaling_dt", place, least / scale);
             self.deck.tree.set_in("time", "mass_scaling_limit", place, ANY_MASS);
             self.deck.map(
@@ -110,7 +128,7 @@ impl StarterConverter {
                 format!("steps of nodes of at least {least}"),
                 format!(
                     "steps of elements of at least {:.6e} before the safety factor; mass is added \
-                     at the start only",
+                     at the start only, without a limit (mass_scaling_limit {ANY_MASS:e})",
                     least / scale
                 ),
             );
@@ -125,8 +143,8 @@ fn units_of(record: &CardRecord) -> [String; 3] {
 
 /// Returns the name of a unit in a job.
 fn unit(name: &str) -> String {
-    // Mg and mg differ in a factor of 1e9.
-    if name == "mg" {
+    // Mega and milli differ in a factor of 1e9.
+    if ["mg", "Mm", "Ms"].contains(&name) {
         return name.into();
     }
     let lower = name.to_lowercase();

@@ -4,6 +4,7 @@ use super::StarterConverter;
 use crate::input::deck::convert::curves::DeckCurve;
 use crate::input::deck::convert::space::{cross, unit};
 use crate::input::deck::convert::tree::JobTable;
+use crate::input::deck::radioss::BEYOND;
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 
@@ -81,6 +82,9 @@ impl StarterConverter {
     /// of Radioss continue with the last slope of a function; the curve gets such points.
     pub(super) fn time_function(&mut self, line: &CardLine, scale: f64) -> Option<String> {
         let (id, place) = (line.integer("fct"), line.place("fct"));
+        if id == 0 {
+            return self.put_curve("factor of 1".into(), vec![[0.0, 1.0], [1.0, 1.0]], line.place);
+        }
         let curve = self.deck.curve(id, place)?;
         let stretched: Vec<[f64; 2]> = curve.points.iter().map(|p| [p[0] * scale, p[1]]).collect();
         let points = extended(stretched, self.deck.end_time);
@@ -94,7 +98,7 @@ impl StarterConverter {
                 true => "continues with its last slope".to_string(),
                 false => format!("abscissa scaled by {scale}, continues with its last slope"),
             },
-            "points are added up to the end of the run",
+            "points are added, far beyond the end of the run",
         );
         let name = match scale == 1.0 {
             true => format!("curve-{id}"),
@@ -123,8 +127,11 @@ impl StarterConverter {
     }
 }
 
-/// Returns points that continue with the first and the last slope, from time 0 to `end`.
+/// Returns points that continue with the first and the last slope, from time 0 to far beyond the
+/// end of the run: a job can move it, and gives it if there is no engine file.
 fn extended(mut points: Vec<[f64; 2]>, end: f64) -> Vec<[f64; 2]> {
+    let own = points.last().map_or(0.0, |p| p[0]);
+    let end = BEYOND * if end > 0.0 { end } else { own };
     let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
     if points.len() < 2 {
         return points;
@@ -149,10 +156,11 @@ mod tests {
     #[test]
     fn functions_continue_with_their_slopes() {
         let ramp = vec![[1.0, 2.0], [2.0, 4.0]];
-        assert_eq!(extended(ramp, 3.0), [[0.0, 0.0], [1.0, 2.0], [2.0, 4.0], [3.0, 6.0]]);
+        assert_eq!(extended(ramp.clone(), 0.0)[3], [2e3, 4e3], "the end is not known");
+        assert_eq!(extended(ramp, 3.0), [[0.0, 0.0], [1.0, 2.0], [2.0, 4.0], [3e3, 6e3]]);
         let flat = vec![[0.0, 1.0], [1.0, 1.0]];
         assert_eq!(extended(flat.clone(), 3.0), flat);
-        let long = vec![[0.0, 0.0], [9.0, 1.0]];
+        let long = vec![[0.0, 0.0], [9e3, 1.0]];
         assert_eq!(extended(long.clone(), 3.0), long);
     }
 }

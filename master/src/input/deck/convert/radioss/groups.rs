@@ -293,13 +293,13 @@ impl StarterConverter {
                 named.insert(title.clone(), group.clone());
             }
         }
+        for (id, (nodes, place)) in std::mem::take(&mut self.deck.node_sets) {
+            self.deck.rows.add_set(format!("set-{id}"), nodes, place);
+        }
         for (title, (nodes, place)) in named {
             if !self.deck.rows.has_set(&title) {
                 self.deck.rows.add_set(title, nodes, place);
             }
-        }
-        for (id, (nodes, place)) in std::mem::take(&mut self.deck.node_sets) {
-            self.deck.rows.add_set(format!("set-{id}"), nodes, place);
         }
     }
 }

@@ -34,7 +34,7 @@ impl StarterConverter {
             };
             let list = format!("history-{}", record.integer("id"));
             let nodes = ids.iter().filter_map(|&n| super::groups::node(n)).collect();
-            self.deck.rows.add_set(list.clone(), nodes, record.head);
+            let list = self.deck.rows.add_new_set(&list, nodes, record.head);
             let table = JobTable::new(record.head).with("name", record.place("title"), name).with(
                 "nodes",
                 record.head,

@@ -127,6 +127,7 @@ impl StarterConverter {
 
     /// Converts `/ADMAS`.
     pub(super) fn masses(&mut self) {
+        self.used_nodes();
         let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
         for record in self.take(&["/ADMAS"]) {
             let kind = record.integer("kind");
@@ -134,24 +135,29 @@ impl StarterConverter {
                 let (mass, of, place) = (line.real("mass"), line.integer("of"), line.place("of"));
                 match kind {
                     0 | 1 => {
-                        let Some(set) = self.deck.node_set(of, place) else { continue };
-                        let count = self.deck.node_sets[&of].0.len() as f64;
+                        if self.deck.node_set(of, place).is_none() {
+                            continue;
+                        }
+                        let nodes = self.deck.node_sets[&of].0.clone();
+                        let count = nodes.len().max(1) as f64;
+                        let each = if kind == 0 { mass } else { mass / count };
                         let total = if kind == 0 { mass * count } else { mass };
-                        self.put_mass(place, set, total);
-                    }
-                    3 => {
-                        let Some(part) = self.part(of, place) else { continue };
-                        let set = self.deck.nodes_of_parts(&[part]);
-                        self.put_mass(place, set, mass);
+                        self.mass_of_group(&record, (of, nodes), (each, total), place);
                     }
                     5 => {
+                        let Some(node) = super::groups::node(of) else { continue };
+                        self.warn_of_walls(&record, &[node]);
+                        if self.mass_of_main(node, mass, place) {
+                            continue;
+                        }
                         let entry = equal
                             .entry(mass.to_bits())
                             .or_insert_with(|| (mass, Vec::new(), line.place));
-                        entry.1.extend(super::groups::node(of));
+                        entry.1.push(node);
                     }
                     _ => {
-                        let why = "use 0 (each node), 1 (a group), 3 (a part) or 5 (single nodes)";
+                        let why =
+                            "use 0 (each node of a group), 1 (a whole group) or 5 (single nodes)";
                         self.deck.unsupported_card(&record, "kind", why);
                         break;
                     }
@@ -163,6 +169,42 @@ impl StarterConverter {
             let set = self.deck.rows.add_new_set(&format!("mass-{number}"), nodes, place);
             self.put_mass(place, set, total);
         }
+    }
+
+    /// Adds a mass to the nodes of a group: `each` on each of them, `total` on all.
+    fn mass_of_group(
+        &mut self,
+        record: &CardRecord,
+        (id, nodes): (i64, Vec<NodeId>),
+        (each, total): (f64, f64),
+        place: Place,
+    ) {
+        self.warn_of_walls(record, &nodes);
+        let count = nodes.len();
+        let others: Vec<NodeId> =
+            nodes.into_iter().filter(|&n| !self.mass_of_main(n, each, place)).collect();
+        if others.len() == count {
+            return self.put_mass(place, format!("set-{id}"), total);
+        }
+        if !others.is_empty() {
+            let total = each * others.len() as f64;
+            let set = self.deck.rows.add_new_set(&format!("mass of set-{id}"), others, place);
+            self.put_mass(place, set, total);
+        }
+    }
+
+    /// Adds the mass of a main node, which is no part of the model, to the nodes of its body.
+    /// Returns false if the node is none.
+    fn mass_of_main(&mut self, node: NodeId, mass: f64, place: Place) -> bool {
+        let Some(body) = self.mains.get(&node).filter(|_| !self.used.contains(&node)) else {
+            return false;
+        };
+        let (name, nodes) = (body.name.clone(), body.nodes.iter().copied().collect());
+        let set = self.deck.rows.add_new_set(&format!("{name} mass"), nodes, place);
+        self.put_mass(place, set, mass);
+        let asked = format!("/ADMAS: mass {mass} of its main node");
+        self.deck.map(name, asked, "in equal shares on its nodes");
+        true
     }
 
     fn put_mass(&mut self, place: Place, set: String, mass: f64) {

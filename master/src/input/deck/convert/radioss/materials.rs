@@ -135,6 +135,12 @@ impl StarterConverter {
         }
         match failure {
             Some(card) => {
+                if matches!(card.integer("ifailsh"), 0 | 1) {
+                    let message = "/FAIL/JOHNSON: Ifail_sh 1 removes a shell with its first \
+                                   failed point, here it goes with its last one";
+                    let help = "give Ifail_sh 2, or expect shells to fail later";
+                    self.deck.trouble.warning(card.place("ifailsh"), message, help);
+                }
                 let damage = ["d1", "d2", "d3", "d4", "d5"].map(|field| card.real(field));
                 table.put("damage", card.place("d1"), damage);
                 if damage[3] != 0.0 && c == 0.0 {

@@ -134,6 +134,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.deck.left_over();
     b.deck.unused_fields();
     b.name_groups();
+    b.deck.same_names();
     let mut deck = b.deck;
     (std::mem::take(&mut deck.tree).into_node(), deck)
 }

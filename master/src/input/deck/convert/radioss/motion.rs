@@ -6,6 +6,8 @@ use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 
+/// Time from which on a limit is none.
+const NEVER: f64 = 1e20;
 const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 const DIRECTIONS: [&str; 6] = ["X", "Y", "Z", "XX", "YY", "ZZ"];
 
@@ -77,18 +79,23 @@ impl StarterConverter {
             }
         };
         let amount = or_one(record.real("fscale"));
+        if line.integer("fct") == 0 && record.row.keyword.name != "/IMPVEL" {
+            self.deck.missing(line.place("fct"), "/FUNCT", 0, &[]);
+            return None;
+        }
         let curve = self.time_function(line, or_one(record.real("ascale")))?;
         Some(StarterMotion { form, dof, amount, curve, place: record.head })
     }
 
     /// Reports a motion that begins or ends within the run.
     fn whole_run(&mut self, record: &CardRecord) {
-        let (start, stop) = (record.real("tstart"), record.real("tstop"));
+        let (start, stop, end) = (record.real("tstart"), record.real("tstop"), self.deck.end_time);
         let why = "motion that begins or ends within the run";
         if start > 0.0 {
             self.deck.unsupported_value(record, "tstart", why);
         }
-        if stop > 0.0 && stop < self.deck.end_time {
+        // Without an engine file the end is that of a job, which is not known here.
+        if stop > 0.0 && stop < NEVER && (end <= 0.0 || stop < end) {
             self.deck.unsupported_value(record, "tstop", why);
         }
     }
@@ -143,6 +150,7 @@ impl StarterConverter {
             }
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
             let all = self.deck.node_sets[&grnod].0.clone();
+            self.warn_of_walls(&record, &all);
             self.velocity_of_group(&record, (set, all), (v, spin));
         }
         self.join_velocities();

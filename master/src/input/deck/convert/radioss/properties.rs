@@ -14,6 +14,9 @@ const ROUND: f64 = 1e-9;
 /// Formulations of solids that one of the engine can replace.
 const SOLIDS: [i64; 8] = [0, 1, 2, 12, 14, 17, 18, 24];
 
+/// Formulations of solids with several points, which one with a single point replaces.
+const FULL: [i64; 3] = [14, 17, 18];
+
 /// A property.
 #[derive(Debug)]
 pub struct StarterProperty {
@@ -144,6 +147,16 @@ impl StarterConverter {
         };
         let [quadratic, linear] = [or("qa", 1.1), or("qb", 0.05)];
         table.put("bulk_viscosity", card.place("qa"), [linear, quadratic * quadratic]);
+        let is_mean = !tetrahedra && FULL.contains(&isolid) || tetrahedra && itetra == 1;
+        if is_mean {
+            let field = if tetrahedra { "itetra4" } else { "isolid" };
+            let message = format!(
+                "part {part}: {field} {} has several points per element, here there is one",
+                if tetrahedra { itetra } else { isolid }
+            );
+            let help = "compare with a finer mesh where solids bend";
+            self.deck.trouble.warning(card.place(field), message, help);
+        }
         let used = if wedges {
             "wedges".to_string()
         } else if tetrahedra {

@@ -40,7 +40,20 @@ struct SetClause {
     key: String,
     place: Place,
     list: Vec<(i64, Place)>,
+    /// First id, last id and increment of ranges.
+    ranges: Vec<([i64; 3], Place)>,
     segments: Vec<DeckSegment>,
+}
+
+/// Content of a clause of a general set.
+#[derive(Default)]
+struct SetContent {
+    nodes: BTreeSet<NodeId>,
+    surface: StarterSurface,
+    /// Other general sets.
+    sets: Vec<i64>,
+    /// True if the content is taken away.
+    is_away: bool,
 }
 
 impl StarterConverter {
@@ -166,98 +179,111 @@ impl StarterConverter {
     fn general_sets(&mut self) {
         let records = self.take(&["/SET/GENERAL"]);
         let known: BTreeSet<i64> = records.iter().map(|r| r.integer("id")).collect();
-        let all: Vec<(CardRecord, Vec<SetClause>)> =
-            records.into_iter().map(|r| (r.clone(), clauses(&r))).collect();
+        let mut all: Vec<(CardRecord, Vec<SetContent>)> = Vec::with_capacity(records.len());
+        for record in records {
+            let mut contents = Vec::new();
+            for clause in clauses(&record) {
+                let content = self.content(&clause);
+                for &(id, place) in &clause.list {
+                    if !content.sets.is_empty() && !known.contains(&id) {
+                        let known: Vec<String> = known.iter().map(i64::to_string).collect();
+                        self.deck.missing(place, "/SET/GENERAL", id, &known);
+                    }
+                }
+                contents.push(content);
+            }
+            all.push((record, contents));
+        }
         let mut found: BTreeMap<i64, (BTreeSet<NodeId>, StarterSurface)> = BTreeMap::new();
-        // Sets may name those that come later.
-        for round in 0..=all.len() {
-            for (record, clauses) in &all {
-                let is_last = round == all.len();
-                let made = self.general(clauses, &found, is_last);
+        // Sets may name those that come later, so all are made once more for each set.
+        for _ in 0..=all.len() {
+            for (record, contents) in &all {
+                let made = whole_set(contents, &found);
                 found.insert(record.integer("id"), made);
             }
         }
-        for (record, list) in &all {
-            for clause in list.iter().filter(|c| c.key.starts_with("SET")) {
-                for &(id, place) in clause.list.iter().filter(|(id, _)| !known.contains(id)) {
-                    let known: Vec<String> = known.iter().map(i64::to_string).collect();
-                    self.deck.missing(place, "/SET/GENERAL", id, &known);
-                }
-            }
+        for (record, _) in &all {
             let (nodes, surface) = found.remove(&record.integer("id")).unwrap_or_default();
             self.add_group(record, nodes.into_iter().collect());
             self.add_surface(record, surface);
         }
     }
 
-    /// Returns the nodes and the surface of a general set. Reports its problems if `report` is
-    /// true.
-    fn general(
-        &mut self,
-        clauses: &[SetClause],
-        sets: &BTreeMap<i64, (BTreeSet<NodeId>, StarterSurface)>,
-        report: bool,
-    ) -> (BTreeSet<NodeId>, StarterSurface) {
-        let (mut nodes, mut surface) = (BTreeSet::new(), StarterSurface::default());
-        for clause in clauses {
-            let (key, is_away) = match clause.key.strip_suffix("_D") {
-                Some(key) => (key, true),
-                None => (clause.key.as_str(), false),
-            };
-            let mut more = StarterSurface::default();
-            let mut of: BTreeSet<NodeId> = BTreeSet::new();
-            match key {
-                "ALL" => {
-                    of.extend(self.deck.rows.nodes.iter().map(|n| n.id));
-                    more.parts.extend(self.parts.keys());
-                }
-                "NODE" => {
-                    of.extend(clause.list.iter().filter_map(|(n, _)| super::groups::node(*n)))
-                }
-                "NODE_G" if report => of.extend(self.ranges(&triples(&clause.list))),
-                "NODE_G" => {}
-                "BOX" if report => {
-                    let list = clause.list.clone();
-                    list.iter().for_each(|&(b, place)| of.extend(self.in_box(b, place)));
-                }
-                "BOX" => {}
-                "PART" | "SUBSET" | "MAT" | "PROP" if report => {
-                    more.parts = self.parts_by(key, &clause.list);
-                    of.extend(self.nodes_of(&more.parts));
-                }
-                "PART" | "SUBSET" | "MAT" | "PROP" => {}
-                "SEG" => {
-                    of.extend(clause.segments.iter().flat_map(|s| s.nodes.iter().copied()));
-                    more.segments = clause.segments.clone();
-                }
-                "SET" => {
-                    for (n, s) in clause.list.iter().filter_map(|(id, _)| sets.get(id)) {
-                        of.extend(n);
-                        more.add(s);
-                    }
-                }
-                _ if report => {
-                    let message = format!("/SET/GENERAL: the key {key} is not supported");
-                    let what = format!("/SET/GENERAL {key}");
-                    self.deck.unsupported(clause.place, message, what);
-                }
-                _ => {}
+    /// Returns the content of a clause. Reports its problems.
+    fn content(&mut self, clause: &SetClause) -> SetContent {
+        let (key, is_away) = match clause.key.strip_suffix("_D") {
+            Some(key) => (key, true),
+            None => (clause.key.as_str(), false),
+        };
+        let mut content = SetContent { is_away, ..SetContent::default() };
+        let nodes = &mut content.nodes;
+        match key {
+            "ALL" => {
+                nodes.extend(self.deck.rows.nodes.iter().map(|n| n.id));
+                content.surface.parts.extend(self.parts.keys());
             }
-            if is_away {
-                nodes.retain(|n| !of.contains(n));
-                surface.parts.retain(|p| !more.parts.contains(p));
-            } else {
-                nodes.extend(of);
-                surface.add(&more);
+            "NODE" => nodes.extend(clause.list.iter().filter_map(|(n, _)| super::groups::node(*n))),
+            "NODE_G" => {
+                for &([first, last, step], place) in &clause.ranges {
+                    let range = self.ranges(&[(first, place), (last, place)]);
+                    let step = u64::try_from(step.max(1)).unwrap_or(1);
+                    let from = range.first().map_or(0, |_| u64::try_from(first).unwrap_or(0));
+                    nodes.extend(range.into_iter().filter(|n| (n.0 - from) % step == 0));
+                }
+            }
+            "BOX" => {
+                clause.list.iter().for_each(|&(b, place)| nodes.extend(self.in_box(b, place)));
+            }
+            "PART" | "SUBS" | "SUBSET" | "MAT" | "PROP" => {
+                let of = if key == "SUBS" { "SUBSET" } else { key };
+                content.surface.parts = self.parts_by(of, &clause.list);
+                nodes.extend(self.nodes_of(&content.surface.parts));
+            }
+            "SEG" => {
+                nodes.extend(clause.segments.iter().flat_map(|s| s.nodes.iter().copied()));
+                content.surface.segments = clause.segments.clone();
+            }
+            "SET" => content.sets = clause.list.iter().map(|(id, _)| *id).collect(),
+            _ => {
+                let message = format!("/SET/GENERAL: the key {key} is not supported");
+                let what = format!("/SET/GENERAL {key}");
+                self.deck.unsupported(clause.place, message, what);
             }
         }
-        (nodes, surface)
+        content
     }
 }
 
-/// Returns the first and the last id of each range that has an increment too.
-fn triples(list: &[(i64, Place)]) -> Vec<(i64, Place)> {
-    list.chunks(3).flat_map(|range| range.iter().take(2).copied()).collect()
+/// Returns the nodes and the surface of a general set from its clauses and the other sets.
+fn whole_set(
+    contents: &[SetContent],
+    sets: &BTreeMap<i64, (BTreeSet<NodeId>, StarterSurface)>,
+) -> (BTreeSet<NodeId>, StarterSurface) {
+    let (mut nodes, mut surface) = (BTreeSet::new(), StarterSurface::default());
+    for content in contents {
+        let (mut of, mut more) = (content.nodes.clone(), content.surface.clone());
+        for (n, s) in content.sets.iter().filter_map(|id| sets.get(id)) {
+            of.extend(n);
+            more.add(s);
+        }
+        if content.is_away {
+            nodes.retain(|n| !of.contains(n));
+            surface.parts.retain(|p| !more.parts.contains(p));
+            let gone: BTreeSet<Vec<NodeId>> = more.segments.iter().map(corners).collect();
+            surface.segments.retain(|s| !gone.contains(&corners(s)));
+        } else {
+            nodes.extend(of);
+            surface.add(&more);
+        }
+    }
+    (nodes, surface)
+}
+
+/// Returns the nodes of a segment in ascending order.
+fn corners(segment: &DeckSegment) -> Vec<NodeId> {
+    let mut nodes = segment.nodes.clone();
+    nodes.sort_unstable();
+    nodes
 }
 
 /// Returns the keys of a general set with their ids. A line without a key continues the one above.
@@ -266,16 +292,25 @@ fn clauses(record: &CardRecord) -> Vec<SetClause> {
     for line in record.lines("ids") {
         let key = line.word("key").to_ascii_uppercase();
         if !key.is_empty() || found.is_empty() {
-            let (list, segments) = (Vec::new(), Vec::new());
-            found.push(SetClause { key, place: line.place("key"), list, segments });
+            let (list, ranges, segments) = (Vec::new(), Vec::new(), Vec::new());
+            found.push(SetClause { key, place: line.place("key"), list, ranges, segments });
         }
         let Some(last) = found.last_mut() else { continue };
-        let own: Vec<(i64, Place)> = line.integers("ids").collect();
-        if last.key == "SEG" {
-            let nodes = own.iter().skip(1).filter_map(|(n, _)| super::groups::node(*n));
-            last.segments.push(DeckSegment { nodes: nodes.collect(), place: line.place });
-        } else {
-            last.list.extend(own);
+        // Ranges and segments have their numbers in fixed fields, of which some may be zero.
+        let fields = line.all_integers("ids");
+        match last.key.strip_suffix("_D").unwrap_or(&last.key) {
+            "SEG" => {
+                let mut nodes: Vec<NodeId> =
+                    fields[1..5].iter().filter_map(|n| super::groups::node(*n)).collect();
+                nodes.dedup();
+                last.segments.push(DeckSegment { nodes, place: line.place });
+            }
+            "NODE_G" => {
+                let ranges = fields.chunks_exact(3).map(|f| [f[0], f[1], f[2]]);
+                let given = ranges.filter(|range| range[..2] != [0, 0]);
+                last.ranges.extend(given.map(|range| (range, line.place)));
+            }
+            _ => last.list.extend(line.integers("ids")),
         }
     }
     found

@@ -132,7 +132,9 @@ impl StarterConverter {
         match record.integer("slide") {
             0 => 0.0,
             1 => {
-                self.deck.map(name, "Slide 1: nodes are tied", "friction 1");
+                let message = format!("{name}: Slide 1 ties nodes, here friction 1 holds them");
+                let help = "nodes leave the wall when they rebound, and slide under large forces";
+                self.deck.trouble.warning(record.place("slide"), message, help);
                 TIED
             }
             2 => given,

@@ -9,7 +9,7 @@ use crate::input::deck::table::{
 
 const MOTION: &[(&str, Times)] = &[
     TITLE,
-    ("fct:i! dir:a skew:i sens:i grnod:i! frame:i icoor:i", Once),
+    ("fct:i dir:a skew:i sens:i grnod:i! frame:i icoor:i", Once),
     ("ascale:r20=1 fscale:r20=1 tstart:r20 tstop:r20=1e30", Maybe),
 ];
 const MOTION_UNUSED: &[UnusedFields] = &[
@@ -18,7 +18,7 @@ const MOTION_UNUSED: &[UnusedFields] = &[
     refused("icoor", "cylindrical coordinates"),
 ];
 const FORCE: &[(&str, Times)] =
-    &[TITLE, ("fct:i! dir:a skew:i sens:i grnod:i itypfun:i ascale:r20=1 fscale:r20=1", Once)];
+    &[TITLE, ("fct:i dir:a skew:i sens:i grnod:i itypfun:i=1 ascale:r20=1 fscale:r20=1", Once)];
 const SENSOR: UnusedFields = refused("sens", "loads that a sensor starts");
 const KIND: UnusedFields = refused("itypfun", "functions of other variables than time");
 
@@ -59,7 +59,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "/PLOAD",
         &[
             TITLE,
-            ("surf:i! fct:i! sens:i ipinch:i idel:i blank:a10 ascale:r20=1 fscale:r20=1", Once),
+            ("surf:i! fct:i sens:i ipinch:i idel:i=1 blank:a10 ascale:r20=1 fscale:r20=1", Once),
         ],
         "`[[pressure]]` on the faces of a surface; a positive value acts along their normals (by the \
          right-hand rule), so the `pressure` of the job has the other sign",
@@ -74,8 +74,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "/ADMAS",
         &[("kind:i0 id:i0 unit:i0", Once), TITLE, ("mass:r20 of:i iflag:i", Rest)],
-        "`[[mass]]`. Kind 0: on each node of a group; 1: on the whole group; 3: on a part; 5: on \
-         single nodes",
+        "`[[mass]]`. Kind 0: on each node of a group; 1: on the whole group; 5: on single nodes. \
+         On a main node it is on the nodes of the body",
     )
     .unused(&[refused("iflag", "shares by area")]),
 ];

@@ -112,7 +112,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "`damage` of the material with this id, whose law has to be `/MAT/LAW2`",
     )
     .unused(&[
-        no_effect("ifailsh ifailso", "a point fails, and an element with its last point"),
+        no_effect("ifailso", "a point fails, and an element with its last point"),
         ignored("dadv", "cracks do not advance on their own"),
         refused("ixfem", "cracks within elements"),
     ]),

@@ -70,8 +70,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "/SET/GENERAL",
         &[TITLE, ("key:a ids:i*9", Rest)],
-        "a group of nodes and a surface of the same id. Keys: ALL, NODE, PART, SUBSET, MAT, PROP, \
-         SET, BOX, SEG, NODE_G (ranges); one that ends in _D is taken away",
+        "a group of nodes and a surface of the same id. Keys: ALL, NODE, PART, SUBS, MAT, PROP, \
+         SET, BOX, SEG, NODE_G (first id, last id, increment); one that ends in _D is taken away",
     )
     .aliases(&["/SET/COLLECT", "/SET"]),
     Keyword::new(
