@@ -29,7 +29,7 @@ fn cards() -> Vec<Mistake> {
             &["/MAT/ELAST: `e` has to be a number, not `207.0x`", "20 columns each"],
         ),
         of(replaced("/MAT/ELAST/1", "/MAT/ELATS/1"), "/MAT/ELATS", &["/MAT/ELAST", "--allow"]),
-        of(replaced("      2022", "        44"), "44", &["version 44", "51 or later"]),
+        of(replaced("      2022", "       100"), "100", &["version 100", "110 or later"]),
         of(
             replaced("/PROP/SHELL/1\nsheet\n", "/PROP/SHELL/1\n"),
             "         3         0",
@@ -154,10 +154,14 @@ fn every_mistake_is_named_with_its_line_and_a_cure() {
                 .map(|p| format!("no `{p}` in\n{report}")),
         );
         // Lines of the deck are shown under their number, such as `12 | text`.
+        let lines: Vec<&str> = text.lines().collect();
         let shown = report.lines().any(|l| {
-            l.split_once('|').is_some_and(|(number, of)| {
-                number.trim().parse::<usize>().is_ok() && of.contains(line.trim())
-            })
+            let Some((number, of)) = l.split_once('|') else { return false };
+            let number = number.trim().parse::<usize>().ok().filter(|n| *n > 0);
+            let own = number.and_then(|n| lines.get(n - 1));
+            own.is_some_and(|own| own.trim_end() == of.trim() || own.trim() == of.trim())
+                && of.contains(line.trim())
+                && report.contains(&format!("plate_0000.rad:{}", number.unwrap_or(0)))
         });
         if !shown {
             wrong.push(format!("no line with `{line}` in\n{report}"));

@@ -141,3 +141,155 @@ fn ties_have_the_degrees_of_freedom_of_their_flag() {
     let report = reading(&tie("i21"), &[]).err().unwrap();
     assert!(report.contains("`spotflag` = 21 is not supported"), "{report}");
 }
+
+/// General sets: ranges with an increment and blanks, segments with a blank id that are taken away,
+/// the key SUBS, and a set that comes later.
+#[test]
+fn general_sets_have_their_content() {
+    let found = model(
+        &with(
+            "/SET/GENERAL/21
+        =early
+        wSET i23
+        wPART_D i1
+        /SET/GENERAL/22
+        =ranges
+        wNODE_G i1 i7 i3 i11 i12 i0
+        /SET/GENERAL/23
+        =late
+        wSUBS i5
+        wPART i2
+        /SUBSET/5
+        =plate only
+        /SET/GENERAL/24
+        =faces
+        wSEG _ i11 i12 i15 i14
+        _ i2 i12 i13 i16 i15
+        wSEG_D i0 i14 i15 i12 i11
+        /FUNCT/1
+        =one
+        r0 r1
+        r10 r1
+        /PLOAD/1
+        =press
+        i24 i1 i0 _ _ _ r1 r0.5",
+        )
+        .replacen(
+            "/PART/1\nplate\n         1         1         0",
+            "/PART/1\nplate\n         1         1         5",
+            1,
+        ),
+    );
+    let set = |id: u64| {
+        let nodes = &found.mesh.node_sets[&format!("set-{id}")];
+        nodes.iter().map(|n| n.label()).collect::<Vec<u64>>()
+    };
+    assert_eq!(set(23), [1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 15, 16]);
+    assert_eq!(set(21), [1, 2, 3, 4, 5, 6, 7, 8], "set 23 without part 1");
+    assert_eq!(set(22), [1, 4, 7, 11, 12]);
+    let [press] = &found.job.pressure[..] else { panic!("one face is left") };
+    let nodes = &found.mesh.node_sets[press.nodes.as_ref().unwrap()];
+    assert_eq!(nodes.iter().map(|n| n.label()).collect::<Vec<u64>>(), [12, 13, 15, 16]);
+}
+
+/// Values that are the defaults of the format are accepted: flags of 1, function 0 as a factor of
+/// one, `/UNIT` in the units that a blank `/BEGIN` means.
+#[test]
+fn defaults_are_accepted() {
+    let found = model(&with(
+        "/GRNOD/NODE/1\n=two\ni11 i12\n/SURF/PART/1\n=plate\ni1\n/CLOAD/1\n=pull\n\
+         i0 wY i0 i0 i1 i1 r1 r0.25\n/GRAV/1\n=fall\ni0 wZ i0 i0 i0 _ r1 r-1e-3\n/PLOAD/1\n=press\n\
+         i1 i0 i0 i0 i1 _ r1 r0.5\n/IMPVEL/1\n=v\ni0 wX i0 i0 i1\nr1 r2",
+    ));
+    assert_eq!(found.job.curve.len(), 1, "one curve of ones");
+    assert!(found.job.curve[0].points.iter().all(|p| p[1] == 1.0));
+    assert_eq!((found.job.load.len(), found.job.gravity.len(), found.job.motion.len()), (1, 1, 1));
+    let begin = format!("{:>20}{:>20}{:>20}\n", "kg", "mm", "ms");
+    let blank =
+        with("/UNIT/3\n=si\nrkg rm rs\n/MAT/ELAST/2/3\n=m\nr1\nr1 r0").replace(&begin, "\n");
+    assert!(reading(&blank, &[]).is_ok());
+    let mega = with("").replace("                  mm", "                  Mm");
+    assert!(!model_units(&mega).contains("mm"), "Mm is a megametre");
+}
+
+/// Returns the units of a deck, or the report on them.
+fn model_units(text: &str) -> String {
+    reading(text, &[]).map_or_else(|report| report, |found| found.job.units)
+}
+
+/// Masses on a main node go to its body; a group of parts is refused; masses on nodes of walls are
+/// named.
+#[test]
+fn masses_do_not_vanish() {
+    let body = format!("{BODY}\n/RBODY/1\n=the cube\ni90 i0 i0 i0 r0 i2\n");
+    let group = "/GRNOD/NODE/3\n=main and corner\ni90 i11\n/ADMAS/0/1\n=each\nr0.5 i3";
+    let found = model(&with(&(body.clone() + group)));
+    let masses: Vec<(usize, f64)> =
+        found.job.mass.iter().map(|m| (found.mesh.node_sets[&m.nodes].len(), m.mass)).collect();
+    assert!(masses.contains(&(8, 0.5)) && masses.contains(&(1, 0.5)), "{masses:?}");
+    let single = model(&with(&(body + "/ADMAS/5/1\n=single\nr0.75 i90")));
+    assert_eq!(single.job.mass[0].mass, 0.75);
+    let report = reading(&with("/ADMAS/3/1\n=part\nr1 i1"), &[]).err().unwrap();
+    assert!(report.contains("`kind` = 3 is not supported"), "{report}");
+    let wall = "/NODE\ni91 r0 r0 r-9\n/GRNOD/NODE/4\n=wall\ni91\n/RWALL/PLANE/1\n=w\ni91 i0\nr99\n\
+                r2 r0 r0 r0\nr0 r0 r0";
+    for card in ["/ADMAS/0/1\n=m\nr1 i4", "/BCS/1\n=b\n", "/INIVEL/TRA/2\n=v\nr0 r0 r1 i4"] {
+        let mut text = with(&format!("{wall}\n{card}"));
+        if card.starts_with("/BCS") {
+            text += "   111 111         0         4\n";
+        }
+        let said = said(&model(&text));
+        assert!(said.contains("on node 91, that of a wall, is ignored"), "{card}\n{said}");
+    }
+}
+
+/// Sets that are made for conditions of one id have different names, and no set replaces another.
+#[test]
+fn sets_of_one_id_are_different() {
+    let found = model(&with(&format!(
+        "{BODY}\n/RBODY/1\n=floor\ni90 i0 i0 i0 r0 i1 i1\n/GRNOD/NODE/1\n=feet\ni1 i2 i3\n\
+         /RWALL/PLANE/1\n=floor\ni0 i0 i2\nr0\nr0 r0 r-1\nr0 r0 r0\n/FUNCT/1\n=one\nr0 r1\nr9 r1\n\
+         /GRNOD/NODE/5\n=a\ni11 i90\n/GRNOD/NODE/6\n=b\ni12 i90\n/IMPVEL/7\n=v\ni1 wX i0 i0 i5\n\
+         /IMPACC/7\n=a\ni1 wY i0 i0 i6\n/GRNOD/NODE/9\n=floor nodes\ni13"
+    )));
+    let set = |name: &str| found.mesh.node_sets[name].iter().map(|n| n.label()).collect::<Vec<_>>();
+    assert_eq!(set(found.job.rigid[0].nodes.as_ref().unwrap()), [1, 2, 3]);
+    let of_nodes = found.job.motion.iter().filter_map(|m| m.nodes.as_ref());
+    assert_eq!(of_nodes.map(|name| set(name)).collect::<Vec<_>>(), [vec![11], vec![12]]);
+}
+
+/// Solids with several points, walls that tie and failure with the first point give warnings.
+#[test]
+fn what_is_weaker_than_in_radioss_gives_a_warning() {
+    let full = with("").replacen("block\n        24", "block\n        17", 1);
+    assert!(said(&model(&full)).contains("isolid 17 has several points"));
+    let tied = with("/RWALL/PLANE/1\n=w\ni0 i1\nr99\nr0 r0 r-1\nr0 r0 r0");
+    assert!(said(&model(&tied)).contains("Slide 1 ties nodes"));
+    let law = |flag: &str| {
+        of_law(&format!(
+            "/MAT/LAW2/1\n=m\nr7.85e-6\nr200.0 r0.3\nr0.3 r0.4 r0.5\n/FAIL/JOHNSON/1\n\
+             r0.1 r1.2 r-2 r0 r0\nr1 {flag}"
+        ))
+    };
+    assert!(said(&model(&law("i1"))).contains("Ifail_sh 1 removes a shell"));
+    assert!(!said(&model(&law("i2"))).contains("Ifail_sh 1 removes a shell"));
+}
+
+/// The writer keeps titles from being keywords, writes rectangles and refuses long ids.
+#[test]
+fn the_writer_keeps_to_the_format() {
+    let wall = "/RWALL/PARAL/1\n=#floor\ni0 i0\nr99\nr0 r0 r-1\nr20 r0 r-1\nr0 r10 r-1";
+    let text = with(wall).replacen("#floor", "floor", 1);
+    let mut found = model(&text);
+    found.job.wall[0].name = "/floor".into();
+    found.job.title = "# a plate".into();
+    let starter = export(&found, "again").unwrap().starter;
+    assert!(starter.contains("/RWALL/PARAL/1\n /floor\n"), "{starter}");
+    let again = model(&starter.replace("/BEGIN", "/RUN/A/1\n10.0\n/END/ENGINE\n/BEGIN"));
+    assert_eq!(again.job.title, "# a plate");
+    let [one, other] = [&again, &found].map(|m| &m.job.wall[0]);
+    assert_eq!((one.normal, one.lengths), (other.normal, other.lengths));
+    found.mesh.nodes.last_mut().unwrap().id = crumple_proto::ids::NodeId(20_000_000_000);
+    let refused = export(&found, "again").err().unwrap();
+    assert!(refused.contains("more digits than the 10 columns"), "{refused}");
+}

@@ -288,9 +288,9 @@ fn loads_have_their_amounts() {
         let name = name.as_ref().unwrap();
         model.job.curve.iter().find(|c| c.name == *name).unwrap().points.clone()
     };
-    // It goes on with its slope to the end of the run.
-    assert_eq!(curve(&model.job.load[0].curve), [[0.0, 0.0], [2.0, 1.0], [10.0, 5.0]]);
-    assert_eq!(curve(&model.job.pressure[0].curve), [[0.0, 0.0], [4.0, 1.0], [10.0, 2.5]]);
+    // It goes on with its slope beyond the end of the run.
+    assert_eq!(curve(&model.job.load[0].curve), [[0.0, 0.0], [2.0, 1.0], [1e4, 5e3]]);
+    assert_eq!(curve(&model.job.pressure[0].curve), [[0.0, 0.0], [4.0, 1.0], [1e4, 2.5e3]]);
     let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
     assert_eq!(masses, [0.2, 0.3]);
     assert_eq!(model.job.output.node[0].name, "watched");
@@ -369,8 +369,8 @@ fn other_elements_have_their_properties() {
 fn the_engine_file_sets_the_run() {
     let text = with("").replacen(
         "/END/ENGINE",
-        "/TFILE\n0.25\n/ANIM/DT\n0.0 2.5\n/DT/NODA/CST\n0.5 1e-4\n/DTIX\n0, 0.125\n/PRINT/-10\n\
-         /END/ENGINE",
+        "/TFILE\n0.25\n/ANIM/DT\n0.0 2.5\n/DT\n0.67 0\n/DT/NODA/CST\n0.5 1e-4\n/DTIX\n0, 0.125\n\
+         /PRINT/-10\n/END/ENGINE",
         1,
     );
     let model = model(&text);
@@ -378,5 +378,8 @@ fn the_engine_file_sets_the_run() {
     assert_eq!(model.job.output.field_interval, 2.5);
     let time = &model.job.time;
     assert_eq!((time.safety, time.mass_scaling_dt, time.dt_max), (0.5, 2e-4, 0.125));
-    assert!(said(&model).contains("/PRINT is not read"));
+    let said = said(&model);
+    for part in ["/PRINT is not read", "the smallest, 0.5, for all", "without a limit"] {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
 }

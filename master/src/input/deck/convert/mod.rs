@@ -21,7 +21,7 @@ mod sections;
 mod segments;
 mod sets;
 mod shells;
-mod space;
+pub(in crate::input::deck) mod space;
 mod springs;
 mod tables;
 mod ties;

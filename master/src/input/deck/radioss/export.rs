@@ -23,6 +23,8 @@ use toml::{Table, Value};
 /// Columns of a number and of an id.
 const WIDTH: usize = 20;
 const ID_WIDTH: usize = 10;
+/// Largest whole number in a field.
+const MOST: u64 = 9_999_999_999;
 /// Version of the format.
 const VERSION: u64 = 2022;
 /// Names of units in a job and in a deck.
@@ -59,6 +61,8 @@ struct StarterWriter<'m> {
     model: &'m Model,
     deck: DeckWriter,
     losses: Vec<String>,
+    /// Largest whole number in a field.
+    largest: u64,
     /// Numbers that were rounded to the width of a field.
     rounded: usize,
     /// Ids of groups by the names of node sets.
@@ -103,6 +107,7 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
         model,
         deck: DeckWriter::default(),
         losses: Vec::new(),
+        largest: 0,
         rounded: 0,
         sets: BTreeMap::new(),
         last: LastIds {
@@ -133,6 +138,13 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
     w.histories();
     w.mesh();
     let engine = w.engine(name);
+    if w.largest > MOST {
+        return Err(format!(
+            "the id {} has more digits than the {ID_WIDTH} columns of a field: renumber nodes and \
+             elements",
+            w.largest
+        ));
+    }
     w.left_over();
     Ok(w.finish(name, engine))
 }
@@ -145,7 +157,7 @@ impl StarterWriter<'_> {
     /// Writes a keyword with an id and a title.
     fn titled(&mut self, name: &str, id: u64, title: &str) {
         self.keyword(&format!("{name}/{id}"));
-        self.deck.text(&line(title));
+        self.deck.text(&heading(title));
     }
 
     fn card(&mut self, fields: &[StarterField]) {
@@ -153,7 +165,10 @@ impl StarterWriter<'_> {
         for field in fields {
             text += &match field {
                 Gap => format!("{:>ID_WIDTH$}", ""),
-                Whole(id) => format!("{id:>ID_WIDTH$}"),
+                Whole(id) => {
+                    self.largest = self.largest.max(*id);
+                    format!("{id:>ID_WIDTH$}")
+                }
                 Word(word) => format!("{word:>ID_WIDTH$}"),
                 Real(x) => format!("{:>WIDTH$}", self.number(*x)),
             };
@@ -191,7 +206,7 @@ impl StarterWriter<'_> {
     fn begin(&mut self, name: &str) {
         let job = &self.model.job;
         self.keyword("BEGIN");
-        self.deck.text(&line(name));
+        self.deck.text(&heading(name));
         self.card(&[Whole(VERSION), Whole(0)]);
         let words: Vec<&str> = job.units.split(',').map(str::trim).collect();
         let plain = |word: &&&str| word.chars().all(|c| c.is_ascii_alphabetic()) && word.len() < 9;
@@ -213,7 +228,7 @@ impl StarterWriter<'_> {
             }
         }
         self.keyword("TITLE");
-        self.deck.text(&line(&job.title));
+        self.deck.text(&heading(&job.title));
     }
 
     /// Returns the id of a group by the name of its node set, 0 if there is none.
@@ -358,6 +373,12 @@ impl StarterWriter<'_> {
         }
         StarterDeck { starter: head + &self.deck.body + "/END\n", engine, losses }
     }
+}
+
+/// Returns a title as a line that is neither a keyword nor a comment.
+fn heading(title: &str) -> String {
+    let text = line(title);
+    if text.starts_with(['/', '#', '$']) { format!(" {text}") } else { text }
 }
 
 /// Returns points beyond which a function is constant where it continues with its slopes: a

@@ -1,6 +1,7 @@
 //! Writes bodies, constraints, motions, loads, walls, masses and histories.
 
 use super::{Gap, Real, StarterWriter, Whole, Word, list, named};
+use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{JointInput, MotionInput, WallInput};
 use std::collections::BTreeSet;
@@ -254,14 +255,17 @@ impl StarterWriter<'_> {
             }
             end
         };
+        let sides = rectangle(wall);
         let (keyword, end) = match (wall.axis, wall.normal) {
             (Some(axis), _) => ("RWALL/CYL", Some(end("axis", axis))),
+            (None, Some(_)) if sides.is_some() => ("RWALL/PARAL", None),
             (None, Some(normal)) => ("RWALL/PLANE", Some(end("normal", normal))),
             (None, None) => ("RWALL/SPHER", None),
         };
         if let Some(edge) = wall.edge {
             exact.insert("edge".into(), Value::from(edge.to_vec()));
             exact.insert("lengths".into(), Value::from(wall.lengths.unwrap_or_default().to_vec()));
+            exact.insert("normal".into(), Value::from(wall.normal.unwrap_or_default().to_vec()));
         }
         if wall.length != 0.0 {
             exact.insert("length".into(), wall.length.into());
@@ -296,6 +300,9 @@ impl StarterWriter<'_> {
             }
         }
         if let Some(end) = end {
+            self.card(&end.map(Real));
+        }
+        for end in sides.into_iter().flatten() {
             self.card(&end.map(Real));
         }
         if exact.len() > 1 {
@@ -366,6 +373,16 @@ impl StarterWriter<'_> {
             ids.iter().for_each(|&id| self.card(&[Whole(id), Whole(0)]));
         }
     }
+}
+
+/// Returns the ends of both sides of a rectangle; `None` if the wall is none.
+fn rectangle(wall: &WallInput) -> Option<[[f64; 3]; 2]> {
+    let (normal, edge) = (wall.normal.filter(|_| wall.axis.is_none())?, wall.edge?);
+    let [one, other] = wall.lengths.filter(|sizes| sizes.iter().all(|s| *s > 0.0))?;
+    let first = unit(edge)?;
+    let second = unit(cross(normal, first))?;
+    let end = |way: [f64; 3], size: f64| [0, 1, 2].map(|c| wall.point[c] + size * way[c]);
+    Some([end(first, one), end(second, other)])
 }
 
 /// Returns the card of a motion; `None` if it has none.

@@ -61,8 +61,8 @@ pub const KEYWORDS: &[Keyword] = &[
             TITLE,
             ("surf:i! fct:i sens:i ipinch:i idel:i=1 blank:a10 ascale:r20=1 fscale:r20=1", Once),
         ],
-        "`[[pressure]]` on the faces of a surface; a positive value acts along their normals (by the \
-         right-hand rule), so the `pressure` of the job has the other sign",
+        "`[[pressure]]` on the faces of a surface; a positive value acts along their normals (by \
+         the right-hand rule), so the `pressure` of the job has the other sign",
     )
     .unused(&[SENSOR, refused("ipinch idel", "other forms of pressure")]),
     Keyword::new(
