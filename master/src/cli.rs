@@ -105,10 +105,18 @@ pub enum Command {
     /// Reads Gmsh MSH 4.1 and 2.2, Abaqus input, Nastran bulk data, VTK (XML and legacy), STL and
     /// EXODUS II; the format is recognised by the content. The folder gets a copy of the file and a
     /// job.toml with its parts, materials and sections. Values that the file does not have are
-    /// placeholders: the job lists them, and `crumple check` warns of each.
+    /// placeholders: the job lists them, and `crumple check` warns of each. A Radioss starter file
+    /// becomes a job that names it as its deck.
     Import(ImportArgs),
     /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
     ExportDeck(ExportArgs),
+    /// Write a deck or a job as a deck of LS-DYNA or Radioss, with a list of what is lost.
+    ///
+    /// The ending of the second file chooses the format: .k, .key and .dyn for LS-DYNA, _0000.rad
+    /// for Radioss, whose engine file (_0001.rad) is written next to it. The list of losses is
+    /// printed, and written next to the deck: requests that have another form here, and keys that
+    /// the format has no card for. Such keys stay in comments that only Crumple reads.
+    Convert(ConvertArgs),
     /// Write the fields of a run as a d3plot database, for post-processors that read it.
     ExportD3plot {
         /// Folder of results of a run with fields.
@@ -173,7 +181,8 @@ pub enum Command {
 /// Job, and changes to it.
 #[derive(Args, Clone, Debug)]
 pub struct JobArgs {
-    /// A .toml job file, a folder with job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn).
+    /// A .toml job file, a folder with job.toml, or a deck of LS-DYNA (.k, .key, .dyn) or Radioss
+    /// (_0000.rad).
     pub job: PathBuf,
     /// Workers, and changes of the job.
     #[command(flatten)]
@@ -278,7 +287,7 @@ pub struct DiffArgs {
 /// `crumple run`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct RunArgs {
-    /// A .toml job file, a folder with job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn). With
+    /// A .toml job file, a folder with job.toml, or a deck (.k, .key, .dyn, _0000.rad). With
     /// --resume, the job of the checkpoint if it was moved.
     #[arg(required_unless_present = "resume")]
     pub job: Option<PathBuf>,
@@ -488,6 +497,21 @@ pub struct ImportArgs {
     /// failing.
     #[arg(long)]
     pub allow_unsupported: bool,
+}
+
+/// `crumple convert`.
+#[derive(Args, Clone, Debug)]
+pub struct ConvertArgs {
+    /// A deck, a .toml job file, or a folder with job.toml.
+    pub from: PathBuf,
+    /// File for the deck: NAME_0000.rad, or NAME.k.
+    pub to: PathBuf,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Changes to the job.
+    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
+    pub set: Vec<String>,
 }
 
 /// `crumple export-deck`.

@@ -159,15 +159,15 @@ pub struct MeshSource {
     #[serde(default)]
     pub generator: Option<String>,
     /// Mesh file in the folder of the job: Gmsh MSH, Abaqus input, Nastran bulk data, VTK (XML and
-    /// legacy), STL or EXODUS II, recognised by its content; or a TOML file with `nodes`, `shells`,
-    /// `solids`, `beams`, `springs`, `trusses`, `particles` and `node_sets` as below. Its parts and
-    /// node sets are listed by `crumple import`, which writes a job for it.
+    /// legacy), STL, EXODUS II or a Radioss starter file, recognised by its content; or a TOML file
+    /// with `nodes`, `shells`, `solids`, `beams`, `springs`, `trusses`, `particles` and `node_sets`
+    /// as below. Its parts and node sets are listed by `crumple import`, which writes a job for it.
     #[serde(default)]
     pub file: Option<String>,
-    /// LS-DYNA keyword deck in the folder of the job: mesh, node sets, parts, materials and all
-    /// other supported keywords. Keys of the job override those of the deck. An entry of a list in
-    /// the job is merged with the entry of the deck that has the same id or name; otherwise it is
-    /// added.
+    /// LS-DYNA keyword deck, or Radioss starter file, in the folder of the job: mesh, node sets,
+    /// parts, materials and all other supported keywords. Keys of the job override those of the
+    /// deck. An entry of a list in the job is merged with the entry of the deck that has the same
+    /// id or name; otherwise it is added.
     #[serde(default)]
     pub deck: Option<String>,
     /// GENESIS or EXODUS II file in the folder of the job: nodes, element blocks, node sets and

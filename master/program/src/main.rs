@@ -44,6 +44,7 @@ fn main() -> ExitCode {
         Command::Report { dir, second } => crumple::results::report::run(&dir, second.as_deref()),
         Command::Import(args) => crumple::input::mesh_file::import::run(&args),
         Command::ExportDeck(args) => crumple::input::deck::export::run(&args),
+        Command::Convert(args) => crumple::input::deck::translate::run(&args),
         Command::Scale(args) => crumple::analysis::scale::run(&args),
         Command::ExportD3plot { dir, file_size } => crumple::results::d3plot::run(&dir, file_size),
         Command::ExportBinout { dir } => crumple::results::binout::run(&dir),

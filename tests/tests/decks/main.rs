@@ -1,5 +1,5 @@
-//! Keyword decks: formats and problems, models, contacts, joints, arbitrary bytes, runs. Mesh files
-//! of other programs.
+//! Keyword decks of LS-DYNA and Radioss: formats and problems, models, contacts, joints, arbitrary
+//! bytes, runs. Mesh files of other programs.
 
 mod base;
 mod broken_meshes;
@@ -13,5 +13,6 @@ mod mesh_details;
 mod mesh_files;
 mod models;
 mod odd_files;
+mod radioss;
 mod rigid_joints;
 mod runs;

@@ -164,7 +164,6 @@ fn a_wrong_extension_is_named() {
     // Formats that are not read are named with the way out.
     for (text, name, wanted) in [
         ("*KEYWORD\n*END\n", "a.msh", "LS-DYNA keyword deck"),
-        ("#RADIOSS STARTER\n", "a.inp", "Radioss starter"),
         ("ISO-10303-21;\nHEADER;\n", "a.msh", "STEP geometry"),
         ("ply\nformat ascii 1.0\n", "a.stl", "PLY"),
         ("Point(1) = {0, 0, 0};\n", "a.msh", "Gmsh geometry"),

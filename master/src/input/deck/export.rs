@@ -5,7 +5,7 @@
 //! written after `$crumple:`, where other programs ignore them.
 
 mod bodies;
-mod contact;
+pub(in crate::input::deck) mod contact;
 mod curves;
 mod loads;
 mod materials;
@@ -27,12 +27,13 @@ const WIDTH: usize = 20;
 
 /// A deck under construction.
 #[derive(Default)]
-struct DeckWriter {
-    body: String,
+pub(in crate::input::deck) struct DeckWriter {
+    /// Its cards.
+    pub(in crate::input::deck) body: String,
     /// Numbers that are longer than a field.
     parameters: Vec<f64>,
     /// Keys without a card.
-    rest: Table,
+    pub(in crate::input::deck) rest: Table,
     /// Number of curves so far.
     curves: u64,
 }
@@ -42,7 +43,8 @@ impl DeckWriter {
         self.body += &format!("*{name}\n");
     }
 
-    fn text(&mut self, line: &str) {
+    /// Writes a line.
+    pub(in crate::input::deck) fn text(&mut self, line: &str) {
         self.body += line;
         self.body.push('\n');
     }
@@ -72,7 +74,8 @@ impl DeckWriter {
         })
     }
 
-    fn entry(&mut self, list: &str, entry: Table) {
+    /// Adds an entry to a list of keys without a card.
+    pub(in crate::input::deck) fn entry(&mut self, list: &str, entry: Table) {
         let lists = self.rest.entry(list).or_insert_with(|| Value::Array(Vec::new()));
         if let Value::Array(items) = lists {
             items.push(Value::Table(entry));
@@ -116,7 +119,7 @@ enum CardValue {
 use CardValue::{Blank, Id, Number};
 
 /// Returns the text on one line.
-fn line(text: &str) -> String {
+pub(in crate::input::deck) fn line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })
         .collect::<String>()
@@ -163,7 +166,7 @@ pub fn export(model: &Model) -> Result<String, String> {
 
 /// Returns the largest number after `start` among names. A reader names curves and sets by their
 /// ids, which must not collide with names in the job.
-fn most<'n>(start: &str, names: impl Iterator<Item = &'n str>) -> u64 {
+pub(in crate::input::deck) fn most<'n>(start: &str, names: impl Iterator<Item = &'n str>) -> u64 {
     names.filter_map(|name| name.strip_prefix(start)?.parse().ok()).max().unwrap_or(0)
 }
 
@@ -187,7 +190,8 @@ fn control(deck: &mut DeckWriter, job: &Job) {
     }
 }
 
-fn named(name: &str) -> (String, Value) {
+/// Returns a name as the entry of a table.
+pub(in crate::input::deck) fn named(name: &str) -> (String, Value) {
     ("name".into(), name.into())
 }
 
@@ -469,7 +473,11 @@ fn left_over(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
     }
 }
 
-fn list(deck: &mut DeckWriter, name: &str, entries: &[impl serde::Serialize]) {
+pub(in crate::input::deck) fn list(
+    deck: &mut DeckWriter,
+    name: &str,
+    entries: &[impl serde::Serialize],
+) {
     if let Ok(value @ Value::Array(_)) = Value::try_from(entries)
         && !entries.is_empty()
     {
@@ -478,7 +486,7 @@ fn list(deck: &mut DeckWriter, name: &str, entries: &[impl serde::Serialize]) {
 }
 
 /// Adds the keys of a table that differ from the defaults, without those on cards.
-fn differing<T: serde::Serialize>(
+pub(in crate::input::deck) fn differing<T: serde::Serialize>(
     deck: &mut DeckWriter,
     name: &str,
     own: &T,

@@ -20,6 +20,10 @@ pub enum CardFormat {
     I10,
     /// All fields have twenty columns.
     Long,
+    /// As in the keyword's table, by columns only: a comma is no separator.
+    Columns,
+    /// Words with blanks or commas between them.
+    Words,
 }
 
 impl CardFormat {
@@ -90,13 +94,14 @@ pub fn split(line: &[u8], card: &Card, format: CardFormat) -> Fields {
         fields.push(line, 0, line.len());
         return fields.drop_blanks();
     }
-    if line.contains(&b',') {
-        let mut from = 0;
-        for part in line.split(|&b| b == b',') {
-            fields.push(line, from, from + part.len());
-            from += part.len() + 1;
-        }
-        return fields.drop_blanks();
+    if card.is_header() {
+        return parts(line, |b| b == b'/', fields);
+    }
+    if format == CardFormat::Words {
+        return words(line, fields);
+    }
+    if format != CardFormat::Columns && line.contains(&b',') {
+        return parts(line, |b| b == b',', fields);
     }
     if line.contains(&b'\t') {
         return tabbed(line, card, format, fields);
@@ -111,6 +116,28 @@ pub fn split(line: &[u8], card: &Card, format: CardFormat) -> Fields {
         from += width;
     }
     fields.drop_blanks()
+}
+
+/// Splits a line at separators.
+fn parts(line: &[u8], separates: impl Fn(u8) -> bool, mut fields: Fields) -> Fields {
+    let mut from = 0;
+    for part in line.split(|&b| separates(b)) {
+        fields.push(line, from, from + part.len());
+        from += part.len() + 1;
+    }
+    fields.drop_blanks()
+}
+
+/// Splits a line into its words, which blanks or commas separate.
+fn words(line: &[u8], mut fields: Fields) -> Fields {
+    let mut at = 0;
+    for word in line.split(|b| b.is_ascii_whitespace() || *b == b',') {
+        if !word.is_empty() {
+            fields.push(line, at, at + word.len());
+        }
+        at += word.len() + 1;
+    }
+    fields
 }
 
 /// Splits a line with tabs: by columns with tab stops at multiples of eight, if number fields
@@ -140,15 +167,7 @@ fn tabbed(line: &[u8], card: &Card, format: CardFormat, fields: Fields) -> Field
     if fits {
         return fixed.drop_blanks();
     }
-    let mut words = fields;
-    let mut at = 0;
-    for word in line.split(|b| b.is_ascii_whitespace()) {
-        if !word.is_empty() {
-            words.push(line, at, at + word.len());
-        }
-        at += word.len() + 1;
-    }
-    words
+    words(line, fields)
 }
 
 /// Returns the line with its tabs replaced by blanks.

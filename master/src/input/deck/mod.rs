@@ -1,10 +1,11 @@
-//! LS-DYNA keyword decks: reading, and conversion to a job.
+//! Keyword decks of LS-DYNA and Radioss: reading, and conversion to a job.
 //!
 //! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `fields.rs`, `number.rs`: fields of a line
 //! 2. `table.rs`, `keywords`: the table of keywords and their cards; `record.rs` reads cards by
 //!    it; `parameters.rs`, `expression.rs`: `&name`
 //! 3. `convert`: a job's tree of values, and a mesh; `merge.rs` merges a job file over it
 //! 4. `export.rs`: the reverse conversion
+//! 5. `radioss`: files, keywords and export of Radioss, with the same steps
 //!
 //! The reader of cards does not know models. No input may cause a panic here.
 
@@ -17,22 +18,26 @@ mod keywords;
 mod merge;
 pub(super) mod number;
 mod parameters;
+pub mod radioss;
 mod record;
 pub mod reference;
+mod sniff;
 mod table;
 mod text;
+pub mod translate;
 
 pub use convert::mesh::{ListLengths, Places};
 pub use merge::merge;
 pub use text::Text;
 
-use crate::input::job::report::{PlacedProblem, deck_path};
+use crate::input::job::report::{PlacedProblem, deck_path, deck_place};
 use crate::input::job::tree::{Node, Place};
 use crumple_proto::mesh::Mesh;
-use crumple_proto::problem::Problem;
+use crumple_proto::problem::{Problem, Severity};
 use diagnostics::Trouble;
+use sniff::DeckFormat;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A request of a deck, and the settings used for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,15 +90,25 @@ pub struct Deck {
 pub fn is_deck(path: &Path) -> bool {
     let extension =
         path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    matches!(extension.as_str(), "k" | "key" | "dyn")
+    matches!(extension.as_str(), "k" | "key" | "dyn" | "rad")
 }
 
 /// Reads a deck without the keywords in `leave_out`. Unsupported content is ignored if that is
 /// allowed, otherwise it is an error.
 pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck {
     let mut trouble = Trouble::default();
-    let mut texts = text::Texts::read(path, &mut trouble);
-    let (tree, mut built) = convert::build(&texts, leave_out, trouble);
+    let (mut texts, tree, mut built) = match sniff::format(path, &mut trouble) {
+        DeckFormat::LsDyna => {
+            let texts = text::Texts::read(path, &mut trouble);
+            let (tree, built) = convert::build(&texts, leave_out, trouble);
+            (texts, tree, built)
+        }
+        DeckFormat::Radioss => {
+            let texts = radioss::text::read(path, &mut trouble);
+            let (tree, built) = convert::radioss::build(&texts, leave_out, trouble);
+            (texts, tree, built)
+        }
+    };
     let unsupported = report_unsupported(
         std::mem::take(&mut built.unsupported),
         allow_unsupported,
@@ -120,6 +135,50 @@ pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck 
         mapping: built.mapping,
         unsupported,
     }
+}
+
+/// The mesh of a deck, for a job that has everything else.
+pub struct DeckMesh {
+    /// Nodes, elements, node sets.
+    pub mesh: Mesh,
+    /// Ids and names of its parts.
+    pub parts: Vec<(u32, String)>,
+    /// Its files.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads the mesh of a deck.
+///
+/// # Errors
+/// All problems of the deck, with file and line in their texts.
+pub fn mesh_of(path: &Path, allow_unsupported: bool) -> Result<DeckMesh, Vec<Problem>> {
+    let deck = read(path, &[], allow_unsupported);
+    let errors: Vec<Problem> = deck
+        .findings
+        .iter()
+        .filter(|found| found.problem.severity == Severity::Error)
+        .map(|found| {
+            let place = deck_place(&found.problem.path).map(|place| at(place, &deck.files));
+            let place = place.unwrap_or_default();
+            let message = match place.is_empty() {
+                true => found.problem.message.clone(),
+                false => format!("{place}: {}", found.problem.message),
+            };
+            Problem::error("mesh.file", message, found.problem.help.clone())
+        })
+        .collect();
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    let tree = deck.tree.to_value();
+    let part = |value: &toml::Value| {
+        let id = u32::try_from(value.get("id")?.as_integer()?).ok()?;
+        Some((id, value.get("name")?.as_str()?.to_string()))
+    };
+    let parts = tree.get("part").and_then(toml::Value::as_array);
+    let parts = parts.into_iter().flatten().filter_map(part).collect();
+    let files = deck.files.iter().map(|text| text.path.clone()).collect();
+    Ok(DeckMesh { mesh: deck.mesh, parts, files })
 }
 
 /// Reports all unsupported content, once for each kind, and returns the list for the summary.

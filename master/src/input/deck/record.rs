@@ -56,16 +56,18 @@ impl CardLine {
         self.values.get(index)
     }
 
-    /// Returns the number of fields that were asked for.
+    /// Returns the number of fields that were asked for, without the ids in the keyword's line.
     pub fn asked(&self) -> u32 {
-        self.asked.get().count_ones()
+        if self.card.is_header() { 0 } else { self.asked.get().count_ones() }
     }
 
-    /// Returns the fields with a value other than zero and the default, without headings; true for
-    /// those that were asked for.
+    /// Returns the fields with a value other than zero and the default, without headings and the
+    /// ids in the keyword's line; true for those that were asked for.
     pub fn given(&self) -> impl Iterator<Item = (&'static Field, &Value, bool)> {
         let is_name = |field: &Field| {
-            field.kind == FieldType::Line || ["heading", "title"].contains(&field.name.as_str())
+            field.kind == FieldType::Line
+                || field.width == 0
+                || ["heading", "title"].contains(&field.name.as_str())
         };
         let fields = self.card.fields.iter().zip(self.values.iter()).enumerate();
         fields.filter(move |(_, (field, _))| !is_name(field)).filter_map(
@@ -74,8 +76,11 @@ impl CardLine {
                     Given::Blank | Given::Wrong => false,
                     Given::Integer(i) => *i != 0 && *i as f64 != field.default,
                     Given::Real(x) => *x != 0.0 && *x != field.default,
-                    // The solver of a set, mechanical by default.
-                    Given::Word(word) => !word.is_empty() && !word.eq_ignore_ascii_case("MECH"),
+                    // The solver of a set, mechanical by default; flags that are all off.
+                    Given::Word(word) => {
+                        !word.eq_ignore_ascii_case("MECH")
+                            && !word.bytes().all(|b| b == b'0' || b == b' ')
+                    }
                 };
                 said.then_some((field, value, self.asked.get() & 1 << index != 0))
             },
@@ -130,6 +135,15 @@ impl CardLine {
         })
     }
 
+    /// Returns the integers of all fields of a list; 0 for blanks.
+    pub fn all_integers(&self, name: &str) -> Vec<i64> {
+        let number = |(_, value): (&'static Field, &Value)| match value.given {
+            Given::Integer(i) => i,
+            _ => 0,
+        };
+        self.list(name).map(number).collect()
+    }
+
     /// Returns all numbers of a list, with the default for blanks.
     pub fn reals(&self, name: &str) -> Vec<f64> {
         let number = |(field, value): (&'static Field, &Value)| match value.given {
@@ -155,6 +169,8 @@ impl CardLine {
 pub struct CardRecord {
     /// Its keyword's row.
     pub row: &'static KeywordRow,
+    /// The keyword's name as written.
+    pub written: String,
     /// Options in the keyword's name.
     pub options: Vec<&'static str>,
     /// The keyword's own line.
@@ -171,7 +187,7 @@ impl CardRecord {
 
     /// Returns the keyword for messages.
     pub fn name(&self) -> String {
-        format!("*{}", self.row.keyword.name)
+        self.row.keyword.shown()
     }
 
     /// Returns all its lines.
@@ -197,6 +213,12 @@ impl CardRecord {
     /// Returns a number by the name of its field; the default if it is blank.
     pub fn real(&self, name: &str) -> f64 {
         self.line(name).map_or_else(|| self.default(name), |l| l.real(name))
+    }
+
+    /// Returns a number by the name of its field; `default` if it is zero, blank or absent.
+    pub fn real_or(&self, name: &str, default: f64) -> f64 {
+        let given = self.real(name);
+        if given == 0.0 { default } else { given }
     }
 
     /// Returns a word by the name of its field, empty if it is blank.
@@ -246,6 +268,7 @@ impl Cards<'_> {
             let before = at;
             let mut record = CardRecord {
                 row,
+                written: block.name.clone(),
                 options: options.to_vec(),
                 head: block.place(),
                 lines: Vec::new(),
@@ -263,9 +286,9 @@ impl Cards<'_> {
                 if count > left && whole {
                     let names: Vec<&str> = card.fields.iter().map(|f| f.name.as_str()).collect();
                     let message = format!(
-                        "*{} ends before its card {}: {}",
-                        block.name,
-                        record.lines.len() + 1,
+                        "{} ends before its card {}: {}",
+                        block.shown(),
+                        record.lines.len() + 1 - usize::from(is_header(row)),
                         names.join(" ")
                     );
                     let place = block
@@ -282,7 +305,8 @@ impl Cards<'_> {
                     if matches!(times, Times::Rest) && span.0 == span.1 {
                         continue;
                     }
-                    let number = record.lines.len();
+                    let heads = usize::from(is_header(row) && !record.lines.is_empty());
+                    let number = record.lines.len() - heads;
                     record.lines.push(self.line(card, block, span, number));
                 }
             }
@@ -296,8 +320,9 @@ impl Cards<'_> {
         if !row.keyword.repeats && filled(at) {
             let span = block.lines[at..].iter().find(|l| l.0 < l.1).copied().unwrap_or(block.head);
             let message = format!(
-                "*{} has more lines than its {} cards: this one is not read",
-                block.name, at
+                "{} has more lines than its {} cards: this one is not read",
+                block.shown(),
+                at - usize::from(is_header(row))
             );
             let place = block.span(span, 0, (span.1 - span.0) as usize);
             self.trouble.warning(place, message, "remove it, or check the keyword above it");
@@ -318,14 +343,15 @@ impl Cards<'_> {
         if fields.count() > card.fields.len() {
             let (from, to) = fields.span(card.fields.len());
             let message = format!(
-                "*{}: card {} has {} fields, not {}",
-                block.name,
+                "{}: card {} has {} fields, not {}",
+                block.shown(),
                 number + 1,
                 fields.count(),
                 card.fields.len()
             );
             self.trouble.error(block.span(span, from, to), message, layout(card, block.format));
         }
+        self.beyond(card, block, span, text);
         let (place, line) = (block.span(span, 0, text.len()), block.span(span, 0, text.len()));
         let mut values = Vec::with_capacity(card.fields.len());
         for (index, field) in card.fields.iter().enumerate() {
@@ -335,13 +361,29 @@ impl Cards<'_> {
             let given = self.given(field, text, place, (block, card, number, line));
             if given == Given::Blank && field.needed {
                 let message =
-                    format!("*{}: `{}` of card {} is blank", block.name, field.name, number + 1);
+                    format!("{}: `{}` of card {} is blank", block.shown(), field.name, number + 1);
                 self.trouble.error(place, message, layout(card, block.format));
                 self.trouble.unsure();
             }
             values.push(Value { given, place });
         }
         CardLine { card, values: values.into(), asked: Rc::default(), place }
+    }
+
+    /// Warns of text after the last column of a card that has columns only.
+    fn beyond(&mut self, card: &Card, block: &KeywordBlock, span: (u32, u32), text: &[u8]) {
+        let width: usize = card.fields.iter().map(|f| usize::from(f.width)).sum();
+        let is_line = card.fields.iter().any(|f| f.kind == FieldType::Line);
+        if block.format != CardFormat::Columns || is_line || card.is_header() {
+            return;
+        }
+        let rest = text.get(width..).unwrap_or_default();
+        if !rest.trim_ascii().is_empty() && !text.contains(&b'\t') {
+            let place = block.span(span, width, text.len());
+            let message = format!("{}: text after column {width} is not read", block.shown());
+            let help = format!("check the columns: {}", layout(card, block.format));
+            self.trouble.warning(place, message, help);
+        }
     }
 
     fn given(
@@ -379,8 +421,9 @@ impl Cards<'_> {
                     }
                     _ => {
                         let message = format!(
-                            "*{}: parameter `{name}` has the wrong type for `{}`",
-                            block.name, field.name
+                            "{}: parameter `{name}` has the wrong type for `{}`",
+                            block.shown(),
+                            field.name
                         );
                         let help = format!("it has to be {}", wanted(field.kind));
                         self.trouble.misread(line, None, place, message, help);
@@ -406,8 +449,8 @@ impl Cards<'_> {
                 n => format!("not `{word}`, which has {n} words: check the columns"),
             };
             let message = format!(
-                "*{}: `{}` has to be {}, {what}",
-                block.name,
+                "{}: `{}` has to be {}, {what}",
+                block.shown(),
                 field.name,
                 wanted(field.kind)
             );
@@ -416,6 +459,11 @@ impl Cards<'_> {
             Given::Wrong
         })
     }
+}
+
+/// Returns true if the first card of a keyword is in the keyword's own line.
+fn is_header(row: &KeywordRow) -> bool {
+    row.cards.first().is_some_and(|(card, _)| card.is_header())
 }
 
 /// Returns the remedy for a record that ends too early.
@@ -444,6 +492,10 @@ pub fn layout(card: &Card, format: CardFormat) -> String {
     let width = |f: &Field| if format == CardFormat::Long { 20 } else { f.width };
     let widths: Vec<u16> = card.fields.iter().map(width).collect();
     let even = widths.windows(2).all(|w| w[0] == w[1]);
+    if format == CardFormat::Words || card.is_header() {
+        let separator = if card.is_header() { "slashes" } else { "blanks" };
+        return format!("the fields are {}, with {separator} between them", names.join(" "));
+    }
     let columns = match (even, widths.first()) {
         (true, Some(width)) => format!("{width} columns each"),
         _ => format!(
@@ -451,6 +503,9 @@ pub fn layout(card: &Card, format: CardFormat) -> String {
             widths.iter().map(u16::to_string).collect::<Vec<_>>().join(", ")
         ),
     };
+    if format == CardFormat::Columns {
+        return format!("the fields are {}, {columns}", names.join(" "));
+    }
     let ids =
         if widths.first() == Some(&8) { "; longer ids need *KEYWORD I10=Y, or commas" } else { "" };
     format!("the fields are {}, {columns} or with commas between them{ids}", names.join(" "))

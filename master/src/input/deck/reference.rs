@@ -15,8 +15,27 @@ pub fn page() -> String {
     page
 }
 
+/// Families of keywords with their names.
+pub type Families = &'static [(&'static str, &'static [Keyword])];
+
 fn write(page: &mut String) -> std::fmt::Result {
-    for (family, keywords) in FAMILIES {
+    tables(page, FAMILIES)?;
+    let output: Vec<String> = OUTPUT.iter().map(|o| format!("`{o}`")).collect();
+    writeln!(
+        page,
+        "\nOther keywords that begin with {} request output;\neach gives a warning.",
+        output.join(", ")
+    )?;
+    writeln!(
+        page,
+        "Every other keyword is an error that names its line; `--allow-unsupported` ignores it \
+         with a\nwarning."
+    )
+}
+
+/// Writes one table for each family.
+pub fn tables(page: &mut String, families: Families) -> std::fmt::Result {
+    for (family, keywords) in families {
         writeln!(
             page,
             "\n### {family}\n\n| keyword | result | fields that are read |\n|---|---|---|"
@@ -26,7 +45,9 @@ fn write(page: &mut String) -> std::fmt::Result {
             names.extend(keyword.aliases.iter().map(|a| format!("`{a}`")));
             let mut name = names.join(" ");
             let options: Vec<String> = keyword.options.iter().map(|o| format!("_{o}")).collect();
-            if !options.is_empty() {
+            if keyword.name.starts_with('/') && !options.is_empty() {
+                name += " and further words";
+            } else if !options.is_empty() {
                 name += &format!(" ({})", options.join(" "));
             }
             let note = match keyword.effect {
@@ -44,17 +65,7 @@ fn write(page: &mut String) -> std::fmt::Result {
             )?;
         }
     }
-    let output: Vec<String> = OUTPUT.iter().map(|o| format!("`{o}`")).collect();
-    writeln!(
-        page,
-        "\nOther keywords that begin with {} request output;\neach gives a warning.",
-        output.join(", ")
-    )?;
-    writeln!(
-        page,
-        "Every other keyword is an error that names its line; `--allow-unsupported` ignores it \
-         with a\nwarning."
-    )
+    Ok(())
 }
 
 /// Returns the fields that are not converted, with their fates.

@@ -2,7 +2,8 @@
 //!
 //! A card is written as `name:kind width!=default` for each field, such as `nid:i8 x:r16 y:r16
 //! sf:r=1`. The kind is `i` for an integer, `r` for a real number, `a` for a word, `l` for the
-//! whole line. The default width is ten columns; `!` marks a field that may not be blank. A
+//! whole line. The default width is ten columns; a width of 0 is for the ids in the line of a
+//! keyword of Radioss, which slashes separate; `!` marks a field that may not be blank. A
 //! repeated field (`n:i*8`) is a list.
 
 use super::record::CardRecord;
@@ -81,6 +82,11 @@ impl Card {
         Card { fields }
     }
 
+    /// Returns true for the ids in the line of a keyword.
+    pub fn is_header(&self) -> bool {
+        self.fields.first().is_some_and(|f| f.width == 0)
+    }
+
     /// Returns the index of a field in the card.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.fields.iter().position(|f| f.name == name)
@@ -154,7 +160,7 @@ pub const fn refused(names: &'static str, why: &'static str) -> UnusedFields {
 
 /// A row of the table.
 pub struct Keyword {
-    /// Name without asterisk and options.
+    /// Name: without asterisk and options, or with the slashes of Radioss and without ids.
     pub name: &'static str,
     /// Other names of the keyword.
     pub aliases: &'static [&'static str],
@@ -189,6 +195,11 @@ impl Keyword {
             unused: &[],
             note,
         }
+    }
+
+    /// Returns the name for messages, with the sign that begins a keyword.
+    pub fn shown(&self) -> String {
+        if self.name.starts_with('/') { self.name.into() } else { format!("*{}", self.name) }
     }
 
     /// Returns the keyword with other names.

@@ -42,7 +42,7 @@ pub struct KeywordBlock {
     pub file: u32,
     /// Bytes of the keyword's own line.
     pub head: (u32, u32),
-    /// Name in capitals, without asterisk.
+    /// Name in capitals: without asterisk, or with the slashes of Radioss and without ids.
     pub name: String,
     /// Format of its cards.
     pub format: CardFormat,
@@ -51,6 +51,11 @@ pub struct KeywordBlock {
 }
 
 impl KeywordBlock {
+    /// Returns the name for messages, with the sign that begins a keyword.
+    pub fn shown(&self) -> String {
+        if self.name.starts_with('/') { self.name.clone() } else { format!("*{}", self.name) }
+    }
+
     /// Returns the place of the keyword's own line.
     pub fn place(&self) -> Place {
         Place::Deck { file: self.file, start: self.head.0, end: self.head.1 }
@@ -90,29 +95,41 @@ impl Texts {
 
     /// Reads a deck and all files that it includes, and reports problems.
     pub fn read(path: &Path, trouble: &mut Trouble) -> Self {
-        let mut reader = DeckReader {
-            texts: Texts::default(),
-            open: Vec::new(),
-            folders: vec![path.parent().unwrap_or(Path::new("")).to_path_buf()],
-            trouble,
-        };
+        let mut reader = DeckReader::new(path, trouble);
         reader.file(path, path.display().to_string(), None, CardFormat::Standard);
         reader.texts
     }
 }
 
-struct DeckReader<'t> {
-    texts: Texts,
+/// Reader of files, with those that they include.
+pub(super) struct DeckReader<'t> {
+    /// Files and blocks so far.
+    pub(super) texts: Texts,
     /// Files that are being read, the innermost last, to detect files that include themselves.
     open: Vec<PathBuf>,
     /// Folders in which included files are searched.
     folders: Vec<PathBuf>,
-    trouble: &'t mut Trouble,
+    /// Problems.
+    pub(super) trouble: &'t mut Trouble,
+}
+
+impl<'t> DeckReader<'t> {
+    /// Creates a reader for the deck at a path.
+    pub(super) fn new(path: &Path, trouble: &'t mut Trouble) -> Self {
+        let folders = vec![path.parent().unwrap_or(Path::new("")).to_path_buf()];
+        DeckReader { texts: Texts::default(), open: Vec::new(), folders, trouble }
+    }
 }
 
 impl DeckReader<'_> {
     /// Reads one file; `from` is the place where it is named.
-    fn file(&mut self, path: &Path, shown: String, from: Option<Place>, format: CardFormat) {
+    pub(super) fn file(
+        &mut self,
+        path: &Path,
+        shown: String,
+        from: Option<Place>,
+        format: CardFormat,
+    ) {
         let place = from.unwrap_or(Place::Whole);
         if self.texts.files.len() >= MOST_FILES {
             let message = format!("the deck includes more than {MOST_FILES} files");
@@ -121,7 +138,7 @@ impl DeckReader<'_> {
         let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         if self.open.contains(&whole) {
             let message = format!("{shown} includes itself, directly or through another file");
-            return self.trouble.error(place, message, "remove one *INCLUDE of the cycle");
+            return self.trouble.error(place, message, "remove one include of the cycle");
         }
         let text = match load(path) {
             Ok(text) => text,
@@ -130,7 +147,8 @@ impl DeckReader<'_> {
                 let near = alike.map_or(String::new(), |name| format!("there is {name}; "));
                 let help = format!(
                     "{near}check its name and permissions; names are relative to the folder of the \
-                     main deck, the folder of the including file, or an *INCLUDE_PATH"
+                     main deck, the folder of the including file, or an *INCLUDE_PATH; a deck for \
+                     a service is sent with all files that it includes"
                 );
                 return self.trouble.error(place, format!("{shown} {what}"), help);
             }
@@ -138,7 +156,10 @@ impl DeckReader<'_> {
         let file = self.texts.files.len() as u32;
         self.texts.files.push(Text { file: shown, path: path.to_owned(), text, fragment: None });
         self.open.push(whole);
-        self.blocks(file, path, format);
+        match format {
+            CardFormat::Columns | CardFormat::Words => self.slash_blocks(file, path, format),
+            _ => self.blocks(file, path, format),
+        }
         self.open.pop();
     }
 
@@ -287,7 +308,7 @@ impl DeckReader<'_> {
     /// Returns the file for a name: as it is, or in forms of other systems, in quotes or with
     /// backslashes. A file that is not there is looked for next to the deck, without the folders
     /// of its name.
-    fn resolve_include(&mut self, name: &str, folder: &Path, place: Place) -> PathBuf {
+    pub(super) fn resolve_include(&mut self, name: &str, folder: &Path, place: Place) -> PathBuf {
         let bare = name.trim_matches(['"', '\'']);
         let names = [name.to_string(), bare.to_string(), bare.replace('\\', "/")];
         let places = || self.folders.iter().map(PathBuf::as_path).chain([folder]);
@@ -394,7 +415,7 @@ fn first_keyword(bytes: &[u8]) -> Option<usize> {
 }
 
 /// Returns the lines from a byte on, without white space at their ends, and their bytes.
-fn lines(bytes: &[u8], mut at: usize) -> impl Iterator<Item = (&[u8], (u32, u32))> {
+pub(super) fn lines(bytes: &[u8], mut at: usize) -> impl Iterator<Item = (&[u8], (u32, u32))> {
     std::iter::from_fn(move || {
         let rest = bytes.get(at..).filter(|rest| !rest.is_empty())?;
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -406,7 +427,12 @@ fn lines(bytes: &[u8], mut at: usize) -> impl Iterator<Item = (&[u8], (u32, u32)
 }
 
 /// Copies the text of a comment after `$crumple:` to its place in the fragment.
-fn copy_fragment(bytes: &[u8], line: &[u8], span: (u32, u32), fragment: &mut Option<Vec<u8>>) {
+pub(super) fn copy_fragment(
+    bytes: &[u8],
+    line: &[u8],
+    span: (u32, u32),
+    fragment: &mut Option<Vec<u8>>,
+) {
     if line.len() >= FRAGMENT.len() && line[..FRAGMENT.len()].eq_ignore_ascii_case(FRAGMENT) {
         let own = fragment.get_or_insert_with(|| blank(bytes));
         let (from, end) = (span.0 as usize + FRAGMENT.len(), span.1 as usize);

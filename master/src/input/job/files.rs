@@ -11,6 +11,9 @@ use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 use std::path::{Path, PathBuf};
 
+/// Remedy for a file that a job names and that is not there.
+const MISSING: &str = "correct the name, or put the file there; a job for a service needs all \
+                       files that it names: crumple submit JOB FILE ..., or its whole folder";
 /// Largest job or mesh file that is read [byte], because places in it have 32 bits.
 const LARGEST_FILE: u64 = u32::MAX as u64;
 
@@ -201,26 +204,30 @@ pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
         path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         _ if !path.exists() => {
-            let help = "name a .toml job file, a .k deck, or a folder that holds job.toml";
+            let help =
+                "name a .toml job file, a .k or _0000.rad deck, or a folder that holds job.toml";
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
-        "toml" | "k" | "key" | "dyn" => Ok(path.to_path_buf()),
+        "toml" | "k" | "key" | "dyn" | "rad" => Ok(path.to_path_buf()),
         _ => Err(Problem::error(
             "",
             format!("{shown} is not a .toml file"),
-            "name a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
+            "name a .toml file, a .k, .key, .dyn or _0000.rad deck, or a folder with job.toml",
         )),
     }
 }
 
 pub(super) fn load(path: &Path) -> Result<String, Problem> {
     let shown = path.display();
-    let cannot = |error: std::io::Error| {
-        Problem::error(
+    let cannot = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::NotFound => {
+            Problem::error("", format!("there is no file {shown}"), MISSING)
+        }
+        _ => Problem::error(
             "",
             format!("{shown} cannot be read: {error}"),
             "check its name and permissions",
-        )
+        ),
     };
     confine::check(path).map_err(cannot)?;
     let length = std::fs::metadata(path).map_err(cannot)?.len();

@@ -231,7 +231,7 @@ mod tests {
     fn files_that_cannot_be_included_are_errors() {
         let job = |list: &str| format!("include = {list}\nend_time = 1.0\n");
         for (list, said_too) in [
-            ("[\"gone.toml\"]", "gone.toml cannot be read"),
+            ("[\"gone.toml\"]", "there is no file"),
             ("[\"mesh.k\"]", "is not a .toml file"),
             ("[\"job.toml\"]", "includes itself"),
             ("[\"a.toml\"]", "b.toml includes itself"),

@@ -59,7 +59,7 @@ pub(crate) fn deck_path(place: Place) -> String {
 }
 
 /// Returns the place in such a path.
-fn deck_place(path: &str) -> Option<Place> {
+pub(crate) fn deck_place(path: &str) -> Option<Place> {
     let mut numbers = path.strip_prefix(DECK)?.split(':').map(|n| n.parse().ok());
     Some(Place::Deck { file: numbers.next()??, start: numbers.next()??, end: numbers.next()?? })
 }

@@ -40,12 +40,15 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
     }
     let copied = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let copies = copies(&folder, file, &read)?;
-    let text = job_text::write(&job_text::ImportedJob {
-        name: &name,
-        file: &copied,
-        read: &read,
-        allowed: args.allow_unsupported,
-    });
+    let text = match read.format.reader {
+        super::FormatReader::Deck => job_text::of_deck(&name, &copied, args.allow_unsupported),
+        _ => job_text::write(&job_text::ImportedJob {
+            name: &name,
+            file: &copied,
+            read: &read,
+            allowed: args.allow_unsupported,
+        }),
+    };
     write_folder(&folder, &copies, &text.job).map_err(|error| {
         let message = format!("{} cannot be written: {error}", folder.display());
         vec![Problem::error(KEY, message, "name another folder with --out")]

@@ -26,7 +26,7 @@ mod vtk;
 pub use content::{FileMaterial, FileMesh, FilePart};
 pub use reading::{Fate, ImportRow, table};
 
-use crate::input::{confine, exodus};
+use crate::input::{confine, deck, exodus};
 use content::FilePlace;
 use crumple_proto::problem::{Problem, Severity};
 use reading::MeshReading;
@@ -53,6 +53,8 @@ enum FormatReader {
     Bytes(fn(&mut MeshReading, &[u8])),
     /// It is read by the reader of EXODUS II.
     Exodus,
+    /// It is read by the reader of decks.
+    Deck,
     /// It is not read; the cure.
     Refused(&'static str),
 }
@@ -100,12 +102,14 @@ pub const FORMATS: &[MeshFormat] = &[
         |head, _| has_line(head, |line| line.trim_end().eq_ignore_ascii_case("*keyword")),
         "run it as it is (crumple run FILE), or name it by mesh.deck",
     ),
-    refused(
-        "Radioss starter",
-        &["rad"],
-        |head, _| has_line(head, |line| line.starts_with("#RADIOSS") || line == "/BEGIN"),
-        "export the mesh as LS-DYNA, Abaqus, Nastran or Gmsh file",
-    ),
+    MeshFormat {
+        name: "Radioss starter",
+        extensions: &["rad"],
+        recognises: |head, _| {
+            has_line(head, |line| line.starts_with("#RADIOSS") || line.trim_end() == "/BEGIN")
+        },
+        reader: FormatReader::Deck,
+    },
     refused(
         "STEP geometry",
         &["step", "stp"],
@@ -179,7 +183,7 @@ pub struct ReadMesh {
 }
 
 /// Returns the format of a file by its begin and its length [byte]; `None` if none fits.
-fn format_of(head: &[u8], length: usize) -> Option<&'static MeshFormat> {
+pub fn format_of(head: &[u8], length: usize) -> Option<&'static MeshFormat> {
     FORMATS.iter().find(|format| (format.recognises)(head, length))
 }
 
@@ -250,6 +254,7 @@ pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
                     .collect());
             }
         },
+        FormatReader::Deck => read_deck(&mut reading, path)?,
         Refused(cure) => {
             let message = format!("{shown} is a file of the format {}", format.name);
             return Err(one(message, cure));
@@ -264,6 +269,21 @@ pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
     let warnings = reading.into_problems();
     debug_assert!(warnings.iter().all(|w| w.severity == Severity::Warning));
     Ok(ReadMesh { format, mesh, rows, warnings, files })
+}
+
+/// Reads the mesh of a deck: nodes, elements and groups of nodes.
+fn read_deck(reading: &mut MeshReading, path: &Path) -> Result<(), Vec<Problem>> {
+    let found = deck::mesh_of(path, reading.allowed)?;
+    reading.mesh = FileMesh::from_mesh(&found.mesh);
+    for (id, name) in found.parts {
+        let part = reading.mesh.part_with_id(id, &name);
+        reading.mesh.parts[part].name = name;
+    }
+    reading.files = found.files;
+    let help = "name the file by mesh.deck instead, and they are those of the job";
+    let message = "materials, properties, loads and interfaces of the deck are not read";
+    reading.warning(FilePlace::default(), message, help);
+    Ok(())
 }
 
 /// Warns if the extension of a file is that of another format.

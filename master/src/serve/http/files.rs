@@ -66,7 +66,9 @@ pub async fn file(
         _ if is_report => ("text/html; charset=utf-8", true),
         Some("json" | "jsonl") => ("application/json", true),
         Some("csv") => ("text/csv; charset=utf-8", true),
-        Some("txt" | "toml" | "k" | "key" | "dyn" | "log") => ("text/plain; charset=utf-8", true),
+        Some("txt" | "toml" | "k" | "key" | "dyn" | "rad" | "log") => {
+            ("text/plain; charset=utf-8", true)
+        }
         _ => ("application/octet-stream", false),
     };
     set(header::CONTENT_TYPE, kind.into());

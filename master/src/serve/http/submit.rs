@@ -309,7 +309,10 @@ fn main_file(given: &str, files: &[PathBuf]) -> Result<String, String> {
     if files.contains(&folder.join("job.toml")) {
         return Ok(text(&folder.join("job.toml")));
     }
-    match (&of(&["toml"])[..], &of(&["k", "key", "dyn"])[..]) {
+    let mut decks = of(&["k", "key", "dyn"]);
+    let is_starter = |path: &&PathBuf| path.to_string_lossy().ends_with("_0000.rad");
+    decks.extend(files.iter().filter(is_starter));
+    match (&of(&["toml"])[..], &decks[..]) {
         ([one], _) | ([], [one]) => Ok(text(one)),
         _ => Err("job: name the job file or the deck among the files".into()),
     }
@@ -334,6 +337,7 @@ mod tests {
             ("", &["a.toml", "b.k"], Some("a.toml")),
             ("", &["b.K", "c.txt"], Some("b.K")),
             ("", &["b.k", "c.k"], None),
+            ("", &["b_0000.rad", "b_0001.rad"], Some("b_0000.rad")),
             ("", &[], None),
             ("c.k", &["b.k", "c.k"], Some("c.k")),
             ("../c.k", &["c.k"], None),

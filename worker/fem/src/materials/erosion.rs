@@ -250,6 +250,9 @@ impl Solid for Eroding<dyn Solid> {
     fn elastic(&self) -> Elastic {
         self.law.elastic()
     }
+    fn averages_volume(&self) -> bool {
+        self.law.averages_volume()
+    }
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
         self.solid(point, dt)
     }

@@ -49,7 +49,7 @@ impl DeckConverter {
     }
 
     /// Adds third nodes at given points to beams.
-    fn show(&mut self, shown: &[(usize, ([f64; 3], crate::input::job::tree::Place))]) {
+    pub(super) fn show(&mut self, shown: &[(usize, ([f64; 3], crate::input::job::tree::Place))]) {
         let points: Vec<_> = shown.iter().map(|s| s.1).collect();
         let nodes = self.rows.add_nodes(&points);
         for ((index, _), third) in shown.iter().zip(nodes) {

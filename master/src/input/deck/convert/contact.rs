@@ -89,6 +89,11 @@ impl DeckConverter {
                 tables[0].put("shell_offset", place, true);
             }
         }
+        self.put_contacts(tables);
+    }
+
+    /// Adds contacts to the job: the first as `[contact]`, the others as its interfaces.
+    pub(super) fn put_contacts(&mut self, tables: Vec<JobTable>) {
         let mut tables = tables.into_iter();
         if let Some(mut first) = tables.next() {
             let mut interfaces: Vec<JobTable> = tables.collect();
@@ -111,7 +116,7 @@ impl DeckConverter {
                     table.put(key, table.place(), value);
                 }
             }
-            let place = found[0].1.head;
+            let place = first.place();
             if !interfaces.is_empty() {
                 first.put("interface", place, interfaces);
             }

@@ -20,6 +20,13 @@ pub struct DeckCurve {
     used: bool,
 }
 
+impl DeckCurve {
+    /// Creates a curve that is not in use yet.
+    pub(super) fn new(points: Vec<[f64; 2]>, place: Place, lines: Vec<Place>) -> Self {
+        Self { points, place, lines, relaxes: false, used: false }
+    }
+}
+
 impl DeckConverter {
     pub(super) fn curves(&mut self) {
         for record in self.take_records("DEFINE_CURVE") {
@@ -53,7 +60,7 @@ impl DeckConverter {
         let found = self.curves.get(&id).cloned();
         if found.is_none() {
             let known: Vec<String> = self.curves.keys().map(i64::to_string).collect();
-            self.missing(place, "*DEFINE_CURVE", id, &known);
+            self.missing(place, self.names.curve, id, &known);
         }
         found
     }

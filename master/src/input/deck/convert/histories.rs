@@ -45,7 +45,8 @@ impl DeckConverter {
         self.node_histories();
     }
 
-    fn put_list(&mut self, key: &str, list: Vec<(Place, JobTable)>) {
+    /// Adds tables to a list of `[output]`.
+    pub(super) fn put_list(&mut self, key: &str, list: Vec<(Place, JobTable)>) {
         let Some(&(place, _)) = list.first() else { return };
         let tables: Vec<JobTable> = list.into_iter().map(|entry| entry.1).collect();
         self.tree.set_in("output", key, place, tables);

@@ -12,7 +12,7 @@ use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, solid_of_eight};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// A line of a file: the file's number, first byte and one past the last.
 type LineSpan = (u32, u32, u32);
@@ -31,6 +31,8 @@ pub struct Rows {
     spring_lines: Vec<LineSpan>,
     beam_lines: Vec<LineSpan>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
+    /// Names that two different node sets have, with the place of the second one.
+    pub same_names: Vec<(String, Place)>,
     /// Nodes with constraint codes `tc` and `rc`, with a line that has these codes.
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
@@ -52,13 +54,14 @@ pub struct Rows {
 const HELD_IN_PLACE: (i64, i64) = (7, 0);
 
 /// One line of a keyword for mesh data during reading.
-struct MeshLine<'a, 'c> {
+pub(super) struct MeshLine<'a, 'c> {
     cards: &'a mut Cards<'c>,
     block: &'a KeywordBlock,
     card: &'a Card,
     line: (u32, u32),
     fields: Fields,
-    whole: bool,
+    /// False if a field could not be read.
+    pub(super) whole: bool,
 }
 
 impl MeshLine<'_, '_> {
@@ -66,7 +69,8 @@ impl MeshLine<'_, '_> {
         self.fields.text(self.cards.texts.line(self.block, self.line), index)
     }
 
-    fn integer(&mut self, index: usize) -> i64 {
+    /// Returns an integer, 0 for a blank.
+    pub(super) fn integer(&mut self, index: usize) -> i64 {
         let text = self.text(index);
         if text.is_empty() {
             return 0;
@@ -75,7 +79,8 @@ impl MeshLine<'_, '_> {
         plain.unwrap_or_else(|| self.odd(index, "a whole number") as i64)
     }
 
-    fn real(&mut self, index: usize) -> f64 {
+    /// Returns a number, 0 for a blank.
+    pub(super) fn real(&mut self, index: usize) -> f64 {
         let text = self.text(index);
         if text.is_empty() {
             return 0.0;
@@ -84,7 +89,7 @@ impl MeshLine<'_, '_> {
     }
 
     /// Returns an id, which must be larger than zero.
-    fn id(&mut self, index: usize) -> u64 {
+    pub(super) fn id(&mut self, index: usize) -> u64 {
         let id = self.integer(index);
         if id < 1 && self.whole {
             self.wrong(index, "an id above 0");
@@ -127,7 +132,7 @@ impl MeshLine<'_, '_> {
             _ => format!("`{text}`"),
         };
         let name = self.card.fields.get(index).map_or("", |f| f.name.as_str());
-        let message = format!("*{}: `{name}` has to be {wanted}, not {given}", self.block.name);
+        let message = format!("{}: `{name}` has to be {wanted}, not {given}", self.block.shown());
         let place = self.block.span(self.line, from, to);
         self.cards.trouble.error(place, message, layout(self.card, self.block.format));
         self.cards.trouble.unsure();
@@ -144,12 +149,16 @@ fn plain_integer(text: &[u8]) -> Option<i64> {
 }
 
 impl Rows {
-    /// Reads `*NODE`.
-    pub fn nodes(&mut self, cards: &mut Cards<'_>, row: &KeywordRow, block: &KeywordBlock) {
-        self.nodes.reserve(block.lines.len());
-        self.node_lines.reserve(block.lines.len());
-        let card = &row.cards[0].0;
-        for &line in block.lines.iter().filter(|l| l.0 < l.1) {
+    /// Reads lines with a node each.
+    pub fn nodes(
+        &mut self,
+        cards: &mut Cards<'_>,
+        card: &Card,
+        (block, lines): (&KeywordBlock, &[(u32, u32)]),
+    ) {
+        self.nodes.reserve(lines.len());
+        self.node_lines.reserve(lines.len());
+        for &line in lines.iter().filter(|l| l.0 < l.1) {
             let mut numbers = start(cards, card, block, line);
             let id = NodeId(numbers.id(0));
             let x = [numbers.real(1), numbers.real(2), numbers.real(3)];
@@ -312,6 +321,20 @@ impl Rows {
         self.spring_lines.push((file, start, end));
     }
 
+    /// Adds a shell, which is written at `place`.
+    pub fn shell(&mut self, element: MeshElement, place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.shells.push(element);
+        self.shell_lines.push((file, start, end));
+    }
+
+    /// Adds a solid, which is written at `place`.
+    pub fn solid(&mut self, element: MeshElement, place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.solids.push(element);
+        self.solid_lines.push((file, start, end));
+    }
+
     /// Adds a beam, which is written at `place`. Its third corner defines the direction of its
     /// second axis.
     pub fn beam(&mut self, id: ElemId, part: u32, corners: [NodeId; 3], place: Place) {
@@ -357,9 +380,25 @@ impl Rows {
         Some(id)
     }
 
-    /// Adds a node set.
+    /// Adds a node set. A name that another set has is noted in `same_names`.
     pub fn add_set(&mut self, name: String, nodes: Vec<NodeId>, place: Place) {
-        self.sets.insert(name, (nodes, place));
+        let same = |known: &(Vec<NodeId>, Place)| {
+            let of = |nodes: &[NodeId]| nodes.iter().copied().collect::<BTreeSet<NodeId>>();
+            known.0 == nodes || of(&known.0) == of(&nodes)
+        };
+        match self.sets.get(&name) {
+            Some(known) if !same(known) => self.same_names.push((name, place)),
+            _ => drop(self.sets.insert(name, (nodes, place))),
+        }
+    }
+
+    /// Adds a node set under a name that no other set has: the given one, or that with a number.
+    /// Returns the name.
+    pub fn add_new_set(&mut self, name: &str, nodes: Vec<NodeId>, place: Place) -> String {
+        let names = std::iter::once(name.to_string()).chain((2..).map(|n| format!("{name} {n}")));
+        let own = names.into_iter().find(|own| !self.has_set(own)).unwrap_or_default();
+        self.add_set(own.clone(), nodes, place);
+        own
     }
 
     /// Returns true if there is a set of this name.
@@ -415,7 +454,8 @@ impl Rows {
     }
 }
 
-fn start<'a, 'c>(
+/// Returns a line of a block, split into the fields of a card.
+pub(super) fn start<'a, 'c>(
     cards: &'a mut Cards<'c>,
     card: &'a Card,
     block: &'a KeywordBlock,

@@ -15,13 +15,14 @@ pub mod mesh;
 mod motion;
 mod names;
 mod parts;
+pub mod radioss;
 mod rigid;
 mod sections;
 mod segments;
 mod sets;
 mod shells;
 mod soft_materials;
-mod space;
+pub(in crate::input::deck) mod space;
 mod springs;
 mod tables;
 mod ties;
@@ -46,6 +47,7 @@ use tree::{JobTable, Tree};
 
 /// Data converted so far, and intermediate data.
 pub struct DeckConverter {
+    names: KeywordNames,
     /// Cards by keyword; each family of keywords takes its own.
     records: HashMap<&'static str, Vec<CardRecord>>,
     /// All records of supported keywords; they share what was asked for with `records`.
@@ -92,38 +94,23 @@ pub struct DeckConverter {
     fixes: Vec<motion::DeckFix>,
 }
 
+/// Names of keywords of a format, for messages.
+pub struct KeywordNames {
+    /// A set of nodes.
+    node_set: &'static str,
+    /// A part.
+    part: &'static str,
+    /// A curve.
+    curve: &'static str,
+}
+
+/// Names in decks of LS-DYNA.
+const LS_DYNA: KeywordNames =
+    KeywordNames { node_set: "*SET_NODE_...", part: "*PART", curve: "*DEFINE_CURVE" };
+
 /// Converts a deck. Returns the job; all other results are in the [`DeckConverter`].
 pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, DeckConverter) {
-    let mut b = DeckConverter {
-        records: HashMap::new(),
-        read: Vec::new(),
-        rows: Rows::default(),
-        trouble,
-        mapping: Vec::new(),
-        unsupported: Vec::new(),
-        tree: Tree::default(),
-        curves: BTreeMap::new(),
-        tables: BTreeMap::new(),
-        boxes: HashMap::new(),
-        axes: HashMap::new(),
-        node_sets: BTreeMap::new(),
-        part_sets: BTreeMap::new(),
-        segment_sets: BTreeMap::new(),
-        parts: BTreeMap::new(),
-        used_materials: Vec::new(),
-        spring_scales: BTreeMap::new(),
-        spring_laws: BTreeMap::new(),
-        round_parts: BTreeSet::new(),
-        truss_parts: BTreeSet::new(),
-        spring_directions: BTreeMap::new(),
-        with_offset: Vec::new(),
-        part_friction: BTreeMap::new(),
-        bodies: BTreeMap::new(),
-        node_bodies: HashMap::new(),
-        end_time: 0.0,
-        left_out: left_out::LeftOutCards::default(),
-        fixes: Vec::new(),
-    };
+    let mut b = DeckConverter::new(trouble, LS_DYNA);
     b.collect(texts, leave_out);
     b.encrypted(texts);
     b.second_order();
@@ -164,10 +151,55 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     for (id, (nodes, place)) in sets {
         b.rows.add_set(format!("set-{id}"), nodes, place);
     }
+    b.same_names();
     (std::mem::take(&mut b.tree).into_node(), b)
 }
 
 impl DeckConverter {
+    /// Reports node sets that have the name of another one.
+    fn same_names(&mut self) {
+        for (name, place) in std::mem::take(&mut self.rows.same_names) {
+            let message = format!("two node sets of the job have the name {name}");
+            let help = "change the title or the id of one of them";
+            self.trouble.error(place, message, help);
+        }
+    }
+
+    /// Creates it without data.
+    fn new(trouble: Trouble, names: KeywordNames) -> Self {
+        Self {
+            names,
+            records: HashMap::new(),
+            read: Vec::new(),
+            rows: Rows::default(),
+            trouble,
+            mapping: Vec::new(),
+            unsupported: Vec::new(),
+            tree: Tree::default(),
+            curves: BTreeMap::new(),
+            tables: BTreeMap::new(),
+            boxes: HashMap::new(),
+            axes: HashMap::new(),
+            node_sets: BTreeMap::new(),
+            part_sets: BTreeMap::new(),
+            segment_sets: BTreeMap::new(),
+            parts: BTreeMap::new(),
+            used_materials: Vec::new(),
+            spring_scales: BTreeMap::new(),
+            spring_laws: BTreeMap::new(),
+            round_parts: BTreeSet::new(),
+            truss_parts: BTreeSet::new(),
+            spring_directions: BTreeMap::new(),
+            with_offset: Vec::new(),
+            part_friction: BTreeMap::new(),
+            bodies: BTreeMap::new(),
+            node_bodies: HashMap::new(),
+            end_time: 0.0,
+            left_out: left_out::LeftOutCards::default(),
+            fixes: Vec::new(),
+        }
+    }
+
     /// Reads all blocks by the table of keywords.
     fn collect(&mut self, texts: &Texts, leave_out: &[String]) {
         let mut parameters = DeckParameters::default();
@@ -276,7 +308,7 @@ impl DeckConverter {
         }
         let mut cards = Cards { texts, parameters, trouble: &mut self.trouble };
         match name {
-            "NODE" => self.rows.nodes(&mut cards, row, block),
+            "NODE" => self.rows.nodes(&mut cards, &row.cards[0].0, (block, &block.lines)),
             "ELEMENT_SHELL" => self.rows.shells(&mut cards, row, options, block),
             "ELEMENT_SOLID" => self.rows.solids(&mut cards, row, block),
             _ => {
@@ -334,7 +366,7 @@ impl DeckConverter {
             return Some(format!("set-{id}"));
         }
         let known: Vec<String> = self.node_sets.keys().map(i64::to_string).collect();
-        self.missing(place, "*SET_NODE_...", id, &known);
+        self.missing(place, self.names.node_set, id, &known);
         None
     }
 
@@ -354,7 +386,7 @@ impl DeckConverter {
             return true;
         }
         let known: Vec<String> = self.parts.keys().map(i64::to_string).collect();
-        self.missing(place, "*PART", id, &known);
+        self.missing(place, self.names.part, id, &known);
         false
     }
 

@@ -57,6 +57,17 @@ impl DeckConverter {
         }
     }
 
+    /// Fixes degrees of freedom of a set with this name, which is added if it is new.
+    pub(super) fn fix_set(
+        &mut self,
+        (set, is_new): (String, bool),
+        nodes: Vec<NodeId>,
+        dofs: Vec<&'static str>,
+        place: Place,
+    ) {
+        self.fixes.push(DeckFix { set, is_new, nodes, dofs, place });
+    }
+
     fn fix_nodes(
         &mut self,
         kind: &str,

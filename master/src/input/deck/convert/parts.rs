@@ -109,7 +109,7 @@ impl DeckConverter {
         }
     }
 
-    fn shapes_of_parts(&self) -> HashMap<i64, Shapes> {
+    pub(super) fn shapes_of_parts(&self) -> HashMap<i64, Shapes> {
         let mut all: HashMap<i64, Shapes> = HashMap::new();
         for element in self.rows.elements() {
             let shapes = all.entry(i64::from(element.part)).or_default();

@@ -68,31 +68,44 @@ impl DeckConverter {
                 }
             }
         }
-        if loads.is_empty() {
-            return;
-        }
-        let faces = self.faces();
         for (number, (curve, scale, place, segments)) in loads.into_iter().enumerate() {
             let Some(name) = self.time_curve(curve, place) else { continue };
-            for (along, sign) in [(true, 1.0), (false, -1.0)] {
-                let loaded = self.of_sense(&segments, &faces, along);
-                for (part, (group, nodes)) in whole_groups(&loaded, &faces).into_iter().enumerate()
-                {
-                    let set = format!(
-                        "pressure-{}-{}{}",
-                        number + 1,
-                        if along { "" } else { "back-" },
-                        part + 1
-                    );
-                    self.rows.add_set(set.clone(), nodes, group);
-                    let table = JobTable::new(place)
-                        .with("nodes", place, set)
-                        .with("pressure", place, sign * scale)
-                        .with("curve", place, name.as_str());
-                    self.add("pressure", table);
-                }
+            let groups = self.groups_of_faces(&segments, false);
+            let mut counts = [0; 2];
+            for (sign, group, nodes) in groups {
+                let count = &mut counts[usize::from(sign < 0.0)];
+                *count += 1;
+                let back = if sign > 0.0 { "" } else { "back-" };
+                let set = format!("pressure-{}-{back}{count}", number + 1);
+                self.rows.add_set(set.clone(), nodes, group);
+                let table = JobTable::new(place)
+                    .with("nodes", place, set)
+                    .with("pressure", place, sign * scale)
+                    .with("curve", place, name.as_str());
+                self.add("pressure", table);
             }
         }
+    }
+
+    /// Returns faces in groups of nodes that contain no other face, with the sign of a pressure on
+    /// them: 1 if their normal is that of their element, otherwise -1. Reports segments that are no
+    /// face.
+    pub(super) fn groups_of_faces(
+        &mut self,
+        segments: &[DeckSegment],
+        solids_have_sense: bool,
+    ) -> Vec<(f64, Place, Vec<NodeId>)> {
+        if segments.is_empty() {
+            return Vec::new();
+        }
+        let faces = self.faces(solids_have_sense);
+        let mut found = Vec::new();
+        for (along, sign) in [(true, 1.0), (false, -1.0)] {
+            let loaded = self.of_sense(segments, &faces, along);
+            let groups = whole_groups(&loaded, &faces);
+            found.extend(groups.into_iter().map(|(place, nodes)| (sign, place, nodes)));
+        }
+        found
     }
 
     fn arrival(&mut self, line: &CardLine) {
@@ -102,13 +115,21 @@ impl DeckConverter {
         }
     }
 
-    /// Returns the faces of all shells, with their nodes in order, and of all solids.
-    fn faces(&self) -> HashMap<Vec<NodeId>, Option<Vec<NodeId>>> {
+    /// Returns the faces of all shells, with their nodes in order, and of all solids; with
+    /// `solids_have_sense` these have an order too, with the normal outwards.
+    fn faces(&self, solids_have_sense: bool) -> HashMap<Vec<NodeId>, Option<Vec<NodeId>>> {
         let mut faces = HashMap::new();
         for element in self.rows.elements() {
             for face in element.shape.faces() {
                 let corners: Vec<NodeId> = face.iter().map(|&c| element.nodes[c]).collect();
-                let order = element.shape.is_shell().then(|| element.corners().to_vec());
+                let order = match element.shape.is_shell() {
+                    true => Some(element.corners().to_vec()),
+                    false => solids_have_sense.then(|| {
+                        let mut order = corners.clone();
+                        order.dedup();
+                        order
+                    }),
+                };
                 faces.entry(key(&corners)).or_insert(order);
             }
         }

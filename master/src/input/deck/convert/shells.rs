@@ -226,7 +226,7 @@ impl DeckConverter {
     /// Sets the thickness of shells to the mean of their corners. Corners without a thickness
     /// have that of the section. One point in the plane cannot resolve more. Returns the
     /// thickness of the part: that of its section, or of all its shells if it is uniform.
-    fn own_thickness(
+    pub(super) fn own_thickness(
         &mut self,
         id: i64,
         own: &[(usize, [f64; 4])],

@@ -56,8 +56,12 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
     }
     let excluded: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
     differing(deck, "contact", contact, &ContactInput::default(), &excluded);
-    let entries: Vec<Value> =
-        contact.interface.iter().zip(&names[1..]).filter_map(|(i, name)| rest(i, name)).collect();
+    let entries: Vec<Value> = contact
+        .interface
+        .iter()
+        .zip(&names[1..])
+        .filter_map(|(i, name)| rest(i, name, &CARRIED))
+        .collect();
     if !entries.is_empty()
         && let Value::Table(of) =
             deck.rest.entry("contact").or_insert_with(|| Value::Table(Table::new()))
@@ -67,7 +71,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
 }
 
 /// Returns unique names of the interfaces.
-fn names(all: &[ContactInput]) -> Vec<String> {
+pub(in crate::input::deck) fn names(all: &[ContactInput]) -> Vec<String> {
     let numbered = |number: usize| format!("contact {number}");
     let name = |(number, c): (usize, &ContactInput)| match line(&c.name)
         .chars()
@@ -82,12 +86,16 @@ fn names(all: &[ContactInput]) -> Vec<String> {
     if are_unique { names } else { (1..=all.len()).map(numbered).collect() }
 }
 
-/// Returns the keys of an interface that no card holds; `None` if there are none.
-fn rest(interface: &Interface, name: &str) -> Option<Value> {
+/// Returns the keys of an interface that are not among `carried`; `None` if there are none.
+pub(in crate::input::deck) fn rest(
+    interface: &Interface,
+    name: &str,
+    carried: &[&str],
+) -> Option<Value> {
     let Ok(Value::Table(said)) = Value::try_from(interface) else { return None };
     let Ok(Value::Table(silent)) = Value::try_from(Interface::default()) else { return None };
     let more = |(key, value): &(String, Value)| {
-        !CARRIED.contains(&key.as_str()) && silent.get(key) != Some(value)
+        !carried.contains(&key.as_str()) && silent.get(key) != Some(value)
     };
     let mut said: Table = said.into_iter().filter(more).collect();
     if said.is_empty() {

@@ -167,6 +167,7 @@ mod tests {
         ];
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/input/deck/convert");
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let files = files.filter(|path| path.is_file());
         let code: String = files.map(|path| std::fs::read_to_string(path).unwrap()).collect();
         let mut missing = Vec::new();
         for row in TABLE.values().filter(|row| row.keyword.effect == Effect::Model) {

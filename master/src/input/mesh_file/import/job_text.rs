@@ -39,6 +39,19 @@ const UNITS: [(&str, f64, f64); 4] = [
     ("mm, ms, g", 7.85e-3, 207e3),
 ];
 
+/// Returns the text of a job that has a deck.
+pub fn of_deck(name: &str, file: &str, allowed: bool) -> ImportedText {
+    let quoted = Value::from(file);
+    let mut job = format!(
+        "# {name}: a job for the deck {file}, which has mesh, parts, materials, loads and the end\n\
+         # of the run. Keys here override those of the deck.\n\n[mesh]\ndeck = {quoted}\n"
+    );
+    if allowed {
+        job += "allow_unsupported = true\n";
+    }
+    ImportedText { job, placeholders: Vec::new() }
+}
+
 /// Returns the text of the job.
 pub fn write(job: &ImportedJob) -> ImportedText {
     let mesh = &job.read.mesh;

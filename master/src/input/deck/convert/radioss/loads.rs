@@ -1,0 +1,224 @@
+//! Converts forces, gravity, pressure and masses.
+
+use super::StarterConverter;
+use super::motion::or_one;
+use crate::input::deck::convert::segments::DeckSegment;
+use crate::input::deck::convert::tree::JobTable;
+use crate::input::deck::record::{CardLine, CardRecord};
+use crate::input::job::tree::Place;
+use crumple_proto::ids::NodeId;
+use std::collections::{BTreeMap, BTreeSet};
+
+const DIRECTIONS: [&str; 6] = ["X", "Y", "Z", "XX", "YY", "ZZ"];
+
+impl StarterConverter {
+    pub(super) fn loads(&mut self) {
+        for record in self.take(&["/CLOAD"]) {
+            let Some(line) = record.line("fct").cloned() else { continue };
+            self.only_plain(&record);
+            let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
+            let Some((dof, amount, curve)) = self.direction(&record, &line) else { continue };
+            let Some(set) = self.deck.node_set(grnod, place) else { continue };
+            let nodes = self.deck.node_sets[&grnod].0.clone();
+            self.warn_of_mains(&record, &nodes);
+            // A deck loads each node; a job divides a force among the nodes with elements.
+            let used = self.used_nodes();
+            let count = nodes.iter().filter(|n| used.contains(n)).count();
+            let (key, axis) = if dof < 3 { ("force", dof) } else { ("moment", dof - 3) };
+            let mut value = [0.0; 3];
+            value[axis] = amount * count as f64;
+            let table = JobTable::new(record.head)
+                .with("nodes", place, set)
+                .with(key, line.place("fscale"), value)
+                .with("curve", line.place("fct"), curve);
+            self.deck.add("load", table);
+        }
+        for record in self.take(&["/GRAV"]) {
+            let Some(line) = record.line("fct").cloned() else { continue };
+            self.only_plain(&record);
+            let Some((dof, amount, curve)) = self.direction(&record, &line) else { continue };
+            if dof > 2 {
+                let message = "/GRAV: `dir` has to be X, Y or Z";
+                self.deck.trouble.error(line.place("dir"), message, "name an axis");
+                continue;
+            }
+            self.gravity_of_all(&record);
+            let mut value = [0.0; 3];
+            value[dof] = amount;
+            let table = JobTable::new(record.head)
+                .with("acceleration", line.place("fscale"), value)
+                .with("curve", line.place("fct"), curve);
+            self.deck.add("gravity", table);
+        }
+    }
+
+    /// Warns of forces on main nodes, which are no part of the model.
+    fn warn_of_mains(&mut self, record: &CardRecord, nodes: &[NodeId]) {
+        let lost = nodes.iter().find(|n| self.mains.contains_key(n) && !self.used.contains(n));
+        if let Some(node) = lost {
+            let message = format!(
+                "{}: a force on node {}, the main node of a body, is not supported",
+                record.name(),
+                node.label()
+            );
+            self.deck.unsupported(record.place("grnod"), message, "/CLOAD on a body".into());
+        }
+    }
+
+    /// Reports gravity on some nodes only.
+    fn gravity_of_all(&mut self, record: &CardRecord) {
+        let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
+        if grnod == 0 || self.deck.node_set(grnod, place).is_none() {
+            return;
+        }
+        let group: BTreeSet<NodeId> = self.deck.node_sets[&grnod].0.iter().copied().collect();
+        if !self.used_nodes().is_subset(&group) {
+            let why = "gravity on a part of the model; it acts on all nodes";
+            self.deck.unsupported_value(record, "grnod", why);
+        }
+    }
+
+    /// Returns the degree of freedom of a load, its amount and its curve.
+    fn direction(&mut self, record: &CardRecord, line: &CardLine) -> Option<(usize, f64, String)> {
+        let word = line.word("dir").to_ascii_uppercase();
+        let Some(dof) = DIRECTIONS.iter().position(|d| *d == word) else {
+            let message = format!("{}: `dir` has to be a direction, not `{word}`", record.name());
+            let help = "give X, Y or Z, or XX, YY or ZZ for a moment, in the columns 11 to 20";
+            self.deck.trouble.error(line.place("dir"), message, help);
+            return None;
+        };
+        let amount = or_one(line.real("fscale"));
+        let curve = self.time_function(line, or_one(line.real("ascale")))?;
+        Some((dof, amount, curve))
+    }
+
+    pub(super) fn pressures(&mut self) {
+        let mut number = 0;
+        for record in self.take(&["/PLOAD"]) {
+            let Some(line) = record.line("fct").cloned() else { continue };
+            let (id, place) = (record.integer("surf"), record.place("surf"));
+            // A positive value acts along the normal in a deck, and against it in a job.
+            let amount = -or_one(line.real("fscale"));
+            let curve = self.time_function(&line, or_one(line.real("ascale")));
+            let (Some(surface), Some(curve)) = (self.surface(id, place), curve) else { continue };
+            let table = |key: &str, value: JobTable| {
+                value.with("pressure", line.place(key), amount).with(
+                    "curve",
+                    line.place("fct"),
+                    curve.as_str(),
+                )
+            };
+            if !surface.parts.is_empty() {
+                let parts: Vec<i64> = surface.parts.iter().copied().collect();
+                let of = JobTable::new(record.head).with("parts", place, parts);
+                self.deck.add("pressure", table("fscale", of));
+            }
+            let groups = self.deck.groups_of_faces(&surface.segments, true);
+            for (sign, of, nodes) in groups {
+                number += 1;
+                let set = format!("pressure-{number}");
+                let set = self.deck.rows.add_new_set(&set, nodes, of);
+                let mut whole = table("fscale", JobTable::new(of).with("nodes", of, set));
+                whole.put("pressure", line.place("fscale"), sign * amount);
+                self.deck.add("pressure", whole);
+            }
+        }
+    }
+
+    /// Converts `/ADMAS`.
+    pub(super) fn masses(&mut self) {
+        self.used_nodes();
+        let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
+        for record in self.take(&["/ADMAS"]) {
+            let kind = record.integer("kind");
+            for line in record.lines("of").cloned().collect::<Vec<_>>() {
+                let (mass, of, place) = (line.real("mass"), line.integer("of"), line.place("of"));
+                match kind {
+                    0 | 1 => {
+                        if self.deck.node_set(of, place).is_none() {
+                            continue;
+                        }
+                        let nodes = self.deck.node_sets[&of].0.clone();
+                        let count = nodes.len().max(1) as f64;
+                        let each = if kind == 0 { mass } else { mass / count };
+                        let total = if kind == 0 { mass * count } else { mass };
+                        self.mass_of_group(&record, (of, nodes), (each, total), place);
+                    }
+                    5 => {
+                        let Some(node) = super::groups::node(of) else { continue };
+                        self.warn_of_walls(&record, &[node]);
+                        if self.mass_of_main(node, mass, place) {
+                            continue;
+                        }
+                        let entry = equal
+                            .entry(mass.to_bits())
+                            .or_insert_with(|| (mass, Vec::new(), line.place));
+                        entry.1.push(node);
+                    }
+                    _ => {
+                        let why =
+                            "use 0 (each node of a group), 1 (a whole group) or 5 (single nodes)";
+                        self.deck.unsupported_card(&record, "kind", why);
+                        break;
+                    }
+                }
+            }
+        }
+        for (number, (mass, nodes, place)) in (1..).zip(equal.into_values()) {
+            let total = mass * nodes.len() as f64;
+            let set = self.deck.rows.add_new_set(&format!("mass-{number}"), nodes, place);
+            self.put_mass(place, set, total);
+        }
+    }
+
+    /// Adds a mass to the nodes of a group: `each` on each of them, `total` on all.
+    fn mass_of_group(
+        &mut self,
+        record: &CardRecord,
+        (id, nodes): (i64, Vec<NodeId>),
+        (each, total): (f64, f64),
+        place: Place,
+    ) {
+        self.warn_of_walls(record, &nodes);
+        let count = nodes.len();
+        let others: Vec<NodeId> =
+            nodes.into_iter().filter(|&n| !self.mass_of_main(n, each, place)).collect();
+        if others.len() == count {
+            return self.put_mass(place, format!("set-{id}"), total);
+        }
+        if !others.is_empty() {
+            let total = each * others.len() as f64;
+            let set = self.deck.rows.add_new_set(&format!("mass of set-{id}"), others, place);
+            self.put_mass(place, set, total);
+        }
+    }
+
+    /// Adds the mass of a main node, which is no part of the model, to the nodes of its body.
+    /// Returns false if the node is none.
+    fn mass_of_main(&mut self, node: NodeId, mass: f64, place: Place) -> bool {
+        let Some(body) = self.mains.get(&node).filter(|_| !self.used.contains(&node)) else {
+            return false;
+        };
+        let (name, nodes) = (body.name.clone(), body.nodes.iter().copied().collect());
+        let set = self.deck.rows.add_new_set(&format!("{name} mass"), nodes, place);
+        self.put_mass(place, set, mass);
+        let asked = format!("/ADMAS: mass {mass} of its main node");
+        self.deck.map(name, asked, "in equal shares on its nodes");
+        true
+    }
+
+    fn put_mass(&mut self, place: Place, set: String, mass: f64) {
+        if mass != 0.0 {
+            let table = JobTable::new(place).with("nodes", place, set).with("mass", place, mass);
+            self.deck.add("mass", table);
+        }
+    }
+}
+
+/// Returns the ids of the nodes of faces.
+pub fn nodes_of_faces(segments: &[DeckSegment]) -> Vec<NodeId> {
+    let mut nodes: Vec<NodeId> = segments.iter().flat_map(|s| s.nodes.iter().copied()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}

@@ -1,0 +1,265 @@
+//! Converts `/MAT/...` and `/FAIL/JOHNSON`: laws and their parameters.
+
+use super::StarterConverter;
+use crate::input::deck::convert::materials::DeckMaterial;
+use crate::input::deck::convert::tree::JobTable;
+use crate::input::deck::record::CardRecord;
+use std::collections::BTreeMap;
+
+/// Limit above which a value means that there is none.
+const NONE: f64 = 1e20;
+/// Young's modulus of a material that carries no load and has none, because a law needs one.
+const NO_MODULUS: f64 = 1.0;
+/// Density of a material that carries no load and has none, so that its nodes have some mass.
+const NO_DENSITY: f64 = 1e-20;
+/// Plastic strains of the straight lines of a power law: the smallest, the largest, and the number
+/// of lines between them.
+const LINES: (f64, f64, i32) = (1e-4, 2.0, 60);
+/// Plastic strain up to which a yield curve is continued with its last slope.
+const FAR: f64 = 10.0;
+/// Reference temperature of a card without one [K].
+const ROOM: f64 = 300.0;
+/// Exponent of a power law that is a straight line.
+const STRAIGHT: f64 = 1.0;
+
+/// Names of the keywords of materials.
+const KEYWORDS: [&str; 5] = ["/MAT/LAW0", "/MAT/LAW1", "/MAT/LAW2", "/MAT/LAW36", "/MAT/LAW44"];
+
+impl StarterConverter {
+    /// Returns all materials by id.
+    pub(super) fn materials(&mut self) -> BTreeMap<i64, DeckMaterial> {
+        let failures = self.failures();
+        let mut found: BTreeMap<i64, DeckMaterial> = BTreeMap::new();
+        for record in self.take(&KEYWORDS) {
+            let (id, place) = (record.integer("id"), record.place("id"));
+            let title = record.word("title").to_string();
+            let is_taken = title.is_empty() || found.values().any(|m| m.name == title);
+            let name = if is_taken { format!("mat-{id}") } else { title };
+            let (mut table, youngs_modulus) = elastic(&record, &name);
+            let keyword = record.row.keyword.name;
+            let skin = keyword == "/MAT/LAW0";
+            match keyword {
+                "/MAT/LAW2" => self.johnson_cook(&record, failures.get(&id), &mut table),
+                "/MAT/LAW36" => self.yield_table(&record, &mut table),
+                "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
+                _ => table.put("law", record.head, "elastic"),
+            }
+            if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
+                let message = format!("/FAIL/JOHNSON/{id}: the law of the material is {keyword}");
+                self.deck.unsupported(failure.head, message, "/FAIL/JOHNSON".into());
+            }
+            let density = record.real("rho");
+            let material = DeckMaterial {
+                name,
+                table: Some(table),
+                rigid: None,
+                skin,
+                elastic: matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1"),
+                weld: None,
+                density,
+                youngs_modulus,
+                place,
+            };
+            if found.insert(id, material).is_some() {
+                self.twice("materials", id, place);
+            }
+        }
+        for (id, failure) in failures.iter().filter(|(id, _)| !found.contains_key(id)) {
+            let known: Vec<String> = found.keys().map(i64::to_string).collect();
+            self.deck.missing(failure.place("id"), "/MAT/...", *id, &known);
+        }
+        found
+    }
+
+    /// Returns the cards of failure by the id of their material.
+    fn failures(&mut self) -> BTreeMap<i64, CardRecord> {
+        let records = self.take(&["/FAIL/JOHNSON"]);
+        records.into_iter().map(|record| (record.integer("id"), record)).collect()
+    }
+
+    /// Converts the law of Johnson and Cook; without rate, temperature and exponent it is linear
+    /// hardening.
+    fn johnson_cook(
+        &mut self,
+        record: &CardRecord,
+        failure: Option<&CardRecord>,
+        table: &mut JobTable,
+    ) {
+        self.limited(record);
+        let ([a, b], n) = (["a", "b"].map(|field| record.real(field)), record.real_or("n", 1.0));
+        let [c, heat] = ["c", "rhocp"].map(|field| record.real(field));
+        let [melt, fails] = ["tmelt", "epsmax"].map(|field| record.real(field));
+        let hot = heat > 0.0 && melt > 0.0 && melt < NONE;
+        let rate = record.real("eps0");
+        let m = record.real_or("m", 1.0);
+        let reference = match record.real("tr") {
+            given if given > 0.0 => given,
+            _ => ROOM,
+        };
+        let put = |table: &mut JobTable, key: &str, field: &str, value: f64| {
+            table.put(key, record.place(field), value);
+        };
+        if n == STRAIGHT && c == 0.0 && !hot && failure.is_none() {
+            table.put("law", record.head, "j2");
+            put(table, "yield_stress", "a", a);
+            if b != 0.0 {
+                put(table, "hardening_modulus", "b", b);
+            }
+            if fails > 0.0 && fails < NONE {
+                put(table, "failure_strain", "epsmax", fails);
+            }
+            return;
+        }
+        table.put("law", record.head, "johnson_cook");
+        put(table, "a", "a", a);
+        put(table, "b", "b", b);
+        put(table, "n", "n", n);
+        if c > 0.0 && rate <= 0.0 {
+            let message = format!(
+                "{} {}: c = {c} without a reference rate eps0",
+                record.name(),
+                record.integer("id")
+            );
+            let help = "give eps0 above 0 in the columns 21 to 40 of the card of c, or c 0";
+            self.deck.trouble.error(record.place("eps0"), message, help);
+        } else if c > 0.0 {
+            put(table, "c", "c", c);
+            put(table, "reference_rate", "eps0", rate);
+        }
+        if hot {
+            put(table, "m", "m", m);
+            put(table, "melting_temperature", "tmelt", melt);
+            put(table, "reference_temperature", "tr", reference);
+            put(table, "specific_heat", "rhocp", heat / record.real("rho"));
+            put(table, "taylor_quinney", "rhocp", 1.0);
+        }
+        match failure {
+            Some(card) => {
+                if matches!(card.integer("ifailsh"), 0 | 1) {
+                    let message = "/FAIL/JOHNSON: Ifail_sh 1 removes a shell with its first \
+                                   failed point, here it goes with its last one";
+                    let help = "give Ifail_sh 2, or expect shells to fail later";
+                    self.deck.trouble.warning(card.place("ifailsh"), message, help);
+                }
+                let damage = ["d1", "d2", "d3", "d4", "d5"].map(|field| card.real(field));
+                table.put("damage", card.place("d1"), damage);
+                if damage[3] != 0.0 && c == 0.0 {
+                    table.put("reference_rate", card.place("eps0"), card.real_or("eps0", 1.0));
+                }
+                if fails > 0.0 && fails < NONE {
+                    let of = format!("material {}", record.integer("id"));
+                    self.deck.map(of, "epsmax next to /FAIL/JOHNSON", "not used");
+                }
+            }
+            None if fails > 0.0 && fails < NONE => {
+                table.put("damage", record.place("epsmax"), [fails, 0.0, 0.0, 0.0, 0.0]);
+            }
+            None => {}
+        }
+    }
+
+    /// Reports a largest stress.
+    fn limited(&mut self, record: &CardRecord) {
+        let limit = record.real("sigmax");
+        if limit > 0.0 && limit < NONE {
+            let why = "a largest stress; give the yield stress as a function by /MAT/LAW36";
+            self.deck.unsupported_value(record, "sigmax", why);
+        }
+    }
+
+    /// Converts a yield stress by a function of plastic strain.
+    fn yield_table(&mut self, record: &CardRecord, table: &mut JobTable) {
+        table.put("law", record.head, "j2");
+        let functions: Vec<_> =
+            record.line("fcts").map(|l| l.integers("fcts").collect()).unwrap_or_default();
+        let scales = record.line("fscales").map(|l| l.reals("fscales")).unwrap_or_default();
+        let rates = record.line("rates").map(|l| l.reals("rates")).unwrap_or_default();
+        let count = record.integer("nfunc");
+        let Some(&(id, place)) = functions.first() else {
+            let message = format!("{} {} has no function", record.name(), record.integer("id"));
+            let help = "give N_funct and the ids of functions of the yield stress";
+            return self.deck.trouble.error(record.place("nfunc"), message, help);
+        };
+        if count > 1 {
+            let why = "functions for several rates: the first one holds for all; use /MAT/LAW44 \
+                       for the rate";
+            self.deck.unsupported_value(record, "nfunc", why);
+        } else if rates.first().is_some_and(|rate| *rate != 0.0) {
+            self.deck.map("/MAT/LAW36", "the rate of the function", "it holds for all rates");
+        }
+        if let Some(points) = self.points_of(id, place) {
+            let scale = scales.first().copied().filter(|s| *s != 0.0).unwrap_or(1.0);
+            let rows = far(points.iter().map(|p| [p[0], scale * p[1]]).collect());
+            table.put("hardening", place, rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
+        }
+        fail(record, table);
+    }
+
+    /// Converts a yield stress with the factor of Cowper and Symonds.
+    fn cowper_symonds(&mut self, record: &CardRecord, table: &mut JobTable) {
+        self.limited(record);
+        table.put("law", record.head, "j2");
+        let [a, b, c] = ["a", "b", "c"].map(|field| record.real(field));
+        let [n, p] = ["n", "p"].map(|field| record.real_or(field, 1.0));
+        if b == 0.0 || n == STRAIGHT {
+            table.put("yield_stress", record.place("a"), a);
+            if b != 0.0 {
+                table.put("hardening_modulus", record.place("b"), b);
+            }
+        } else {
+            let (least, most, count) = LINES;
+            let step = (most / least).powf(1.0 / f64::from(count));
+            let strain = |k: i32| least * step.powi(k);
+            let point = |eps: f64| vec![eps, a + b * eps.powf(n)];
+            let mut rows = vec![vec![0.0, a]];
+            rows.extend((0..=count).map(|k| point(strain(k))));
+            table.put("hardening", record.place("n"), rows);
+            self.deck.map(
+                format!("material {}", record.integer("id")),
+                format!("a + b eps^n with n {n}"),
+                format!("{count} straight lines from a strain of {least} to {most}"),
+            );
+        }
+        if c > 0.0 {
+            table.put("cowper_symonds", record.place("c"), [c, p]);
+        }
+        fail(record, table);
+    }
+}
+
+/// Converts the plastic strain at which an element fails.
+fn fail(record: &CardRecord, table: &mut JobTable) {
+    let strain = record.real("epsmax");
+    if strain > 0.0 && strain < NONE {
+        table.put("failure_strain", record.place("epsmax"), strain);
+    }
+}
+
+/// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].
+fn elastic(record: &CardRecord, name: &str) -> (JobTable, f64) {
+    let is_void = record.row.keyword.name == "/MAT/LAW0";
+    let or = |value: f64, other: f64| if is_void && value <= 0.0 { other } else { value };
+    let (density, e) = (or(record.real("rho"), NO_DENSITY), or(record.real("e"), NO_MODULUS));
+    let table = JobTable::new(record.head)
+        .with("name", record.place("title"), name)
+        .with("density", record.place("rho"), density)
+        .with("youngs_modulus", record.place("e"), e)
+        .with("poisson", record.place("nu"), record.real("nu"));
+    (table, e)
+}
+
+/// Returns the points of a yield curve from plastic strain 0 on, continued with its last slope.
+fn far(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    if let Some(&[first, stress]) = points.first()
+        && first > 0.0
+    {
+        points.insert(0, [0.0, stress]);
+    }
+    if let [.., a, b] = points[..] {
+        let slope = (b[1] - a[1]) / (b[0] - a[0]);
+        if b[0] < FAR && slope.is_finite() && slope > 0.0 {
+            points.push([FAR, b[1] + slope * (FAR - b[0])]);
+        }
+    }
+    points
+}

@@ -1,0 +1,125 @@
+//! Materials.
+
+use super::{TITLE, not_yet};
+use crate::input::deck::record::CardRecord;
+use crate::input::deck::table::{
+    Keyword,
+    Times::{self, AtMost, Maybe, Once},
+    UnusedFields, ignored, no_effect, refused,
+};
+
+const DENSITY: (&str, Times) = ("rho:r20! rhoref:r20", Once);
+const REFERENCE: UnusedFields =
+    no_effect("rhoref", "the density at the start is that without strain");
+const FILTER: UnusedFields = ignored("fsmooth fcut", "the strain rate is not filtered");
+
+/// Returns the number of lines of five values, for the functions of a yield table.
+fn fives(record: &CardRecord) -> usize {
+    let count = record.integer("nfunc").clamp(1, 1000);
+    usize::try_from(count).unwrap_or(1).div_ceil(5)
+}
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new("/MAT/LAW1", &[TITLE, DENSITY, ("e:r20! nu:r20", Once)], "law `elastic`")
+        .aliases(&["/MAT/ELAST"])
+        .unused(&[REFERENCE]),
+    Keyword::new(
+        "/MAT/LAW0",
+        &[TITLE, ("rho:r20 rhoref:r20", Maybe), ("e:r20 nu:r20", Maybe)],
+        "a `skin`: shells with mass and contact that carry no load",
+    )
+    .aliases(&["/MAT/VOID"])
+    .unused(&[REFERENCE]),
+    Keyword::new(
+        "/MAT/LAW2",
+        &[
+            TITLE,
+            DENSITY,
+            ("e:r20! nu:r20 iflag:i", Once),
+            ("a:r20! b:r20 n:r20=1 epsmax:r20=1e30 sigmax:r20=1e30", Once),
+            ("c:r20 eps0:r20 icc:i fsmooth:i fcut:r20 chard:r20", Maybe),
+            ("m:r20=1 tmelt:r20=1e30 rhocp:r20 tr:r20=300", Maybe),
+        ],
+        "law `johnson_cook`, or `j2` if n is 1 and there is neither rate nor temperature. epsmax \
+         is the strain of failure. Heat comes from rhocp, with all plastic work",
+    )
+    .aliases(&["/MAT/PLAS_JOHNS"])
+    .unused(&[
+        REFERENCE,
+        refused("iflag", "yield stress and ultimate strength; give a, b and n (iflag 0)"),
+        ignored("chard", "hardening is isotropic, which differs when the load reverses"),
+        no_effect("icc", "it is about sigmax"),
+        FILTER,
+    ]),
+    Keyword::new(
+        "/MAT/LAW36",
+        &[
+            TITLE,
+            DENSITY,
+            ("e:r20! nu:r20 epsmax:r20=1e30 epst:r20=1e30 epsm:r20=1e30", Once),
+            ("nfunc:i fsmooth:i chard:r20 fcut:r20 epsf:r20=1e30 blank:a10 vp:i", Once),
+            ("fctp:i fscalep:r20=1 fcte:i einf:r20 ce:r20", Once),
+            ("fcts:i*5", AtMost(fives)),
+            ("fscales:r20=1*5", AtMost(fives)),
+            ("rates:r20*5", AtMost(fives)),
+        ],
+        "law `j2` with the first function as `hardening`; functions of further rates are not \
+         supported. epsmax is `failure_strain`",
+    )
+    .aliases(&["/MAT/PLAS_TAB"])
+    .unused(&[
+        REFERENCE,
+        ignored("chard", "hardening is isotropic, which differs when the load reverses"),
+        FILTER,
+        ignored("epst epsm epsf", "stress does not fall with the largest tensile strain"),
+        no_effect("vp", "there is one function, for all rates"),
+        refused("fctp", "a yield stress that depends on pressure"),
+        no_effect("fscalep", "it scales that function"),
+        refused("fcte einf ce", "a modulus that depends on plastic strain"),
+    ]),
+    Keyword::new(
+        "/MAT/LAW44",
+        &[
+            TITLE,
+            DENSITY,
+            ("e:r20! nu:r20 iflag:i", Once),
+            ("a:r20! b:r20 n:r20=1 chard:r20 sigmax:r20=1e30", Once),
+            ("c:r20 p:r20=1 icc:i fsmooth:i fcut:r20 blank:a10 vp:i", Maybe),
+            ("epsmax:r20=1e30 epst1:r20=1e30 epst2:r20=1e30", Maybe),
+            ("fctp:i blank:a10 fscalep:r20=1", Maybe),
+        ],
+        "law `j2` with c and p as `cowper_symonds`. With n other than 1, a + b eps^n becomes \
+         straight lines. epsmax is `failure_strain`",
+    )
+    .aliases(&["/MAT/COWPER"])
+    .unused(&[
+        REFERENCE,
+        refused("iflag", "yield stress and ultimate strength; give a, b and n (iflag 0)"),
+        ignored("chard", "hardening is isotropic, which differs when the load reverses"),
+        no_effect("icc", "it is about sigmax"),
+        FILTER,
+        ignored("vp", "the factor has the rate of the total strain"),
+        ignored("epst1 epst2", "stress does not fall with the largest tensile strain"),
+        refused("fctp", "a function of the yield stress; use /MAT/LAW36"),
+        no_effect("fscalep", "it scales that function"),
+    ]),
+    Keyword::new(
+        "/FAIL/JOHNSON",
+        &[
+            ("d1:r20 d2:r20 d3:r20 d4:r20 d5:r20", Once),
+            ("eps0:r20=1 ifailsh:i ifailso:i blank:a20 dadv:r20 ixfem:i", Maybe),
+        ],
+        "`damage` of the material with this id, whose law has to be `/MAT/LAW2`",
+    )
+    .unused(&[
+        no_effect("ifailso", "a point fails, and an element with its last point"),
+        ignored("dadv", "cracks do not advance on their own"),
+        refused("ixfem", "cracks within elements"),
+    ]),
+    not_yet("/MAT/PLAS_ZERIL", "the law of Zerilli and Armstrong; use /MAT/LAW2 or /MAT/LAW44"),
+    not_yet("/MAT/LAW3", "hydrodynamic plasticity"),
+    not_yet("/MAT/LAW27", "brittle plasticity"),
+    not_yet("/MAT/LAW42", "rubber"),
+    not_yet("/MAT/LAW70", "foam"),
+    not_yet("/MAT/LAW13", "rigid materials; use /RBODY"),
+];

@@ -1,0 +1,128 @@
+//! Files of Radioss decks: the engine file, includes, other formats, mesh files, imports.
+
+use super::{mesh, model, moves, properties, read_at, reading, said, steel, with};
+use crumple::input::mesh_file;
+use crumple_tests::manual::{Snippet, blocks};
+use crumple_tests::program::{crumple_with, run};
+use std::fs;
+use std::path::Path;
+
+/// The base without the keywords of the engine.
+fn starter() -> String {
+    let text = with("");
+    let (_, rest) = text.split_once("/END/ENGINE\n").unwrap();
+    rest.to_string() + "/END\n"
+}
+
+/// The engine file next to the starter gives the end of the run; without it a job can.
+#[test]
+fn the_engine_file_belongs_to_the_starter() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate_0000.rad");
+    fs::write(&path, starter()).unwrap();
+    let report = read_at(&path, &[]).err().unwrap();
+    assert!(report.contains("there is no engine file") && report.contains("plate_0001.rad"));
+    assert!(report.contains("end_time"), "{report}");
+    let job = folder.path().join("job.toml");
+    fs::write(&job, "end_time = 3.0\n[mesh]\ndeck = \"plate_0000.rad\"\n").unwrap();
+    assert_eq!(read_at(&job, &[]).unwrap().job.end_time, 3.0);
+    let engine = folder.path().join("plate_0001.rad");
+    fs::write(&engine, "#RADIOSS ENGINE\n/RUN/plate/1\n 7.5\n/VERS/2022\n/END\n").unwrap();
+    assert_eq!(read_at(&path, &[]).unwrap().job.end_time, 7.5);
+    let report = read_at(&engine, &[]).err().unwrap();
+    assert!(report.contains("is an engine file") && report.contains("plate_0000.rad"), "{report}");
+    // A mistake in it is named with its file.
+    fs::write(&engine, "/RUN/plate/1\n7.5x\n").unwrap();
+    let report = read_at(&path, &[]).err().unwrap();
+    assert!(report.contains("plate_0001.rad:2") && report.contains("7.5x"), "{report}");
+}
+
+/// A deck of several files; a file that includes itself is an error.
+#[test]
+fn includes_are_read_and_cycles_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate_0000.rad");
+    fs::write(folder.path().join("law.inc"), steel()).unwrap();
+    let text = mesh() + &properties() + "#include law.inc\n" + &moves() + "/END\n";
+    fs::write(&path, &text).unwrap();
+    let found = read_at(&path, &[]).unwrap();
+    assert_eq!(found.job.material[0].name, "steel");
+    fs::write(folder.path().join("law.inc"), steel() + "#include law.inc\n").unwrap();
+    let report = read_at(&path, &[]).err().unwrap();
+    assert!(report.contains("includes itself"), "{report}");
+}
+
+/// A deck under the name of the other format is read with a warning; other files are named.
+#[test]
+fn other_formats_are_recognised_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let found = read_at(&write("plate.k", &(with("") + "/END\n")), &["end_time=2"]).unwrap();
+    assert!(said(&found).contains("is a Radioss starter file, by its content"));
+    let base = format!("{}{}{}*END\n", crate::base::BASE, crate::base::STEEL, crate::base::MOVES);
+    let found = read_at(&write("plate_0000.rad", &base), &[]).unwrap();
+    assert!(said(&found).contains("is an LS-DYNA keyword deck, by its content"));
+    let report = read_at(&write("b_0000.rad", "ISO-10303-21;\nHEADER;\n"), &[]).err().unwrap();
+    assert!(report.contains("is a file of the format STEP geometry"), "{report}");
+}
+
+/// `mesh.file` takes the mesh of a deck alone, and `crumple import` makes a job with the deck.
+#[test]
+fn a_deck_is_a_mesh_file_and_can_be_imported() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate_0000.rad");
+    fs::write(&path, with("/GRNOD/NODE/5\n=rim\ni11 i14") + "/END\n").unwrap();
+    let found = mesh_file::read(&path, false).unwrap_or_else(|p| panic!("{p:?}"));
+    assert_eq!((found.mesh.nodes.len(), found.mesh.elements.len()), (14, 3));
+    let names: Vec<&str> = found.mesh.parts.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["plate", "cube"]);
+    assert_eq!(found.mesh.node_sets["rim"], [11, 14]);
+    assert!(found.warnings.iter().any(|w| w.help.contains("mesh.deck")), "{:?}", found.warnings);
+    let broken = folder.path().join("broken_0000.rad");
+    fs::write(&broken, "/BEGIN\nx\n      2022         0\n/NODE\n        1x\n").unwrap();
+    let problems = mesh_file::read(&broken, false).err().unwrap();
+    assert!(problems[0].message.contains("broken_0000.rad:5: /NODE: `nid`"), "{problems:?}");
+    let out = folder.path().join("imported");
+    let args = ["import", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    run(crumple_with(&args)).with_code(0);
+    let imported = read_at(Path::new(&out), &[]).unwrap();
+    assert_eq!((imported.job.end_time, imported.mesh.elements.len()), (10.0, 3));
+}
+
+/// Keys after `$crumple:` override the cards; a keyword can be left out.
+#[test]
+fn keys_in_comments_and_keywords_left_out() {
+    let text = with("/FAIL/JOHNSON/9\nr0.1");
+    assert!(reading(&text, &[]).is_err());
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("plate_0000.rad"), &text).unwrap();
+    let job = folder.path().join("job.toml");
+    let keys = "[mesh]\ndeck = \"plate_0000.rad\"\nleave_out = [\"/fail/johnson\"]\n";
+    fs::write(&job, keys).unwrap();
+    assert!(read_at(&job, &[]).is_ok());
+    let keyed = "$crumple: [time]\n$crumple: safety = 0.25\n".to_string() + &with("");
+    assert_eq!(model(&keyed).job.time.safety, 0.25);
+}
+
+/// The deck that the guide shows runs as it is, and its converted form too.
+#[test]
+fn the_deck_of_the_guide_runs() {
+    let blocks = blocks("docs/guide/radioss.md");
+    let of = |block: &&Snippet| block.language == "text" && block.text.starts_with("/RUN/");
+    let text = &blocks.iter().find(of).expect("a deck").text;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fall_0000.rad");
+    fs::write(&path, text).unwrap();
+    let model = read_at(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!((model.mesh.elements.len(), model.job.wall.len()), (2, 1));
+    let ended = run(crumple_with(&["run", path.to_str().unwrap(), "--no-report"])).with_code(0);
+    // The plate begins 1 mm above the wall at 1 mm/ms and stays on it.
+    let impulse = fs::read_to_string(ended.out().join("walls.csv")).unwrap();
+    let last = impulse.lines().last().unwrap().split(',').nth(4).unwrap();
+    let momentum = 7.85e-6 * 20.0 * 10.0 * 1.0;
+    assert!(last.parse::<f64>().unwrap().abs() > 0.9 * momentum, "{last} of {momentum}");
+}

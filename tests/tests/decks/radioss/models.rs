@@ -1,0 +1,385 @@
+//! Keywords of Radioss and the job that they become.
+
+use super::{deck, mesh, model, moves, properties, said, with};
+use crumple::input::job::Model;
+use crumple_proto::mesh::Shape;
+
+fn value<'m>(model: &'m Model, key: &str) -> &'m toml::Value {
+    &model.job.material[0].parameters[key]
+}
+
+fn number(model: &Model, key: &str) -> f64 {
+    value(model, key).as_float().unwrap_or_else(|| panic!("{key}"))
+}
+
+fn rows(model: &Model, key: &str) -> Vec<[f64; 2]> {
+    let row = |r: &toml::Value| [0, 1].map(|c| r[c].as_float().unwrap());
+    value(model, key).as_array().unwrap().iter().map(row).collect()
+}
+
+fn set(model: &Model, name: &str) -> Vec<u64> {
+    let found = model.mesh.node_sets.get(name).unwrap_or_else(|| panic!("no {name}"));
+    found.iter().map(|n| n.label()).collect()
+}
+
+/// A deck with another material.
+fn of_law(lines: &str) -> Model {
+    model(&(mesh() + &properties() + &moves() + &deck(lines)))
+}
+
+/// The base becomes two parts with their formulations, the units and the end of the run.
+#[test]
+fn the_base_becomes_a_job() {
+    let model = model(&with("/TITLE\n=a plate"));
+    assert_eq!((model.job.title.as_str(), model.job.units.as_str()), ("a plate", "mm, ms, kg"));
+    assert_eq!((model.job.end_time, model.mesh.elements.len()), (10.0, 3));
+    let [plate, cube] = &model.job.part[..] else { panic!("two parts") };
+    assert_eq!((plate.name.as_str(), plate.thickness), ("plate", 1.0));
+    assert_eq!(plate.element.as_deref(), Some("stabilised_quad"));
+    assert_eq!(cube.element.as_deref(), Some("hexahedron"));
+    let said = said(&model);
+    assert!(said.contains("Ishell 24") && said.contains("hourglass assumed_strain"), "{said}");
+    let start = &model.job.initial_velocity[0];
+    assert_eq!((start.velocity, start.nodes.as_deref()), ([1.0, 0.0, 0.0], Some("set-900")));
+}
+
+#[test]
+fn plastic_laws_keep_their_numbers() {
+    let head = "=m\nr7.85e-6\nr200.0 r0.3";
+    let linear = of_law(&format!("/MAT/LAW2/1\n{head}\nr0.3 r0.5 r1 r0.2\n_\n_"));
+    assert_eq!(linear.job.material[0].law, "j2");
+    assert_eq!(
+        ["yield_stress", "hardening_modulus", "failure_strain"].map(|k| number(&linear, k)),
+        [0.3, 0.5, 0.2]
+    );
+    let cook = of_law(&format!(
+        "/MAT/PLAS_JOHNS/1\n{head}\nr0.3 r0.4 r0.5 r0.8\nr0.01 r1e-3\nr1.1 r1700 r3.6e-3 r293"
+    ));
+    assert_eq!(cook.job.material[0].law, "johnson_cook");
+    assert_eq!(
+        ["a", "b", "n", "c", "reference_rate"].map(|k| number(&cook, k)),
+        [0.3, 0.4, 0.5, 0.01, 1e-3]
+    );
+    assert_eq!(number(&cook, "specific_heat"), 3.6e-3 / 7.85e-6, "per mass, not per volume");
+    assert_eq!(number(&cook, "taylor_quinney"), 1.0, "all plastic work is heat");
+    assert_eq!(value(&cook, "damage").as_array().unwrap()[0].as_float(), Some(0.8));
+    let fails = of_law(&format!(
+        "/MAT/LAW2/1\n{head}\nr0.3 r0.4 r0.5\n_\n_\n/FAIL/JOHNSON/1\nr0.1 r1.2 r-2 r0.01 r0\nr1e-3"
+    ));
+    assert_eq!(value(&fails, "damage").as_array().unwrap()[1].as_float(), Some(1.2));
+    assert_eq!(number(&fails, "reference_rate"), 1e-3);
+    let cowper = of_law(&format!("/MAT/COWPER/1\n{head}\nr0.3 r0.5 r1\nr40 r5\nr0.7"));
+    assert_eq!(number(&cowper, "yield_stress"), 0.3);
+    let pair = value(&cowper, "cowper_symonds").as_array().unwrap();
+    assert_eq!((pair[0].as_float(), pair[1].as_float()), (Some(40.0), Some(5.0)));
+    // A power law as straight lines: each point is on it.
+    let power = rows(&of_law(&format!("/MAT/LAW44/1\n{head}\nr0.3 r0.5 r0.4")), "hardening");
+    assert!(power.len() > 50 && power[0] == [0.0, 0.3]);
+    let off = |p: &[f64; 2]| (p[1] - (0.3 + 0.5 * p[0].powf(0.4))).abs();
+    assert!(power[1..].iter().all(|p| off(p) < 1e-15), "{power:?}");
+}
+
+/// A table of the yield stress is scaled and goes on with its last slope, as in Radioss.
+#[test]
+fn a_yield_table_continues_with_its_last_slope() {
+    let law = "/FUNCT/9\n=y\nr0 r300\nr0.1 r400\n/MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3 r0.6\ni1\n\
+               _\ni9\nr1e-3\nr0";
+    let model = of_law(law);
+    let found = rows(&model, "hardening");
+    assert_eq!(found[..2], [[0.0, 0.3], [0.1, 0.4]]);
+    let slope = (found[2][1] - 0.4) / (found[2][0] - 0.1);
+    // The differences of three decimal numbers.
+    assert!((slope - 1.0).abs() < 1e-12 && found.len() == 3, "{found:?}");
+    assert_eq!(number(&model, "failure_strain"), 0.6);
+}
+
+/// Nodes by ids, parts, boxes, ranges, groups, elements and general sets.
+#[test]
+fn groups_have_their_nodes() {
+    let model = model(&with(
+        "/GRNOD/NODE/1
+        =some
+        i11 i12 i13
+        /GRNOD/PART/2
+        =of plate
+        i1
+        /BOX/RECTA/1
+        =low
+        i0
+        r-1 r-1 r-1
+        r11 r1 r1
+        /GRNOD/BOX/3
+        =in box
+        i1
+        /GRNOD/GENE/4
+        =range
+        i3 i5
+        /GRNOD/GRNOD/5
+        =sum
+        i1 i4 i-3
+        /GRSHEL/SHEL/7
+        =second
+        i2
+        /GRNOD/GRSHEL/6
+        =of shell
+        i7
+        /SET/GENERAL/8
+        =general
+        wPART i1
+        wNODE_D i13
+        /SUBSET/3
+        =none",
+    ));
+    assert_eq!(set(&model, "set-1"), [11, 12, 13]);
+    assert_eq!(set(&model, "some"), [11, 12, 13], "under its title too");
+    assert_eq!(set(&model, "set-2"), [11, 12, 13, 14, 15, 16]);
+    assert_eq!(set(&model, "set-3"), [1, 2]);
+    assert_eq!(set(&model, "set-4"), [3, 4, 5]);
+    assert_eq!(set(&model, "set-5"), [3, 4, 5, 11, 12, 13]);
+    assert_eq!(set(&model, "set-6"), [12, 13, 15, 16]);
+    assert_eq!(set(&model, "set-8"), [11, 12, 14, 15, 16]);
+}
+
+/// Conditions on a main node act on its body, those on other nodes stay.
+#[test]
+fn a_main_node_stands_for_its_body() {
+    let lines = "/NODE
+        i90 r5 r5 r5
+        /GRNOD/PART/2
+        =cube nodes
+        i2
+        /GRNOD/NODE/3
+        =main and corner
+        i90 i11
+        /RBODY/1
+        =the cube
+        i90 i0 i0 i0 r2.5 i2
+        /FUNCT/1
+        =one
+        r0 r1
+        r10 r1
+        /IMPVEL/1
+        =drive
+        i1 wZ i0 i0 i3
+        r0 r-2
+        /BCS/1
+        =held";
+    let model = model(&(with(lines) + "   110 001         0         3\n"));
+    let body = &model.job.rigid[0];
+    assert_eq!((body.name.as_str(), &body.parts[..], &body.nodes), ("the cube", &[2][..], &None));
+    assert_eq!(model.job.mass[0].mass, 2.5, "of the main node");
+    assert_eq!(body.fixed, ["rz", "x", "y"]);
+    assert_eq!(model.job.fix[0].dofs, ["x", "y", "rz"]);
+    assert_eq!(set(&model, &model.job.fix[0].nodes), [11]);
+    let [of_body, of_node] = &model.job.motion[..] else { panic!("two motions") };
+    assert_eq!(of_body.rigid.as_deref(), Some("the cube"));
+    assert_eq!(of_body.velocity, Some([0.0, 0.0, -2.0]));
+    assert_eq!(set(&model, of_node.nodes.as_ref().unwrap()), [11]);
+}
+
+#[test]
+fn walls_interfaces_and_ties_find_their_parts() {
+    let lines = "/GRNOD/PART/2
+        =cube nodes
+        i2
+        /GRNOD/NODE/4
+        =rim
+        i11 i14
+        /SURF/PART/1
+        =both
+        i1 i2
+        /SURF/SEG/2
+        =top
+        i1 i5 i6 i7 i8
+        /RWALL/PLANE/1
+        =floor
+        i0 i2 i2
+        r0 r0.2
+        r0 r0 r-1
+        r0 r0 r0
+        /RWALL/SPHER/2
+        =ball
+        i0 i0
+        r99 r0 r4.0
+        r0 r0 r-9
+        /INTER/TYPE24/1
+        =all
+        i1
+        i0 _ _ i1
+        _
+        r0 r0.1 _ _ r0 r5
+        _
+        /INTER/TYPE7/2
+        =plate on top
+        i4 i2 i0 i0 i1000
+        r0
+        r0
+        r1 r0.3 r0.5
+        _
+        i4
+        r0.2 r3.0
+        _
+        /INTER/TYPE2/3
+        =tied
+        i4 i2 i0 i5 _ _ _ _ r3.0";
+    let model = model(&with(lines));
+    let [floor, ball] = &model.job.wall[..] else { panic!("two walls") };
+    assert_eq!((floor.normal, floor.friction), (Some([0.0, 0.0, 1.0]), 0.2));
+    assert_eq!(floor.nodes.as_deref(), Some("set-2"));
+    assert_eq!((ball.radius, ball.friction, &ball.nodes), (Some(2.0), 0.0, &None));
+    let contact = model.job.contact.as_ref().unwrap();
+    assert_eq!(
+        (&contact.parts[..], contact.friction, contact.death),
+        (&[1, 2][..], 0.1, Some(5.0))
+    );
+    assert!(contact.edges, "Iedge 1");
+    let pair = &contact.interface[0];
+    assert_eq!((&pair.parts[..], &pair.against[..]), (&[1][..], &[2][..]));
+    assert_eq!(
+        (pair.friction, pair.friction_dynamic, pair.friction_decay),
+        (Some(0.3), Some(0.2), Some(3.0))
+    );
+    assert_eq!(pair.thickness, Some(0.5), "a constant gap");
+    let tie = &model.job.tie[0];
+    assert_eq!((tie.tolerance, tie.rotations, tie.offset), (3.0, true, true));
+    assert_eq!(set(&model, tie.faces.as_ref().unwrap()), [5, 6, 7, 8]);
+}
+
+/// Forces act on each node of a group; gravity and pressure on the model and on surfaces.
+#[test]
+fn loads_have_their_amounts() {
+    let lines = "/FUNCT/1
+        =ramp
+        r0 r0
+        r2 r1
+        /GRNOD/NODE/1
+        =two
+        i11 i12
+        /SURF/PART/1
+        =plate
+        i1
+        /CLOAD/1
+        =pull
+        i1 wY i0 i0 i1 _ r1 r0.25
+        /GRAV/1
+        =fall
+        i1 wZ i0 i0 i0 _ r1 r-9.81e-3
+        /PLOAD/1
+        =press
+        i1 i1 i0 _ _ _ r2 r0.5
+        /ADMAS/0/1
+        =each
+        r0.1 i1
+        /ADMAS/5/2
+        =single
+        r0.3 i13
+        /TH/NODE/1
+        =watched
+        wDEF
+        i12 i0";
+    let model = model(&with(lines));
+    assert_eq!(model.job.load[0].force, [0.0, 0.5, 0.0], "0.25 on each of two nodes");
+    assert_eq!(model.job.gravity[0].acceleration, [0.0, 0.0, -9.81e-3]);
+    assert_eq!(
+        (model.job.pressure[0].pressure, &model.job.pressure[0].parts[..]),
+        (-0.5, &[1][..])
+    );
+    let curve = |name: &Option<String>| {
+        let name = name.as_ref().unwrap();
+        model.job.curve.iter().find(|c| c.name == *name).unwrap().points.clone()
+    };
+    // It goes on with its slope beyond the end of the run.
+    assert_eq!(curve(&model.job.load[0].curve), [[0.0, 0.0], [2.0, 1.0], [1e4, 5e3]]);
+    assert_eq!(curve(&model.job.pressure[0].curve), [[0.0, 0.0], [4.0, 1.0], [1e4, 2.5e3]]);
+    let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
+    assert_eq!(masses, [0.2, 0.3]);
+    assert_eq!(model.job.output.node[0].name, "watched");
+}
+
+/// Beams, trusses, springs, tetrahedra and wedges.
+#[test]
+fn other_elements_have_their_properties() {
+    let lines = "/NODE
+        i20 r0 r0 r30
+        i21 r10 r0 r30
+        i22 r20 r0 r30
+        i23 r0 r10 r30
+        i24 r0 r0 r40
+        i25 r10 r0 r40
+        i26 r0 r10 r40
+        /BEAM/3
+        i1 i20 i21 i23
+        /TRUSS/4
+        i1 i21 i22
+        /SPRING/5
+        i1 i22 i13
+        /TETRA4/6
+        i5 i20 i23 i21 i24
+        /PENTA6/7
+        i6 i20 i21 i23 i24 i25 i26
+        /PART/3
+        =beam
+        i3 i1
+        /PART/4
+        =truss
+        i4 i1
+        /PART/5
+        =spring
+        i5 i0
+        /PART/6
+        =tet
+        i6 i1
+        /PART/7
+        =wedge
+        i6 i1
+        /PROP/BEAM/3
+        =b
+        _
+        r0 r0
+        r4 r2 r1 r3
+        /PROP/TRUSS/4
+        =t
+        r2.5
+        /PROP/SPRING/5
+        =s
+        r0.4
+        r1.5 r0.2
+        _
+        _
+        /PROP/SOLID/6
+        =v
+        i1 i0 _ i0 i0 i0 i3";
+    let model = model(&with(lines));
+    let part = |name: &str| model.job.part.iter().find(|p| p.name == name).unwrap();
+    let beam = part("beam").beam.as_ref().unwrap();
+    assert_eq!((beam.area, beam.second_moments, beam.torsion), (4.0, [2.0, 1.0], 3.0));
+    assert_eq!(part("truss").truss.as_ref().unwrap().area, 2.5);
+    let spring = part("spring").spring.as_ref().unwrap();
+    assert_eq!((spring.stiffness, spring.damping), (1.5, 0.2));
+    assert_eq!(model.job.mass[0].mass, 0.4, "half on each end");
+    let count = |shape| model.mesh.elements.iter().filter(|e| e.shape == shape).count();
+    for shape in [Shape::Beam2, Shape::Truss2, Shape::Line2, Shape::Tet4, Shape::Wedge6] {
+        assert_eq!(count(shape), 1, "{shape:?}");
+    }
+    assert!(said(&model).contains("negative volume"), "the tetrahedron is turned");
+}
+
+/// The keywords of the engine set the run.
+#[test]
+fn the_engine_file_sets_the_run() {
+    let text = with("").replacen(
+        "/END/ENGINE",
+        "/TFILE\n0.25\n/ANIM/DT\n0.0 2.5\n/DT\n0.67 0\n/DT/NODA/CST\n0.5 1e-4\n/DTIX\n0, 0.125\n\
+         /PRINT/-10\n/END/ENGINE",
+        1,
+    );
+    let model = model(&text);
+    assert_eq!(model.job.output.history_interval, 0.25);
+    assert_eq!(model.job.output.field_interval, 2.5);
+    let time = &model.job.time;
+    assert_eq!((time.safety, time.mass_scaling_dt, time.dt_max), (0.5, 2e-4, 0.125));
+    let said = said(&model);
+    for part in ["/PRINT is not read", "the smallest, 0.5, for all", "without a limit"] {
+        assert!(said.contains(part), "{part}\n{said}");
+    }
+}
