@@ -84,8 +84,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "/RWALL/PLANE",
         &[TITLE, WALL, REACH, POINT, END],
         "`[[wall]]` through M with the normal from M to M1. It stops the nodes of grnd_ID1 and \
-         those in front of it up to the distance d, without those of grnd_ID2. With a node, the third line is \
-         its mass and initial velocity",
+         those in front of it up to the distance d, without those of grnd_ID2. With a node, \
+         the third line is its mass and initial velocity",
     )
     .unused(WALL_UNUSED),
     Keyword::new("/RWALL/CYL", &[TITLE, WALL, REACH, POINT, END], "a cylinder of diameter Phi")
