@@ -94,7 +94,8 @@ fn survives(bytes: &[u8]) -> bool {
                 sound = true;
                 let said = crumple::input::check::describe(&model);
                 let deck = crumple::input::deck::radioss::export::export(&model, "a");
-                assert!(!said.is_empty() && deck.is_ok());
+                // Ids may have more digits than the columns of the format.
+                assert!(!said.is_empty() && deck.err().is_none_or(|why| why.contains("digits")));
             }
             Err(report) => {
                 let said = report.to_string();
