@@ -147,7 +147,8 @@ impl StarterConverter {
                     5 => {
                         let Some(node) = super::groups::node(of) else { continue };
                         self.warn_of_walls(&record, &[node]);
-                        if self.mass_of_main(node, mass, place) {
+                        let is_wall = self.wall_nodes.contains(&node);
+                        if is_wall || self.mass_of_main(node, mass, place) {
                             continue;
                         }
                         let entry = equal
@@ -181,8 +182,9 @@ impl StarterConverter {
     ) {
         self.warn_of_walls(record, &nodes);
         let count = nodes.len();
-        let others: Vec<NodeId> =
+        let mut others: Vec<NodeId> =
             nodes.into_iter().filter(|&n| !self.mass_of_main(n, each, place)).collect();
+        others.retain(|node| !self.wall_nodes.contains(node));
         if others.len() == count {
             return self.put_mass(place, format!("set-{id}"), total);
         }

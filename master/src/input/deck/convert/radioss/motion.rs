@@ -148,9 +148,16 @@ impl StarterConverter {
                 self.deck.trouble.error(place, message, help);
                 continue;
             }
-            let Some(set) = self.deck.node_set(grnod, place) else { continue };
-            let all = self.deck.node_sets[&grnod].0.clone();
+            let Some(mut set) = self.deck.node_set(grnod, place) else { continue };
+            let mut all = self.deck.node_sets[&grnod].0.clone();
             self.warn_of_walls(&record, &all);
+            if all.iter().any(|node| self.wall_nodes.contains(node)) {
+                all.retain(|node| !self.wall_nodes.contains(node));
+                if all.is_empty() {
+                    continue;
+                }
+                set = self.deck.rows.add_new_set(&format!("{set} moved"), all.clone(), place);
+            }
             self.velocity_of_group(&record, (set, all), (v, spin));
         }
         self.join_velocities();
