@@ -249,7 +249,7 @@ fn rate_factors(parameters: &mut Parameters<'_>) -> Option<Vec<[f64; 2]>> {
     const KEY: &str = "rate_factors";
     let rows = parameters.rows::<2>(KEY, "[[rate, factor], ...]")?;
     let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0] && two[0][1] <= two[1][1]);
-    if !rows.is_empty() && !(ascends && rows[0][0] >= 0.0 && rows[0][1] > 0.0) {
+    if !(rows.is_empty() || ascends && rows[0][0] >= 0.0 && rows[0][1] > 0.0) {
         let help = "give increasing rates from 0 on, and factors above 0 that do not decrease";
         parameters.wrong(KEY, "has rates or factors in the wrong order", help);
     }

@@ -184,8 +184,8 @@ fn compression(parameters: &mut Parameters<'_>) -> Vec<[f64; 3]> {
             && curve[1][2] > 0.0
             && curve.windows(2).all(|two| two[0][1] < two[1][1] && two[0][2] <= two[1][2])
     };
-    if !rows.is_empty()
-        && !(curves.iter().all(ascends)
+    if !(rows.is_empty()
+        || curves.iter().all(ascends)
             && rows[0][0] >= 0.0
             && curves.windows(2).all(|two| two[0][0][0] < two[1][0][0]))
     {

@@ -111,7 +111,7 @@ impl<'a> Parameters<'a> {
     ) -> Option<Vec<[f64; 2]>> {
         let rows = self.rows::<2>(key, form)?;
         let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0]);
-        if !rows.is_empty() && !(ascends && rows[0][0] == 0.0 && rows.iter().all(fits)) {
+        if !(rows.is_empty() || ascends && rows[0][0] == 0.0 && rows.iter().all(fits)) {
             let help = format!("give {form} with increasing abscissas from 0 on, {wanted}");
             self.wrong(key, "is not such a curve", help);
             return Some(Vec::new());

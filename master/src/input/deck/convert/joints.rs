@@ -231,7 +231,7 @@ impl DeckConverter {
         };
         let fits = |joint: &&mut DeckJoint| is_meant(joint) && along(joint).is_some();
         let Some(joint) = joints.iter_mut().find(fits) else {
-            if joints.iter().any(|joint| is_meant(joint)) {
+            if joints.iter().any(is_meant) {
                 let why = "the axis of the joint is no axis of this system";
                 return self.unsupported_card(record, "cida", why);
             }

@@ -228,7 +228,7 @@ impl StarterConverter {
                     let range = self.ranges(&[(first, place), (last, place)]);
                     let step = u64::try_from(step.max(1)).unwrap_or(1);
                     let from = range.first().map_or(0, |_| u64::try_from(first).unwrap_or(0));
-                    nodes.extend(range.into_iter().filter(|n| (n.0 - from) % step == 0));
+                    nodes.extend(range.into_iter().filter(|n| (n.0 - from).is_multiple_of(step)));
                 }
             }
             "BOX" => {
