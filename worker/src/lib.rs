@@ -36,6 +36,6 @@ pub mod vtu;
 
 pub use crumple_contact as contact;
 pub use crumple_fem as fem;
-pub use crumple_fem::{nodes, parameter, registry, step_data, time, work};
+pub use crumple_fem::{nodes, parameter, piecewise_linear, registry, step_data, time, work};
 pub use crumple_math as math;
 use crumple_math::stateless;

@@ -87,6 +87,36 @@ fn survives(bytes: &[u8]) -> (bool, String) {
     (sound, said)
 }
 
+/// Damage: place, kind and text.
+pub type Wound = (prop::sample::Index, usize, String);
+
+/// Generates damage with texts from `word`.
+pub fn wound(word: impl Strategy<Value = String>) -> impl Strategy<Value = Wound> {
+    (any::<prop::sample::Index>(), 0usize..5, word)
+}
+
+/// Returns a text with cuts, flipped bits, and texts within it or instead of a part of it.
+pub fn damaged(text: &str, wounds: &[Wound]) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
+    for (at, kind, word) in wounds {
+        let at = at.index(bytes.len());
+        match kind {
+            0 => bytes.truncate(at.max(40)),
+            1 => drop(bytes.remove(at)),
+            2 => drop(bytes.splice(at..at, word.bytes())),
+            3 => bytes[at] ^= 1 << (word.len() % 8),
+            _ => {
+                let end = (at + word.len().max(1)).min(bytes.len());
+                drop(bytes.splice(at..end, word.bytes()));
+            }
+        }
+        if bytes.is_empty() {
+            break;
+        }
+    }
+    bytes
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -112,24 +142,9 @@ proptest! {
     #[test]
     fn a_plate_with_damage(
         which in 0usize..3,
-        wounds in prop::collection::vec((any::<prop::sample::Index>(), 0usize..4, word()), 1..4),
+        wounds in prop::collection::vec(wound(word()), 1..4),
     ) {
-        let mut bytes = PLATE[which].clone().into_bytes();
-        for (at, kind, word) in wounds {
-            let at = at.index(bytes.len());
-            match kind {
-                0 => bytes.truncate(at.max(40)),
-                1 => drop(bytes.remove(at)),
-                2 => drop(bytes.splice(at..at, word.bytes())),
-                _ => {
-                    let end = (at + word.len().max(1)).min(bytes.len());
-                    drop(bytes.splice(at..end, word.bytes()));
-                }
-            }
-            if bytes.is_empty() {
-                break;
-            }
-        }
+        let bytes = damaged(&PLATE[which], &wounds);
         survives(&bytes);
     }
 }

@@ -15,6 +15,7 @@ pub mod materials;
 pub mod nodes;
 pub mod parameter;
 pub mod particles;
+pub mod piecewise_linear;
 pub mod registry;
 pub mod step_data;
 pub mod testing;

@@ -1,9 +1,11 @@
 //! Joints of a job: checks, and conversion to indices and directions.
 
 use super::validate::{JobProblems, nearest};
+use super::walls::unit;
 use crumple_proto::job::{Job, JointInput, JointKind, JointResistance};
 use crumple_proto::joint::{Resistance, ResolvedJoint};
 use crumple_proto::problem::Problem;
+use crumple_worker::piecewise_linear::PiecewiseLinear;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -134,9 +136,7 @@ impl JointCheck<'_> {
     }
 
     fn unit(&mut self, key: &str, given: [f64; 3]) -> Option<Vector3<f64>> {
-        // The largest component first: squares of large numbers overflow.
-        let given = Vector3::from(given);
-        let unit = (given.amax() > 0.0).then(|| (given / given.amax()).normalize());
+        let unit = unit(given).map(Vector3::from);
         if unit.is_none() {
             self.fault(key, "the direction is zero", "give a direction, such as [0, 0, 1]");
         }
@@ -187,10 +187,9 @@ impl JointCheck<'_> {
         if given.stiffness != 0.0 && !given.table.is_empty() {
             self.fault(&path, "it has both `stiffness` and `table`", "give one of them");
         }
-        let ascends = given.table.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-        if given.table.len() == 1 || !ascends {
+        if let Some(fault) = PiecewiseLinear::fault(&given.table) {
             let help = "give at least two points with ascending first numbers";
-            self.fault(&path, "its points do not ascend, or there is one only", help);
+            self.fault(&path, format!("`table` {fault}"), help);
         }
         if given.stops.is_some_and(|[low, high]| !(low <= 0.0 && high >= 0.0 && low < high)) {
             let help = "give the smallest and the largest value with 0, the start, between them";

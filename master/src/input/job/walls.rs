@@ -234,7 +234,7 @@ fn join(i: usize, key: &str) -> String {
 
 /// Returns the unit vector along `v`, if it has a direction. The vector is scaled by its largest
 /// component first, so that very small and very large vectors work too.
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+pub(super) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let scaled = v.map(|c| c / largest);
     let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();

@@ -16,6 +16,7 @@ use super::{
     PassTotals, SingleElement, section,
 };
 use crate::columns::ElementState;
+use crate::piecewise_linear::PiecewiseLinear;
 use crumple_math::row::{V3, xyz};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -45,40 +46,6 @@ pub struct Spring {
     elongation: PiecewiseLinear,
     rate: PiecewiseLinear,
     direction: Option<V3>,
-}
-
-/// A piecewise linear function, extrapolated beyond its ends.
-struct PiecewiseLinear(Vec<[f64; 2]>);
-
-impl PiecewiseLinear {
-    /// Builds the function from its points, or through the origin with a slope if there are no
-    /// points.
-    fn new(points: &[[f64; 2]], slope: f64) -> Self {
-        if points.is_empty() { Self(vec![[0.0, 0.0], [1.0, slope]]) } else { Self(points.to_vec()) }
-    }
-
-    fn slope(&self, piece: usize) -> f64 {
-        let [[x0, y0], [x1, y1]] = [self.0[piece], self.0[piece + 1]];
-        (y1 - y0) / (x1 - x0)
-    }
-
-    fn value(&self, x: f64) -> f64 {
-        let piece = self.0[1..self.0.len() - 1].partition_point(|p| p[0] <= x);
-        self.0[piece][1] + self.slope(piece) * (x - self.0[piece][0])
-    }
-
-    fn steepest(&self) -> f64 {
-        (0..self.0.len() - 1).map(|piece| self.slope(piece).abs()).fold(0.0, f64::max)
-    }
-
-    /// Returns the error in the points, if any.
-    fn fault(points: &[[f64; 2]]) -> Option<String> {
-        match points.windows(2).find(|p| p[1][0] <= p[0][0]) {
-            Some(p) => Some(format!("does not ascend from {:?} to {:?}", p[0][0], p[1][0])),
-            None if points.len() == 1 => Some("has one point only".into()),
-            None => None,
-        }
-    }
 }
 
 fn build(part: &Part) -> ElementResult {
@@ -219,14 +186,6 @@ impl Element for Spring {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_go_on_beyond_their_ends() {
-        let line = PiecewiseLinear::new(&[[-1.0, -3.0], [0.0, 0.0], [2.0, 1.0]], 0.0);
-        let at = [-2.0, -1.0, -0.5, 0.0, 1.0, 2.0, 4.0].map(|x| line.value(x));
-        assert_eq!(at, [-6.0, -3.0, -1.5, 0.0, 0.5, 1.0, 2.0]);
-        assert_eq!((line.steepest(), PiecewiseLinear::new(&[], 7.0).value(-2.0)), (3.0, -14.0));
-    }
 
     /// Checks the amplification polynomial: at the stable step a mode grows at most linearly, just
     /// above it without bound.

@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::joints::{JointState, REGULAR};
 use crate::math::row::V3;
+use crate::piecewise_linear::PiecewiseLinear;
 use crate::time::StepSizes;
 use crumple_proto::job::JointKind;
 use crumple_proto::joint::{Resistance, ResolvedJoint};
@@ -189,7 +190,8 @@ impl RowBuilder<'_> {
     /// Resists in a coordinate q with the given directions.
     fn resist(&mut self, how: &Resistance, q: f64, (linear, turning): (V3, V3)) {
         let (dt, mid) = (self.steps.dt, self.steps.dt_damped);
-        let (force, slope) = value(&how.table, q);
+        let line = PiecewiseLinear::new(&how.table, 0.0);
+        let (force, slope) = (line.value(q), line.slope(q));
         // A falling branch has no stiffness here: its force is that at the present time.
         let (stiff, damping) = (mid * dt * slope.max(0.0), mid * how.damping);
         if stiff > 0.0 || damping > 0.0 || force != 0.0 {
@@ -292,15 +294,4 @@ pub fn angle(job: &ResolvedJoint, state: &JointState, frames: &[(V3, Matrix3<f64
 fn ends(job: &ResolvedJoint, frames: &[(V3, Matrix3<f64>)]) -> [(V3, Matrix3<f64>); 2] {
     let ground = (V3::zeros(), Matrix3::identity());
     [job.first.map_or(ground, |body| frames[body]), frames[job.second]]
-}
-
-/// Returns the value and the slope of a table, linear beyond its ends; 0 without points.
-fn value(table: &[[f64; 2]], x: f64) -> (f64, f64) {
-    if table.len() < 2 {
-        return (0.0, 0.0);
-    }
-    let piece = table[1..table.len() - 1].partition_point(|p| p[0] <= x);
-    let [[x0, y0], [x1, y1]] = [table[piece], table[piece + 1]];
-    let slope = (y1 - y0) / (x1 - x0);
-    (y0 + slope * (x - x0), slope)
 }
