@@ -261,7 +261,7 @@ pub struct ElementRecord {
     /// Corner nodes.
     pub nodes: CornerNodes,
     /// Faces of a solid that no other solid shares, one bit per face number.
-    pub free_faces: u8,
+    pub free_faces: u16,
     /// True if the element has failed and has left the contact surface.
     pub failed: bool,
     /// Values of a shell that replace those of its part.

@@ -18,6 +18,8 @@ pub enum Cut {
     Tetrahedra,
     /// Two wedges.
     Wedges,
+    /// Six tetrahedra with nodes in the middle of their edges.
+    QuadraticTetrahedra,
 }
 
 impl Cut {
@@ -25,10 +27,14 @@ impl Cut {
     pub fn add(self, scene: &mut Scene, part: u32, c: [u32; 8]) {
         match self {
             Self::Whole => scene.solid(part, c),
-            Self::Tetrahedra => {
+            Self::Tetrahedra | Self::QuadraticTetrahedra => {
                 let around = [1, 2, 3, 7, 4, 5].map(|k: usize| c[k]);
                 for i in 0..6 {
-                    scene.solid_of(part, &[c[0], around[i], around[(i + 1) % 6], c[6]]);
+                    let corners = [c[0], around[i], around[(i + 1) % 6], c[6]];
+                    match self {
+                        Self::Tetrahedra => scene.solid_of(part, &corners),
+                        _ => scene.quadratic_tetrahedron(part, corners),
+                    }
                 }
             }
             Self::Wedges => {

@@ -254,6 +254,7 @@ impl Cells {
             Shape::Hex8 => 12,
             Shape::Tet4 => 10,
             Shape::Wedge6 => 13,
+            Shape::Tet10 => 24,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 3,
             Shape::Point1 => 1,
         });

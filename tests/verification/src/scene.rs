@@ -1,6 +1,7 @@
 //! Builder of meshes and jobs: mesh rows by code, the rest as the text of a job file. Tests with
 //! their own job text take [`Scene::mesh_text`] only. Units are SI, unless a scene has others.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Steel of the catalogue: Young's modulus [Pa], Poisson's ratio, density [kg/m^3].
@@ -41,6 +42,8 @@ pub struct Scene {
     end_time: f64,
     units: &'static str,
     nodes: Vec<[f64; 3]>,
+    /// Nodes in the middle between two nodes.
+    middles: BTreeMap<[u32; 2], u32>,
     shells: Vec<Vec<u32>>,
     solids: Vec<Vec<u32>>,
     beams: Vec<Vec<u32>>,
@@ -156,9 +159,34 @@ impl Scene {
         self.solid_of(part, &corners);
     }
 
-    /// Adds a tetrahedron, a wedge or a hexahedron, by the number of corners.
+    /// Adds a tetrahedron, a wedge or a hexahedron, by the number of nodes.
     pub fn solid_of(&mut self, part: u32, corners: &[u32]) {
         self.solids.push(std::iter::once(part).chain(corners.iter().copied()).collect());
+    }
+
+    /// Adds a tetrahedron with nodes in the middle of its edges, which it has in common with its
+    /// neighbours.
+    pub fn quadratic_tetrahedron(&mut self, part: u32, c: [u32; 4]) {
+        let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+        let middles = edges.map(|[a, b]: [usize; 2]| self.middle(c[a], c[b]));
+        self.solid_of(part, &[&c[..], &middles[..]].concat());
+    }
+
+    /// Returns the node in the middle between two nodes, which is added if there is none yet.
+    fn middle(&mut self, a: u32, b: u32) -> u32 {
+        let ends = [a.min(b), a.max(b)];
+        if let Some(&node) = self.middles.get(&ends) {
+            return node;
+        }
+        let [from, to] = ends.map(|n| self.at(n));
+        let node = self.node([0, 1, 2].map(|c| 0.5 * (from[c] + to[c])));
+        self.middles.insert(ends, node);
+        node
+    }
+
+    /// Returns the nodes in the middle between two nodes, with these.
+    pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], u32)> {
+        self.middles.iter().map(|(&ends, &node)| (ends, node))
     }
 
     /// Adds a beam of a part between two nodes. The second axis of its section points towards

@@ -414,6 +414,11 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
 
 fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
     let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
+    if element.shape == Shape::Tet10 {
+        deck.card(&fields);
+        deck.card(&element.nodes.map(|n| Id(n.label())));
+        return;
+    }
     let corners: &[usize] = match element.shape {
         Shape::Tri3 => &[0, 1, 2, 2],
         Shape::Quad4 => &[0, 1, 2, 3],

@@ -170,7 +170,11 @@ impl FieldSource {
                     .collect();
                 let corner = |k: usize| at[k.min(at.len() - 1)];
                 match (kind as u8, at.len()) {
+                    // The format's solids have eight corners; the nodes on edges are left out.
                     (10 | 12, _) => solids.push((element, std::array::from_fn(corner))),
+                    (24, 10) => {
+                        solids.push((element, std::array::from_fn(|k| at[k.min(3)])));
+                    }
                     (13, 6) => {
                         let degenerate = [0, 2, 5, 3, 1, 1, 4, 4].map(corner);
                         solids.push((element, degenerate));

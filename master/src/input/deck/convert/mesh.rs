@@ -37,8 +37,6 @@ pub struct Rows {
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
-    /// Solids of ten nodes, which are not added, with their places.
-    pub ten_nodes: Vec<(ElemId, Place)>,
     /// Shells of more than four nodes, of which only the corners are added, with their places.
     pub curved: Vec<(ElemId, Place)>,
     /// Offsets of shells from their nodes, by index [length].
@@ -261,7 +259,9 @@ impl Rows {
                 continue;
             }
             if n[8..] != [0, 0] {
-                self.ten_nodes.push((id, block.span(line, 0, (line.1 - line.0) as usize)));
+                let tetrahedron = MeshElement::new(id, part, Shape::Tet10, &n.map(NodeId));
+                self.solids.push(tetrahedron);
+                self.solid_lines.push((block.file, line.0, line.1));
                 continue;
             }
             for c in 4..8 {

@@ -13,6 +13,7 @@ fn keyword(shape: Shape) -> Option<&'static str> {
         Shape::Hex8 => "BRICK",
         Shape::Tet4 => "TETRA4",
         Shape::Wedge6 => "PENTA6",
+        Shape::Tet10 => "TETRA10",
         Shape::Beam2 => "BEAM",
         Shape::Truss2 => "TRUSS",
         Shape::Line2 => "SPRING",
@@ -39,6 +40,7 @@ impl StarterWriter<'_> {
             Shape::Hex8,
             Shape::Tet4,
             Shape::Wedge6,
+            Shape::Tet10,
             Shape::Beam2,
             Shape::Truss2,
             Shape::Line2,
@@ -62,6 +64,9 @@ impl StarterWriter<'_> {
             Shape::Beam2 => &element.nodes[..3],
             _ => element.corners(),
         };
+        if element.shape == Shape::Tet10 {
+            self.card(&std::mem::take(&mut fields));
+        }
         fields.extend(corners.iter().map(|n| Whole(n.label())));
         if element.own.thickness > 0.0 {
             fields.resize(8, Gap);
