@@ -123,8 +123,8 @@ impl Shape {
         }
     }
 
-    /// Returns the nodes of a solid that are behind a face: not on it, nor on the other triangles of
-    /// its side. There are at most four.
+    /// Returns the nodes of a solid that are behind a face: not on it, nor on the other triangles
+    /// of its side. There are at most four.
     pub fn behind(self, face: usize) -> impl Iterator<Item = usize> {
         let faces = self.faces();
         let side = match self {

@@ -41,6 +41,8 @@ pub struct Settings {
     pub field_dir: String,
     /// True if field files have the contact force on each node.
     pub contact_forces: bool,
+    /// Number of points through the thickness in field files; 0 for none.
+    pub field_points: usize,
     /// Checkpoints.
     pub checkpoint: CheckpointSettings,
     /// Materials, in the job's order.

@@ -288,7 +288,8 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
     writeln!(
         out,
-        "start        fastest node at {}, {fixed} nodes fixed or with prescribed motion, \
+        "start        fastest node at {}, {fixed} nodes fixed, in rigid bodies or with prescribed \
+         motion, \
          {} rigid walls",
         figure(fastest),
         model.settings.walls.len()

@@ -1,10 +1,10 @@
 //! Tetrahedra and wedges compared with closed forms and with hexahedra, and the same bits on any
 //! number of workers. Units mm, ms, kg.
 
-use crumple_tests::brittle::{Cut, rod_on_plate_with};
+use crumple_tests::brittle::rod_on_plate_with;
 use crumple_tests::restart::{Plan, run_interrupted};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
-use crumple_verification::scene::Scene;
+use crumple_verification::scene::{Cut, Scene};
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
@@ -19,6 +19,7 @@ fn add_grid(
     n: [usize; 3],
     place: impl Fn([f64; 3]) -> [f64; 3],
 ) -> Vec<(u32, [f64; 3])> {
+    scene.cut(cut);
     let [nx, ny, nz] = n;
     let id = |i: usize, j: usize, k: usize| 1 + ((k * (ny + 1) + j) * (nx + 1) + i) as u32;
     let mut nodes = Vec::new();
@@ -36,7 +37,7 @@ fn add_grid(
                 let face = |k| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
                 let (low, high) = (face(k), face(k + 1));
                 let corners = std::array::from_fn(|c| if c < 4 { low[c] } else { high[c - 4] });
-                cut.add(scene, 1, corners);
+                scene.solid(1, corners);
             }
         }
     }

@@ -65,8 +65,8 @@ pub fn layout() -> [(&'static str, Vec<String>); 4] {
     [
         (
             "element",
-            fields!(WireElement: id part shape marks free_faces nodes thickness offset mass_factor share
-                stable_dt columns),
+            fields!(WireElement: id part shape marks free_faces nodes thickness offset mass_factor
+                share stable_dt columns),
         ),
         ("node", fields!(NodeRecord: id fixed x0 x seen v w mass inertia)),
         (

@@ -11,6 +11,14 @@ pub const KEYS_OF_SETS: [&str; 2] = ["of", "from"];
 /// Key of a set by rule with a list of names.
 pub const LIST_OF_SETS: &str = "sets";
 
+/// Returns true if the key with this path, such as `fix.0.nodes`, names a node set.
+pub fn names_a_set(path: &str) -> bool {
+    let mut keys = path.split('.').filter(|key| key.parse::<usize>().is_err());
+    let (last, list) = (keys.next_back().unwrap_or_default(), keys.collect::<Vec<_>>().join("."));
+    let of_rule = list == "set" && (KEYS_OF_SETS.contains(&last) || last == LIST_OF_SETS);
+    of_rule || SET_KEYS.iter().any(|row| row.list == list && row.key == last)
+}
+
 /// Moves the rules of a job to `[[set]]` and puts their names in their places. Values keep their
 /// places.
 pub fn hoist(tree: &mut Node) {

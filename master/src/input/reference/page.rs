@@ -144,6 +144,9 @@ impl Page<'_> {
 
     /// Returns the form of the values of a property.
     fn form(&self, property: &Value) -> String {
+        if self.type_name(property) == Some(INLINE_SET) && property["anyOf"].is_null() {
+            return "rule".into();
+        }
         let resolved = self.resolve(property);
         let choices = ["enum", "oneOf"].iter().find_map(|k| resolved[*k].as_array());
         if let Some(choices) = choices {

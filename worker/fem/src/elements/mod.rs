@@ -82,6 +82,15 @@ pub struct ElementFields {
     pub failed: bool,
 }
 
+/// Output fields of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointFields {
+    /// Global stress: xx, yy, zz, xy, yz, zx [force/length^2].
+    pub stress: [f64; 6],
+    /// Effective plastic strain.
+    pub plastic_strain: f64,
+}
+
 impl ElementFields {
     /// Returns the fields of a solid with several points: the mean of the stress, the largest of
     /// the other values. It has failed if all points have.
@@ -200,6 +209,13 @@ pub trait Element: Send + Sync {
 
     /// Returns the fields of the element with this history at the slot coordinates `x`.
     fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields;
+
+    /// Returns the points through the thickness, from the inner surface to the outer one; of an
+    /// element without a thickness its fields.
+    fn points(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> Vec<PointFields> {
+        let ElementFields { plastic_strain, stress, .. } = self.fields(history, x);
+        vec![PointFields { stress, plastic_strain }]
+    }
 }
 
 /// A spring or damper.

@@ -1,4 +1,5 @@
-//! Tests of tetrahedra with four and ten nodes and of wedges: rigid motion, patches, balance, energy, stable step, lanes.
+//! Tests of tetrahedra with four and ten nodes and of wedges: rigid motion, patches, balance,
+//! energy, stable step, lanes.
 
 use super::solid_testing::block;
 use super::testing::*;

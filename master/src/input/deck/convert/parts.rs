@@ -293,8 +293,8 @@ impl DeckConverter {
                 format!("tetrahedra or wedges; pressure {pressure}")
             }
             _ => {
-                let help = "use the hexahedron with one point (1), which 2 is converted to; 10, 13, \
-                            16 and 17 are for tetrahedra, 15 is for wedges";
+                let help = "use the hexahedron with one point (1), which 2 is converted to; 10, \
+                            13, 16 and 17 are for tetrahedra, 15 is for wedges";
                 self.unsupported_value(card, "elform", help);
                 return;
             }
