@@ -1,12 +1,12 @@
 //! Strains of elements from the positions of their nodes, for databases that are to have them.
 //!
 //! The strain is `h = ln(B)/2` with the left Cauchy-Green tensor `B = F F'` (Hencky 1928), in
-//! global axes. F maps the nodes around their centre at the start to those now, by least squares: for a
-//! linear motion it is exact. A shell has F in its plane; along its normal it has ln(t/t_0). Its
-//! bending is the change of the gradient of its nodal normals, which are means over the shells of
-//! its part around a node: `h(z) = h_m + z (K - K_0)`, with K from the normals now and `K_0` from
-//! those at the start, in the axes of the shell. Shells at an angle of more than 60 degrees are no
-//! part of the mean, so that folds of the mesh have no curvature.
+//! global axes. F maps the nodes around their centre at the start to those now, by least squares:
+//! for a linear motion it is exact. A shell has F in its plane; along its normal it has ln(t/t_0).
+//! Its bending is the change of the gradient of its nodal normals, which are means over the shells
+//! of its part around a node: `h(z) = h_m + z (K - K_0)`, with K from the normals now and `K_0`
+//! from those at the start, in the axes of the shell. Shells at an angle of more than 60 degrees
+//! are no part of the mean, so that folds of the mesh have no curvature.
 
 use super::source::{DatabaseState, FieldMesh, StateValues};
 use nalgebra::{Matrix2, Matrix3, Vector3};
