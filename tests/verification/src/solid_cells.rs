@@ -326,11 +326,13 @@ fn cylinder(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                            hourglass stiffness are exact at the nodes";
     const LOCKS: &str = "triangles of constant strain in the plane of the strain: each has to keep \
                          its volume as nu approaches 1/2 (docs/theory/elements-solids.md)";
+    const STIFF: &str = "constant shear strain in elements with a ratio of sides of 1.6 to 3: the \
+                         error is of second order in their size (docs/theory/elements-solids.md)";
     let forms = [("assumed_strain", BENDING), ("viscous", ""), ("stiffness", "")];
     let hexahedra = forms.map(|(form, why)| {
         (Cut::Whole, format!("{INVISCID}\nhourglass = \"{form}\""), format!(" {form}"), why)
     });
-    let others = [(Cut::Tetrahedra, ""), (Cut::QuadraticTetrahedra, ""), (Cut::Wedges, LOCKS)];
+    let others = [(Cut::Tetrahedra, STIFF), (Cut::QuadraticTetrahedra, ""), (Cut::Wedges, LOCKS)];
     let others = others.map(|(cut, why)| (cut, INVISCID.to_string(), String::new(), why));
     let (a, b, pressure) = (0.01, 0.02, 10e6);
     let mut all = Vec::new();
