@@ -16,3 +16,4 @@ mod odd_files;
 mod radioss;
 mod rigid_joints;
 mod runs;
+mod submodels;

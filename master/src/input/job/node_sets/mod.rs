@@ -74,6 +74,7 @@ fn references(job: &Job) -> impl Iterator<Item = (String, &str)> {
         .chain(keys("rigid", &job.rigid, "nodes", |r| r.nodes.as_ref()))
         .chain(keys("tie", &job.tie, "nodes", |t| Some(&t.nodes)))
         .chain(keys("tie", &job.tie, "faces", |t| t.faces.as_ref()))
+        .chain(keys("tie", &job.tie, "mean_of", |t| t.mean_of.as_ref()))
         .chain(keys("wall", &job.wall, "nodes", |w| w.nodes.as_ref()))
         .chain(keys("wall", &job.wall, "except", |w| w.except.as_ref()))
         .chain(keys("output.node", &output.node, "nodes", |n| n.nodes.as_ref()))
