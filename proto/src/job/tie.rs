@@ -31,8 +31,8 @@ pub struct TieInput {
     /// distance, so that angular momentum is not conserved.
     #[serde(default)]
     pub node: Option<u64>,
-    /// Node set whose mean motion the slaves have, instead of a surface: translation and rotation of
-    /// the rigid motion that fits these masters best. A force or moment on a slave acts on the
+    /// Node set whose mean motion the slaves have, instead of a surface: translation and rotation
+    /// of the rigid motion that fits these masters best. A force or moment on a slave acts on the
     /// masters as forces. The mass of a slave is divided among them; its rotational inertia is not
     /// carried.
     #[serde(default)]

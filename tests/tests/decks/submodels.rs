@@ -50,17 +50,32 @@ fn piece(
     let corner = |k: u64| n + 1 + k;
     deck += &format!(
         "*ELEMENT_SOLID\n{},{},{},{},{},{},{},{},{},{}\n",
-        e + 1, p + 1, corner(0), corner(1), corner(3), corner(2), corner(4), corner(5), corner(7),
+        e + 1,
+        p + 1,
+        corner(0),
+        corner(1),
+        corner(3),
+        corner(2),
+        corner(4),
+        corner(5),
+        corner(7),
         corner(6)
     );
     deck += &format!(
         "*ELEMENT_SHELL\n{},{},{},{},{},{}\n",
-        e + 2, p + 2, corner(4), corner(5), corner(7), corner(6)
+        e + 2,
+        p + 2,
+        corner(4),
+        corner(5),
+        corner(7),
+        corner(6)
     );
     deck += &format!("*PART\n\n{},{},{}\n\n{},{},{}\n", p + 1, r + 1, m + 1, p + 2, r + 2, m + 1);
     deck += &format!("*SECTION_SOLID\n{},1\n*SECTION_SHELL\n{},2\n1.0\n", r + 1, r + 2);
     deck += &format!(
-        "*MAT_PIECEWISE_LINEAR_PLASTICITY\n{},7.85e-6,207.0,0.3\n0,0,{}\n\n\n", m + 1, f + 1
+        "*MAT_PIECEWISE_LINEAR_PLASTICITY\n{},7.85e-6,207.0,0.3\n0,0,{}\n\n\n",
+        m + 1,
+        f + 1
     );
     deck += &format!("*DEFINE_CURVE\n{}\n0.0,0.3\n0.1,0.4\n", f + 1);
     deck += &format!("*DEFINE_CURVE\n{}\n0.0,0.0\n20.0,1.0\n", f + 2);
@@ -68,19 +83,36 @@ fn piece(
     deck += &format!("*SET_NODE_GENERAL\n{}\nPART,{}\nSET_NODE,{}\n", s + 2, p + 2, s + 1);
     deck += &format!(
         "*SET_SEGMENT\n{}\n{},{},{},{}\n*LOAD_SEGMENT_SET\n{},{},0.001\n",
-        s + 3, corner(4), corner(5), corner(7), corner(6), s + 3, f + 2
+        s + 3,
+        corner(4),
+        corner(5),
+        corner(7),
+        corner(6),
+        s + 3,
+        f + 2
     );
     deck += &format!(
         "*INITIAL_VELOCITY_GENERATION\n{},2,0.01,{}\n{},{}\n",
-        p + 1, way([1.0, 2.0, 3.0]), at([5.0, 6.0, 7.0]), way([0.0, 1.0, 0.0])
+        p + 1,
+        way([1.0, 2.0, 3.0]),
+        at([5.0, 6.0, 7.0]),
+        way([0.0, 1.0, 0.0])
     );
     deck += &format!(
         "*DEFINE_COORDINATE_SYSTEM\n{},{},{}\n{}\n*INITIAL_VELOCITY_NODE\n{},1,0,0,0,0,0,{}\n",
-        d + 1, at([0.0; 3]), at([0.0, 2.0, 0.0]), at([0.0, 0.0, 5.0]), corner(7), d + 1
+        d + 1,
+        at([0.0; 3]),
+        at([0.0, 2.0, 0.0]),
+        at([0.0, 0.0, 5.0]),
+        corner(7),
+        d + 1
     );
     deck += &format!(
         "*RIGIDWALL_GEOMETRIC_FLAT\n{}\n{},{}\n{},20,20\n",
-        s + 1, at([0.0, 0.0, -40.0]), at([0.0, 0.0, -39.0]), at([1.0, 0.0, -40.0])
+        s + 1,
+        at([0.0, 0.0, -40.0]),
+        at([0.0, 0.0, -39.0]),
+        at([1.0, 0.0, -40.0])
     );
     deck += &format!("*CONTACT_AUTOMATIC_NODES_TO_SURFACE\n{},{},4,3\n\n\n", s + 2, p + 1);
     deck + &format!("*DATABASE_HISTORY_NODE\n{}\n", corner(5))
@@ -134,10 +166,7 @@ fn a_file_is_included_twice() {
     let again = INCLUDE.replace("100,200,300", "200,300,310").replace("500,600", "530,630");
     let again = again.replace("400,", "410,").replace("700\n", "730\n").replace("800", "830");
     let shift = "*DEFINE_TRANSFORMATION\n8\nTRANSL,0,0,100\n";
-    let both = model(
-        &format!("{MOVE}{shift}{INCLUDE}1,1,1\n7\n{again}1,1,1\n8\n"),
-        &part,
-    );
+    let both = model(&format!("{MOVE}{shift}{INCLUDE}1,1,1\n7\n{again}1,1,1\n8\n"), &part);
     assert_eq!(both.mesh.elements.len(), 3 + 2 * 3);
     let set = |name: &str| both.mesh.node_sets.get(name).map(Vec::len);
     assert_eq!([set("bottom"), set("bottom 2"), set("set-509"), set("set-539")], [Some(2); 4]);
@@ -219,7 +248,7 @@ fn a_node_set_is_moved() {
     assert_eq!([z(5), z(8), z(1), z(11)], [8.5, 8.5, 0.0, 12.0]);
 }
 
-/// What cannot be moved or is ambiguous is refused with a cure, at its line.
+/// Content that cannot be moved, or that is ambiguous, is refused with a cure, at its line.
 #[test]
 fn what_cannot_be_changed_is_refused() {
     let part = "*DEFINE_BOX\n1,0,1,0,1,0,1\n";
@@ -243,8 +272,10 @@ fn what_cannot_be_changed_is_refused() {
     }
     // Degrees of freedom stay along the axes of the deck, with a warning.
     let held = "*SET_NODE_LIST\n1\n1\n*NODE\n1,50,0,0\n*BOUNDARY_SPC_SET\n1,0,1\n";
-    let held = format!("{held}*NODE\n2,60,0,0\n3,60,9,0\n*ELEMENT_SHELL\n1,1,1,2,3\n*PART\n\n1,1,1\n\
-        *SECTION_SHELL\n1,2\n1.0\n*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n");
+    let held = format!(
+        "{held}*NODE\n2,60,0,0\n3,60,9,0\n*ELEMENT_SHELL\n1,1,1,2,3\n*PART\n\n1,1,1\n\
+        *SECTION_SHELL\n1,2\n1.0\n*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n"
+    );
     let main = format!("{turn}*INCLUDE_TRANSFORM\npart.k\n100,100,100,100,100,100\n100\n\n7\n");
     let found = model(&main, &held);
     let said = found.warnings.iter().any(|w| w.message.contains("axes of the whole deck"));

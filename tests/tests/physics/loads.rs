@@ -324,8 +324,8 @@ fn bits_do_not_depend_on_workers() {
 fn a_motion_begins_and_ends() {
     let (g, v, [birth, death], end) = (0.5, 2.0, [0.3, 0.7], 1.0);
     let rest = format!(
-        "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[motion]]\nnodes = \"all\"\ndofs = [\"z\"]\n\
-         velocity = [0.0, 0.0, {v:?}]\nbirth = {birth:?}\ndeath = {death:?}\n",
+        "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[motion]]\nnodes = \"all\"\n\
+         dofs = [\"z\"]\nvelocity = [0.0, 0.0, {v:?}]\nbirth = {birth:?}\ndeath = {death:?}\n",
         -g
     );
     let model = plate(10.0, 2, 1.0, end, &rest);
@@ -379,7 +379,8 @@ fn motions_follow_each_other() {
         let z = end.nodes.x[0][2];
         assert!((z - expected).abs() < 12.0 * dt, "{of}: {z} {expected} {dt}");
     }
-    let overlap = motion(1.0, 0.0, 0.4, "nodes = \"all\"") + &motion(-3.0, 0.3, 0.6, "nodes = \"all\"");
+    let overlap =
+        motion(1.0, 0.0, 0.4, "nodes = \"all\"") + &motion(-3.0, 0.3, 0.6, "nodes = \"all\"");
     let text = plate_text(10.0, 2, 1.0, 1.0, &overlap);
     let report = crumple::input::job::read_text("job.toml".into(), text, &[]).err().unwrap();
     assert!(report.to_string().contains("not free to follow a motion"), "{report}");
@@ -398,14 +399,15 @@ fn gravity_acts_on_parts() {
     for j in 0..2 {
         scene.shell(2, &[shared[j], next[j], next[j + 1], shared[j + 1]]);
     }
-    let part = |id: u32| {
-        format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n")
-    };
+    let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
     let text = format!(
         "end_time = 0.5\n{}[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
          law = \"elastic\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.3\n{}{}\
          [[gravity]]\nacceleration = [0.0, 0.0, {:?}]\nparts = [2]\n",
-        scene.mesh_text(), part(1), part(2), -g
+        scene.mesh_text(),
+        part(1),
+        part(2),
+        -g
     );
     let model = model_of(&text, &[]);
     let mass = RHO * 5.0 * 10.0;

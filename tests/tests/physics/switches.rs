@@ -18,8 +18,7 @@ fn bar(end_time: f64, keys: &str) -> Model {
     let bar = scene.block(1, [10, 2, 2], at);
     scene.start(bar.all(), [1.0, 2.0, -0.5], [0.0, 0.5, 1.0]);
     // One end is faster: half of the bar vibrates against the other one.
-    let end: Vec<u32> =
-        bar.all().iter().copied().filter(|&n| scene.at(n)[0] > 9.0).collect();
+    let end: Vec<u32> = bar.all().iter().copied().filter(|&n| scene.at(n)[0] > 9.0).collect();
     scene.start(&end, [4.0, 2.0, -0.5], [0.0, 0.5, 1.0]);
     if !keys.is_empty() {
         scene.add(&format!("[[rigid]]\nname = \"bar\"\nparts = [1]\n{keys}\n"));

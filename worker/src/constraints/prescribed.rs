@@ -119,7 +119,8 @@ impl Prescribed {
     /// have ended.
     pub fn begin_step(&mut self, nodes: &mut Nodes, time: f64) {
         let timed = || self.motions.iter().enumerate().filter(|(_, m)| m.course.is_timed());
-        let now: Vec<usize> = timed().filter(|(_, m)| m.course.acts_at(time)).map(|m| m.0).collect();
+        let now: Vec<usize> =
+            timed().filter(|(_, m)| m.course.acts_at(time)).map(|m| m.0).collect();
         if self.acting.as_ref() == Some(&now) {
             return;
         }

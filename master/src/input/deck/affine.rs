@@ -82,7 +82,8 @@ impl Affine {
 
     /// Returns the map that applies this one first, then `next`.
     pub fn then(&self, next: &Self) -> Self {
-        let entry = |r: usize, c: usize| (0..3).map(|k| next.linear[r][k] * self.linear[k][c]).sum();
+        let entry =
+            |r: usize, c: usize| (0..3).map(|k| next.linear[r][k] * self.linear[k][c]).sum();
         let linear = [0, 1, 2].map(|r| [0, 1, 2].map(|c| entry(r, c)));
         Self { linear, shift: next.point(self.shift) }
     }

@@ -291,11 +291,7 @@ pub struct Cards<'c> {
 
 impl<'c> Cards<'c> {
     /// Creates the context of files that are read as they are.
-    pub fn of(
-        texts: &'c Texts,
-        parameters: &'c DeckParameters,
-        trouble: &'c mut Trouble,
-    ) -> Self {
+    pub fn of(texts: &'c Texts, parameters: &'c DeckParameters, trouble: &'c mut Trouble) -> Self {
         Self { texts, parameters, trouble, submodel: None }
     }
 }

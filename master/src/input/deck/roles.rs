@@ -5,7 +5,8 @@
 //!
 //! | role | meaning |
 //! |---|---|
-//! | `#n` `#e` `#p` `#s` `#m` `#f` `#d` `#r` | id of a node, element, part, set, material, curve (function), definition, or anything else |
+//! | `#n` `#e` `#p` `#s` | id of a node, element, part, set |
+//! | `#m` `#f` `#d` `#r` | id of a material, curve (function), definition, or anything else |
 //! | `#f:x:y` | id of a curve with the dimensions x of its abscissa and y of its ordinate |
 //! | `@x` | first of three coordinates of a point |
 //! | `@d` `@v` `@w` | first of three components of a direction, velocity, rotational velocity |
@@ -93,11 +94,13 @@ fn dimension(letter: &str) -> Option<Dimension> {
 const IDS: &str = "nid=#n n=#n n1=#n n2=#n n3=#n n4=#n n5=#n n6=#n nid1=#n nid2=#n node1=#n \
     node2=#n nodeid=#n dnid=#n inid=#n m1=#n m2=#n m3=#n pnode=#n eid=#e pid=#p pidl=#p pidc=#p \
     pida=#p pidb=#p lrb=#p sid=#s nsid=#s nsidex=#s psid=#s hsid=#s bsid=#s ssid=#s tsid=#s \
-    dsid=#s drcpsid=#s psetid=#s psidex=#s mid=#m tmid=#m lcid=#f tbid=#f curveid=#f lcss=#f lcsr=#f \
+    dsid=#s drcpsid=#s psetid=#s psidex=#s mid=#m tmid=#m lcid=#f tbid=#f curveid=#f lcss=#f \
+    lcsr=#f \
     lcd=#f lcr=#f lcdr=#f lcsdg=#f lcregd=#f lcfld=#f lcidph=#f lcidt=#f lcidps=#f dlcidph=#f \
     dlcidt=#f dlcidps=#f lcidx=#f lcidy=#f lcidz=#f dlcidx=#f dlcidy=#f dlcidz=#f lcidab=#f \
     lcbckt=#f lciddr=#f lctm=#f lcdt=#f lcur=#f boxid=#d saboxid=#d sbboxid=#d vid=#d cid=#d \
-    icid=#d cida=#d cidb=#d cidl=#d cidd=#d cid_rcf=#d secid=#r hgid=#r eosid=#r wid=#r jid=#r jsid=#r \
+    icid=#d cida=#d cidb=#d cidl=#d cidd=#d cid_rcf=#d secid=#r hgid=#r eosid=#r wid=#r \
+    jid=#r jsid=#r \
     csid=#r id=#r tranid=#d trsid=#d";
 
 /// Roles by keyword, the first entry that fits; a name that ends with `*` fits all that begin with
@@ -131,10 +134,7 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("HOURGLASS", "ihq=1 qm=1 ibq=1 q1=1 q2=1 qb=1 qw=1"),
     ("MAT_ELASTIC", "ro=d e=p pr=1 da=1 db=1 k=p"),
-    (
-        "MAT_PLASTIC_KINEMATIC",
-        "ro=d e=p pr=1 sigy=p etan=p beta=1 src=w srp=1 fs=1 vp=1",
-    ),
+    ("MAT_PLASTIC_KINEMATIC", "ro=d e=p pr=1 sigy=p etan=p beta=1 src=w srp=1 fs=1 vp=1"),
     (
         "MAT_PIECEWISE_LINEAR_PLASTICITY",
         "ro=d e=p pr=1 sigy=p etan=p fail=1 tdel=t c=w p=1 lcss=#f:1:p lcsr=#f:w:1 vp=1 eps=1 es=p",
@@ -178,14 +178,8 @@ const ROLES: &[(&str, &str)] = &[
     ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
     ("DEFINE_COORDINATE_NODES", "flag=1"),
     ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1"),
-    (
-        "BOUNDARY_PRESCRIBED_MOTION*",
-        "dof=1 vad=1 sf=1 death=t birth=t offset1=l offset2=l",
-    ),
-    (
-        "INITIAL_VELOCITY_GENERATION",
-        "styp=1 omega=w vx=@v ivatn=1 xc=@x nx=@d phase=1 irigid=1",
-    ),
+    ("BOUNDARY_PRESCRIBED_MOTION*", "dof=1 vad=1 sf=1 death=t birth=t offset1=l offset2=l"),
+    ("INITIAL_VELOCITY_GENERATION", "styp=1 omega=w vx=@v ivatn=1 xc=@x nx=@d phase=1 irigid=1"),
     ("INITIAL_VELOCITY*", "irigid=1 vx=@v vxr=@w vxe=@v vxre=@w"),
     ("LOAD_BODY_PARTS", ""),
     ("LOAD_BODY*", "lcid=#f:t:a sf=1 xc=@x"),
@@ -201,12 +195,10 @@ const ROLES: &[(&str, &str)] = &[
     ),
     (
         "CONSTRAINED_INTERPOLATION",
-        "icid=#r ddof=1 ityp=1 idnsw=1 fgm=1 idof=1 twghtx=1 twghty=1 twghtz=1 rwghtx=1 rwghty=1 rwghtz=1",
+        "icid=#r ddof=1 ityp=1 idnsw=1 fgm=1 idof=1 twghtx=1 twghty=1 twghtz=1 rwghtx=1 rwghty=1 \
+         rwghtz=1",
     ),
-    (
-        "CONSTRAINED_SPOTWELD",
-        "sn=f ss=f n=1 m=1 tf=t ep=1",
-    ),
+    ("CONSTRAINED_SPOTWELD", "sn=f ss=f n=1 m=1 tf=t ep=1"),
     (
         "CONSTRAINED_GENERALIZED_WELD_SPOT",
         "filter=1 window=1 npr=1 nprt=1 tfail=t epsf=1 sn=f ss=f n=1 m=1",

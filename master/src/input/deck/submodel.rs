@@ -59,9 +59,9 @@ impl Submodel {
         let lengths = outer.units[1];
         let map = match lengths == 1.0 {
             true => self.map,
-            false => Affine::scale([1.0 / lengths; 3])
-                .then(&self.map)
-                .then(&Affine::scale([lengths; 3])),
+            false => {
+                Affine::scale([1.0 / lengths; 3]).then(&self.map).then(&Affine::scale([lengths; 3]))
+            }
         };
         let [mut before, mut after] = self.affixes;
         before = joined(&outer.affixes[0], &before);
@@ -140,9 +140,8 @@ impl Submodel {
             let values = line.values_mut();
             let is_local = by_type.contains_key(LOCAL_AXES);
             for (index, field) in fields.iter().enumerate() {
-                let role = by_type.get(field.name.as_str()).copied().or_else(|| {
-                    roles.of(&field.name)
-                });
+                let role =
+                    by_type.get(field.name.as_str()).copied().or_else(|| roles.of(&field.name));
                 let is_vector = index + 3 <= fields.len();
                 match role {
                     _ if field.kind == FieldType::Line || field.name == "heading" => {
@@ -195,7 +194,8 @@ impl Submodel {
             && record.integer("dof").unsigned_abs() >= 9;
         if is_rotation {
             let message = format!(
-                "{}: a rotation about an axis with offsets, in a file that *INCLUDE_TRANSFORM moves",
+                "{}: a rotation about an axis with offsets, in a file that *INCLUDE_TRANSFORM \
+                 moves",
                 record.name()
             );
             let help = "move the keyword to a file that is not moved, with the new offsets";
@@ -209,12 +209,7 @@ impl Submodel {
                 record.name()
             );
             let help = "check these directions: only points and vectors turn with the file";
-            trouble.warn_once(
-                &format!("submodel axes {keyword}"),
-                record.head,
-                message,
-                help,
-            );
+            trouble.warn_once(&format!("submodel axes {keyword}"), record.head, message, help);
         }
     }
 
@@ -304,7 +299,8 @@ impl Submodel {
             _ => 0.0,
         };
         let given = [0, 1, 2].map(|c| number(&values[c].given));
-        let rate = |v: [f64; 3], dimension: Dimension| v.map(|c| c * factor(&self.units, &dimension));
+        let rate =
+            |v: [f64; 3], dimension: Dimension| v.map(|c| c * factor(&self.units, &dimension));
         let image = match role {
             FieldRole::Point => self.point(given),
             FieldRole::Direction => self.map.direction(given),
@@ -420,9 +416,8 @@ impl CurveUnits {
                     Some(_) => "is used as two different quantities",
                     None => "is used by no card of its file",
                 };
-                let message = format!(
-                    "*DEFINE_CURVE {id} is in a file with factors of units, and it {why}"
-                );
+                let message =
+                    format!("*DEFINE_CURVE {id} is in a file with factors of units, and it {why}");
                 let help = "give it in the units of the whole deck, in a file without factors";
                 trouble.error(place, message, help);
                 [1.0; 2]

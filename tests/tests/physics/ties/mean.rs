@@ -51,10 +51,8 @@ fn a_mean_motion_keeps_momentum_and_energy() {
     assert!(watch.unexplained < 2e-3, "{:e}", watch.unexplained);
     let arm_at_start = [1.0, 0.5 - 0.0, -0.5];
     assert!(off > 0.5 && swing > 1e-3, "{off} {swing} {arm_at_start:?}");
-    let moved: f64 = masters
-        .iter()
-        .map(|&n| (0..3).map(|c| position(&end, n)[c].abs()).sum::<f64>())
-        .sum();
+    let moved: f64 =
+        masters.iter().map(|&n| (0..3).map(|c| position(&end, n)[c].abs()).sum::<f64>()).sum();
     assert!(moved > 0.0);
     // The mass of the node acts at the masters, not at the end of its arm: their difference in
     // angular momentum is that of this mass.

@@ -67,24 +67,20 @@ mod tests {
         let place = |c: usize| PLACES[c];
         let mean = MeanRotation::new(&SHARES, place);
         let (force, moment) = (V3::new(1.0, -2.0, 0.5), V3::new(0.3, 4.0, -1.0));
-        let on = |&(c, share): &(u32, f64)| {
-            mean.force_on(place(c as usize), share, [force, moment])
-        };
+        let on =
+            |&(c, share): &(u32, f64)| mean.force_on(place(c as usize), share, [force, moment]);
         let sum: V3 = SHARES.iter().map(on).sum();
-        let turn: V3 = SHARES
-            .iter()
-            .map(|s| (V3::from(place(s.0 as usize)) - mean.foot).cross(&on(s)))
-            .sum();
+        let turn: V3 =
+            SHARES.iter().map(|s| (V3::from(place(s.0 as usize)) - mean.foot).cross(&on(s))).sum();
         assert!((sum - force).norm() < 1e-14 && (turn - moment).norm() < 1e-14, "{sum} {turn}");
         let velocity = |c: usize| [[1.0, 2.0, 3.0], [-1.0, 0.0, 2.0], [0.5, 0.1, 0.0], [0.0; 3]][c];
-        let power: f64 =
-            SHARES.iter().map(|s| on(s).dot(&V3::from(velocity(s.0 as usize)))).sum();
+        let power: f64 = SHARES.iter().map(|s| on(s).dot(&V3::from(velocity(s.0 as usize)))).sum();
         let drift: V3 = SHARES.iter().map(|s| V3::from(velocity(s.0 as usize)) * s.1).sum();
         let spin = mean.spin(&SHARES, place, velocity);
         assert!((power - force.dot(&drift) - moment.dot(&spin)).abs() < 1e-13);
     }
 
-    /// Of a rigid motion the mean rotation is that of the motion.
+    /// The mean rotation of a rigid motion is that of the motion.
     #[test]
     fn a_rigid_motion_has_its_own_rotation() {
         let place = |c: usize| PLACES[c];

@@ -1,5 +1,5 @@
-//! Converts `*DEFORMABLE_TO_RIGID_AUTOMATIC`: parts that become rigid, and deformable again, at given
-//! times.
+//! Converts `*DEFORMABLE_TO_RIGID_AUTOMATIC`: parts that become rigid, and deformable again, at
+//! given times.
 
 use super::DeckConverter;
 use super::tree::JobTable;
@@ -42,7 +42,9 @@ impl DeckConverter {
             self.spans_of_part(list, &mut spans);
         }
         // Parts that switch at the same times may be one body.
-        spans.sort_by(|a, b| (a.0.time, a.1).partial_cmp(&(b.0.time, b.1)).unwrap_or_else(|| a.0.part.cmp(&b.0.part)));
+        spans.sort_by(|a, b| {
+            (a.0.time, a.1).partial_cmp(&(b.0.time, b.1)).unwrap_or_else(|| a.0.part.cmp(&b.0.part))
+        });
         let groups = spans.chunk_by(|a, b| (a.0.time, a.1) == (b.0.time, b.1));
         let groups: Vec<Vec<(Switch, f64)>> = groups.map(<[_]>::to_vec).collect();
         for group in groups {
@@ -64,8 +66,20 @@ impl DeckConverter {
         }
         let time = record.real("time1");
         let mut found = Vec::new();
-        for (field, kind, to_rigid) in [("rpid", "ptype", true), ("dpid", "dptype", false)] {
+        for (field, kind, to_rigid, count) in
+            [("rpid", "ptype", true, "d2r"), ("dpid", "dptype", false, "r2d")]
+        {
             let lines: Vec<CardLine> = record.lines(field).cloned().collect();
+            if record.integer(count) != lines.len() as i64 {
+                let message = format!(
+                    "{}: `{count}` is {}, but {} such lines follow",
+                    record.name(),
+                    record.integer(count),
+                    lines.len()
+                );
+                let help = "give a line for each part, those of d2r first";
+                self.trouble.error(record.place(count), message, help);
+            }
             for line in lines {
                 let (id, place) = (line.integer(field), line.place(field));
                 let parts = match line.word(kind).to_ascii_uppercase().as_str() {
@@ -74,9 +88,13 @@ impl DeckConverter {
                     _ => Vec::new(),
                 };
                 let lead = if to_rigid { line.integer("lrb") } else { 0 };
-                found.extend(
-                    parts.into_iter().map(|part| Switch { part, time, to_rigid, lead, place }),
-                );
+                found.extend(parts.into_iter().map(|part| Switch {
+                    part,
+                    time,
+                    to_rigid,
+                    lead,
+                    place,
+                }));
             }
         }
         found

@@ -47,12 +47,7 @@ impl DeckConverter {
     }
 
     /// Returns the map of one line.
-    fn step_of(
-        &mut self,
-        line: &CardLine,
-        word: &str,
-        points: (&Points, usize),
-    ) -> Option<Affine> {
+    fn step_of(&mut self, line: &CardLine, word: &str, points: (&Points, usize)) -> Option<Affine> {
         let given = NUMBERS.map(|name| line.real(name));
         let [a1, a2, a3, a4, a5, a6, a7] = given;
         let place = line.place("option");
@@ -165,7 +160,8 @@ impl DeckConverter {
             Some(map) => *map,
             None if tranid == 0 => Affine::default(),
             None => {
-                let message = format!("there is no *DEFINE_TRANSFORMATION {tranid} above this line");
+                let message =
+                    format!("there is no *DEFINE_TRANSFORMATION {tranid} above this line");
                 let help = "define it before *INCLUDE_TRANSFORM, or correct the id";
                 self.trouble.error(record.place("tranid"), message, help);
                 Affine::default()
@@ -215,12 +211,7 @@ impl DeckConverter {
                 let Some(map) = self.transformations.get(&number).copied() else {
                     let known: Vec<String> =
                         self.transformations.keys().map(i64::to_string).collect();
-                    self.missing(
-                        line.place("trsid"),
-                        "*DEFINE_TRANSFORMATION",
-                        number,
-                        &known,
-                    );
+                    self.missing(line.place("trsid"), "*DEFINE_TRANSFORMATION", number, &known);
                     continue;
                 };
                 let nsid = line.integer("nsid");

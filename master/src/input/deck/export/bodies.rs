@@ -125,8 +125,7 @@ pub fn write(
             .and_then(|r| bodies.parts.get(r))
             .copied()
             .unwrap_or(0)));
-        let mut fields =
-            vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)];
+        let mut fields = vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)];
         if motion.birth > 0.0 || motion.death.is_some() {
             fields.extend([Blank, motion.death.map_or(Blank, Number), Number(motion.birth)]);
         }

@@ -114,7 +114,6 @@ pub const KEYWORDS: &[Keyword] = &[
          weights along x, y and z are equal",
     )
     .unused(&[
-        no_effect("icid", "ties are numbered in the order of the deck"),
         no_effect("cidd", "all displacements follow, in any axes"),
         refused("idnsw", "a switch between two dependent nodes"),
         refused("fgm", "forces by mass"),

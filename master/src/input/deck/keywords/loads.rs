@@ -163,11 +163,9 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
 ];
 
-const GRAVITY: &[(&str, Times)] =
-    &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
+const GRAVITY: &[(&str, Times)] = &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
 
-const GRAVITY_PART: &[(&str, Times)] =
-    &[("pid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];
+const GRAVITY_PART: &[(&str, Times)] = &[("pid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];
 const GRAVITY_PART_SET: &[(&str, Times)] =
     &[("psid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];
 const GRAVITY_PART_UNUSED: &[UnusedFields] = &[

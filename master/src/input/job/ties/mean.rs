@@ -147,16 +147,19 @@ mod tests {
             // Translations along z or x with a rotation about x, y or z, at all ratios.
             for step in 0..=400 {
                 let angle = f64::from(step) * std::f64::consts::TAU / 400.0;
-                for (drift, axis) in [([0.0, 0.0, 1.0], 0), ([0.0, 1.0, 0.0], 0),
-                    ([0.0, 0.0, 1.0], 1), ([1.0, 0.0, 0.0], 1), ([0.0, 1.0, 0.0], 2)]
-                {
+                for (drift, axis) in [
+                    ([0.0, 0.0, 1.0], 0),
+                    ([0.0, 1.0, 0.0], 0),
+                    ([0.0, 0.0, 1.0], 1),
+                    ([1.0, 0.0, 0.0], 1),
+                    ([0.0, 1.0, 0.0], 2),
+                ] {
                     let mut spin = Vector3::zeros();
                     spin[axis] = angle.sin();
                     let v = |x: [f64; 3]| {
                         Vector3::from(drift) * angle.cos() + spin.cross(&Vector3::from(x))
                     };
-                    let of_masters: f64 =
-                        corners.iter().map(|&x| 0.25 * v(x).norm_squared()).sum();
+                    let of_masters: f64 = corners.iter().map(|&x| 0.25 * v(x).norm_squared()).sum();
                     most = most.max(v(arm).norm_squared() / of_masters);
                 }
             }

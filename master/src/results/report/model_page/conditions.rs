@@ -212,7 +212,8 @@ impl PlacedModel<'_> {
             false => format!(", from {begin} to {end}"),
         };
         let window = motion.window.map_or(String::new(), until);
-        let words = format!("{}{about}{curve}{window}, in {}", vector(motion.amount), dofs(motion.dofs));
+        let words =
+            format!("{}{about}{curve}{window}, in {}", vector(motion.amount), dofs(motion.dofs));
         (what, words)
     }
 

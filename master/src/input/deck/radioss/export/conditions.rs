@@ -55,7 +55,9 @@ impl StarterWriter<'_> {
             }
             if body.from > 0.0 || body.until.is_some() {
                 let name = &body.name;
-                self.lose(format!("rigid body {name}: it is rigid in the whole run, not in a part"));
+                self.lose(format!(
+                    "rigid body {name}: it is rigid in the whole run, not in a part"
+                ));
                 own.insert("from".into(), body.from.into());
                 own.extend(body.until.map(|until| ("until".into(), until.into())));
             }
