@@ -387,12 +387,12 @@ impl Ties {
             let mean = self.mean_rotation(t as usize, nodes);
             for &(c, share) in self.shares[t as usize].iter().filter(|_| force != V3::zeros()) {
                 let n = self.master_index[c as usize];
-                let force = match &mean {
+                let (force, times) = match &mean {
                     Some(mean) => {
                         let place = self.master_place(c as usize, nodes);
-                        mean.force_on(place, share, [force, moment])
+                        (mean.force_on(place, share, [force, moment]), 1.0)
                     }
-                    None => force * share,
+                    None => (force, share),
                 };
                 if self.turns(t as usize) && (n as usize) < nodes.local_count {
                     let (next, inverse) =
@@ -403,8 +403,8 @@ impl Ties {
                 if n != NONE {
                     let (next, inverse) =
                         (&mut nodes.v_next[n as usize], &nodes.inv_mass[n as usize]);
-                    (0..3).for_each(|k| next[k] += steps.dt_damped * force[k] * inverse[k]);
-                    self.contact_forces[c as usize] += force;
+                    (0..3).for_each(|k| next[k] += steps.dt_damped * times * force[k] * inverse[k]);
+                    self.contact_forces[c as usize] += force * times;
                 }
             }
         }
