@@ -86,6 +86,60 @@ impl Builder {
         grid
     }
 
+    /// Cuts all hexahedra into elements with another number of nodes: six tetrahedra with 4 or 10
+    /// around a diagonal, or two wedges with 6. Nodes on edges are in their middles.
+    pub fn cut(&mut self, nodes: usize) {
+        let shape = match nodes {
+            4 => Shape::Tet4,
+            6 => Shape::Wedge6,
+            10 => Shape::Tet10,
+            _ => return,
+        };
+        let mut middles = BTreeMap::new();
+        for (part, of, c) in std::mem::take(&mut self.elements) {
+            if of != Shape::Hex8 {
+                self.elements.push((part, of, c));
+                continue;
+            }
+            if shape == Shape::Wedge6 {
+                for wedge in [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]] {
+                    self.elements.push((part, shape, wedge.map(|n: usize| c[n]).to_vec()));
+                }
+                continue;
+            }
+            let around = [1, 2, 3, 7, 4, 5];
+            for i in 0..6 {
+                let mut corners =
+                    [0, around[i], around[(i + 1) % 6], 6].map(|n: usize| c[n]).to_vec();
+                if shape == Shape::Tet10 {
+                    for [a, b] in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]] {
+                        let ends: [usize; 2] = [corners[a], corners[b]];
+                        corners.push(self.middle(ends, &mut middles));
+                    }
+                }
+                self.elements.push((part, shape, corners));
+            }
+        }
+    }
+
+    /// Returns the node in the middle of an edge, which is added if there is none yet.
+    fn middle(&mut self, ends: [usize; 2], known: &mut BTreeMap<[usize; 2], usize>) -> usize {
+        let key = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        if let Some(&node) = known.get(&key) {
+            return node;
+        }
+        let [from, to] = key.map(|n| self.points[n]);
+        let node = self.point([0, 1, 2].map(|c| 0.5 * (from[c] + to[c])));
+        known.insert(key, node);
+        node
+    }
+
+    /// Returns the nodes whose coordinate along `axis` is that of this node.
+    pub fn plane(&self, axis: usize, of: usize) -> Vec<usize> {
+        let at = self.points[of][axis];
+        (0..self.points.len()).filter(|&n| self.points[n][axis] == at).collect()
+    }
+
     /// Connects two rows of nodes of equal length by a row of quads. A closed row returns to its
     /// start.
     pub fn strip(&mut self, part: u32, one: &[usize], other: &[usize], closed: bool) {

@@ -190,7 +190,8 @@ pub struct MeshSource {
     pub shells: Vec<Vec<u64>>,
     /// Solids as `[id, part id, n1, ..., n8]`: the four nodes of a face whose right-hand normal
     /// points into the solid, then the four opposite nodes. A wedge has six nodes: those of a
-    /// triangle, then those of the opposite one. A tetrahedron has four.
+    /// triangle, then those of the opposite one. A tetrahedron has four, or ten: then follow those
+    /// on the edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
     #[serde(default)]
     pub solids: Vec<Vec<u64>>,
     /// Beams as `[id, part id, n1, n2, n3]`. The second axis of the section points from the line n1

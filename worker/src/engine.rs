@@ -30,6 +30,7 @@ use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::ids::ElemId;
+use crumple_proto::mesh::{MAX_CORNERS, Shape};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{Displacement, Energies, HistoryPart, ModelPlace, Phase, PhaseSeconds};
@@ -296,7 +297,7 @@ impl Engine {
     }
 
     /// Returns the centre of an own element [length].
-    pub fn centre_of(&self, nodes: [u32; 8], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
+    pub fn centre_of(&self, nodes: [u32; MAX_CORNERS], shape: Shape) -> [f64; 3] {
         centre(&self.nodes.x, nodes, shape)
     }
 

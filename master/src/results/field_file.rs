@@ -185,6 +185,13 @@ impl PieceArrays {
         }
     }
 
+    /// Returns the number of components of an array of 32-bit floats on cells; 0 if there is no
+    /// such array, or no cell.
+    pub fn components(&self, name: &str) -> usize {
+        let bytes = self.arrays.get(name).map_or(0, |stored| stored.bytes.len());
+        if self.cells == 0 { 0 } else { bytes / size_of::<f32>() / self.cells }
+    }
+
     /// Returns the names of all arrays with their types and bytes, in no particular order.
     pub fn stored(&self) -> impl Iterator<Item = (&str, NumberType, &[u8])> {
         self.arrays

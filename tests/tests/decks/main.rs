@@ -1,6 +1,7 @@
 //! Keyword decks of LS-DYNA and Radioss: formats and problems, models, contacts, joints, arbitrary
 //! bytes, runs. Mesh files of other programs.
 
+mod bars;
 mod base;
 mod broken_meshes;
 mod bytes;
@@ -17,3 +18,4 @@ mod radioss;
 mod rigid_joints;
 mod runs;
 mod submodels;
+mod ten_nodes;

@@ -300,7 +300,7 @@ pub fn faces(
 /// Returns these faces if the free faces of the mesh are already known.
 pub fn outer_faces(
     mesh: &Mesh,
-    free: &[u8],
+    free: &[u16],
     of_part: impl Fn(u32) -> bool,
     within: Option<&[NodeId]>,
 ) -> Vec<(usize, usize)> {

@@ -3,7 +3,7 @@
 //!
 //! 1. `tree.rs`: TOML with the place of every value, merged over the files that the job includes
 //!    (`include.rs`) and over its deck (`deck`); `sets.rs` applies the command line, `library.rs`
-//!    the library of materials
+//!    the library of materials; `inline_sets.rs` moves rules of node sets to `[[set]]`
 //! 2. `validate.rs`: unknown keys, types and missing keys, by the schema of
 //!    [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its checks; `node_sets/`: sets by rule; `numbering.rs`: new numbers
@@ -21,13 +21,14 @@ mod contact;
 mod files;
 mod histories;
 mod include;
+pub mod inline_sets;
 mod joints;
 pub mod laws;
 pub mod library;
 mod loads;
 mod mesh;
 mod model;
-mod node_sets;
+pub mod node_sets;
 mod numbering;
 mod particles;
 mod placeholders;
@@ -114,6 +115,7 @@ pub fn check_keys(text: &str) -> Vec<Problem> {
         || tree.get("mesh").is_some_and(|mesh| mesh.get("deck").is_some());
     contact::from_list(&mut tree);
     library::expand(&mut tree, &mut findings);
+    inline_sets::hoist(&mut tree);
     validate::job(&mut tree, &mut findings);
     let is_fault = |problem: &Problem| !(is_part && validate::is_missing_key(problem));
     findings.list.into_iter().map(|found| found.problem).filter(is_fault).collect()
@@ -307,6 +309,7 @@ fn read_keys(
     let mut tree = sources.job.tree.clone();
     sets::apply(&mut tree, sets, findings);
     library::expand(&mut tree, findings);
+    inline_sets::hoist(&mut tree);
     // Places of problems are looked up in the tree as written, with `--set` but before repairs.
     sources.job.tree = tree.clone();
     validate::job(&mut tree, findings);

@@ -43,7 +43,7 @@ struct TieContext<'a> {
     mesh: &'a Mesh,
     sets: NodeSets<'a>,
     /// Free faces of solids.
-    free: Vec<u8>,
+    free: Vec<u16>,
     /// Thickness of each part, and of the thickest shell at each node [length].
     thick: HashMap<u32, f64>,
     shells: HashMap<NodeId, f64>,

@@ -268,6 +268,7 @@ impl<const C: usize> Patch<C> {
             [_, _, c, d] if c == d => Shape::Tri3,
             [_, _, _, _] => Shape::Quad4,
             [_, _, _, _, _, _] => Shape::Wedge6,
+            [_, _, _, _, _, _, _, _, _, _] => Shape::Tet10,
             _ => Shape::Hex8,
         };
         // Tests that name no formulation use the simplest one.
@@ -412,9 +413,10 @@ impl<const C: usize> Patch<C> {
         for (e, cell) in self.cells.iter().enumerate() {
             let (mass, inertia) = self.element.corner_mass(&self.corners(e), OwnSection::default());
             let corners = if C == 4 && cell[2] == cell[3] { 3 } else { C };
-            for &node in &cell[..corners] {
-                masses[node as usize].0 += mass;
-                masses[node as usize].1 += inertia;
+            for (c, &node) in cell[..corners].iter().enumerate() {
+                let share = self.element.mass_share(c);
+                masses[node as usize].0 += share * mass;
+                masses[node as usize].1 += share * inertia;
             }
         }
         masses

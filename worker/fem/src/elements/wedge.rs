@@ -532,15 +532,8 @@ impl Element for Wedge {
         self.material.failed.is_some()
     }
 
-    /// The stress is the mean of the points; the other values are the largest ones.
     fn fields(&self, history: ElementState<'_>, _x: &[[f64; 3]]) -> ElementFields {
-        let [a, b] = [0, 1].map(|p| self.material.fields(history, p * self.material.state));
-        ElementFields {
-            plastic_strain: a.plastic_strain.max(b.plastic_strain),
-            stress: std::array::from_fn(|c| 0.5 * (a.stress[c] + b.stress[c])),
-            von_mises: a.von_mises.max(b.von_mises),
-            thickness: 0.0,
-            failed: self.failed(history),
-        }
+        let points = [0, 1].map(|p| self.material.fields(history, p * self.material.state));
+        ElementFields::of_points(&points)
     }
 }

@@ -38,8 +38,6 @@ pub struct Rows {
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
-    /// Solids of ten nodes, which are not added, with their places.
-    pub ten_nodes: Vec<(ElemId, Place)>,
     /// Shells of more than four nodes, of which only the corners are added, with their places.
     pub curved: Vec<(ElemId, Place)>,
     /// Offsets of shells from their nodes, by index [length].
@@ -295,20 +293,22 @@ impl Rows {
             if !whole {
                 continue;
             }
-            if n[8..] != [0, 0] {
-                self.ten_nodes.push((id, block.span(line, 0, (line.1 - line.0) as usize)));
-                continue;
-            }
-            for c in 4..8 {
-                n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
-            }
-            let n: [u64; 8] = std::array::from_fn(|c| n[c]);
             let submodel = cards.submodel.as_ref().map(|s| s.0);
             let node = |n: u64| match submodel {
                 Some(submodel) => submodel.node(NodeId(n)),
                 None => NodeId(n),
             };
-            let Some((shape, mut corners)) = solid_of_eight(&n.map(node)) else {
+            let found = match n[8..] {
+                [0, 0] => {
+                    for c in 4..8 {
+                        n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
+                    }
+                    let n: [u64; 8] = std::array::from_fn(|c| n[c]);
+                    solid_of_eight(&n.map(node))
+                }
+                _ => Some((Shape::Tet10, n.map(node).to_vec())),
+            };
+            let Some((shape, mut corners)) = found else {
                 cards.trouble.error(
                     block.span(line, 0, (line.1 - line.0) as usize),
                     format!("solid {id} has repeated nodes and is no tetrahedron and no wedge"),
@@ -524,6 +524,8 @@ fn reflect(shape: Shape, corners: &mut [NodeId]) {
     let pairs: &[(usize, usize)] = match shape {
         Shape::Hex8 => &[(1, 3), (5, 7)],
         Shape::Wedge6 => &[(1, 2), (4, 5)],
+        // Nodes on edges go with their corners.
+        Shape::Tet10 => &[(1, 2), (4, 6), (8, 9)],
         _ => &[(1, 2)],
     };
     pairs.iter().for_each(|&(a, b)| corners.swap(a, b));

@@ -262,14 +262,6 @@ impl DeckConverter {
 
     /// Notes elements with nodes between their corners.
     fn second_order(&mut self) {
-        for (id, place) in std::mem::take(&mut self.rows.ten_nodes) {
-            let message = format!(
-                "*ELEMENT_SOLID: element {id} is a tetrahedron of ten nodes, which is not supported"
-            );
-            let what = "*ELEMENT_SOLID of ten nodes".to_string();
-            let lost = "the model lacks these elements and their mass".into();
-            self.unsupported.push(Unsupported { place, message, what, lost });
-        }
         for (id, place) in std::mem::take(&mut self.rows.curved) {
             let message = format!(
                 "*ELEMENT_SHELL: element {id} has nodes n5 to n8 between its corners, which is not \

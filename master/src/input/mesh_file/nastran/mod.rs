@@ -34,7 +34,7 @@ const ELEMENTS: &[(&str, &[(usize, Cell)])] = &[
     ("CTRIAR", &[(3, Cell::Triangle)]),
     ("CHEXA", &[(8, Cell::Hexahedron), (20, Cell::SecondOrder("hexahedron with 20 nodes", 3))]),
     ("CPENTA", &[(6, Cell::Wedge), (15, Cell::SecondOrder("wedge with 15 nodes", 3))]),
-    ("CTETRA", &[(4, Cell::Tetrahedron), (10, Cell::SecondOrder("tetrahedron with 10 nodes", 3))]),
+    ("CTETRA", &[(4, Cell::Tetrahedron), (10, Cell::Tetrahedron10)]),
     ("CPYRAM", &[(5, Cell::Pyramid), (13, Cell::SecondOrder("pyramid with 13 nodes", 3))]),
     ("CPYRA", &[(5, Cell::Pyramid), (13, Cell::SecondOrder("pyramid with 13 nodes", 3))]),
     ("CQUAD8", &[(8, Cell::SecondOrder("quad with 8 nodes", 2))]),
