@@ -16,10 +16,14 @@ fn bar(end_time: f64, keys: &str) -> Model {
     scene.solid_part(1, "steel", "");
     let at = |x: [f64; 3]| [30.0 * x[0] - 15.0, 4.0 * x[1] - 2.0, 6.0 * x[2] - 3.0];
     let bar = scene.block(1, [10, 2, 2], at);
-    scene.start(bar.all(), [1.0, 2.0, -0.5], [0.0, 0.5, 1.0]);
     // One end is faster: half of the bar vibrates against the other one.
     let end: Vec<u32> = bar.all().iter().copied().filter(|&n| scene.at(n)[0] > 9.0).collect();
-    scene.start(&end, [4.0, 2.0, -0.5], [0.0, 0.5, 1.0]);
+    let end = scene.set(&end);
+    scene.add("[[initial_velocity]]\nvelocity = [1.0, 2.0, -0.5]\nspin = [0.0, 0.5, 1.0]");
+    scene.add(&format!(
+        "[[initial_velocity]]\nnodes = \"{end}\"\nvelocity = [4.0, 2.0, -0.5]\n\
+         spin = [0.0, 0.5, 1.0]"
+    ));
     if !keys.is_empty() {
         scene.add(&format!("[[rigid]]\nname = \"bar\"\nparts = [1]\n{keys}\n"));
     }
@@ -73,10 +77,11 @@ fn a_part_is_rigid_for_a_while() {
         }
     });
     eprintln!(
-        "momentum {moved:e}, angular {turned:e}, balance {worst:e}, length {lengths:e}, internal \
+        "momentum {moved:e}, angular {turned:e} of {first:?}, balance {worst:e}, length {lengths:e}, internal \
          {internal:e}, taken {taken:e} of {initial:e}, vibrates {vibrates:e}"
     );
-    assert!(moved < 1e-12, "round-off: {moved:e}");
+    // Members have velocities that are differences of positions: eps 15 mm / 3e-4 ms.
+    assert!(moved < 1e-11, "round-off: {moved:e}");
     // Velocities and positions of a switch are half a step apart.
     assert!(turned < 1e-3, "{turned:e}");
     assert!(lengths < 1e-12, "{lengths:e}");
@@ -118,7 +123,8 @@ fn a_part_that_stays_rigid_sets_no_step() {
     let rigid: Vec<_> = at.iter().filter(|row| row.0 > 0.06).collect();
     assert!(rigid.len() > 10 && rigid.iter().all(|row| row.2 == rigid[0].2));
     let before = at.iter().find(|row| row.0 > 0.04).unwrap().1;
-    assert!(rigid.last().unwrap().1 > 1.5 * before, "{:?} {before}", rigid.last());
+    let longest = rigid.iter().map(|row| row.1).fold(0.0, f64::max);
+    assert!(longest > 1.5 * before, "{longest} {before}");
 }
 
 /// Keys that cannot be combined with a switch are refused, each with its place.
