@@ -187,7 +187,8 @@ impl Settings {
 
     /// Returns true if the elements of a part carry no force: it is rigid or has a null material.
     pub fn is_inactive(&self, part: u32) -> bool {
-        self.parts[part as usize].skin || self.rigid.iter().any(|r| r.parts.contains(&part))
+        let is_rigid = |body: &RigidBody| body.window.is_none() && body.parts.contains(&part);
+        self.parts[part as usize].skin || self.rigid.iter().any(is_rigid)
     }
 
     /// Returns the mean cost of an element per cycle, over that of an element that is computed

@@ -12,7 +12,7 @@ use crate::stateless;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
-use crumple_proto::loads::{Pressure, ResolvedLoads};
+use crumple_proto::loads::{Gravity, Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 
 /// Loads on the nodes and elements of this worker, by local index.
@@ -21,6 +21,8 @@ pub struct Loads {
     curves: Vec<Curve>,
     /// Acceleration [length/time^2] and curve.
     gravity: Vec<(Row, Option<usize>)>,
+    /// Body forces on parts.
+    of_parts: Vec<PartGravity>,
     forces: Vec<LocalForce>,
     pressures: Vec<Pressure>,
     faces: Vec<LoadedFace>,
@@ -34,9 +36,20 @@ pub struct Loads {
     cycles: Vec<f64>,
 }
 
-stateless!(Loads { curves, gravity, forces, pressures, faces, damping, falling, cycles });
+stateless!(Loads { curves, gravity, of_parts, forces, pressures, faces, damping, falling, cycles });
+stateless!(PartGravity { job, shares, falling });
 stateless!(LocalForce { job, nodes, factor });
 stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, shares, force });
+
+/// A body force on a fraction of the masses of some local nodes.
+#[derive(Debug)]
+struct PartGravity {
+    job: Gravity,
+    /// Local nodes with the fraction of their mass.
+    shares: Vec<(u32, f64)>,
+    /// Acceleration at the present time [length/time^2].
+    falling: Row,
+}
 
 /// A force on some local nodes.
 #[derive(Debug)]
@@ -77,7 +90,18 @@ impl Loads {
     pub fn new(job: &ResolvedLoads) -> Self {
         Self {
             curves: job.curves.iter().map(|points| Curve::new(points)).collect(),
-            gravity: job.gravity.iter().map(|g| (row(g.acceleration), g.curve)).collect(),
+            gravity: job
+                .gravity
+                .iter()
+                .filter(|g| g.shares.is_none())
+                .map(|g| (row(g.acceleration), g.curve))
+                .collect(),
+            of_parts: job
+                .gravity
+                .iter()
+                .filter(|g| g.shares.is_some())
+                .map(|g| PartGravity { job: g.clone(), shares: Vec::new(), falling: [0.0; 4] })
+                .collect(),
             forces: job
                 .forces
                 .iter()
@@ -96,8 +120,13 @@ impl Loads {
         for f in &mut self.forces {
             f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
         }
+        for g in &mut self.of_parts {
+            let shares = g.job.shares.iter().flatten();
+            g.shares = shares.filter_map(|&(id, s)| Some((nodes.local_index(id)?, s))).collect();
+        }
         self.cycles.clear();
-        if subcycles > 1 && !(self.gravity.is_empty() && self.forces.is_empty()) {
+        let act = !(self.gravity.is_empty() && self.of_parts.is_empty() && self.forces.is_empty());
+        if subcycles > 1 && act {
             let of = |i| if blocks.has_subcycled_only(i) { subcycles as f64 } else { 1.0 };
             self.cycles.extend((0..nodes.local_count).map(of));
         }
@@ -162,8 +191,7 @@ impl Loads {
 
     /// Returns how many times a load acts on a local node in this cycle.
     fn times(&self, i: usize, set: ElementSet) -> f64 {
-        let cycles = self.cycles.get(i).copied().unwrap_or(1.0);
-        if set == ElementSet::All || cycles == 1.0 { cycles } else { 0.0 }
+        times(&self.cycles, i, set)
     }
 
     /// Adds body forces and nodal forces to the forces of local nodes, in the order of the job.
@@ -177,6 +205,16 @@ impl Loads {
             for (i, (f, m)) in nodes.force.iter_mut().zip(&nodes.mass).enumerate() {
                 let m = m * self.times(i, set);
                 (0..3).for_each(|c| f[c] += m * self.falling[c]);
+            }
+        }
+        let cycles = &self.cycles;
+        for g in &mut self.of_parts {
+            let factor = factor(&self.curves, g.job.curve, time);
+            (0..3).for_each(|c| g.falling[c] = factor * g.job.acceleration[c]);
+            for &(n, share) in &g.shares {
+                let n = n as usize;
+                let m = nodes.mass[n] * share * times(cycles, n, set);
+                (0..3).for_each(|c| nodes.force[n][c] += m * g.falling[c]);
             }
         }
         for load in &mut self.forces {
@@ -230,6 +268,13 @@ impl Loads {
                 sum.add(moved(&self.falling, i) * (nodes.mass[i] * self.times(i, set) * mid));
             });
         }
+        for g in &self.of_parts {
+            let shares = g.shares.iter().map(|&(n, share)| (n as usize, share));
+            for (i, share) in shares.filter(|s| nodes.is_owned(s.0)) {
+                let mass = nodes.mass[i] * share * self.times(i, set);
+                sum.add(moved(&g.falling, i) * (mass * mid));
+            }
+        }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
             let of = |i: usize| {
@@ -261,6 +306,12 @@ impl Loads {
         }
         moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.w[i], &nodes.w_next[i])
     }
+}
+
+/// Returns how many times a load acts on a local node in a cycle.
+fn times(cycles: &[f64], i: usize, set: ElementSet) -> f64 {
+    let cycles = cycles.get(i).copied().unwrap_or(1.0);
+    if set == ElementSet::All || cycles == 1.0 { cycles } else { 0.0 }
 }
 
 /// Returns the factor of a load at `time`.

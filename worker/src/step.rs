@@ -65,8 +65,11 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
             tracing::trace!(phase = PHASES[stage.phase as usize], ?took);
         }
     }
-    if cycle.agreed.eroded && cycle.agreed.failure.is_none() {
-        engine.erode(comm)?; // new surfaces without failed elements
+    if cycle.agreed.failure.is_none() {
+        if cycle.agreed.eroded {
+            engine.erode(comm)?; // new surfaces without failed elements
+        }
+        engine.switch_bodies(comm)?;
     }
     Ok(cycle.agreed)
 }
@@ -209,6 +212,7 @@ fn accelerate(
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, blocks, loads, constraints, .. } = engine;
+    constraints.begin_step(nodes, clock.time);
     blocks.assemble(nodes, cycle.set);
     loads.add_forces(nodes, clock.time, cycle.set);
     constraints.distribute_forces(comm, nodes)?;
@@ -322,12 +326,13 @@ fn balance_energy(
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, contact, ledger, loads, constraints, .. } = engine;
+    let Engine { clock, nodes, contact, ledger, loads, constraints, .. } = engine;
     if let Some(contact) = contact {
         contact.finish_step(nodes, cycle.steps, &mut ledger.contact);
     }
     let external = &mut ledger.external;
-    constraints.add_prescribed_work(nodes, contact.as_ref(), cycle.steps, external);
+    let now = (clock.time, cycle.steps);
+    constraints.add_prescribed_work(nodes, contact.as_ref(), now, external);
     loads.add_work(nodes, cycle.steps, cycle.set, external);
     Ok(())
 }

@@ -17,4 +17,5 @@ mod odd_files;
 mod radioss;
 mod rigid_joints;
 mod runs;
+mod submodels;
 mod ten_nodes;

@@ -148,3 +148,15 @@ fn cross_sections_of_a_deck_carry_the_applied_load() {
         rows.iter().map(|row| (row[1].as_str(), row[2].as_str())).collect();
     assert_eq!(named, BTreeSet::from([("nodes 0", "25"), ("nodes 0", "26"), ("corner", "27")]));
 }
+
+/// Copies of a file, turned, reflected and in other units, with a motion in a window, a mean
+/// motion, a part that is rigid for a while, gravity on a part and a box: the same on any number of
+/// workers, and the energies balance.
+#[test]
+fn an_assembly_of_files_gives_the_same_on_any_workers() {
+    // Largest error of the balance as measured: PENDING.
+    let runs = on_any_workers("tests/decks/scenes/assembly.k", 1e-2);
+    let walls: BTreeSet<String> =
+        table(&runs[0], "walls.csv").1.into_iter().map(|row| row[1].clone()).collect();
+    assert_eq!(walls.len(), 6, "{walls:?}");
+}

@@ -102,6 +102,11 @@ impl Constraints {
         self.ties.release_failed(comm, failed, nodes)
     }
 
+    /// Constrains and frees nodes whose motions begin or have ended, before any acceleration.
+    pub fn begin_step(&mut self, nodes: &mut Nodes, time: f64) {
+        self.prescribed.begin_step(nodes, time);
+    }
+
     /// Distributes forces on constrained nodes, once all but contact forces are known.
     ///
     /// # Errors
@@ -178,10 +183,10 @@ impl Constraints {
         &self,
         nodes: &Nodes,
         contact: Option<&Contact>,
-        steps: StepSizes,
+        now: (f64, StepSizes),
         sum: &mut WorkSum,
     ) {
-        self.prescribed.add_work(nodes, (contact, &self.ties), steps, sum);
+        self.prescribed.add_work(nodes, (contact, &self.ties), now, sum);
     }
 
     /// Moves rigid bodies with their members, and walls, to their positions at the end of the step.

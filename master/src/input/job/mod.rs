@@ -281,6 +281,7 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
+    loads::share_gravity(&job, &mesh, &mut settings, &blocks, (&elements, &nodes));
     let mut warnings = placeholders::check(&job);
     warnings.extend(warnings::of_model(&job, &mesh, &settings, &elements, &nodes));
     Some(Built {
@@ -403,6 +404,7 @@ fn constrain(
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
     settings.rotations =
         !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
+    nodes.free_timed();
     nodes
 }
 

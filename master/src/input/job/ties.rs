@@ -1,6 +1,7 @@
 //! Ties of a job: search for the face of each tied node, checks, and conversion to numbers and
 //! ids.
 
+pub mod mean;
 mod surface;
 
 use super::state::{NodeSets, NodeStart};
@@ -172,6 +173,9 @@ fn tied_nodes(
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
     }
+    if let Some(set) = &spec.mean_of {
+        return mean::to_mean(spec, set, entry, nodes.unwrap_or_default(), context, findings);
+    }
     let surface = TieSurface::new(spec, entry, context, nodes.is_some(), findings);
     let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
     let thickest = surface.thickest(&nodes);
@@ -253,6 +257,7 @@ fn to_node(
             faces: Vec::new(),
             rotations: spec.rotations,
             offset: false,
+            mean: false,
         },
         entry,
         node,
@@ -390,6 +395,22 @@ pub fn lead(ties: &[Tie], motions: &mut [PrescribedMotion]) {
     motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
 }
 
+/// Reports ties of the nodes of a body that becomes rigid in the run.
+fn refuse_timed(ties: &[Tie], body: &RigidBody, findings: &mut JobProblems) {
+    let is_member = |id: &NodeId| body.nodes.binary_search(id).is_ok();
+    let meets = |tie: &&Tie| is_member(&tie.node) || tie.masters.iter().any(|m| is_member(&m.0));
+    let nodes: Vec<NodeId> = ties.iter().filter(meets).map(|tie| tie.node).collect();
+    if !nodes.is_empty() {
+        let message = format!(
+            "{} ties have nodes of a body that becomes rigid in the run: {}",
+            nodes.len(),
+            named(&nodes)
+        );
+        let help = "make the body rigid for the whole run, or leave a row of elements between";
+        findings.add(Problem::error("tie", message, help));
+    }
+}
+
 /// Adds tied nodes on rigid bodies to the bodies. Reports nodes that are fixed, moved or rigid
 /// already and so cannot be tied.
 pub fn join(
@@ -401,6 +422,9 @@ pub fn join(
 ) {
     let mut body_of: HashMap<NodeId, usize> = HashMap::new();
     for (b, body) in bodies.iter().enumerate() {
+        if body.window.is_some() {
+            refuse_timed(ties, body, findings);
+        }
         body_of.extend(body.nodes.iter().map(|&n| (n, b)));
     }
     let fixed = |id: NodeId| sets.place(id).map_or(0, |n| start.fixed[n]);

@@ -213,6 +213,7 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Ve
                     form,
                     amount,
                     curve,
+                    window: None,
                 })
             }
             (None, None) => WallMotion::Still,

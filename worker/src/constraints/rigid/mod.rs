@@ -80,6 +80,9 @@ pub struct Bodies {
     jobs: Vec<RigidBody>,
     /// The bodies, in the order of the job.
     pub bodies: Vec<Body>,
+    /// True for the bodies that are rigid at present. The others have no members here, and unit
+    /// mass.
+    active: Vec<bool>,
     /// Difference between the inertia that the job prescribes and that of the nodal masses;
     /// sums over nodes do not contain it.
     beyond: Vec<Matrix3<f64>>,
@@ -127,15 +130,15 @@ impl Bodies {
         self.members.iter().map(|m| m.local).filter(move |&n| pushed(n as usize))
     }
 
-    /// Returns the local members of the bodies from number `first` on, with the velocity and the
-    /// rotational velocity that their body gives them at the last mid-step.
+    /// Returns the local members of some bodies, with the velocity and the rotational velocity that
+    /// their body gives them at the last mid-step.
     pub fn carried<'a>(
         &'a self,
-        first: usize,
+        of: &'a [usize],
         nodes: &'a Nodes,
     ) -> impl Iterator<Item = (usize, V3, V3)> + 'a {
-        let bodies = self.bodies.iter().zip(&self.jobs).skip(first);
-        bodies.flat_map(move |(body, job)| {
+        let active = of.iter().filter(|&&b| self.active[b]);
+        active.map(|&b| (&self.bodies[b], &self.jobs[b])).flat_map(move |(body, job)| {
             let spin = body.last_spin;
             let local = job.nodes.iter().filter_map(|&id| nodes.local_index(id));
             local.map(move |n| {
@@ -143,6 +146,23 @@ impl Bodies {
                 (n as usize, body.last.velocity + spin.cross(&arm), spin)
             })
         })
+    }
+
+    /// Returns the bodies that become rigid, and those that deform again, at a time.
+    pub fn due(&self, time: f64) -> Vec<usize> {
+        let bodies = self.jobs.iter().zip(&self.active).enumerate();
+        let changes = bodies.filter(|(_, (job, active))| job.is_rigid_at(time) != **active);
+        changes.map(|(b, _)| b).collect()
+    }
+
+    /// Returns true if a body of a job is rigid for the rest of the run.
+    pub fn has_settled(&self, b: usize, job: &RigidBody) -> bool {
+        self.active.get(b) == Some(&true) && job.stays_rigid()
+    }
+
+    /// Returns true if a body is rigid at present.
+    pub fn is_active(&self, body: usize) -> bool {
+        self.active[body]
     }
 
     /// Returns true if there are no bodies.

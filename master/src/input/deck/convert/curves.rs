@@ -34,8 +34,10 @@ impl DeckConverter {
             let place = record.place("lcid");
             let (sfa, sfo) = (one(record.real("sfa")), one(record.real("sfo")));
             let (offa, offo) = (record.real("offa"), record.real("offo"));
+            let units = self.curve_units.of(id, place, &mut self.trouble);
             let point = |line: &crate::input::deck::record::CardLine| {
-                [sfa * (line.real("a") + offa), sfo * (line.real("o") + offo)]
+                let (a, o) = (sfa * (line.real("a") + offa), sfo * (line.real("o") + offo));
+                [a * units[0], o * units[1]]
             };
             let points: Vec<[f64; 2]> = record.lines("a").map(point).collect();
             let lines = record.lines("a").map(|line| line.place).collect();

@@ -33,7 +33,7 @@ impl DeckConverter {
             }
             for (number, (v, nodes, place)) in equal.into_values().enumerate() {
                 let name = format!("velocity-{}", number + 1);
-                self.rows.add_set(name.clone(), nodes, place);
+                let name = self.rows.add_new_set(&name, nodes, place);
                 self.initial(place, Some(name), v, None);
             }
         }

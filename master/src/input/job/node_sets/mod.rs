@@ -87,6 +87,7 @@ pub const SET_KEYS: &[SetKey] = &[
     row("rigid", "nodes", |job| names(&job.rigid, |r| r.nodes.as_ref())),
     row("tie", "nodes", |job| names(&job.tie, |t| Some(&t.nodes))),
     row("tie", "faces", |job| names(&job.tie, |t| t.faces.as_ref())),
+    row("tie", "mean_of", |job| names(&job.tie, |t| t.mean_of.as_ref())),
     row("wall", "nodes", |job| names(&job.wall, |w| w.nodes.as_ref())),
     row("wall", "except", |job| names(&job.wall, |w| w.except.as_ref())),
     row("output.node", "nodes", |job| names(&job.output.node, |n| n.nodes.as_ref())),
