@@ -5,7 +5,7 @@
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::problem::Problem;
 
 /// The row of this file in the table of generators.
@@ -35,7 +35,9 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let count =
         ["along", "across", "high"].map(|key| refine * options.count(key, 1..=512, &mut wrong));
     let nodes = options.count("nodes", 4..=10, &mut wrong);
-    if ![4, 6, 8, 10].contains(&nodes) {
+    let shapes = [Shape::Tet4, Shape::Wedge6, Shape::Hex8, Shape::Tet10];
+    let shape = shapes.into_iter().find(|shape| shape.corners() == nodes);
+    if shape.is_none() {
         let message = format!("`nodes` = {nodes} is no number of nodes of a solid");
         wrong.push(Problem::error("scene.nodes", message, "give 4, 6, 8 or 10"));
     }
@@ -45,7 +47,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut mesh = Builder::default();
     let block =
         mesh.block(1, count, |ijk| [0, 1, 2].map(|c| size[c] * ijk[c] as f64 / count[c] as f64));
-    mesh.cut(nodes);
+    mesh.cut(shape.unwrap_or(Shape::Hex8));
     for (axis, names) in
         [["left", "right"], ["front", "back"], ["bottom", "top"]].into_iter().enumerate()
     {

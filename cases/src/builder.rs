@@ -2,7 +2,7 @@
 //! nearby numbers.
 
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
+use crumple_proto::mesh::{EDGES_OF_TET10, Mesh, MeshElement, MeshNode, Shape};
 use std::collections::BTreeMap;
 
 /// Growth of [`graded`] from one step to the next.
@@ -86,15 +86,12 @@ impl Builder {
         grid
     }
 
-    /// Cuts all hexahedra into elements with another number of nodes: six tetrahedra with 4 or 10
-    /// around a diagonal, or two wedges with 6. Nodes on edges are in their middles.
-    pub fn cut(&mut self, nodes: usize) {
-        let shape = match nodes {
-            4 => Shape::Tet4,
-            6 => Shape::Wedge6,
-            10 => Shape::Tet10,
-            _ => return,
-        };
+    /// Cuts all hexahedra into solids of another shape: six tetrahedra around a diagonal, with four
+    /// or ten nodes, or two wedges. Nodes on edges are in their middles.
+    pub fn cut(&mut self, shape: Shape) {
+        if shape == Shape::Hex8 {
+            return;
+        }
         let mut middles = BTreeMap::new();
         for (part, of, c) in std::mem::take(&mut self.elements) {
             if of != Shape::Hex8 {
@@ -112,7 +109,7 @@ impl Builder {
                 let mut corners =
                     [0, around[i], around[(i + 1) % 6], 6].map(|n: usize| c[n]).to_vec();
                 if shape == Shape::Tet10 {
-                    for [a, b] in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]] {
+                    for [a, b] in EDGES_OF_TET10 {
                         let ends: [usize; 2] = [corners[a], corners[b]];
                         corners.push(self.middle(ends, &mut middles));
                     }
@@ -134,7 +131,8 @@ impl Builder {
         node
     }
 
-    /// Returns the nodes whose coordinate along `axis` is that of this node.
+    /// Returns the nodes whose coordinate along `axis` is exactly that of this node, as it is for
+    /// nodes of a plane and the middles between them.
     pub fn plane(&self, axis: usize, of: usize) -> Vec<usize> {
         let at = self.points[of][axis];
         (0..self.points.len()).filter(|&n| self.points[n][axis] == at).collect()

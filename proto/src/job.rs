@@ -384,8 +384,8 @@ pub struct Part {
     #[serde(default = "one")]
     pub contact_thickness_scale: f64,
     /// Formulation of the four-node shells or of the solids. Shells: `stabilised_quad` (default),
-    /// `belytschko_tsay` or `fully_integrated_quad`. Solids: `hexahedron` (default); tetrahedra and
-    /// wedges have one formulation each.
+    /// `belytschko_tsay` or `fully_integrated_quad`. Solids: `hexahedron` (default); other
+    /// solids have one formulation each.
     /// `stabilised_quad` bends exactly in distorted quads and takes its hourglass stiffness from
     /// material and shape. In folds it is closest to converged forces (`cases/studies/README.md`,
     /// crush and twist-thin). `belytschko_tsay` is a fifth cheaper and agrees with it where the

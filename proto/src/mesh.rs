@@ -37,6 +37,9 @@ pub enum Shape {
 /// Largest number of nodes of an element.
 pub const MAX_CORNERS: usize = 10;
 
+/// Corners of the edges of [`Shape::Tet10`], in the order of their nodes.
+pub const EDGES_OF_TET10: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
 /// Faces of [`Shape::Tet10`]: four triangles on each side of the tetrahedron, three at its corners
 /// and one between the nodes on its edges.
 const SIDES_OF_TET10: [[usize; 4]; 16] = [
@@ -73,7 +76,7 @@ impl Shape {
         Shape::Tet10,
     ];
 
-    /// Returns the number of nodes.
+    /// Returns the number of nodes, which are called corners also where they lie on edges.
     pub fn corners(self) -> usize {
         match self {
             Shape::Quad4 | Shape::Tet4 => 4,
@@ -120,6 +123,28 @@ impl Shape {
             }
             Shape::Tet10 => &SIDES_OF_TET10,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => &[],
+        }
+    }
+
+    /// Returns the mass of a node over the mean of the nodes. In proportion to the diagonal of the
+    /// consistent mass matrix (Hinton, Rock & Zienkiewicz 1976) a corner of a ten-node tetrahedron
+    /// has 1/36 of its mass and a node on an edge 4/27.
+    pub const fn mass_share(self, node: usize) -> f64 {
+        match self {
+            Shape::Tet10 if node < 4 => 10.0 / 36.0,
+            Shape::Tet10 => 40.0 / 27.0,
+            _ => 1.0,
+        }
+    }
+
+    /// Returns the factors on the forces that a pressure on a face gives its corners, if these are
+    /// those of a linear face. A uniform pressure on a side of a ten-node tetrahedron acts on the
+    /// nodes of the edges alone, a third on each, as its shape functions demand: the three outer
+    /// triangles give nothing to the corner, and the more to both edges.
+    pub fn load_shares(self, face: usize) -> [f64; 4] {
+        match self {
+            Shape::Tet10 if face % 4 < 3 => [0.0, 1.5, 1.5, 1.5],
+            _ => [1.0; 4],
         }
     }
 
@@ -368,9 +393,26 @@ mod tests {
 
     /// Returns the corners of a tetrahedron and the middles of its edges.
     fn with_middles(x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
         let middle = |[a, b]: [usize; 2]| [0, 1, 2].map(|c| 0.5 * (x[a][c] + x[b][c]));
-        x.iter().copied().chain(edges.map(middle)).collect()
+        x.iter().copied().chain(EDGES_OF_TET10.map(middle)).collect()
+    }
+
+    /// The four triangles of each side have a third of its load on each edge and none at the
+    /// corners.
+    #[test]
+    fn a_pressure_on_a_quadratic_side_acts_on_the_edges() {
+        for side in 0..4 {
+            let mut load = [0.0; MAX_CORNERS];
+            for face in 4 * side..4 * side + 4 {
+                // Each triangle has a quarter of the side, and a third of it for each corner.
+                let of_corner = Shape::Tet10.load_shares(face).map(|share| share / 12.0);
+                let corners = Shape::Tet10.faces()[face];
+                (0..3).for_each(|c| load[corners[c]] += of_corner[c]);
+            }
+            assert_eq!(load[..4], [0.0; 4], "side {side}");
+            let edges: Vec<f64> = load[4..].iter().copied().filter(|f| *f > 0.0).collect();
+            assert!(edges.len() == 3 && edges.iter().all(|f| (f - 1.0 / 3.0).abs() < 1e-15));
+        }
     }
 
     /// Behind a triangle of a ten-node tetrahedron are the opposite corner and the nodes on the

@@ -2,7 +2,7 @@
 //! tests of generators.
 
 use crate::ids::{ElemId, NodeId};
-use crate::mesh::{MAX_CORNERS, Mesh, MeshElement, Shape, once_each};
+use crate::mesh::{EDGES_OF_TET10, MAX_CORNERS, Mesh, MeshElement, Shape, once_each};
 use std::collections::HashMap;
 
 type Coordinates = [f64; 3];
@@ -181,16 +181,15 @@ fn solid_jacobian<const N: usize>(c: usize, x: &[Coordinates]) -> f64 {
 
 /// Returns the Jacobian of a ten-node tetrahedron at a node [length^3].
 fn quadratic_jacobian(node: usize, x: &[Coordinates]) -> f64 {
-    const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
     // Volume coordinates of the node.
     let mut at = [0.0; 4];
     match node.checked_sub(4) {
         None => at[node] = 1.0,
-        Some(edge) => EDGES[edge].iter().for_each(|&c| at[c] = 0.5),
+        Some(edge) => EDGES_OF_TET10[edge].iter().for_each(|&c| at[c] = 0.5),
     }
     // Derivatives of the position by the volume coordinates.
     let mut by = [0, 1, 2, 3].map(|c| x[c].map(|x| (4.0 * at[c] - 1.0) * x));
-    for ([a, b], x) in EDGES.into_iter().zip(&x[4..]) {
+    for ([a, b], x) in EDGES_OF_TET10.into_iter().zip(&x[4..]) {
         (0..3).for_each(|i| {
             by[a][i] += 4.0 * at[b] * x[i];
             by[b][i] += 4.0 * at[a] * x[i];

@@ -281,7 +281,7 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
             let (mut kinetic, mut momentum) = (0.0, [0.0; 3]);
             let corners = e.record.shape.corners();
             for (c, n) in e.nodes[..corners].iter().map(|&n| n as usize).enumerate() {
-                let share = b.element.mass_share(c);
+                let share = e.record.shape.mass_share(c);
                 let (v, next) = (&nodes.v[n], &nodes.v_next[n]);
                 let turning = if nodes.rotations {
                     inertia * dot(&nodes.w[n], &nodes.w_next[n])

@@ -39,7 +39,7 @@ pub struct Loads {
 stateless!(Loads { curves, gravity, of_parts, forces, pressures, faces, damping, falling, cycles });
 stateless!(PartGravity { job, shares, falling });
 stateless!(LocalForce { job, nodes, factor });
-stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, force });
+stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, shares, force });
 
 /// A body force on a fraction of the masses of some local nodes.
 #[derive(Debug)]
@@ -72,6 +72,9 @@ struct LoadedFace {
     rigid: bool,
     /// Number of cycles for which the force acts: those of an outer step for slow elements.
     cycles: f64,
+    /// Factors on the forces of a linear face, see
+    /// [`load_shares`](crumple_proto::mesh::Shape::load_shares).
+    shares: [f64; 4],
     /// Last forces on its nodes [force].
     force: [Row; 4],
 }
@@ -145,6 +148,7 @@ impl Loads {
                             portion: b.portion_of(i),
                             rigid: b.idle,
                             cycles: if b.slow { subcycles as f64 } else { 1.0 },
+                            shares: e.record.shape.load_shares(usize::from(face)),
                             force: [[0.0; 4]; 4],
                         }
                     }));
@@ -171,6 +175,9 @@ impl Loads {
             let p = &self.pressures[face.pressure];
             let pressure = p.pressure * factor(&self.curves, p.curve, time) * face.cycles;
             face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
+            for (force, share) in face.force.iter_mut().zip(face.shares) {
+                (0..3).for_each(|c| force[c] *= share);
+            }
             for (&slot, f) in face.slots.iter().zip(&face.force) {
                 (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
             }

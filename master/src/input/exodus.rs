@@ -272,8 +272,8 @@ impl ExodusReader<'_> {
         let (Some(kind), Ok(id)) = (kind, u32::try_from(id)) else {
             self.error(
                 format!("{shown} has elements of type {named} with {width} nodes"),
-                "these types are read: HEX with 8 nodes, TETRA with 4, WEDGE with 6, SHELL and \
-                 QUAD with 4, TRI, TRISHELL and SHELL with 3, BEAM, BAR, ROD and TRUSS with 2. \
+                "these types are read: HEX with 8 nodes, TETRA with 4 or 10, WEDGE with 6, SHELL \
+                 and QUAD with 4, TRI, TRISHELL and SHELL with 3, BEAM, BAR, ROD and TRUSS with 2. \
                  Mesh the block with one of them, or delete it",
             );
             return None;

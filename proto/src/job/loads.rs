@@ -23,8 +23,8 @@ pub struct GravityInput {
     /// Name of a curve, the factor over time; without it 1.
     #[serde(default)]
     pub curve: Option<String>,
-    /// Parts on whose elements it acts, with their masses before mass scaling; all masses if
-    /// empty.
+    /// Parts on whose elements it acts, with their masses, those of mass scaling included; all
+    /// masses if empty.
     #[serde(default)]
     pub parts: Vec<u32>,
 }

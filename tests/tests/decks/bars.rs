@@ -8,7 +8,8 @@ use std::fs;
 use std::path::Path;
 
 /// A chain of bars along a slanted line, one for each section, between heavy ends: a rectangle with
-/// and without shear, a tube, a general section, a truss at the end. Units mm, ms, kg.
+/// and without shear, a tube, a general section, a truss at the end. A moving wall far away
+/// needs a node of its own in Radioss decks. Units mm, ms, kg.
 fn job() -> String {
     let sections = [
         "[part.beam]\nsection = \"rectangle\"\nheight = 2.0\nwidth = 3.0\n\
@@ -45,7 +46,8 @@ fn job() -> String {
     }
     text + "[[fix]]\nnodes = { rule = \"nodes\", ids = [1] }\ndofs = [\"x\", \"y\", \"z\", \"rx\", \
             \"ry\", \"rz\"]\n[[initial_velocity]]\nnodes = { rule = \"nodes\", ids = [5, 6] }\n\
-            velocity = [0.3, 1.0, -2.0]\n"
+            velocity = [0.3, 1.0, -2.0]\n[[wall]]\nname = \"far\"\npoint = [0.0, 0.0, -500.0]\n\
+            normal = [0.0, 0.0, 1.0]\nmass = 1.0\nspeed = 0.1\n"
 }
 
 fn digest(model: &Model) -> String {

@@ -202,7 +202,7 @@ fn units_of_a_file_are_converted() {
     near(curve("curve-102").points[1][0], 20.0);
     near(curve("curve-102").points[1][1], 5e-4);
     // cm/s is 0.01 mm/ms.
-    near(curve("curve-103").points[1][1], 0.5);
+    near(curve("curve-103-from-4").points[1][1], 0.5);
     near(found.job.motion[0].birth, 4.0);
     near(found.job.motion[0].death.unwrap(), 9.0);
     let fastest = found.job.initial_velocity.iter().map(|v| v.velocity[0]).fold(0.0, f64::max);

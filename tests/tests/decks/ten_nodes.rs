@@ -96,6 +96,30 @@ fn all_formats_have_one_order_of_nodes() {
     }
 }
 
+/// Nastran allows elements that lack some nodes on edges; they are an error, as those with some
+/// blanks would get other nodes there.
+#[test]
+fn an_element_without_some_nodes_on_edges_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.bdf");
+    let (_, text) = files().into_iter().find(|(name, _)| name.ends_with("bdf")).unwrap();
+    let lacks = text.replace("CTETRA,2,1,1,2,3,4,5,6,+", "CTETRA,2,1,1,2,3,4,,6,+");
+    assert_ne!(lacks, text);
+    fs::write(&path, lacks).unwrap();
+    let problems = read(&path, false).err().expect("it is refused");
+    assert!(problems[0].message.contains("element 2 lacks nodes on its edges"), "{problems:?}");
+}
+
+/// A pressure on a segment with the three corners of a side acts on its edges.
+#[test]
+fn a_segment_of_corners_is_the_whole_side() {
+    let curve = "*DEFINE_CURVE\n1\n0.0,1.0\n1.0,1.0\n";
+    let load = "*LOAD_SEGMENT\n1,2.0,0.0,101,103,102\n";
+    let model = with(&format!("{}{curve}{load}", deck_lines()));
+    let [pressure] = &model.settings.loads.pressures[..] else { panic!("one pressure") };
+    assert_eq!(pressure.faces.len(), 4, "{:?}", pressure.faces);
+}
+
 /// The lines of a deck with the element on two lines, in part 2.
 fn deck_lines() -> String {
     let nodes = nodes(|id, [x, y, z]| format!("{},{x},{y},{}\n", 100 + id, z - 40.0));

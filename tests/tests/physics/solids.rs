@@ -192,3 +192,46 @@ fn bits_do_not_depend_on_workers() {
         assert_eq!(run_interrupted(&model, plan), serial.digest(), "{cut:?}: restart");
     }
 }
+
+/// A stiff spring at the corner of a ten-node tetrahedron, which has 1/36 of its mass: the step is
+/// stable, and the spring keeps its energy.
+#[test]
+fn a_spring_at_a_light_corner_is_stable() {
+    let mut scene = Scene::default();
+    scene.cut(Cut::QuadraticTetrahedra);
+    let mut corner = |x: f64, y: f64, z: f64| scene.node([x, y, z]);
+    let below = [
+        corner(0.0, 0.0, 0.0),
+        corner(1.0, 0.0, 0.0),
+        corner(1.0, 1.0, 0.0),
+        corner(0.0, 1.0, 0.0),
+    ];
+    let above = [
+        corner(0.0, 0.0, 1.0),
+        corner(1.0, 0.0, 1.0),
+        corner(1.0, 1.0, 1.0),
+        corner(0.0, 1.0, 1.0),
+    ];
+    let ground = corner(3.0, 0.0, 1.0);
+    scene.solid(1, std::array::from_fn(|c| if c < 4 { below[c] } else { above[c - 4] }));
+    // Two of the six tetrahedra have this corner.
+    scene.spring(2, [above[1], ground]);
+    scene.set_named("ground", &[ground]);
+    scene.set_named("corner", &[above[1]]);
+    let text = format!(
+        "end_time = 1.0\n{}[time]\nmax_cycles = 4000\n[output]\nfield_interval = -1.0\n{}\
+         [[part]]\nid = 2\n[part.spring]\nstiffness = 5000.0\n\
+         [[fix]]\nnodes = \"ground\"\ndofs = [\"x\", \"y\", \"z\"]\n\
+         [[initial_velocity]]\nnodes = \"corner\"\nvelocity = [0.01, 0.0, 0.0]\n",
+        scene.mesh_text(),
+        steel(0.3, "")
+    );
+    let model = model_of(&text, &[]);
+    let mut largest = 0.0_f64;
+    run_alone(&model, |engine| {
+        let energies = engine.ledger.energies(&engine.nodes, &engine.blocks).values();
+        largest = largest.max(energies.kinetic.abs());
+    });
+    let start = 0.5 * (2.0 / 36.0 * RHO / 6.0) * 0.01_f64.powi(2);
+    assert!((1.0 - 1e-9..1.05).contains(&(largest / start)), "{largest:e} of {start:e}");
+}

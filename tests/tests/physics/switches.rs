@@ -76,10 +76,6 @@ fn a_part_is_rigid_for_a_while() {
             vibrates = vibrates.max((length(e) - then[0]).abs() / then[0]);
         }
     });
-    eprintln!(
-        "momentum {moved:e}, angular {turned:e} of {first:?}, balance {worst:e}, length {lengths:e}, internal \
-         {internal:e}, taken {taken:e} of {initial:e}, vibrates {vibrates:e}"
-    );
     // Members have velocities that are differences of positions: eps 15 mm / 3e-4 ms.
     assert!(moved < 1e-11, "round-off: {moved:e}");
     // Velocities and positions of a switch are half a step apart.

@@ -2,6 +2,7 @@
 //! bit for bit with the field files: deploy/read_d3plot.py. Without such a reader the tests
 //! check only the files from outside.
 
+use crumple_proto::mesh::MeshElement;
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use crumple_tests::tools;
 use crumple_verification::scene::Scene;
@@ -147,6 +148,10 @@ fn tetrahedra_and_wedges_read_back() {
         let mut reader = Command::new(tools::python("pyvista").expect("it was there"));
         reader.arg(root().join("deploy/read_exodus.py")).arg(ended.out());
         run(reader).with_code(0);
+        // The file is a mesh too.
+        let mesh = crumple::input::exodus::read(&ended.out().join("fields.exo")).unwrap();
+        let of_kind = |e: &&MeshElement| e.corners().len().to_string() == nodes;
+        assert_eq!(mesh.elements.iter().filter(of_kind).count(), count);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Builder of meshes and jobs: mesh rows by code, the rest as the text of a job file. Tests with
 //! their own job text take [`Scene::mesh_text`] only. Units are SI, unless a scene has others.
 
+use crumple_proto::mesh::EDGES_OF_TET10;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -216,8 +217,7 @@ impl Scene {
     /// Adds a tetrahedron with nodes in the middle of its edges, which it has in common with its
     /// neighbours.
     fn quadratic_tetrahedron(&mut self, part: u32, c: [u32; 4]) {
-        let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
-        let middles = edges.map(|[a, b]: [usize; 2]| self.middle(c[a], c[b]));
+        let middles = EDGES_OF_TET10.map(|[a, b]: [usize; 2]| self.middle(c[a], c[b]));
         self.solid_of(part, &[&c[..], &middles[..]].concat());
     }
 

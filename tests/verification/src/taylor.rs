@@ -141,10 +141,12 @@ fn copper(bench: &Bench, n: usize, end: Foot, cut: Cut) -> Result<Vec<CheckRow>,
     // The tolerances of the catalogue are for eight cells, and for the foot of the references.
     let gated = n == 8 && end == Foot::Held;
     let check = |row: CheckRow, reference: f64, tolerance: f64, source: &'static str| {
-        if gated {
-            row.near(reference, tolerance, source)
-        } else {
-            row.reference(reference, source)
+        // Coarse meshes of other solids are held to twice the tolerance at the end.
+        let other = cut != Cut::Whole && row.quantity.ends_with("80 us");
+        match (gated, other) {
+            (true, _) => row.near(reference, tolerance, source),
+            (false, true) => row.near(reference, 2.0 * tolerance, source),
+            (false, false) => row.reference(reference, source),
         }
     };
     let [radius, length] = m.at(80e-6);

@@ -523,7 +523,7 @@ impl Blocks {
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
                 let (m, j) = b.element.corner_mass(&x, e.record.own);
                 for c in 0..e.record.shape.corners() {
-                    let factor = e.record.mass_factor * b.element.mass_share(c);
+                    let factor = e.record.mass_factor * e.record.shape.mass_share(c);
                     self.force[slot + c] = [m * factor, j * factor, 0.0, 0.0];
                 }
             }

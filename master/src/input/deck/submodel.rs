@@ -176,9 +176,6 @@ impl Submodel {
 
     /// Reports what the new position does not apply to.
     fn condition(&self, record: &CardRecord, trouble: &mut Trouble) {
-        if !self.map.turns() {
-            return;
-        }
         let keyword = record.row.keyword.name;
         let along_axes = [
             "BOUNDARY_SPC",
@@ -192,7 +189,7 @@ impl Submodel {
         ];
         let is_rotation = keyword.starts_with("BOUNDARY_PRESCRIBED_MOTION")
             && record.integer("dof").unsigned_abs() >= 9;
-        if is_rotation {
+        if is_rotation && self.map != Affine::default() {
             let message = format!(
                 "{}: a rotation about an axis with offsets, in a file that *INCLUDE_TRANSFORM \
                  moves",
@@ -200,8 +197,10 @@ impl Submodel {
             );
             let help = "move the keyword to a file that is not moved, with the new offsets";
             trouble.error(record.place("dof"), message, help);
+        } else if !self.map.turns() {
+            // Directions stay as they are.
         } else if keyword != "MAT_RIGID" && along_axes.iter().any(|k| keyword.starts_with(k))
-            || keyword == "MAT_RIGID" && record.integer("cmo") != 0
+            || keyword == "MAT_RIGID" && record.real("cmo") != 0.0
         {
             let message = format!(
                 "{} is in a file that *INCLUDE_TRANSFORM turns, but its degrees of freedom are \
@@ -218,6 +217,22 @@ impl Submodel {
         match record.row.keyword.name {
             "SET_NODE_GENERAL" => self.general_set(record),
             "DEFINE_BOX" => self.sides(record, trouble),
+            _ if self.map.reflects() && record.line("xhev").is_some() => {
+                let message = format!(
+                    "{}: a rectangle in a file that *INCLUDE_TRANSFORM reflects",
+                    record.name()
+                );
+                let help = "move the keyword to a file that is not reflected";
+                trouble.error(record.place("xhev"), message, help);
+            }
+            "CONSTRAINED_JOINT_SCREW" if self.map.reflects() => {
+                let message = format!(
+                    "{}: a screw in a file that *INCLUDE_TRANSFORM reflects keeps its lead",
+                    record.name()
+                );
+                let help = "change the sign of parm for a screw that is reflected too";
+                trouble.warning(record.place("parm"), message, help);
+            }
             "SET_SEGMENT" | "LOAD_SEGMENT" if self.map.reflects() => reverse_faces(record),
             "PART" if record.line("ixx").is_some() => self.inertia(record),
             "INITIAL_VELOCITY_GENERATION" if record.real("nx") == -999.0 => {
@@ -374,9 +389,6 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
     if keyword == "CONSTRAINED_INTERPOLATION" && integer("ityp") == 1 {
         roles.insert("inid", id(OffsetKind::Set));
     }
-    if keyword == "MAT_RIGID" && integer("cmo") < 0 {
-        roles.insert("con1", id(OffsetKind::Definition));
-    }
     let dof = integer("dof").unsigned_abs();
     let rotates = matches!(dof, 5..=11) && dof != 8;
     if keyword.starts_with("LOAD_NODE") {
@@ -413,11 +425,11 @@ impl CurveUnits {
             }
             found => {
                 let why = match found {
-                    Some(_) => "is used as two different quantities",
-                    None => "is used by no card of its file",
+                    Some(_) => "it is used as two different quantities",
+                    None => "the dimensions of its use are not known",
                 };
                 let message =
-                    format!("*DEFINE_CURVE {id} is in a file with factors of units, and it {why}");
+                    format!("*DEFINE_CURVE {id} is in a file with factors of units, and {why}");
                 let help = "give it in the units of the whole deck, in a file without factors";
                 trouble.error(place, message, help);
                 [1.0; 2]

@@ -1,6 +1,5 @@
 //! Loads, prescribed motion and planes of symmetry: checks, and conversion to numbers and ids.
 
-use super::laws::BuiltElements;
 use super::state::{ElementStart, NodeSets, NodeStart};
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
@@ -249,7 +248,6 @@ pub fn share_gravity(
     job: &Job,
     mesh: &Mesh,
     settings: &mut Settings,
-    blocks: &BuiltElements,
     (elements, nodes): (&ElementStart, &NodeStart),
 ) {
     if job.gravity.iter().all(|g| g.parts.is_empty()) {
@@ -261,9 +259,8 @@ pub fn share_gravity(
         let mut masses = added.map_or(vec![0.0; mesh.nodes.len()], <[f64]>::to_vec);
         for (i, e) in mesh.elements.iter().enumerate().filter(|(_, e)| of(e.part)) {
             let each = elements.mass_with_scaling(i) / e.shape.corners() as f64;
-            let formulation = blocks.element(elements.part[i] as usize, e.shape);
             for (c, id) in e.corners().iter().enumerate() {
-                masses[place[id]] += each * formulation.map_or(1.0, |f| f.mass_share(c));
+                masses[place[id]] += each * e.shape.mass_share(c);
             }
         }
         for tie in &settings.ties {

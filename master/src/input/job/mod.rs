@@ -281,7 +281,7 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
-    loads::share_gravity(&job, &mesh, &mut settings, &blocks, (&elements, &nodes));
+    loads::share_gravity(&job, &mesh, &mut settings, (&elements, &nodes));
     let mut warnings = placeholders::check(&job);
     warnings.extend(warnings::of_model(&job, &mesh, &settings, &elements, &nodes));
     Some(Built {

@@ -244,8 +244,10 @@ fn of_nodes(
     }
     for (i, element) in mesh.elements.iter().enumerate().filter(|(_, e)| e.shape != Shape::Line2) {
         let corners = element.corners();
-        for n in corners.iter().filter_map(|id| place.get(id)) {
-            ends[*n].mass += start.mass_with_scaling(i) / corners.len() as f64;
+        let of_each = start.mass_with_scaling(i) / corners.len() as f64;
+        let found = corners.iter().enumerate().filter_map(|(c, id)| Some((c, place.get(id)?)));
+        for (c, n) in found {
+            ends[*n].mass += of_each * element.shape.mass_share(c);
             ends[*n].shared = true;
         }
     }

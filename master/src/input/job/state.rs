@@ -33,13 +33,12 @@ pub struct NodeStart {
 impl NodeStart {
     /// Returns the degrees of freedom of a node that are not free for a motion in a window.
     pub fn taken(&self, n: usize, dofs: u64, window: Option<[f64; 2]>) -> u64 {
-        let mut taken = self.fixed[n] & dofs;
-        for (bits, other) in self.timed.get(&n).into_iter().flatten() {
-            if window.is_some_and(|own| are_apart(own, *other)) {
-                taken &= !bits;
-            }
-        }
-        taken
+        let timed = self.timed.get(&n).map_or(&[][..], Vec::as_slice);
+        let in_windows = timed.iter().fold(0, |all, (bits, _)| all | bits);
+        let meets = |other: &[f64; 2]| window.is_none_or(|own| !are_apart(own, *other));
+        let met = timed.iter().filter(|(_, other)| meets(other));
+        let met = met.fold(0, |all, (bits, _)| all | bits);
+        dofs & (self.fixed[n] & !in_windows | met)
     }
 
     /// Marks degrees of freedom of a node as prescribed.

@@ -33,7 +33,12 @@ impl Units {
 
 /// Warns of every material whose density or wave speed does not exist in the stated units.
 pub fn check(job: &Job) -> Vec<Problem> {
-    let mut problems = yields(job);
+    // A material that carries no load may have any numbers.
+    let bears = |name: &str| {
+        let mut own = job.part.iter().filter(|p| p.material == name).peekable();
+        own.peek().is_none() || own.any(|p| !p.skin)
+    };
+    let mut problems = yields(job, bears);
     let Some(units) = read(&job.units) else {
         if !job.units.trim().is_empty() {
             let message = format!("`units` = \"{}\" names no units that are known", job.units);
@@ -42,11 +47,6 @@ pub fn check(job: &Job) -> Vec<Problem> {
             problems.push(Problem::warning("units", message, help));
         }
         return problems;
-    };
-    // A material that carries no load may have any numbers.
-    let bears = |name: &str| {
-        let mut own = job.part.iter().filter(|p| p.material == name).peekable();
-        own.peek().is_none() || own.any(|p| !p.skin)
     };
     for (index, material) in job.material.iter().enumerate().filter(|(_, m)| bears(&m.name)) {
         let density = material.density * units.mass / units.length.powi(3);
@@ -89,7 +89,7 @@ pub fn check(job: &Job) -> Vec<Problem> {
 const LARGEST_YIELD: f64 = 0.1;
 
 /// Warns of every material that yields at strains at which no solid is elastic.
-fn yields(job: &Job) -> Vec<Problem> {
+fn yields(job: &Job, bears: impl Fn(&str) -> bool) -> Vec<Problem> {
     let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|i| i as f64));
     let of = |(index, material): (usize, &MaterialSpec)| {
         let modulus = youngs_modulus(material)?;
@@ -107,7 +107,7 @@ fn yields(job: &Job) -> Vec<Problem> {
             Problem::warning(format!("material.{index}.{key}"), message, help)
         })
     };
-    job.material.iter().enumerate().filter_map(of).collect()
+    job.material.iter().enumerate().filter(|(_, m)| bears(&m.name)).filter_map(of).collect()
 }
 
 /// Returns the wave speeds [m/s] that exist at a density [kg/m^3].

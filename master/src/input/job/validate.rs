@@ -432,6 +432,7 @@ fn unknown_message(key: &str, path: &str) -> String {
 fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
     // A slip of one letter is more likely than the wrong section.
     if let Some(near) = near(key, known)
+        && key.len() > 2
         && strsim::damerau_levenshtein(key, near) == 1
     {
         return suggestion(Some(near), "keys here", known);

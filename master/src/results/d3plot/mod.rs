@@ -37,7 +37,7 @@ pub fn run(dir: &Path, file_size: u64, strains: bool) -> u8 {
 pub fn export(dir: &Path, limit: u64, strains: bool) -> Result<String, String> {
     let mut source = FieldSource::open(dir)?;
     let mesh = source.mesh()?;
-    let strains = strains.then(|| StrainedMesh::new(&mesh));
+    let mut strains = strains.then(|| StrainedMesh::new(&mesh));
     let format = DatabaseLayout::new(mesh, strains.is_some());
     let path = dir.join(NAME);
     remove_family(dir).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -52,7 +52,7 @@ pub fn export(dir: &Path, limit: u64, strains: bool) -> Result<String, String> {
             let mut words = 0;
             for &i in run {
                 let state = source.state(i).map_err(io::Error::other)?;
-                let strained = strains.as_ref().map(|mesh| mesh.at(state));
+                let strained = strains.as_mut().map(|mesh| mesh.at(state));
                 words += format.write_state(out, state, strained.as_ref())?;
             }
             format.end(out, words)

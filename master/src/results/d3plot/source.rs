@@ -260,6 +260,14 @@ impl FieldSource {
                 [vtu::PLASTIC_STRAIN, vtu::VON_MISES, vtu::THICKNESS].map(|a| piece.array(a.name));
             let [plastic_strain, von_mises, thickness] = scalars;
             let (plastic_strain, von_mises, thickness) = (plastic_strain?, von_mises?, thickness?);
+            let count = piece.components(vtu::PLASTIC_STRAIN_OF_POINTS.name);
+            if piece.cells > 0 && count != self.points {
+                return Err(format!(
+                    "{}: the fields have {count} points of shells, and {} at the start",
+                    self.steps[step].0.display(),
+                    self.points
+                ));
+            }
             let of_points = match self.points {
                 0 => [Vec::new(), Vec::new()],
                 _ => [

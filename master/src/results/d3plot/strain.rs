@@ -33,7 +33,7 @@ pub struct StrainedMesh {
     shells: Vec<[i32; 4]>,
     parts: Vec<i32>,
     /// Thickness of the shells in the first state that has them [length].
-    thickness: std::cell::RefCell<Vec<f32>>,
+    thickness: Vec<f32>,
 }
 
 impl StrainedMesh {
@@ -50,22 +50,22 @@ impl StrainedMesh {
             solids: mesh.solid_corners.iter().map(corners).collect(),
             shells: mesh.shell_corners.clone(),
             parts: mesh.shells.iter().map(|e| e.part).collect(),
-            thickness: std::cell::RefCell::new(vec![0.0; mesh.shells.len()]),
+            thickness: vec![0.0; mesh.shells.len()],
         }
     }
 
     /// Returns the strains of a state. States have to come in the order of time.
-    pub fn at(&self, state: &DatabaseState) -> StateStrains {
-        let mut first = self.thickness.borrow_mut();
-        for (first, values) in first.iter_mut().zip(&state.shells) {
+    pub fn at(&mut self, state: &DatabaseState) -> StateStrains {
+        for (first, values) in self.thickness.iter_mut().zip(&state.shells) {
             if *first == 0.0 && values.alive {
                 *first = values.thickness;
             }
         }
-        let shells = ShellStrains::new(&self.shells, &self.parts, self.x.len());
+        let alive: Vec<bool> = state.shells.iter().map(|values| values.alive).collect();
+        let shells = ShellStrains::new(&self.shells, &self.parts, &alive, self.x.len());
         let (start, now) = (shells.positions(&self.x), shells.positions(&state.x));
         let of_shell = |(i, values): (usize, &StateValues)| {
-            let thickness = [first[i], values.thickness].map(f64::from);
+            let thickness = [self.thickness[i], values.thickness].map(f64::from);
             shells.strains(i, [&start, &now], thickness)
         };
         StateStrains {
@@ -96,10 +96,11 @@ fn at(x: &[[f32; 3]], node: i32) -> Vector3<f64> {
 }
 
 impl<'a> ShellStrains<'a> {
-    /// Finds the shells around each of `nodes` nodes.
-    pub fn new(corners: &'a [[i32; 4]], parts: &'a [i32], nodes: usize) -> Self {
+    /// Finds the shells around each of `nodes` nodes, without those that are not `alive`: their
+    /// nodes no longer move with the others.
+    pub fn new(corners: &'a [[i32; 4]], parts: &'a [i32], alive: &[bool], nodes: usize) -> Self {
         let mut around = vec![Vec::new(); nodes];
-        for (shell, of) in (0..).zip(corners) {
+        for ((shell, of), _) in (0..).zip(corners).zip(alive).filter(|(_, alive)| **alive) {
             of.iter().for_each(|&n| around[n as usize].push(shell));
         }
         around.iter_mut().for_each(Vec::dedup);
@@ -129,7 +130,9 @@ impl<'a> ShellStrains<'a> {
         };
         let Some(inverse) = start.moment(&start.x).try_inverse() else { return [[0.0; 6]; 2] };
         let gradient = now.cross_moment(&now.x, &start.x) * inverse;
-        let membrane = half_logarithm(gradient * gradient.transpose());
+        let parts = (gradient * gradient.transpose()).symmetric_eigen();
+        let logarithms = Matrix2::from_diagonal(&parts.eigenvalues.map(half_logarithm));
+        let membrane = parts.eigenvectors * logarithms * parts.eigenvectors.transpose();
         let bent = now.curvature() - start.curvature();
         let through = match thickness > 0.0 && thickness_0 > 0.0 {
             true => (thickness / thickness_0).ln(),
@@ -203,11 +206,9 @@ impl ShellFrame {
     }
 }
 
-/// Returns half the logarithm of a symmetric tensor.
-fn half_logarithm(tensor: Matrix2<f64>) -> Matrix2<f64> {
-    let parts = tensor.symmetric_eigen();
-    let logarithms = parts.eigenvalues.map(|value| 0.5 * value.max(f64::MIN_POSITIVE).ln());
-    parts.eigenvectors * Matrix2::from_diagonal(&logarithms) * parts.eigenvectors.transpose()
+/// Half the logarithm of an eigenvalue of the left Cauchy-Green tensor.
+fn half_logarithm(value: f64) -> f64 {
+    0.5 * value.max(f64::MIN_POSITIVE).ln()
 }
 
 /// Returns the strain of a solid with these nodes at the start and now.
@@ -225,12 +226,8 @@ pub fn of_solid(corners: &[i32], [start, now]: [&[[f32; 3]]; 2]) -> Strain {
     let Some(inverse) = moment(&start).try_inverse() else { return [0.0; 6] };
     let gradient = moment(&now) * inverse;
     let parts = (gradient * gradient.transpose()).symmetric_eigen();
-    let logarithms = parts.eigenvalues.map(|value| 0.5 * value.max(f64::MIN_POSITIVE).ln());
-    components(
-        &(parts.eigenvectors
-            * Matrix3::from_diagonal(&logarithms)
-            * parts.eigenvectors.transpose()),
-    )
+    let logarithms = Matrix3::from_diagonal(&parts.eigenvalues.map(half_logarithm));
+    components(&(parts.eigenvectors * logarithms * parts.eigenvectors.transpose()))
 }
 
 fn components(tensor: &Matrix3<f64>) -> Strain {
@@ -256,7 +253,7 @@ mod tests {
     fn strains(quads: &[[i32; 4]], x: [&[[f64; 3]]; 2], t: [f64; 2], shell: usize) -> [Strain; 2] {
         let parts = vec![0; quads.len()];
         let [start, now] = x.map(single);
-        let all = ShellStrains::new(quads, &parts, start.len());
+        let all = ShellStrains::new(quads, &parts, &vec![true; quads.len()], start.len());
         all.strains(shell, [&all.positions(&start), &all.positions(&now)], t)
     }
 

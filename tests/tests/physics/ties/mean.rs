@@ -46,7 +46,6 @@ fn a_mean_motion_keeps_momentum_and_energy() {
     });
     let mass = RHO * (8.0 * 16.0 + 4.0 * 9.0);
     let [p, l] = watch.changed;
-    eprintln!("momentum {p:e}, angular {l:e}, energy {:e}, arm {off}", watch.unexplained);
     assert!(p < 1e-12 * mass, "round-off: {p:e}");
     assert!(watch.unexplained < 2e-3, "{:e}", watch.unexplained);
     assert!(off > 0.5 && swing > 1e-3, "{off} {swing}");

@@ -140,13 +140,9 @@ pub trait Element: Send + Sync {
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
     /// Returns the mass [mass] and the rotational inertia [mass length^2] that one element
-    /// contributes to each of its corners, on average. `x` are the coordinates of its slots.
+    /// contributes to each of its corners, on average ([`Shape::mass_share`]). `x` are the
+    /// coordinates of its slots.
     fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64);
-
-    /// Returns the mass of a corner over the average of the corners.
-    fn mass_share(&self, _corner: usize) -> f64 {
-        1.0
-    }
 
     /// Computes internal forces at the coordinates x(t), after it updates the stress from t - dt to
     /// t with the mid-step velocities.
@@ -437,8 +433,8 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let named = part.element.as_deref();
     let wanted = named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
-    // Tetrahedra and wedges have one formulation each, which the name of another solid does not
-    // exclude: a part may have all of them.
+    // Other solids than hexahedra have one formulation each, which the name of another solid does
+    // not exclude: a part may have all of them.
     let is_solid = |row: &&ElementEntry| row.shape.is_solid();
     if let Some(name) = named
         && matches!(shape, Shape::Tet4 | Shape::Wedge6 | Shape::Tet10)

@@ -10,24 +10,25 @@
 //! A corner has 1/36 of the mass and a node on an edge 4/27, in proportion to the diagonal of the
 //! consistent mass matrix (Hinton, Rock & Zienkiewicz 1976): row sums would be negative.
 //!
-//! Stable step: `omega^2 <= max_p sum_q |K_pq|`, with K the matrix whose blocks couple the stresses
-//! of the points p and q by the accelerations that they give:
+//! Stable step: `omega^2 <= max_p sum_q D_pq + max_p sum_q P_pq`, with the matrices D and P whose
+//! entries bound the accelerations that a deviatoric stress and a pressure at point q give at p:
 //! ```text
-//! |K_pq| <= sqrt(V_p V_q)/(rho V) (2 mu |G_pq| + max(lambda, 0) |tr G_pq|),
+//! D_pq = sqrt(V_p V_q)/(rho V) 2 mu |G_pq|,
+//! P_pq = sqrt(V_p V_q)/(rho V) max(lambda, 0) |tr G_pq|,
 //! G_pq = sum_I B_pI B_qI'/c_I
 //! ```
-//! with `c_I` the share of the mass. The nonzero eigenvalues of K are those of the stiffness over
-//! the mass, and no eigenvalue is larger than a sum of the norms of a row of blocks. `|G_pq|` is
-//! the root of the sum of squares, or for p = q the bound of the hexahedron. The bound is 0.83 to
-//! 0.99 of the step of a single regular element.
+//! with `c_I` the share of the mass. The stiffness over the mass is the sum of a part with 2 mu and
+//! a part with lambda; the nonzero eigenvalues of each are those of a matrix of such blocks, and no
+//! eigenvalue is larger than the sum of the norms in a row. `|G_pq|` is the root of the sum of
+//! squares, or for p = q the bound of the hexahedron. For a single regular element the step is 0.77
+//! (nu = 0), 0.84 (0.3) and 0.99 (0.49) of that at which it becomes unstable.
 //!
-//! Faces in contact and under pressure are four plane triangles per side, so that a uniform
-//! pressure loads corners too, unlike the shape functions.
+//! Faces in contact and under pressure are four plane triangles per side.
 
 use super::pass::GroupCorners;
 use super::solid::{
-    SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, corner, increment, viscous,
-    work_and_size,
+    SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, corner, increment,
+    largest_and_trace, viscous, work_and_size,
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupNodes,
@@ -39,7 +40,7 @@ use crate::nodes::NodeView;
 use crate::parameter::Values;
 use crumple_math::lanes::{Real, cross, dot};
 use crumple_proto::job::Part;
-use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::mesh::{EDGES_OF_TET10, OwnSection, Shape};
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -55,17 +56,12 @@ pub const ROW: ElementEntry = ElementEntry {
 const NODES: usize = 10;
 const CORNERS: usize = 4;
 const POINTS: usize = 4;
-/// Corners of the edges, in the order of their nodes.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 /// Number of columns after the states of the points: volume at the start [length^3] and bulk
 /// viscosity [force/length^2].
 const OWN: usize = 2;
 /// Volume coordinates of a point: that of its own corner, and the others.
 const NEAR: f64 = 0.585_410_196_624_968_5;
 const FAR: f64 = 0.138_196_601_125_010_5;
-/// Shares of the mass of corners and of nodes on edges.
-const CORNER_SHARE: f64 = 1.0 / 36.0;
-const EDGE_SHARE: f64 = 4.0 / 27.0;
 
 /// Derivatives of the shape functions by the second to fourth volume coordinate, at each point.
 const DERIVATIVES: [[[f64; 3]; NODES]; POINTS] = derivatives();
@@ -81,7 +77,7 @@ const fn derivatives() -> [[[f64; 3]; NODES]; POINTS] {
             if n < CORNERS {
                 by[n][n] = 4.0 * coordinate(p, n) - 1.0;
             } else {
-                let [a, b] = EDGES[n - CORNERS];
+                let [a, b] = EDGES_OF_TET10[n - CORNERS];
                 by[n][a] = 4.0 * coordinate(p, b);
                 by[n][b] = 4.0 * coordinate(p, a);
             }
@@ -110,7 +106,7 @@ const fn couplings() -> [[[[f64; 3]; 3]; POINTS]; POINTS] {
     let mut at = 0;
     while at < POINTS * POINTS * NODES {
         let (p, q, n) = (at / NODES / POINTS, at / NODES % POINTS, at % NODES);
-        let share = if n < CORNERS { CORNER_SHARE } else { EDGE_SHARE };
+        let share = Shape::Tet10.mass_share(n) / NODES as f64;
         let mut kl = 0;
         while kl < 9 {
             let (k, l) = (kl / 3, kl % 3);
@@ -146,7 +142,7 @@ fn derivatives_of<R: Real>(u: &TetrahedronNodes<R>, point: usize) -> [[R; 3]; 3]
     let by: [[R; 3]; CORNERS] = std::array::from_fn(|c| {
         let own = R::splat(4.0 * coordinate(point, c) - 1.0);
         let mut sum = each(|i| own * u[c][i]);
-        for (n, edge) in EDGES.iter().enumerate().filter(|(_, edge)| edge.contains(&c)) {
+        for (n, edge) in EDGES_OF_TET10.iter().enumerate().filter(|(_, edge)| edge.contains(&c)) {
             let other = if edge[0] == c { edge[1] } else { edge[0] };
             let weight = R::splat(4.0 * coordinate(point, other));
             sum = each(|i| weight.mul_add(u[CORNERS + n][i], sum[i]));
@@ -357,25 +353,29 @@ impl QuadraticTetrahedron {
     #[inline(always)]
     fn length<R: Real>(&self, gradients: &PointGradients<R>) -> R {
         let elastic = &self.material.elastic;
-        let [lame, shear] = [elastic.lame().max(0.0), 2.0 * elastic.shear_modulus()].map(R::splat);
         let roots = gradients.volumes.map(Real::sqrt);
-        let mut rows: [R; POINTS] = std::array::from_fn(|p| {
-            let [[xx, xy, _], [_, yy, yz], [zx, _, zz]] = gradients.coupling(p, p);
-            gradients.volumes[p] * self.material.stiffness(&[xx, yy, zz, xy, yz, zx])
-        });
+        // Rows of D and P without their constants.
+        let mut rows = [[R::zero(); POINTS]; 2];
         for p in 0..POINTS {
+            let [[xx, xy, _], [_, yy, yz], [zx, _, zz]] = gradients.coupling(p, p);
+            let (largest, trace) = largest_and_trace(&[xx, yy, zz, xy, yz, zx]);
+            let volume = gradients.volumes[p];
+            rows[0][p] += volume * largest;
+            rows[1][p] += volume * trace;
             for q in p + 1..POINTS {
                 let g = gradients.coupling(p, q);
                 let square = dot(g[0], g[0]) + dot(g[1], g[1]) + dot(g[2], g[2]);
                 let trace = (g[0][0] + g[1][1] + g[2][2]).abs();
-                let norm = lame.mul_add(trace, shear * square.sqrt());
-                let norm = roots[p] * roots[q] * norm;
-                rows[p] += norm;
-                rows[q] += norm;
+                let root = roots[p] * roots[q];
+                for (row, norm) in rows.iter_mut().zip([square.sqrt(), trace]) {
+                    row[p] = root.mul_add(norm, row[p]);
+                    row[q] = root.mul_add(norm, row[q]);
+                }
             }
         }
-        let [a, b, c, d] = rows;
-        let largest = Real::max(Real::max(a, b), Real::max(c, d));
+        let [shear, volume] = rows.map(|[a, b, c, d]| Real::max(Real::max(a, b), Real::max(c, d)));
+        let largest = R::splat(2.0 * elastic.shear_modulus())
+            .mul_add(shear, R::splat(elastic.lame().max(0.0)) * volume);
         // 2 c_d/omega with omega^2 = largest/(rho V).
         (R::splat(4.0 * self.material.modulus()) * gradients.volume / largest).sqrt()
     }
@@ -402,7 +402,7 @@ fn forces<R: Real>(
             let own = R::splat(4.0 * coordinate(p, c) - 1.0);
             (0..3).for_each(|i| force[c][i] = own.mul_add(by[c][i], force[c][i]));
         }
-        for (n, [a, b]) in EDGES.into_iter().enumerate() {
+        for (n, [a, b]) in EDGES_OF_TET10.into_iter().enumerate() {
             let [of_a, of_b] = [coordinate(p, b), coordinate(p, a)].map(|l| R::splat(4.0 * l));
             let force = &mut force[CORNERS + n];
             (0..3).for_each(|i| {
@@ -485,10 +485,6 @@ impl Element for QuadraticTetrahedron {
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         let volume = PointGradients::new(&relative(x)).volume;
         (self.material.elastic.density * volume / NODES as f64, 0.0)
-    }
-
-    fn mass_share(&self, corner: usize) -> f64 {
-        NODES as f64 * if corner < CORNERS { CORNER_SHARE } else { EDGE_SHARE }
     }
 
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {

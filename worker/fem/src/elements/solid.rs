@@ -161,12 +161,7 @@ impl SolidMaterial {
     /// Returns `2 mu g + max(lambda, 0) tr G` of `G = sum B_I B_I'` [force/length^4].
     #[inline(always)]
     pub fn stiffness<R: Real>(&self, gram: &[R; 6]) -> R {
-        let [a, b, c, d, e, f] = *gram;
-        let trace = a + b + c;
-        let third = R::splat(1.0 / 3.0) * trace;
-        let [a, b, c] = [a - third, b - third, c - third];
-        let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
-        let largest = third + (R::splat(2.0 / 3.0) * square).sqrt();
+        let (largest, trace) = largest_and_trace(gram);
         let elastic = &self.elastic;
         R::splat(elastic.lame().max(0.0)) * trace
             + R::splat(2.0 * elastic.shear_modulus()) * largest
@@ -198,6 +193,17 @@ impl SolidMaterial {
             failed: self.has_failed(history, first),
         }
     }
+}
+
+/// Returns a bound of the largest eigenvalue of a symmetric tensor, and its trace.
+#[inline(always)]
+pub fn largest_and_trace<R: Real>(tensor: &[R; 6]) -> (R, R) {
+    let [a, b, c, d, e, f] = *tensor;
+    let trace = a + b + c;
+    let third = R::splat(1.0 / 3.0) * trace;
+    let [a, b, c] = [a - third, b - third, c - third];
+    let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
+    (third + (R::splat(2.0 / 3.0) * square).sqrt(), trace)
 }
 
 /// Returns the strain increment (xx, yy, zz, twice xy, yz, zx) and the rotation of half the step,

@@ -199,6 +199,13 @@ impl Rows {
                 continue;
             }
             if held != (0, 0) {
+                if numbers.submodel().is_some_and(|s| s.map.turns()) {
+                    let message = "*NODE: tc and rc in a file that *INCLUDE_TRANSFORM turns act \
+                                   along the axes of the whole deck";
+                    let help = "check these directions: only points and vectors turn with the file";
+                    let place = block.span(line, 0, (line.1 - line.0) as usize);
+                    numbers.cards.trouble.warn_once("submodel axes NODE", place, message, help);
+                }
                 let entry = self.held.entry(held).or_insert_with(|| {
                     (Vec::new(), block.span(line, 0, (line.1 - line.0) as usize))
                 });

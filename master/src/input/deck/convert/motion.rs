@@ -201,7 +201,12 @@ impl DeckConverter {
                 );
             }
         };
-        let Some(curve) = self.time_curve(record.integer("lcid"), record.place("lcid")) else {
+        if form == "acceleration" && birth > 0.0 {
+            let why = "an acceleration that begins later; give the velocity or the displacement";
+            return self.unsupported_card(record, "birth", why);
+        }
+        let lcid = record.integer("lcid");
+        let Some(curve) = self.time_curve_from(lcid, record.place("lcid"), birth) else {
             return;
         };
         let mut amount = [0.0; 3];
@@ -227,13 +232,12 @@ impl DeckConverter {
             .with("curve", record.place("lcid"), curve);
         if birth > 0.0 {
             table.put("birth", record.place("birth"), birth);
-            if form != "velocity" && form != "spin" {
-                self.map(
-                    record.name(),
-                    format!("{form} with birth {birth}"),
-                    "it counts from the place at this time",
-                );
-            }
+            let from = if form == "displacement" { ", and counts from the place then" } else { "" };
+            self.map(
+                record.name(),
+                format!("{form} with birth {birth}"),
+                format!("its curve starts at this time{from}"),
+            );
         }
         if death != 0.0 && death < self.end_time {
             table.put("death", record.place("death"), death);

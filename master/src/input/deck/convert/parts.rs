@@ -41,6 +41,11 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
+    /// Returns true if all solids are tetrahedra of ten nodes.
+    fn only_quadratic_tetrahedra(self) -> bool {
+        self.quadratic_tetrahedra && !self.solids && !self.tetrahedra && !self.wedges
+    }
+
     /// Returns true if some elements are solids.
     pub(super) fn have_solids(self) -> bool {
         self.solids || self.tetrahedra || self.wedges || self.quadratic_tetrahedra
@@ -269,6 +274,9 @@ impl DeckConverter {
         }
         let has_others = shapes.tetrahedra || shapes.wedges || shapes.quadratic_tetrahedra;
         let became = match (sections::solid(elform), sections::pressure(elform)) {
+            (Some(_), _) if shapes.only_quadratic_tetrahedra() => {
+                "tetrahedra of ten nodes".to_string()
+            }
             (Some(_), _) if has_others && !shapes.solids => "tetrahedra or wedges".to_string(),
             (Some(wanted), _) => {
                 table.put("element", card.place("elform"), "hexahedron");
@@ -281,7 +289,7 @@ impl DeckConverter {
                 };
                 format!("hexahedron; hourglass {form}{origin}")
             }
-            (None, Some(_)) if shapes.quadratic_tetrahedra && !shapes.solids => {
+            (None, Some(_)) if shapes.only_quadratic_tetrahedra() => {
                 "tetrahedra of ten nodes".to_string()
             }
             (None, Some(_)) if shapes.wedges && !shapes.tetrahedra && !shapes.solids => {

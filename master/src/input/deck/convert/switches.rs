@@ -43,7 +43,8 @@ impl DeckConverter {
         }
         // Parts that switch at the same times may be one body.
         spans.sort_by(|a, b| {
-            (a.0.time, a.1).partial_cmp(&(b.0.time, b.1)).unwrap_or_else(|| a.0.part.cmp(&b.0.part))
+            let by_time = a.0.time.total_cmp(&b.0.time).then(a.1.total_cmp(&b.1));
+            by_time.then(a.0.part.cmp(&b.0.part))
         });
         let groups = spans.chunk_by(|a, b| (a.0.time, a.1) == (b.0.time, b.1));
         let groups: Vec<Vec<(Switch, f64)>> = groups.map(<[_]>::to_vec).collect();

@@ -69,7 +69,21 @@ impl DeckConverter {
         let slave = self.rows.add_new_set(&slave, node, place);
         // Only nodes of elements have a motion.
         let used: HashSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
+        let before = weights.len();
         weights.retain(|node, _| used.contains(node));
+        if weights.is_empty() || weights.len() < before {
+            let message = format!(
+                "{}: {} of its {before} independent nodes belong to no element",
+                record.name(),
+                before - weights.len()
+            );
+            if weights.is_empty() {
+                let help = "name nodes of elements: only they move";
+                return self.trouble.error(record.place("inid"), message, help);
+            }
+            let help = "they are left out of the mean; name nodes of elements";
+            self.trouble.warning(record.place("inid"), message, help);
+        }
         let masters = self.rows.add_new_set(&masters, weights.keys().copied().collect(), place);
         let mut table = JobTable::new(record.head)
             .with("name", record.head, format!("interpolation {}", record.integer("icid")))

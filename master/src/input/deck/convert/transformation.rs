@@ -59,7 +59,9 @@ impl DeckConverter {
         match word {
             "TRANSL" => Some(Affine::translation([a1, a2, a3])),
             "SCALE" => Some(Affine::scale([a1, a2, a3].map(super::curves::one))),
-            "ROTATE" if [a4, a5, a6, a7] == [0.0; 4] => {
+            // Without an angle nothing turns; a1 to a3 may be an axis or points.
+            "ROTATE" if [a3, a4, a5, a6, a7] == [0.0; 5] => Some(Affine::default()),
+            "ROTATE" if [a4, a5, a6, a7] == [0.0; 4] && points.0.contains_key(&(a1 as i64)) => {
                 let [from, to] = [self.point(line, "a1", points), self.point(line, "a2", points)];
                 let (from, to) = (from?, to?);
                 let axis = unit([0, 1, 2].map(|c| to[c] - from[c]));

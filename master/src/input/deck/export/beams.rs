@@ -35,6 +35,9 @@ pub fn part(deck: &mut DeckWriter, part: &Part, law: &str, mid: u64) -> Result<(
     if !own.is_empty() {
         rest.insert(key.into(), own.into());
     }
+    if part.skin {
+        rest.insert("skin".into(), true.into());
+    }
     for (key, value) in &part.parameters {
         rest.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
     }
@@ -99,10 +102,13 @@ fn section(part: &Part, beam: &BeamInput, law: &str) -> Result<SectionCards, Str
     Ok((first, second, own))
 }
 
-/// Returns a new node for each beam, in the direction of its second axis: id and position.
-pub(in crate::input::deck) fn third_nodes(model: &Model) -> HashMap<ElemId, (u64, [f64; 3])> {
+/// Returns a new node for each beam, in the direction of its second axis: id, above `last`, and
+/// position.
+pub(in crate::input::deck) fn third_nodes(
+    model: &Model,
+    last: u64,
+) -> HashMap<ElemId, (u64, [f64; 3])> {
     let place: HashMap<_, _> = model.mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
-    let last = model.mesh.nodes.iter().map(|n| n.id.label()).max().unwrap_or(0);
     let start: HashMap<ElemId, [f64; 3]> = model
         .mesh
         .elements
@@ -133,7 +139,8 @@ fn end_of(from: f64, difference: f64) -> f64 {
 
 /// Writes the third nodes and the elements.
 pub fn elements(deck: &mut DeckWriter, model: &Model) {
-    let third = third_nodes(model);
+    let last = model.mesh.nodes.iter().map(|n| n.id.label()).max().unwrap_or(0);
+    let third = third_nodes(model, last);
     let mut bars = model.mesh.elements.iter().filter(|e| e.shape.is_bar()).peekable();
     if bars.peek().is_none() {
         return;

@@ -170,7 +170,7 @@ impl AbaqusModel {
         if let Some(duration) = duration.filter(|t| t.is_finite() && *t > 0.0) {
             let end = reading.mesh.end_time.unwrap_or(0.0) + duration;
             reading.mesh.end_time = Some(end);
-            reading.row(Fate::Read, "*DYNAMIC", 1, "end_time, the sum of the steps");
+            reading.row(Fate::Read, "*DYNAMIC", 1, "end_time, the sum of the dynamic steps");
             return;
         }
         if MAKE_MESH.contains(&keyword) {

@@ -7,7 +7,7 @@ mod cards;
 mod properties;
 
 use super::boundary;
-use super::cells::Cell;
+use super::cells::{Cell, CellUse};
 use super::content::FileNode;
 use super::reading::{Fate, MeshReading};
 use cards::{BulkCard, FieldFault};
@@ -197,7 +197,14 @@ impl BulkReader<'_> {
             return Ok(());
         };
         // Elements of second order may lack nodes on their sides.
-        let least = if cells.len() > 1 && width == most { cells[0].0 } else { width };
+        let is_read = matches!(cell.usage(), CellUse::Element(_));
+        let least = if cells.len() > 1 && width == most && !is_read { cells[0].0 } else { width };
+        if is_read && corners.len() < least && corners.len() > cells[0].0 {
+            let message = format!("element {id} lacks nodes on its edges");
+            let help = "write all nodes of the element, or its corners alone";
+            self.error("edges", card, message, help);
+            return Ok(());
+        }
         if corners.len() < least {
             let message = format!("element {id} has {} nodes, not {width}", corners.len());
             self.error("width", card, message, "correct its nodes; a line may be missing");

@@ -15,11 +15,10 @@ fn keyword(shape: Shape) -> Option<&'static str> {
         Shape::Hex8 => "BRICK",
         Shape::Tet4 => "TETRA4",
         Shape::Wedge6 => "PENTA6",
-        Shape::Tet10 => "TETRA10",
         Shape::Beam2 => "BEAM",
         Shape::Truss2 => "TRUSS",
         Shape::Line2 => "SPRING",
-        Shape::Point1 => return None,
+        Shape::Tet10 | Shape::Point1 => return None,
     })
 }
 
@@ -31,7 +30,8 @@ impl StarterWriter<'_> {
             let [x, y, z] = node.x.map(Real);
             self.card(&[Whole(node.id.label()), x, y, z]);
         }
-        let third = third_nodes(model);
+        let third = third_nodes(model, self.last.node);
+        self.last.node += third.len() as u64;
         let mut shown: Vec<(u64, [f64; 3])> = third.values().copied().collect();
         shown.sort_by_key(|node| node.0);
         for (id, x) in std::mem::take(&mut self.added).into_iter().chain(shown) {
@@ -45,7 +45,6 @@ impl StarterWriter<'_> {
             Shape::Hex8,
             Shape::Tet4,
             Shape::Wedge6,
-            Shape::Tet10,
             Shape::Beam2,
             Shape::Truss2,
             Shape::Line2,
@@ -65,9 +64,6 @@ impl StarterWriter<'_> {
     fn element(&mut self, element: &MeshElement, third: &HashMap<ElemId, (u64, [f64; 3])>) {
         let mut fields = vec![Whole(element.id.label())];
         let corners = element.corners();
-        if element.shape == Shape::Tet10 {
-            self.card(&std::mem::take(&mut fields));
-        }
         fields.extend(corners.iter().map(|n| Whole(n.label())));
         fields.extend(third.get(&element.id).map(|node| Whole(node.0)));
         if element.own.thickness > 0.0 {
