@@ -378,6 +378,9 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
         if record.real("nx") == -999.0 {
             roles.insert("nx", FieldRole::Number([0; 3]));
         }
+        if record.real("omega") == 0.0 {
+            roles.insert("xc", FieldRole::Number([0, 1, 0])); // without a spin no centre moves
+        }
     }
     if line.word("ptype").eq_ignore_ascii_case("PSET") {
         roles.insert("pid", id(OffsetKind::Set));
