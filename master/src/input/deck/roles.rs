@@ -18,7 +18,7 @@ use std::sync::LazyLock;
 
 /// Kinds of ids, each with its own offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IdKind {
+pub enum OffsetKind {
     /// Nodes.
     Node,
     /// Elements.
@@ -38,15 +38,15 @@ pub enum IdKind {
 }
 
 /// Exponents of mass, length and time.
-pub type Dimension = [i32; 3];
+pub type UnitPowers = [i32; 3];
 
 /// Meaning of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FieldRole {
     /// An id.
-    Id(IdKind),
+    Id(OffsetKind),
     /// Id of a curve with the dimensions of its abscissa and ordinate.
-    Curve(Dimension, Dimension),
+    Curve(UnitPowers, UnitPowers),
     /// First coordinate of a point.
     Point,
     /// First component of a direction.
@@ -56,11 +56,11 @@ pub enum FieldRole {
     /// First component of a rotational velocity.
     Spin,
     /// A number with a dimension.
-    Number(Dimension),
+    Number(UnitPowers),
 }
 
 /// Returns the exponents of mass, length and time of a dimension by its letter.
-fn dimension(letter: &str) -> Option<Dimension> {
+fn dimension(letter: &str) -> Option<UnitPowers> {
     Some(match letter {
         "1" => [0, 0, 0],
         "m" => [1, 0, 0],
@@ -107,10 +107,14 @@ const IDS: &str = "nid=#n n=#n n1=#n n2=#n n3=#n n4=#n n5=#n n6=#n nid1=#n nid2=
 /// it. Keywords that are listed here can be in files with other units.
 const ROLES: &[(&str, &str)] = &[
     ("NODE_TRANSFORM", "trsid=#d nsid=#s immed=1"),
-    ("DEFINE_TRANSFORMATION", "tranid=#d"),
-    ("INCLUDE_TRANSFORM", "tranid=#d"),
-    ("NODE", ""),
-    ("ELEMENT_SHELL", ""),
+    ("DEFINE_TRANSFORMATION", "tranid=#d a1=1 a2=1 a3=1 a4=1 a5=1 a6=1 a7=1"),
+    (
+        "INCLUDE_TRANSFORM",
+        "idnoff=1 ideoff=1 idpoff=1 idmoff=1 idsoff=1 idfoff=1 iddoff=1 idroff=1 fctmas=1 \
+         fcttim=1 fctlen=1 tranid=#d",
+    ),
+    ("NODE", "x=@x"),
+    ("ELEMENT_SHELL", "thic=l offset=l"),
     ("ELEMENT_SOLID", ""),
     ("ELEMENT_MASS", "mass=m"),
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
@@ -239,8 +243,8 @@ const NO_UNITS: &[&str] = &["CONSTRAINED_JOINT_STIFFNESS*"];
 const IDS_ONLY: &[(&str, &str)] = &[
     ("DEFINE_TABLE*", ""),
     ("SECTION_DISCRETE", ""),
-    ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1"),
-    ("CONTROL_*", "drcpsid=#s"),
+    ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1 idam=1 pvid=1"),
+    ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1"),
     ("DAMPING_GLOBAL", ""),
     ("DATABASE_*", ""),
 ];
@@ -290,14 +294,14 @@ fn parse(roles: &'static str) -> HashMap<&'static str, FieldRole> {
 fn one(role: &str) -> Option<FieldRole> {
     let kind = |letter: &str| {
         Some(match letter {
-            "n" => IdKind::Node,
-            "e" => IdKind::Element,
-            "p" => IdKind::Part,
-            "s" => IdKind::Set,
-            "m" => IdKind::Material,
-            "f" => IdKind::Function,
-            "d" => IdKind::Definition,
-            "r" => IdKind::Other,
+            "n" => OffsetKind::Node,
+            "e" => OffsetKind::Element,
+            "p" => OffsetKind::Part,
+            "s" => OffsetKind::Set,
+            "m" => OffsetKind::Material,
+            "f" => OffsetKind::Function,
+            "d" => OffsetKind::Definition,
+            "r" => OffsetKind::Other,
             _ => return None,
         })
     };
@@ -360,10 +364,10 @@ mod tests {
     fn roles_are_those_of_the_keyword() {
         let of = |keyword: &str, field: &str| roles_of(keyword).of(field);
         assert_eq!(of("MAT_RIGID", "n"), Some(FieldRole::Number([0, 0, 0])));
-        assert_eq!(of("LOAD_SEGMENT", "n"), Some(FieldRole::Id(IdKind::Node)));
-        assert_eq!(of("SET_PART_LIST", "id"), Some(FieldRole::Id(IdKind::Part)));
-        assert_eq!(of("CONTACT_SPOTWELD", "cid"), Some(FieldRole::Id(IdKind::Other)));
-        assert_eq!(of("BOUNDARY_SPC_SET", "cid"), Some(FieldRole::Id(IdKind::Definition)));
+        assert_eq!(of("LOAD_SEGMENT", "n"), Some(FieldRole::Id(OffsetKind::Node)));
+        assert_eq!(of("SET_PART_LIST", "id"), Some(FieldRole::Id(OffsetKind::Part)));
+        assert_eq!(of("CONTACT_SPOTWELD", "cid"), Some(FieldRole::Id(OffsetKind::Other)));
+        assert_eq!(of("BOUNDARY_SPC_SET", "cid"), Some(FieldRole::Id(OffsetKind::Definition)));
         let stress = FieldRole::Curve([0, 0, 0], [1, -1, -2]);
         assert_eq!(of("MAT_PIECEWISE_LINEAR_PLASTICITY", "lcss"), Some(stress));
         assert!(roles_of("MAT_ELASTIC").has_units && !roles_of("MAT_JOHNSON_COOK").has_units);

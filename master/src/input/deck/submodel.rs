@@ -4,13 +4,13 @@
 use super::affine::Affine;
 use super::diagnostics::Trouble;
 use super::record::{CardLine, CardRecord, Given, Value};
-use super::roles::{Dimension, FieldRole, IdKind, roles_of};
+use super::roles::{FieldRole, OffsetKind, UnitPowers, roles_of};
 use super::table::FieldType;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use std::collections::HashMap;
 
-/// Offsets of ids by kind, in the order of [`IdKind`].
+/// Offsets of ids by kind, in the order of [`OffsetKind`].
 pub type IdOffsets = [i64; 8];
 
 /// Change of a file that is included with `*INCLUDE_TRANSFORM`, relative to the whole deck.
@@ -44,11 +44,11 @@ pub struct CurveUnits {
     /// Factors on mass, length and time by curve.
     pub factors: HashMap<i64, [f64; 3]>,
     /// Dimensions by curve, with the place of a use; `None` after two different uses.
-    pub uses: HashMap<i64, (Option<[Dimension; 2]>, Place)>,
+    pub uses: HashMap<i64, (Option<[UnitPowers; 2]>, Place)>,
 }
 
 /// Returns the factor of a number with a dimension.
-pub fn factor(units: &[f64; 3], dimension: &Dimension) -> f64 {
+pub fn factor(units: &[f64; 3], dimension: &UnitPowers) -> f64 {
     units.iter().zip(dimension).map(|(unit, &power)| unit.powi(power)).product()
 }
 
@@ -75,7 +75,7 @@ impl Submodel {
     }
 
     /// Returns an id of the whole deck; 0 stays 0, and a sign is kept.
-    pub fn id(&self, kind: IdKind, id: i64) -> i64 {
+    pub fn id(&self, kind: OffsetKind, id: i64) -> i64 {
         let offset = self.offsets[kind as usize];
         match id {
             0 => 0,
@@ -86,20 +86,20 @@ impl Submodel {
 
     /// Returns the id of a node.
     pub fn node(&self, id: NodeId) -> NodeId {
-        NodeId(self.unsigned(IdKind::Node, id.0))
+        NodeId(self.unsigned(OffsetKind::Node, id.0))
     }
 
     /// Returns the id of an element.
     pub fn element(&self, id: ElemId) -> ElemId {
-        ElemId(self.unsigned(IdKind::Element, id.0))
+        ElemId(self.unsigned(OffsetKind::Element, id.0))
     }
 
     /// Returns the id of a part.
     pub fn part(&self, id: u64) -> u64 {
-        self.unsigned(IdKind::Part, id)
+        self.unsigned(OffsetKind::Part, id)
     }
 
-    fn unsigned(&self, kind: IdKind, id: u64) -> u64 {
+    fn unsigned(&self, kind: OffsetKind, id: u64) -> u64 {
         let id = i64::try_from(id).unwrap_or(i64::MAX);
         u64::try_from(self.id(kind, id)).unwrap_or(0)
     }
@@ -149,7 +149,7 @@ impl Submodel {
                     }
                     Some(FieldRole::Id(kind)) => self.integer(&mut values[index].given, kind),
                     Some(FieldRole::Curve(x, y)) => {
-                        self.integer(&mut values[index].given, IdKind::Function);
+                        self.integer(&mut values[index].given, OffsetKind::Function);
                         if let Given::Integer(id) = values[index].given {
                             curves.note(id, [x, y], values[index].place);
                         }
@@ -237,7 +237,7 @@ impl Submodel {
             "PART" if record.line("ixx").is_some() => self.inertia(record),
             "INITIAL_VELOCITY_GENERATION" if record.real("nx") == -999.0 => {
                 for name in ["ny", "nz"] {
-                    let node = self.id(IdKind::Node, record.real(name) as i64) as f64;
+                    let node = self.id(OffsetKind::Node, record.real(name) as i64) as f64;
                     record.put(name, node);
                 }
             }
@@ -249,10 +249,10 @@ impl Submodel {
         for line in record.all_lines_mut() {
             let word = line.word("option").to_ascii_uppercase();
             let kind = match word.strip_prefix('D').unwrap_or(&word) {
-                "NODE" => IdKind::Node,
-                "PART" => IdKind::Part,
-                "BOX" => IdKind::Definition,
-                _ => IdKind::Set,
+                "NODE" => OffsetKind::Node,
+                "PART" => OffsetKind::Part,
+                "BOX" => OffsetKind::Definition,
+                _ => OffsetKind::Set,
             };
             let fields = line.fields();
             let values = line.values_mut();
@@ -291,7 +291,7 @@ impl Submodel {
         }
     }
 
-    fn integer(&self, given: &mut Given, kind: IdKind) {
+    fn integer(&self, given: &mut Given, kind: OffsetKind) {
         if let Given::Integer(id) = given {
             *id = self.id(kind, *id);
         }
@@ -315,7 +315,7 @@ impl Submodel {
         };
         let given = [0, 1, 2].map(|c| number(&values[c].given));
         let rate =
-            |v: [f64; 3], dimension: Dimension| v.map(|c| c * factor(&self.units, &dimension));
+            |v: [f64; 3], dimension: UnitPowers| v.map(|c| c * factor(&self.units, &dimension));
         let image = match role {
             FieldRole::Point => self.point(given),
             FieldRole::Direction => self.map.direction(given),
@@ -366,28 +366,31 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
         false => record.integer(name),
     };
     for (field, of) in [("surfa", "surfatyp"), ("surfb", "surfbtyp")] {
-        let kind = if integer(of) == 3 { IdKind::Part } else { IdKind::Set };
+        let kind = if integer(of) == 3 { OffsetKind::Part } else { OffsetKind::Set };
         roles.insert(field, id(kind));
     }
     if integer("icid") != 0 {
         roles.insert(LOCAL_AXES, FieldRole::Number([0; 3]));
     }
     if keyword == "INITIAL_VELOCITY_GENERATION" {
-        let kind = if integer("styp") == 2 { IdKind::Part } else { IdKind::Set };
+        let kind = if integer("styp") == 2 { OffsetKind::Part } else { OffsetKind::Set };
         roles.insert("id", id(kind));
         if record.real("nx") == -999.0 {
             roles.insert("nx", FieldRole::Number([0; 3]));
         }
+        if record.real("omega") == 0.0 {
+            roles.insert("xc", FieldRole::Number([0, 1, 0])); // without a spin no centre moves
+        }
     }
     if line.word("ptype").eq_ignore_ascii_case("PSET") {
-        roles.insert("pid", id(IdKind::Set));
-        roles.insert("rpid", id(IdKind::Set));
+        roles.insert("pid", id(OffsetKind::Set));
+        roles.insert("rpid", id(OffsetKind::Set));
     }
     if line.word("dptype").eq_ignore_ascii_case("PSET") {
-        roles.insert("dpid", id(IdKind::Set));
+        roles.insert("dpid", id(OffsetKind::Set));
     }
     if keyword == "CONSTRAINED_INTERPOLATION" && integer("ityp") == 1 {
-        roles.insert("inid", id(IdKind::Set));
+        roles.insert("inid", id(OffsetKind::Set));
     }
     let dof = integer("dof").unsigned_abs();
     let rotates = matches!(dof, 5..=11) && dof != 8;
@@ -408,7 +411,7 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
 
 impl CurveUnits {
     /// Notes the dimensions with which a curve is used.
-    fn note(&mut self, id: i64, dimensions: [Dimension; 2], place: Place) {
+    fn note(&mut self, id: i64, dimensions: [UnitPowers; 2], place: Place) {
         let of = self.uses.entry(id).or_insert((Some(dimensions), place));
         if of.0.is_some_and(|known| known != dimensions) {
             *of = (None, place);

@@ -13,8 +13,8 @@ use std::collections::{BTreeSet, HashMap};
 /// Fields with the numbers of a line of `*DEFINE_TRANSFORMATION`.
 const NUMBERS: [&str; 7] = ["a1", "a2", "a3", "a4", "a5", "a6", "a7"];
 
-/// Points of a transformation by id, with the number of maps before each.
-type Points = HashMap<i64, ([f64; 3], usize)>;
+/// NamedPoints of a transformation by id, with the number of maps before each.
+type NamedPoints = HashMap<i64, ([f64; 3], usize)>;
 
 impl DeckConverter {
     /// Reads `*DEFINE_TRANSFORMATION`. `is_moved` is true in a file that itself has another
@@ -22,7 +22,7 @@ impl DeckConverter {
     pub(super) fn transformation(&mut self, record: &CardRecord, is_moved: bool) {
         let number = record.integer("tranid");
         let mut map = Affine::default();
-        let (mut points, mut count) = (Points::new(), 0);
+        let (mut points, mut count) = (NamedPoints::new(), 0);
         for line in record.lines("option") {
             let given = NUMBERS.map(|name| line.real(name));
             let word = line.word("option").to_ascii_uppercase();
@@ -47,7 +47,12 @@ impl DeckConverter {
     }
 
     /// Returns the map of one line.
-    fn step_of(&mut self, line: &CardLine, word: &str, points: (&Points, usize)) -> Option<Affine> {
+    fn step_of(
+        &mut self,
+        line: &CardLine,
+        word: &str,
+        points: (&NamedPoints, usize),
+    ) -> Option<Affine> {
         let given = NUMBERS.map(|name| line.real(name));
         let [a1, a2, a3, a4, a5, a6, a7] = given;
         let place = line.place("option");
@@ -118,7 +123,7 @@ impl DeckConverter {
         &mut self,
         line: &CardLine,
         field: &str,
-        (points, count): (&Points, usize),
+        (points, count): (&NamedPoints, usize),
     ) -> Option<[f64; 3]> {
         let number = line.real(field) as i64;
         match points.get(&number) {
