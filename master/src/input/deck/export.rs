@@ -8,6 +8,7 @@ pub(in crate::input::deck) mod beams;
 mod bodies;
 pub(in crate::input::deck) mod contact;
 mod curves;
+mod faces;
 mod loads;
 mod materials;
 mod springs;
@@ -37,6 +38,10 @@ pub(in crate::input::deck) struct DeckWriter {
     pub(in crate::input::deck) rest: Table,
     /// Number of curves so far.
     curves: u64,
+    /// Number of sets of parts so far.
+    part_sets: u64,
+    /// Number of sets of segments so far.
+    segment_sets: u64,
 }
 
 impl DeckWriter {
@@ -86,6 +91,17 @@ impl DeckWriter {
     /// Writes a card with an id and a name.
     fn named_card(&mut self, id: u64, name: &str) {
         self.body += &format!("{id:>WIDTH$}{name}\n");
+    }
+
+    /// Writes a set of parts, and returns its id.
+    fn part_set(&mut self, parts: &[u32]) -> u64 {
+        self.part_sets += 1;
+        let id = self.part_sets;
+        self.keyword("SET_PART_LIST");
+        self.card(&[Id(id)]);
+        let parts: Vec<CardValue> = parts.iter().map(|&p| Id(u64::from(p))).collect();
+        parts.chunks(8).for_each(|eight| self.card(eight));
+        id
     }
 
     fn finish(self, job: &str) -> String {
@@ -155,9 +171,11 @@ pub fn export(model: &Model) -> Result<String, String> {
     initial(&mut deck, job, set);
     loads::gravity(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
+    faces::pressures(&mut deck, model, &mut curves);
     bodies::write(&mut deck, job, &bodies, set, &mut curves);
     walls::write(&mut deck, job, set, &mut curves);
     contact::write(&mut deck, job);
+    faces::ties(&mut deck, model, set);
     mesh(&mut deck, model);
     left_over(&mut deck, job, &mut curves);
     Ok(deck.finish(&model.path.display().to_string()))
@@ -472,8 +490,6 @@ fn left_over(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         }
     }
     list(deck, "symmetry", &job.symmetry);
-    list(deck, "pressure", &job.pressure);
-    list(deck, "tie", &job.tie);
     // Entries without cards refer to curves by their names.
     let referring = ["gravity", "pressure", "load", "motion", "wall"];
     if referring.iter().any(|key| deck.rest.contains_key(*key)) {

@@ -50,6 +50,7 @@ mod walls;
 mod warnings;
 
 pub use laws::BuiltElements;
+pub(in crate::input) use loads::outer_faces;
 pub use model::Model;
 pub use numbering::Renumbered;
 pub use report::{Located, Report, SourceFiles, Spot};
