@@ -214,14 +214,19 @@ fn units_of_a_file_are_converted() {
     assert!(report.contains("*DEFINE_TABLE is in a file with factors of units"), "{report}");
     let unknown = "*DEFINE_CURVE\n8\n0.0,1.0\n";
     let report = reading(main, &format!("{part}{unknown}")).err().unwrap();
-    assert!(report.contains("*DEFINE_CURVE 108") && report.contains("used by no card"), "{report}");
+    assert!(report.contains("*DEFINE_CURVE 108") && report.contains("use are not known"), "{report}");
 }
 
 /// In a mirror, elements keep their volume and pressure its side: corners change their order.
 #[test]
 fn a_reflected_file_is_not_inside_out() {
     let mirror = "*DEFINE_TRANSFORMATION\n7\nMIRROR,0,0,0,1,0,0\n";
-    let part = piece([0; 8], |x| x, |v| v);
+    // A reflected rectangle is refused.
+    let whole = piece([0; 8], |x| x, |v| v);
+    let (wall, rest) = (whole.find("*RIGIDWALL").unwrap(), whole.find("*CONTACT").unwrap());
+    let part = [&whole[..wall], &whole[rest..]].concat();
+    let refused = reading(&format!("{mirror}{INCLUDE}1,1,1\n7\n"), &whole).err().unwrap();
+    assert!(refused.contains("a rectangle in a file that"), "{refused}");
     let found = model(&format!("{mirror}{INCLUDE}1,1,1\n7\n"), &part);
     let plain = model(&format!("{INCLUDE}1,1,1\n"), &part);
     let of = |m: &Model| m.settings.loads.pressures.iter().map(|p| p.pressure).collect::<Vec<_>>();

@@ -142,7 +142,7 @@ impl Engine {
             self.nodes.fixed[i] &= !0b11_1111;
             self.nodes.invert_mass(i);
         }
-        self.constraints.bodies.deactivate(b);
+        self.constraints.bodies.deactivate(&self.settings, b);
     }
 
     /// Sets the velocities of the members of rigid bodies to the motion of their body, and fixes

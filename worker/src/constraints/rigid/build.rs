@@ -57,7 +57,7 @@ impl Bodies {
             return Ok(());
         }
         for job in &self.jobs[first..] {
-            self.bodies.push(loose(job));
+            self.bodies.push(loose(job, &settings.loads.curves));
             self.arms.push(Vec::new());
             self.beyond.push(Matrix3::zeros());
             self.active.push(false);
@@ -111,8 +111,8 @@ impl Bodies {
     }
 
     /// Releases the members of a body.
-    pub fn deactivate(&mut self, b: usize) {
-        self.bodies[b] = loose(&self.jobs[b]);
+    pub fn deactivate(&mut self, settings: &Settings, b: usize) {
+        self.bodies[b] = loose(&self.jobs[b], &settings.loads.curves);
         self.arms[b].clear();
         self.beyond[b] = Matrix3::zeros();
         self.active[b] = false;
@@ -182,9 +182,9 @@ impl Bodies {
 }
 
 /// Returns a body without members, which nothing moves.
-fn loose(job: &RigidBody) -> Body {
+fn loose(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Body {
     let still = Momentum::new(V3::zeros(), V3::zeros());
-    Body::new(job, &[], 1.0, Matrix3::identity(), V3::zeros(), still)
+    Body::new(job, curves, 1.0, Matrix3::identity(), V3::zeros(), still)
 }
 
 /// Builds a body from its members in ascending node id, with the momenta of the nodes. Returns

@@ -13,7 +13,7 @@ use std::collections::{BTreeSet, HashMap};
 /// Fields with the numbers of a line of `*DEFINE_TRANSFORMATION`.
 const NUMBERS: [&str; 7] = ["a1", "a2", "a3", "a4", "a5", "a6", "a7"];
 
-/// NamedPoints of a transformation by id, with the number of maps before each.
+/// Points of a transformation by id, with the number of maps before each.
 type NamedPoints = HashMap<i64, ([f64; 3], usize)>;
 
 impl DeckConverter {
