@@ -214,7 +214,10 @@ fn units_of_a_file_are_converted() {
     assert!(report.contains("*DEFINE_TABLE is in a file with factors of units"), "{report}");
     let unknown = "*DEFINE_CURVE\n8\n0.0,1.0\n";
     let report = reading(main, &format!("{part}{unknown}")).err().unwrap();
-    assert!(report.contains("*DEFINE_CURVE 108") && report.contains("use are not known"), "{report}");
+    assert!(
+        report.contains("*DEFINE_CURVE 108") && report.contains("use are not known"),
+        "{report}"
+    );
 }
 
 /// In a mirror, elements keep their volume and pressure its side: corners change their order.

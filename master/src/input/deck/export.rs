@@ -409,7 +409,8 @@ fn initial(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) {
 fn mesh(deck: &mut DeckWriter, model: &Model) {
     deck.keyword("NODE");
     for node in &model.mesh.nodes {
-        deck.card(&[Id(node.id.label()), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
+        let [x, y, z] = model.given_position(node).map(Number);
+        deck.card(&[Id(node.id.label()), x, y, z]);
     }
     springs::elements(deck, model.mesh.elements.iter());
     beams::elements(deck, model);

@@ -113,7 +113,7 @@ const ROLES: &[(&str, &str)] = &[
         "idnoff=1 ideoff=1 idpoff=1 idmoff=1 idsoff=1 idfoff=1 iddoff=1 idroff=1 fctmas=1 \
          fcttim=1 fctlen=1 tranid=#d",
     ),
-    ("NODE", "x=@x"),
+    ("NODE", "x=@x tc=1 rc=1"),
     ("ELEMENT_SHELL", "thic=l offset=l"),
     ("ELEMENT_SOLID", ""),
     ("ELEMENT_MASS", "mass=m"),

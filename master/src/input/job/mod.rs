@@ -60,18 +60,19 @@ pub use validate::nearest;
 
 use crate::input::deck;
 use crate::input::mesh_file::Fate;
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
-use crumple_proto::tie::Tie;
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, SourceFile};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use ties::ResolvedTies;
 use tree::Node;
 use validate::JobProblems;
 
@@ -171,6 +172,7 @@ fn read_tree(
                 elements: built.elements,
                 quality: built.quality,
                 renumbered: built.renumbered,
+                given: built.given,
                 blocks: built.blocks,
                 warnings,
                 mapping: built.mapping,
@@ -196,6 +198,7 @@ struct Built {
     elements: ElementStart,
     quality: Quality,
     renumbered: Option<Renumbered>,
+    given: BTreeMap<NodeId, [f64; 3]>,
     blocks: BuiltElements,
     warnings: Vec<Problem>,
     mapping: Vec<deck::Mapping>,
@@ -266,8 +269,8 @@ fn build(
     resolve::check(&job, workers_given, findings);
     let mut checked = check_mesh(&job, read, findings);
     let (mut settings, blocks) = choose_laws(&tree, &job, &mut checked, findings);
-    let CheckedMesh { mesh, renumbered, quality, .. } = checked;
-    let mesh = mesh?;
+    let CheckedMesh { mesh, renumbered, quality, ties, .. } = checked;
+    let (mesh, given) = (mesh?, ties.given);
     let smallest = quality.as_ref().map_or(0.0, |q| q.min_side.value);
     let nodes = constrain(&job, &mesh, &mut settings, smallest, findings);
     particles::check(&job, &mesh, &settings, findings);
@@ -288,6 +291,7 @@ fn build(
     Some(Built {
         quality: quality?,
         renumbered,
+        given,
         job,
         mesh,
         settings,
@@ -330,7 +334,7 @@ struct CheckedMesh {
     mesh: Option<Mesh>,
     axes: mesh::Axes,
     renumbered: Option<Renumbered>,
-    ties: Vec<Tie>,
+    ties: ResolvedTies,
     quality: Option<Quality>,
 }
 
@@ -373,7 +377,7 @@ fn choose_laws(
         resolve::settings(job, sides, &mesh.map(thickest).unwrap_or_default());
     settings.axes = std::mem::take(&mut checked.axes);
     settings.with_own_offsets = mesh.map_or(Vec::new(), |mesh| with_own_offsets(mesh, &settings));
-    settings.ties = std::mem::take(&mut checked.ties);
+    settings.ties = std::mem::take(&mut checked.ties.ties);
     let used = match mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
         None => vec![laws::Used::default(); order.len()],

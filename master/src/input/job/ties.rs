@@ -14,7 +14,7 @@ use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::tie::Tie;
 use crumple_worker::constraints::ties::project::Foot;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use surface::TieSurface;
 
 /// Displacement of a node onto its face, as a fraction of the face's diagonal, above which it is
@@ -81,11 +81,19 @@ impl<'a> TieContext<'a> {
     }
 }
 
-/// Finds the faces to which nodes are tied and moves the nodes onto them. Returns the ties by
-/// ascending node.
-pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Vec<Tie> {
+/// The ties of a job.
+#[derive(Default)]
+pub struct ResolvedTies {
+    /// Ties by ascending node.
+    pub ties: Vec<Tie>,
+    /// Positions of tied nodes in the input, before they were moved [length].
+    pub given: BTreeMap<NodeId, [f64; 3]>,
+}
+
+/// Finds the faces to which nodes are tied and moves the nodes onto them.
+pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> ResolvedTies {
     if job.tie.is_empty() {
-        return Vec::new();
+        return ResolvedTies::default();
     }
     let mut projected: Vec<Projected> = Vec::new();
     let context = TieContext::new(job, mesh);
@@ -104,13 +112,15 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Vec<Ti
         let help = "remove it from one of the sets";
         findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
     }
+    let mut given = BTreeMap::new();
     for s in &projected {
-        mesh.nodes[s.node].x = s.point;
+        let node = &mut mesh.nodes[s.node];
+        given.insert(node.id, std::mem::replace(&mut node.x, s.point));
     }
     for entry in 0..job.tie.len() {
         report_moved(job, entry, &projected, findings);
     }
-    chained(job, projected, findings)
+    ResolvedTies { ties: chained(job, projected, findings), given }
 }
 
 /// Returns the name of an entry in messages.

@@ -27,7 +27,7 @@ impl StarterWriter<'_> {
         let model = self.model;
         self.keyword("NODE");
         for node in &model.mesh.nodes {
-            let [x, y, z] = node.x.map(Real);
+            let [x, y, z] = model.given_position(node).map(Real);
             self.card(&[Whole(node.id.label()), x, y, z]);
         }
         let third = third_nodes(model, self.last.node);
