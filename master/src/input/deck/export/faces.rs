@@ -42,7 +42,7 @@ pub fn pressures(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'
     }
 }
 
-/// What becomes of a tie.
+/// Cards of one tie.
 enum TieCards {
     /// To a surface: the faces of parts, or segments.
     Surface(Result<Vec<u32>, Vec<[NodeId; 4]>>),
