@@ -92,7 +92,7 @@ impl SegmentId {
     /// Returns the id of face number `face` of an element.
     pub fn new(elem: ElemId, face: usize) -> Self {
         let high = if face < LOW_FACES { 0 } else { HIGH_FACE };
-        Self(high | elem.0 * LOW_FACES as u64 + (face % LOW_FACES) as u64)
+        Self(high | (elem.0 * LOW_FACES as u64 + (face % LOW_FACES) as u64))
     }
 
     /// Returns the element's id.

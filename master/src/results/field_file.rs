@@ -189,7 +189,7 @@ impl PieceArrays {
     /// such array, or no cell.
     pub fn components(&self, name: &str) -> usize {
         let bytes = self.arrays.get(name).map_or(0, |stored| stored.bytes.len());
-        if self.cells == 0 { 0 } else { bytes / size_of::<f32>() / self.cells }
+        (bytes / size_of::<f32>()).checked_div(self.cells).unwrap_or(0)
     }
 
     /// Returns the names of all arrays with their types and bytes, in no particular order.

@@ -389,8 +389,7 @@ fn forces<R: Real>(
     pressure: R,
 ) -> TetrahedronNodes<R> {
     let mut force = [[R::zero(); 3]; NODES];
-    for p in 0..POINTS {
-        let [xx, yy, zz, xy, yz, zx] = stress[p];
+    for (p, &[xx, yy, zz, xy, yz, zx]) in stress.iter().enumerate() {
         let weight = gradients.volumes[p];
         let [xx, yy, zz, xy, yz, zx] =
             [xx - pressure, yy - pressure, zz - pressure, xy, yz, zx].map(|s| weight * s);

@@ -96,9 +96,7 @@ fn section(part: &Part, beam: &BeamInput, law: &str) -> Result<SectionCards, Str
         _ => Table::new(),
     };
     let none = Value::try_from(BeamInput::of(beam.section)).unwrap_or(Value::Boolean(false));
-    own.retain(|key, value| {
-        !fields.iter().any(|field| *field == key) && none.get(key) != Some(value)
-    });
+    own.retain(|key, value| !fields.contains(&key) && none.get(key) != Some(value));
     Ok((first, second, own))
 }
 
