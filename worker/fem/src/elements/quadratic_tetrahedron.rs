@@ -27,8 +27,8 @@
 
 use super::pass::GroupCorners;
 use super::solid::{
-    SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, corner, increment,
-    largest_and_trace, viscous, work_and_size,
+    SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, each, gather, increment,
+    largest_and_trace, relative, scatter, viscous, work_and_size,
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupNodes,
@@ -129,12 +129,6 @@ fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
 
 /// Vectors at the nodes.
 type TetrahedronNodes<R> = [[R; 3]; NODES];
-
-/// Returns a vector by components.
-#[inline(always)]
-fn each<R>(of: impl Fn(usize) -> R) -> [R; 3] {
-    [of(0), of(1), of(2)]
-}
 
 /// Returns the derivatives of a field by the second to fourth volume coordinate at a point.
 #[inline(always)]
@@ -412,25 +406,6 @@ fn forces<R: Real>(
     force
 }
 
-/// Returns two nodal columns at the nodes, relative to node 0.
-#[inline(always)]
-fn gather<L: PointLanes<W>, const W: usize>(
-    group: &GroupNodes<NODES, W>,
-    [one, other]: [&[[f64; 4]]; 2],
-) -> [TetrahedronNodes<L>; 2] {
-    // One length for both columns, so that one bounds check per node is enough.
-    let n = one.len();
-    let columns = [&one[..n], &other[..n]];
-    let nodes: [[[L; 3]; 2]; NODES] =
-        std::array::from_fn(|c| corner::<L, NODES, W>(group, columns, c));
-    std::array::from_fn(|of| std::array::from_fn(|c| each(|i| nodes[c][of][i] - nodes[0][of][i])))
-}
-
-/// Returns the nodes of one element, relative to node 0.
-fn relative(x: &[[f64; 3]]) -> TetrahedronNodes<f64> {
-    std::array::from_fn(|c| each(|i| x[c][i] - x[0][i]))
-}
-
 impl SolidGroups<NODES> for QuadraticTetrahedron {
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
@@ -443,11 +418,7 @@ impl SolidGroups<NODES> for QuadraticTetrahedron {
     ) -> Totals<L> {
         let [x, v] = gather(group, [nodes.x, nodes.v]);
         let response = self.respond(&x, &v, history, dt);
-        for (c, of_corner) in response.force.into_iter().enumerate() {
-            for (lane, row) in L::to_rows(of_corner).into_iter().enumerate() {
-                force[lane][c] = row.to_array();
-            }
-        }
+        scatter(response.force, force);
         response.totals
     }
 

@@ -3,7 +3,7 @@
 //!
 //! The steps are those of [`hexahedron`](super::hexahedron).
 
-use super::pass::GroupNodes;
+use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
 use crate::materials::{Elastic, PointLanes, PointReal, STRETCH_COLUMN, Solid, SolidPoint};
@@ -298,4 +298,41 @@ pub fn corner<L: PointLanes<W>, const C: usize, const W: usize>(
         (rows[0][lane], rows[1][lane]) = (L::row(x), L::row(v));
     }
     rows.map(L::from_rows)
+}
+
+/// Returns a vector by its components.
+#[inline(always)]
+pub fn each<R>(of: impl Fn(usize) -> R) -> [R; 3] {
+    [of(0), of(1), of(2)]
+}
+
+/// Returns two nodal columns at the nodes of a group, relative to node 0.
+#[inline(always)]
+pub fn gather<L: PointLanes<W>, const N: usize, const W: usize>(
+    group: &GroupNodes<N, W>,
+    [one, other]: [&[[f64; 4]]; 2],
+) -> [[[L; 3]; N]; 2] {
+    // One length for both columns, so that one bounds check per node is enough.
+    let n = one.len();
+    let columns = [&one[..n], &other[..n]];
+    let nodes: [[[L; 3]; 2]; N] = std::array::from_fn(|c| corner::<L, N, W>(group, columns, c));
+    std::array::from_fn(|of| std::array::from_fn(|c| each(|i| nodes[c][of][i] - nodes[0][of][i])))
+}
+
+/// Returns the nodes of one element [length], relative to node 0.
+pub fn relative<const N: usize>(x: &[[f64; 3]]) -> [[f64; 3]; N] {
+    std::array::from_fn(|c| each(|i| x[c][i] - x[0][i]))
+}
+
+/// Writes the nodal forces of a group of elements [force], lane by lane.
+#[inline(always)]
+pub fn scatter<L: PointLanes<W>, const N: usize, const W: usize>(
+    forces: [[L; 3]; N],
+    force: &mut GroupCorners<N, W>,
+) {
+    for (c, of_node) in forces.into_iter().enumerate() {
+        for (lane, row) in L::to_rows(of_node).into_iter().enumerate() {
+            force[lane][c] = row.to_array();
+        }
+    }
 }
