@@ -57,6 +57,101 @@ fn added_failure_of_a_material() {
     }
 }
 
+/// Damage, strains of failure and anisotropy become keys of `j2`, Johnson-Cook without temperature
+/// one of `johnson_cook`; defaults of the cards that are no limits leave nothing behind.
+#[test]
+fn metals_with_damage_strains_and_anisotropy() {
+    let curve = "*DEFINE_CURVE\n6\n0.0,0.3\n0.2,0.4\n";
+    let damaged = model(&format!("*MAT_081\n1,7.85e-6,200.0,0.3,,,0.1\n,,6,,0.25\n{curve}"));
+    assert_eq!(parameter(&damaged, "softening"), "[0.1, 0.25]");
+    assert_eq!(parameter(&damaged, "hardening"), "[[0.0, 0.3], [0.2, 0.4]]");
+    let intact = model("*MAT_PLASTICITY_WITH_DAMAGE\n1,7.85e-6,200.0,0.3,0.25,0.5\n");
+    assert_eq!(parameter(&intact, "softening"), "");
+    // The base has a part of solids with this material, too; strains of failure are for shells.
+    let thin = "*MAT_003\n7,7.85e-6,200.0,0.3,0.25\n*MAT_123\n1,7.85e-6,200.0,0.3,0.25\n\
+                40.0,5.0,0,0,0,0.3,0.5,2\n";
+    let stretched = model_of(&format!("{BASE}{MOVES}{thin}").replace("2,2,1\n", "2,2,7\n"));
+    for (key, value) in [
+        ("erosion_thinning", "0.3"),
+        ("erosion_major_strain", "0.5"),
+        ("cowper_symonds", "[40.0, 5.0]"),
+        ("yield_stress", "0.25"),
+    ] {
+        assert_eq!(parameter(&stretched, key), value, "{key}");
+    }
+    let cook = model("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,0.6,1e28,1e28,0.001\n");
+    assert_eq!(cook.job.material[0].law, "johnson_cook");
+    for (key, value) in [
+        ("a", "0.3"),
+        ("b", "0.4"),
+        ("n", "0.5"),
+        ("c", "0.01"),
+        ("reference_rate", "0.001"),
+        ("damage", "[0.6, 0.0, 0.0, 0.0, 0.0]"),
+        ("m", ""),
+    ] {
+        assert_eq!(parameter(&cook, key), value, "{key}");
+    }
+}
+
+/// Fields of metals that their laws do not have are refused, each by name.
+#[test]
+fn fields_of_metals_without_a_law_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    for (cards, words) in [
+        ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5,0.1\n", "give eppfr, above eppf"),
+        ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5,0.1\n,,,,0.2,,7\n", "`lcdm` = 7"),
+        ("*MAT_123\n1,7.85e-6,200.0,0.3,0.25\n,,,,,-0.3\n", "`epsthin` = -0.3"),
+        ("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,,0.9\n", "`sigmax` = 0.9"),
+        ("*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,-1.5\n", "`r` = -1.5"),
+        // One part of the base is of solids.
+        ("*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,1.5\n", "lankford is for shells only"),
+    ] {
+        fs::write(&path, format!("{BASE}{MOVES}{cards}*END\n")).unwrap();
+        let text = crumple::input::job::read(&path, &[]).err().expect(cards).to_string();
+        assert!(text.contains(words), "{cards}: {text}");
+    }
+}
+
+/// An equation of state becomes a key of the material of parts of solids; shells have none.
+#[test]
+fn equations_of_state() {
+    // Part 2 of the base is of solids, part 1 of shells.
+    let metal = "*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n*MAT_003\n7,8.93e-6,120.0,0.34,0.1\n";
+    let with = |card: &str, eosid: i64| {
+        let deck = format!("{BASE}{MOVES}{metal}{card}");
+        deck.replace("2,2,1\n", &format!("2,2,7,{eosid}\n"))
+    };
+    let gruneisen = "*EOS_GRUNEISEN\n3,3940.0,1.489,,,2.02,0.47\n1.0\n";
+    let polynomial = "*EOS_LINEAR_POLYNOMIAL\n3,0.0,139.0,260.0,500.0,2.0,0.5\n0.0,1.0\n";
+    for (card, key, list) in [
+        (gruneisen, "eos_gruneisen", "[3940.0, 1.489, 0.0, 0.0, 2.02, 0.47]"),
+        (polynomial, "eos_polynomial", "[139.0, 260.0, 500.0, 2.0, 0.5, 0.0]"),
+    ] {
+        let model = model_of(&with(card, 3));
+        let of = |name: &str| {
+            let mut all = model.job.material.iter();
+            let material = all.find(|m| m.name == name).expect(name);
+            material.parameters.get(key).map_or(String::new(), |value| value.to_string())
+        };
+        assert_eq!(of("mat-7"), list);
+        assert_eq!(of("mat-1"), "");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    for (card, eosid, words) in [
+        (gruneisen.replace("2.02,0.47", "2.02,0.47,0.5"), 3, "`e0` = 0.5"),
+        (polynomial.replace("3,0.0", "3,0.1"), 3, "`c0` = 0.1"),
+        (polynomial.replace("0.0,1.0", "0.0,0.9"), 3, "`v0` = 0.9"),
+        (gruneisen.to_string(), 4, "no *EOS_... with the id 4"),
+    ] {
+        fs::write(&path, format!("{}*END\n", with(&card, eosid))).unwrap();
+        let text = crumple::input::job::read(&path, &[]).err().expect(words).to_string();
+        assert!(text.contains(words), "{text}");
+    }
+}
+
 /// A card that asks for more than its law has says which field, and how to go on.
 #[test]
 fn what_a_law_does_not_have_is_refused() {

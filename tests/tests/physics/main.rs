@@ -8,6 +8,7 @@ mod loads;
 mod particles;
 mod rigid;
 mod sections;
+mod shocks;
 mod solids;
 mod springs;
 mod switches;

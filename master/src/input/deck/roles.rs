@@ -143,6 +143,27 @@ const ROLES: &[(&str, &str)] = &[
         "MAT_PIECEWISE_LINEAR_PLASTICITY",
         "ro=d e=p pr=1 sigy=p etan=p fail=1 tdel=t c=w p=1 lcss=#f:1:p lcsr=#f:w:1 vp=1 eps=1 es=p",
     ),
+    (
+        "MAT_PLASTICITY_WITH_DAMAGE",
+        "ro=d e=p pr=1 sigy=p etan=p eppf=1 tdel=t c=w p=1 lcss=#f:1:p lcsr=#f:w:1 eppfr=1 vp=1 \
+         lcdm=#f:1:1 numint=1 eps=1 es=p",
+    ),
+    (
+        "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
+        "ro=d e=p pr=1 sigy=p etan=p fail=1 tdel=t c=w p=1 lcss=#f:1:p lcsr=#f:w:1 vp=1 epsthin=1 \
+         epsmaj=1 numint=1 eps=1 es=p",
+    ),
+    (
+        "MAT_SIMPLIFIED_JOHNSON_COOK",
+        "ro=d e=p pr=1 vp=1 a=p b=p n=1 c=1 psfail=1 sigmax=p sigsat=p epso=w",
+    ),
+    (
+        "MAT_TRANSVERSELY_ANISOTROPIC_ELASTIC_PLASTIC",
+        "ro=d e=p pr=1 sigy=p etan=p r=1 hlcid=#f:1:p idy=#f:1:1 ea=p coe=1 icfld=#f:1:1 \
+         strainlt=1",
+    ),
+    ("EOS_GRUNEISEN", "c=v s1=1 s2=1 s3=1 gamao=1 a=1 e0=p v0=1 lcid=#f:t:1"),
+    ("EOS_LINEAR_POLYNOMIAL", "c0=p c1=p c2=p c3=p c4=1 c5=1 c6=1 e0=p v0=1"),
     ("MAT_NULL", "ro=d pc=p mu=1 terod=1 cerod=1 ym=p pr=1"),
     (
         "MAT_RIGID",

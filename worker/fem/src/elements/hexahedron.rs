@@ -233,8 +233,10 @@ impl Hexahedron {
         }
 
         // 7. Energy and validity. The sum is not finite if any of its terms is not.
-        let (work, largest, mut total) =
-            work_and_size(&before, &after, &eps, half * (*viscosity + q));
+        let mean_q = half * (*viscosity + q);
+        let (work, largest, mut total) = work_and_size(&before, &after, &eps, mean_q);
+        let volume = mid_gradient.volume();
+        self.material.heat(state, mean_q, trace, volume / *first_volume);
         *viscosity = q;
         for mode in &force {
             total += mode[0] + mode[1] + mode[2];
@@ -243,7 +245,7 @@ impl Hexahedron {
         let calm =
             R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(R::LARGEST)));
         let sound = R::both(whole, calm);
-        let internal = work * mid_gradient.volume();
+        let internal = work * volume;
         let mut response = HexahedronResponse {
             force,
             totals: Totals { stable_dt, internal, hourglass: resisted, sound },

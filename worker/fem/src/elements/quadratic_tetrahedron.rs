@@ -275,7 +275,12 @@ impl QuadraticTetrahedron {
         let force = forces(&gradients, &points.stress, q);
 
         // 4. Energy and validity. The sum is not finite if any of its terms is not.
-        let viscous = half * (*viscosity + q) * points.trace * mid_gradients.volume;
+        let mean_q = half * (*viscosity + q);
+        let viscous = mean_q * points.trace * mid_gradients.volume;
+        for state in states.chunks_exact_mut(self.material.state) {
+            let volume = mid_gradients.volume / *first_volume;
+            self.material.heat(state, mean_q, points.trace, volume);
+        }
         *viscosity = q;
         let mut total = points.total;
         for row in &force {

@@ -6,7 +6,9 @@
 use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
-use crate::materials::{Elastic, PointLanes, PointReal, STRETCH_COLUMN, Solid, SolidPoint};
+use crate::materials::{
+    Elastic, HEAT_COLUMN, PointLanes, PointReal, STRETCH_COLUMN, Solid, SolidPoint,
+};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, dot};
 
@@ -45,6 +47,9 @@ pub struct SolidMaterial {
     tensors: usize,
     /// Column of the law with its stiffening, if it stiffens; see [`Solid::history`].
     stiffening: Option<usize>,
+    /// Column of the law with its internal energy, if the pressure depends on it; see
+    /// [`HEAT_COLUMN`].
+    heat: Option<usize>,
 }
 
 /// Result of the update of the stress.
@@ -73,6 +78,7 @@ impl SolidMaterial {
             failed: law_column(history, "failed", STRESS),
             tensors: law.tensors(),
             stiffening: law_column(history, "stiffening", STRESS),
+            heat: law_column(history, HEAT_COLUMN, STRESS),
             law,
         }
     }
@@ -137,6 +143,16 @@ impl SolidMaterial {
         let q = rate * density.mul_add(quadratic, linear);
         let stable_dt = viscous(length * slowness, (quadratic + quadratic).mul_add(slowness, b1));
         (q, stable_dt)
+    }
+
+    /// Adds the work of the mean bulk viscosity of a step to the energy of the law. `trace` is the
+    /// volume strain, `volume` the ratio of the volume in the middle of the step to that at the
+    /// start.
+    #[inline(always)]
+    pub fn heat<R: Real>(&self, state: &mut [R], viscosity: R, trace: R, volume: R) {
+        if let Some(column) = self.heat {
+            state[column] = (viscosity * trace).neg_mul_add(volume, state[column]);
+        }
     }
 
     /// Returns true if the law may compute in single precision. The rounding of a history that

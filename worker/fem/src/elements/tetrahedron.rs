@@ -228,8 +228,10 @@ impl Tetrahedron {
             std::array::from_fn(|k| std::array::from_fn(|i| dot(rows[i], gradient.b[k])));
 
         // 4. Energy and validity. The sum is not finite if any of its terms is not.
-        let (work, largest, mut total) =
-            work_and_size(&before, &after, &eps, half * (*viscosity + q));
+        let mean_q = half * (*viscosity + q);
+        let (work, largest, mut total) = work_and_size(&before, &after, &eps, mean_q);
+        let volume = mid_gradient.volume();
+        self.material.heat(state, mean_q, own_trace, volume / *first_volume);
         *viscosity = q;
         for row in &force {
             total += row[0] + row[1] + row[2];
@@ -237,7 +239,7 @@ impl Tetrahedron {
         let calm =
             R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(R::LARGEST)));
         let sound = R::both(gradient.volume6.gt(R::zero()), calm);
-        let internal = work * mid_gradient.volume();
+        let internal = work * volume;
         let totals = Totals { stable_dt, internal, hourglass: R::zero(), sound };
         let mut response = TetrahedronResponse { force, totals };
         if let Some(column) = self.material.failed {

@@ -290,7 +290,12 @@ impl Wedge {
         }
 
         // 5. Energy and validity. The sum is not finite if any of its terms is not.
-        let viscous = half * (*viscosity + q) * points.trace * mid_gradient.volume;
+        let mean_q = half * (*viscosity + q);
+        let viscous = mean_q * points.trace * mid_gradient.volume;
+        for state in states.chunks_exact_mut(self.material.state) {
+            let volume = mid_gradient.volume / *first_volume;
+            self.material.heat(state, mean_q, points.trace, volume);
+        }
         *viscosity = q;
         let mut total = points.total;
         for row in &force {

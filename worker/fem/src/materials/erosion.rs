@@ -1,12 +1,14 @@
 //! Criteria of failure that any law can have in addition to its own, as in `*MAT_ADD_EROSION`:
 //! ```text
 //! p >= max_pressure,   p <= min_pressure,   sigma_1 >= principal_stress,
-//! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain
+//! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain,
+//! -eps_z >= thinning,   eps_1 >= major_strain
 //! ```
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
-//! logarithm of the ratio of volumes; a negative limit of it is one of compression. A point fails
-//! as soon as one of them holds; its stress is zero from then on. Each criterion has the key of its
-//! name with `erosion_` before it.
+//! logarithm of the ratio of volumes; a negative limit of it is one of compression. The last two
+//! are for shells: the strain through the thickness and the larger principal strain in the plane,
+//! both sums of the increments. A point fails as soon as one of them holds; its stress is zero from
+//! then on. Each criterion has the key of its name with `erosion_` before it.
 //!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
@@ -50,16 +52,29 @@ pub const EROSION: &[ParameterRow] = &[
         "Logarithm of the ratio of volumes from which on a point fails; a negative one is a limit \
          of compression. For solids.",
     ),
+    row(
+        "erosion_thinning",
+        "Logarithm of the thickness at the start over the present one from which on a point \
+         fails. For shells.",
+    ),
+    row(
+        "erosion_major_strain",
+        "Larger principal strain in the plane, logarithmic, from which on a point fails. For \
+         shells.",
+    ),
 ];
 
+/// Columns of the strain in the plane: xx, yy, and twice xy.
+const PLANE_STRAIN: [&str; 3] = ["erosion strain xx", "erosion strain yy", "erosion strain xy"];
+
 /// ErosionLimits in the order of [`EROSION`].
-type ErosionLimits = [Option<f64>; 6];
+type ErosionLimits = [Option<f64>; EROSION.len()];
 
 /// Returns the material without its criteria, and their limits; or all problems of the criteria.
 pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Problem>> {
     let mut rest = material.clone();
     let mut problems = Vec::new();
-    let mut limits = [None; 6];
+    let mut limits = [None; EROSION.len()];
     for (limit, row) in limits.iter_mut().zip(EROSION) {
         let Some(param) = rest.parameters.remove(row.key) else { continue };
         let wanted = match row.key {
@@ -90,10 +105,13 @@ struct Eroding<L: ?Sized> {
     names: Vec<&'static str>,
     /// Number of columns of stress and of the law without criteria.
     own: usize,
-    /// Columns with those of stress: failure, plastic strain, volume.
+    /// Columns with those of stress: failure, plastic strain, volume, strain through the thickness,
+    /// first of the strains in the plane.
     failed: usize,
     plastic_strain: Option<usize>,
     volume: Option<usize>,
+    thickness: Option<usize>,
+    plane: Option<usize>,
 }
 
 impl<L: ?Sized> Eroding<L> {
@@ -114,6 +132,8 @@ impl<L: ?Sized> Eroding<L> {
                 })
         };
         let volume = limits[5].map(|_| column("erosion volume"));
+        let thickness = limits[6].map(|_| column("erosion thickness strain"));
+        let plane = limits[7].map(|_| PLANE_STRAIN.map(&mut column)[0]);
         let failed = column("failed");
         let plastic_strain =
             names.iter().position(|name| *name == "plastic_strain").map(|at| stress + at);
@@ -121,6 +141,9 @@ impl<L: ?Sized> Eroding<L> {
             Some((EROSION[4].key, "the law has no plastic strain"))
         } else if limits[5].is_some() && stress != 6 {
             Some((EROSION[5].key, "shells have no change of volume of their own"))
+        } else if let Some(at) = [6, 7].into_iter().find(|&at| limits[at].is_some() && stress == 6)
+        {
+            Some((EROSION[at].key, "it is for shells, and a part of solids has this material"))
         } else {
             None
         };
@@ -128,7 +151,7 @@ impl<L: ?Sized> Eroding<L> {
             let message = format!("material '{}': {key} is given, but {why}", material.name);
             return Err(vec![Problem::error(key, message, "remove it")]);
         }
-        Ok(Self { law, limits, names, own, failed, plastic_strain, volume })
+        Ok(Self { law, limits, names, own, failed, plastic_strain, volume, thickness, plane })
     }
 
     /// Marks failure by the stress (xx, yy, zz, xy, yz, zx) and the columns; removes the stress of
@@ -159,6 +182,15 @@ impl<L: ?Sized> Eroding<L> {
         if let (Some(column), Some(limit)) = (self.volume, self.limits[5]) {
             at_least(R::splat(limit.signum()) * state[column], Some(limit.abs()));
         }
+        if let Some(column) = self.thickness {
+            at_least(-state[column], self.limits[6]);
+        }
+        if let Some(column) = self.plane {
+            let [x, y, xy] = std::array::from_fn(|c| state[column + c]);
+            let (half, apart) = (R::splat(0.5), x - y);
+            let radius = apart.mul_add(apart, xy * xy).sqrt();
+            at_least(half * (x + y + radius), self.limits[7]);
+        }
         let failed = R::select(fails, one, state[self.failed]);
         state[self.failed] = failed;
         let alive = failed.lt(R::splat(0.5));
@@ -174,9 +206,15 @@ impl Eroding<dyn PlaneStress> {
             let point = Points {
                 state: &mut state[..self.own],
                 strain: std::slice::from_ref(eps),
-                thickness_strain: std::slice::from_mut(through),
+                thickness_strain: std::slice::from_mut(&mut *through),
             };
             R::update(&*self.law, point, dt);
+            if let Some(column) = self.thickness {
+                state[column] += *through;
+            }
+            if let Some(column) = self.plane {
+                (0..3).for_each(|c| state[column + c] += eps[c]);
+            }
             let (zero, sig) = (R::zero(), [state[0], state[1], state[2]]);
             self.fail(&[sig[0], sig[1], zero, sig[2], zero, zero], state, 3);
         }
@@ -200,7 +238,7 @@ impl Eroding<dyn Solid> {
 
 /// Adds criteria to a law of shells.
 pub fn shell(material: &Material, law: Box<dyn PlaneStress>, limits: ErosionLimits) -> LawResult {
-    if limits == [None; 6] {
+    if limits.iter().all(Option::is_none) {
         return Ok(law);
     }
     let columns = (3, law.history().to_vec());
@@ -209,7 +247,7 @@ pub fn shell(material: &Material, law: Box<dyn PlaneStress>, limits: ErosionLimi
 
 /// Adds criteria to a law of solids.
 pub fn solid(material: &Material, law: Box<dyn Solid>, limits: ErosionLimits) -> SolidLawResult {
-    if limits == [None; 6] {
+    if limits.iter().all(Option::is_none) {
         return Ok(law);
     }
     let columns = (6, law.history().to_vec());
@@ -336,6 +374,29 @@ mod tests {
         assert_eq!(pressed.state[3], 0.0);
     }
 
+    /// Strain through the thickness of uniaxial tension, `nu eps`, and the larger principal strain,
+    /// of tension `eps` and of pure shear half of the engineering strain.
+    #[test]
+    fn a_sheet_fails_at_a_strain() {
+        for (key, limit, strain, exact) in [
+            ("erosion_thinning", 1e-3, [1e-5, -0.25e-5, 0.0], 4e-3),
+            ("erosion_major_strain", 1e-3, [1e-5, -0.25e-5, 0.0], 1e-3),
+            ("erosion_major_strain", 1e-3, [-1e-5, 1e-5, 0.0], 1e-3),
+            ("erosion_major_strain", 1e-3, [0.0, 0.0, 1e-5], 2e-3),
+        ] {
+            let mut sheet = Sheet::new(&glass(&[(key, limit)]));
+            let last = sheet.state.len() - 1;
+            let mut reached = 0.0_f64;
+            while sheet.state[last] == 0.0 {
+                sheet.step(strain, 1.0);
+                reached += 1e-5;
+                assert!(reached < 1.0, "{key} must fail");
+            }
+            assert!((reached - exact).abs() < 1.5e-5, "{key} {strain:?}: {reached} for {exact}");
+            assert!(sheet.state[..3].iter().all(|s| *s == 0.0));
+        }
+    }
+
     #[test]
     fn wrong_criteria_are_refused() {
         for (key, value, words) in [
@@ -348,5 +409,9 @@ mod tests {
         }
         let text = problems(&glass(&[("erosion_volume_strain", 0.1)]));
         assert!(text.contains("shells have no change of volume"), "{text}");
+        for key in ["erosion_thinning", "erosion_major_strain"] {
+            let text = problems(&glass(&[(key, 0.1)]));
+            assert!(text.contains("it is for shells") && text.contains(key), "{text}");
+        }
     }
 }

@@ -22,15 +22,22 @@
 //! hardening: the back stress grows by this modulus times the plastic strain, in uniaxial stress.
 //!
 //! `failure_strain`: effective plastic strain at which a point fails; its stress is zero from
-//! then on.
+//! then on. `softening = [start, rupture]` lets the stress fall to zero between two plastic strains
+//! (`plasticity/softening.rs`).
+//!
+//! `lankford` makes sheets anisotropic through the thickness (`plasticity/plane_stress.rs`).
 //!
 //! Not included: transverse shear in the yield condition of shells (as in most shell codes).
 
 use super::parameters::Parameters;
 use super::plasticity::combined::{CombinedPlasticity, RateFactor};
-use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve};
+use super::plasticity::softening;
+use super::plasticity::{Anisotropy, Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve};
 use super::polyline::{Beyond, CurveFamily, RampCurve};
-use super::{DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, SolidLawResult};
+use super::{
+    DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, PlaneStress, Solid,
+    SolidLawResult,
+};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -116,24 +123,41 @@ const PARAMETERS: &[ParameterRow] = &[
         range: None,
         meaning: "Effective plastic strain at which a point fails; then its stress is zero.",
     },
+    softening::ROW,
+    ParameterRow {
+        key: LANKFORD,
+        form: Form::Number,
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Anisotropy of sheets: ratio R of the plastic strains across and through the \
+                  sheet in uniaxial tension, the same in all its directions. For shells, without \
+                  `kinematic_modulus`.",
+    },
 ];
+
+/// The key of Lankford's coefficient.
+const LANKFORD: &str = "lankford";
 
 fn build(material: &Material) -> LawResult {
     let mut parameters = Parameters::new(material);
     let elastic = parameters.elastic();
-    Ok(match read(parameters, elastic)? {
+    let strains = softening::read(&mut parameters);
+    let law: Box<dyn PlaneStress> = match read(parameters, elastic, true)? {
         J2Form::Isotropic(law) => Box::new(law),
         J2Form::Combined(law) => Box::new(law),
-    })
+    };
+    Ok(softening::shell(law, strains))
 }
 
 fn solid(material: &Material) -> SolidLawResult {
     let mut parameters = Parameters::new(material);
     let elastic = parameters.solid_elastic();
-    Ok(match read(parameters, elastic)? {
+    let strains = softening::read(&mut parameters);
+    let law: Box<dyn Solid> = match read(parameters, elastic, false)? {
         J2Form::Isotropic(law) => Box::new(law),
         J2Form::Combined(law) => Box::new(law),
-    })
+    };
+    Ok(softening::solid(law, strains))
 }
 
 /// The two forms of this law.
@@ -144,8 +168,12 @@ enum J2Form {
     Combined(CombinedPlasticity),
 }
 
-/// Reads the remaining parameters and returns the law.
-fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2Form, Vec<Problem>> {
+/// Reads the remaining parameters and returns the law, of shells or of solids.
+fn read(
+    mut parameters: Parameters<'_>,
+    elastic: Elastic,
+    for_shells: bool,
+) -> Result<J2Form, Vec<Problem>> {
     let by_rate = hardening_by_rate(&mut parameters);
     let (yield_stress, slope, ramps) = match &by_rate {
         Some(rows) => (rows.first().map_or(1.0, |row| row[2]), 0.0, Vec::new()),
@@ -165,6 +193,14 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2Form, Vec<
     let kinematic = parameters.optional("kinematic_modulus", "0 or above", |h| h >= 0.0);
     let kinematic = kinematic.unwrap_or(0.0);
     let failure_strain = parameters.optional("failure_strain", "above 0", |f| f > 0.0);
+    let lankford = parameters.optional(LANKFORD, "above 0", |r| r > 0.0).unwrap_or(1.0);
+    if lankford != 1.0 && !for_shells {
+        let help = "remove it, or use the material in parts of shells only";
+        parameters.wrong(LANKFORD, "is for shells only, and a part of solids has it", help);
+    } else if lankford != 1.0 && kinematic > 0.0 {
+        let what = "is given together with kinematic_modulus";
+        parameters.wrong(LANKFORD, what, "give only one of them");
+    }
     parameters.finish()?;
     let is_combined = by_rate.is_some() || factors.is_some() || viscoplastic || kinematic > 0.0;
     let rate = match cowper_symonds {
@@ -190,7 +226,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2Form, Vec<
         rate,
         thermal: None,
         failure,
-        coefficients: Coefficients::new(&elastic, yield_stress),
+        coefficients: Coefficients::anisotropic(&elastic, yield_stress, Anisotropy::new(lankford)),
     };
     if !is_combined {
         return Ok(J2Form::Isotropic(base));

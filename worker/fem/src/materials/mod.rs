@@ -6,6 +6,7 @@
 
 mod crushable_foam;
 mod elastic;
+mod equation_of_state;
 mod erosion;
 mod j2;
 mod johnson_cook;
@@ -18,6 +19,7 @@ mod tensor;
 mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
+pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
@@ -141,6 +143,10 @@ pub struct SolidPoint<'a, R> {
 /// First column of a tensor `b = B - 1` of the left Cauchy-Green tensor B. Elements whose law has
 /// it compute in double precision.
 pub const STRETCH_COLUMN: &str = "B-1 xx";
+
+/// Column of the internal energy per volume at the start of laws with an equation of state. The
+/// element adds the work of its bulk viscosity.
+pub const HEAT_COLUMN: &str = "eos energy";
 
 /// A law in three dimensions.
 ///
@@ -301,6 +307,12 @@ pub fn build(material: &Material) -> LawResult {
         return Err(vec![Problem::error("law", message, help)]);
     };
     let (rest, limits) = erosion::split(material)?;
+    let (rest, equation) = equation_of_state::split(&rest)?;
+    if equation.is_some() {
+        let message = format!("material '{}': an equation of state is for solids", material.name);
+        let help = "use a material without eos_... in parts of shells and beams";
+        return Err(vec![Problem::error("law", message, help)]);
+    }
     erosion::shell(material, build(&rest)?, limits)
 }
 
@@ -309,9 +321,13 @@ pub fn build(material: &Material) -> LawResult {
 pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
     let row = row_of(material)?;
     let (rest, _) = erosion::split(material)?;
-    match row.build {
+    let (rest, equation) = equation_of_state::split(&rest)?;
+    match row.build.filter(|_| equation.is_none()) {
         Some(build) => build(&rest).map(|law| law.elastic()),
-        None => (row.solid)(&rest).map(|law| law.elastic()),
+        None => {
+            let law = (row.solid)(&rest)?;
+            equation_of_state::solid(material, law, equation).map(|law| law.elastic())
+        }
     }
 }
 
@@ -320,7 +336,9 @@ pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
 pub fn build_solid(material: &Material) -> SolidLawResult {
     let row = row_of(material)?;
     let (rest, limits) = erosion::split(material)?;
-    erosion::solid(material, (row.solid)(&rest)?, limits)
+    let (rest, equation) = equation_of_state::split(&rest)?;
+    let law = equation_of_state::solid(material, (row.solid)(&rest)?, equation)?;
+    erosion::solid(material, law, limits)
 }
 
 fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {

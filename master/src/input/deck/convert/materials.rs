@@ -1,8 +1,8 @@
 //! Converts `*MAT_...`: laws and their parameters.
 
 use super::DeckConverter;
-use super::soft_materials;
 use super::tree::JobTable;
+use super::{metals, soft_materials};
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
@@ -47,7 +47,8 @@ const KEYWORDS: [&str; 7] = [
 impl DeckConverter {
     pub(super) fn materials(&mut self) -> HashMap<i64, DeckMaterial> {
         let mut materials: HashMap<i64, DeckMaterial> = HashMap::new();
-        for keyword in KEYWORDS.into_iter().chain(soft_materials::KEYWORDS) {
+        let others = metals::KEYWORDS.into_iter().chain(soft_materials::KEYWORDS);
+        for keyword in KEYWORDS.into_iter().chain(others) {
             for record in self.take_records(keyword) {
                 let id = record.integer("mid");
                 let title = record.word("heading").to_string();
@@ -77,6 +78,9 @@ impl DeckConverter {
                     }
                     "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
                     _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
+                    _ if metals::KEYWORDS.contains(&keyword) => {
+                        self.metal(keyword, &record, &mut table);
+                    }
                     _ => {}
                 }
                 if elastic {
@@ -143,7 +147,7 @@ impl DeckConverter {
         }
     }
 
-    fn hardening_modulus(
+    pub(super) fn hardening_modulus(
         &mut self,
         record: &CardRecord,
         e: f64,
@@ -173,7 +177,8 @@ impl DeckConverter {
         e * tangent / (e - tangent)
     }
 
-    fn piecewise(&mut self, record: &CardRecord, table: &mut JobTable) {
+    /// Converts the hardening, rates and failure strain of a metal with curves.
+    pub(super) fn piecewise(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
         let mut has_rates = rates(record, "c", "p", table);
         let fail = record.real("fail");
@@ -411,12 +416,13 @@ fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable) -> bool {
     are_given
 }
 
-fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
+/// Returns the points as rows of a table.
+pub(super) fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     points.iter().map(|p| p.to_vec()).collect()
 }
 
 /// Returns the points from plastic strain zero on. A table that begins later is constant before.
-fn starting_at_zero(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+pub(super) fn starting_at_zero(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if let Some(&[first, stress]) = points.first()
         && first > 0.0
     {

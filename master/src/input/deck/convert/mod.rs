@@ -4,6 +4,7 @@ mod beams;
 mod contact;
 mod control;
 mod curves;
+mod equations;
 mod histories;
 mod inertia;
 mod initial;
@@ -12,6 +13,7 @@ mod left_out;
 mod loads;
 mod materials;
 pub mod mesh;
+mod metals;
 mod motion;
 mod names;
 mod parts;
@@ -74,6 +76,8 @@ pub struct DeckConverter {
     segment_sets: BTreeMap<i64, Vec<segments::DeckSegment>>,
     parts: BTreeMap<i64, parts::DeckPart>,
     used_materials: Vec<i64>,
+    /// Equations of state of parts of solids, in the order of the deck.
+    equations: Vec<equations::PartEquation>,
     /// Scales of the forces of springs by part, with their places.
     spring_scales: BTreeMap<i64, (f64, Place)>,
     spring_laws: BTreeMap<i64, CardRecord>,
@@ -139,6 +143,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.welds();
     b.orient_beams();
     b.segment_sets();
+    b.equations_of_state(&mut materials);
     b.units(&mut materials);
     b.spc();
     b.rigid();
@@ -197,6 +202,7 @@ impl DeckConverter {
             segment_sets: BTreeMap::new(),
             parts: BTreeMap::new(),
             used_materials: Vec::new(),
+            equations: Vec::new(),
             spring_scales: BTreeMap::new(),
             spring_laws: BTreeMap::new(),
             round_parts: BTreeSet::new(),

@@ -3,6 +3,7 @@
 
 use super::DeckConverter;
 use super::contact::Friction;
+use super::equations::PartEquation;
 use super::inertia::DeckInertia;
 use super::materials::DeckMaterial;
 use super::sections::{self, DeckHourglass, DeckSection, SectionKind, Sections};
@@ -142,10 +143,8 @@ impl DeckConverter {
         (section, sections): (&DeckSection, &Sections),
         elements: PartElements<'_>,
     ) -> JobTable {
-        if record.integer("eosid") != 0 {
-            self.unsupported_value(record, "eosid", "an equation of state");
-        }
         let id = record.integer("pid");
+        self.equation_of(record, material, section.kind);
         let mut table = JobTable::new(record.head)
             .with("id", record.place("pid"), id)
             .with("name", record.place("heading"), name)
@@ -198,6 +197,23 @@ impl DeckConverter {
     }
 
     /// Makes a part of a null material a skin, and reports materials that its elements cannot have.
+    /// Notes the equation of state of a part; only solids that deform have one.
+    fn equation_of(&mut self, record: &CardRecord, material: &DeckMaterial, kind: SectionKind) {
+        let [pid, mid, eosid] = ["pid", "mid", "eosid"].map(|field| record.integer(field));
+        let why = match kind {
+            _ if material.rigid.is_some() => "not used: the part is rigid",
+            SectionKind::Solid => {
+                let place = record.place("eosid");
+                self.equations.push(PartEquation { ids: [pid, mid, eosid], place });
+                return;
+            }
+            _ => "not used: only solids have a pressure of their own",
+        };
+        if eosid != 0 {
+            self.map(format!("part {pid}"), format!("eosid {eosid}"), why);
+        }
+    }
+
     fn check_material(
         &mut self,
         record: &CardRecord,

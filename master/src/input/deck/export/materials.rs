@@ -3,6 +3,7 @@
 use super::{Blank, DeckWriter, Id, Number, line, named, points};
 use crate::input::job::Model;
 use crumple_proto::partition::{Material, Param};
+use crumple_worker::fem::materials::{EQUATION_OF_STATE, EROSION};
 use std::collections::BTreeMap;
 use toml::Table;
 
@@ -88,26 +89,47 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
                 deck.text(&title);
                 deck.card(&first);
                 without_card(deck, material, &["youngs_modulus", "poisson"]);
+                continue;
             }
             law => {
                 deck.text(&format!("$ material {title}: law {} has no keyword", line(law)));
             }
         }
+        additions(deck, material);
+    }
+}
+
+/// Writes criteria of failure and the equation of state after `$crumple:`.
+fn additions(deck: &mut DeckWriter, material: &Material) {
+    let added = |key: &str| {
+        let mut rows = EROSION.iter().chain(EQUATION_OF_STATE);
+        rows.any(|row| row.key == key)
+    };
+    let given: Vec<(String, toml::Value)> = material
+        .parameters
+        .iter()
+        .filter(|(key, _)| added(key))
+        .map(|(key, param)| (key.clone(), value_of(param)))
+        .collect();
+    if !given.is_empty() {
+        deck.entry("material", std::iter::once(named(&material.name)).chain(given).collect());
+    }
+}
+
+/// Returns a parameter as a value of a job.
+fn value_of(param: &Param) -> toml::Value {
+    let list = |numbers: &[f64]| toml::Value::from(numbers.to_vec());
+    match param {
+        Param::Flag(flag) => (*flag).into(),
+        Param::Number(x) => (*x).into(),
+        Param::List(numbers) => list(numbers),
+        Param::Table(rows) => rows.iter().map(|row| list(row)).collect::<Vec<_>>().into(),
     }
 }
 
 /// Writes the law and all parameters but these, which its card has, after `$crumple:`.
 fn without_card(deck: &mut DeckWriter, material: &Material, on_card: &[&str]) {
-    let list = |numbers: &[f64]| toml::Value::from(numbers.to_vec());
-    let value = |(key, param): (&String, &Param)| {
-        let value = match param {
-            Param::Flag(flag) => (*flag).into(),
-            Param::Number(x) => (*x).into(),
-            Param::List(numbers) => list(numbers),
-            Param::Table(rows) => rows.iter().map(|row| list(row)).collect::<Vec<_>>().into(),
-        };
-        (key.clone(), value)
-    };
+    let value = |(key, param): (&String, &Param)| (key.clone(), value_of(param));
     let others = material.parameters.iter().filter(|(key, _)| !on_card.contains(&key.as_str()));
     let head = [named(&material.name), ("law".into(), material.law.as_str().into())];
     deck.entry("material", head.into_iter().chain(others.map(value)).collect());
@@ -169,7 +191,14 @@ fn low_density_foam(deck: &mut DeckWriter, material: &Material, mid: u64, title:
 
 /// Returns true if a material has no key that the card of piecewise linear plasticity lacks here.
 fn is_isotropic(material: &Material) -> bool {
-    let others = ["kinematic_modulus", "hardening_by_rate", "rate_factors", "viscoplastic"];
+    let others = [
+        "kinematic_modulus",
+        "hardening_by_rate",
+        "rate_factors",
+        "viscoplastic",
+        "softening",
+        "lankford",
+    ];
     !others.iter().any(|key| material.parameters.contains_key(*key))
 }
 

@@ -12,6 +12,9 @@ const SPRING_TITLE: (&str, Times) = ("heading:l", Count(title));
 const RATE_OF_STRAIN: UnusedFields =
     ignored("vp", "the yield stress has the factor of the total strain rate, as with vp 0");
 
+const ALL_POINTS: UnusedFields =
+    ignored("numint", "an element is removed when all its points have failed");
+
 /// Creates a law of springs or dampers.
 const fn spring(
     name: &'static str,
@@ -82,6 +85,89 @@ pub const KEYWORDS: &[Keyword] = &[
         ignored("c2 erod efmin numint", "rates act by c alone; elements fail by d1 to d5 as given"),
     ])
     .aliases(&["MAT_015", "MAT_15"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_PLASTICITY_WITH_DAMAGE",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r sigy:r etan:r eppf:r tdel:r", Once),
+            ("c:r p:r lcss:i lcsr:i eppfr:r vp:r lcdm:i numint:r", Maybe),
+            ("eps:r*8", Maybe),
+            ("es:r*8", Maybe),
+        ],
+        "law `j2` as for MAT_PIECEWISE_LINEAR_PLASTICITY, with `softening` from eppf to eppfr; a \
+         curve of damage (lcdm) is not supported",
+    )
+    .unused(&[ALL_POINTS])
+    .aliases(&["MAT_081", "MAT_81"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r sigy:r etan:r fail:r tdel:r", Once),
+            ("c:r p:r lcss:i lcsr:i vp:r epsthin:r epsmaj:r numint:r", Maybe),
+            ("eps:r*8", Maybe),
+            ("es:r*8", Maybe),
+        ],
+        "law `j2` as for MAT_PIECEWISE_LINEAR_PLASTICITY; epsthin is `erosion_thinning`, epsmaj is \
+         `erosion_major_strain`",
+    )
+    .unused(&[ALL_POINTS])
+    .aliases(&["MAT_123"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_SIMPLIFIED_JOHNSON_COOK",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r vp:r", Once),
+            ("a:r! b:r n:r c:r psfail:r sigmax:r sigsat:r epso:r=1", Once),
+        ],
+        "law `johnson_cook` without temperature; psfail is D1 of `damage`; largest stresses \
+         (sigmax, sigsat) are not supported",
+    )
+    .unused(&[RATE_OF_STRAIN])
+    .aliases(&["MAT_098", "MAT_98"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_TRANSVERSELY_ANISOTROPIC_ELASTIC_PLASTIC",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r sigy:r etan:r r:r! hlcid:i", Once),
+            ("idy:i ea:r coe:r icfld:i unused:r strainlt:r", Maybe),
+        ],
+        "law `j2` with `lankford` = r, for shells; hlcid is `hardening`",
+    )
+    .unused(&[
+        no_effect("ea coe strainlt", "they are for idy and icfld"),
+        no_effect("unused", "it is not used"),
+    ])
+    .aliases(&["MAT_037", "MAT_37"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "EOS_GRUNEISEN",
+        &[
+            ("heading:l", Count(title)),
+            ("eosid:i! c:r! s1:r s2:r s3:r gamao:r a:r e0:r", Once),
+            ("v0:r unused:r lcid:i", Maybe),
+        ],
+        "`eos_gruneisen` of the material of parts of solids with this eosid; the volume at the \
+         start is 1, the energy 0",
+    )
+    .unused(&[no_effect("unused lcid", "they are for energy that is deposited")])
+    .aliases(&["EOS_004", "EOS_4"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "EOS_LINEAR_POLYNOMIAL",
+        &[
+            ("heading:l", Count(title)),
+            ("eosid:i! c0:r c1:r! c2:r c3:r c4:r c5:r c6:r", Once),
+            ("e0:r v0:r", Maybe),
+        ],
+        "`eos_polynomial` of the material of parts of solids with this eosid; pressure and energy \
+         at the start (c0, e0) are 0, the volume is 1",
+    )
+    .aliases(&["EOS_001", "EOS_1"])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_RIGID",

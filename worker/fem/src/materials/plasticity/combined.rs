@@ -204,7 +204,8 @@ impl CombinedPlasticity {
         const FAILED: usize = 4;
         let [kinematic, fails] = self.kinds();
         let back = STRAIN + 1 + fails;
-        let Coefficients { plane_stress, thinning, per_yield2, .. } = self.base.coefficients;
+        let Coefficients { plane_stress, thinning, per_yield2, anisotropy, .. } =
+            self.base.coefficients;
         let [c11, c12, g] = plane_stress.map(R::splat);
         let before = state[0] + state[1];
         state[0] += c11.mul_add(eps[0], c12 * eps[1]);
@@ -214,7 +215,7 @@ impl CombinedPlasticity {
             std::array::from_fn(|c| if kinematic == 1 { state[back + c] } else { R::zero() });
         let xi: [R; 3] = std::array::from_fn(|c| state[c] - a[c]);
         let (sum, difference) = (xi[0] + xi[1], xi[1] - xi[0]);
-        let [of_s, of_d, of_t] = [0.25, 0.75, 3.0].map(|factor| R::splat(factor * per_yield2));
+        let [of_s, of_d, of_t] = anisotropy.factors().map(|factor| R::splat(factor * per_yield2));
         let trial = RelativeTrial {
             p: of_s * sum * sum,
             q: (of_d * difference).mul_add(difference, of_t * xi[2] * xi[2]),

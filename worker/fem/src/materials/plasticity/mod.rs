@@ -14,6 +14,7 @@
 
 pub mod combined;
 mod plane_stress;
+pub mod softening;
 mod solid;
 
 use super::Elastic;
@@ -76,24 +77,57 @@ pub struct Coefficients {
     /// Slopes of alpha and beta in y without hardening, in units of the initial yield stress; see
     /// `plane_stress`.
     moduli: [f64; 2],
+    /// Factors of the square of the equivalent stress in plane stress; see [`Anisotropy`].
+    anisotropy: Anisotropy,
     /// 1 over the initial yield stress [length^2/force], and over its square.
     per_yield: f64,
     per_yield2: f64,
+}
+
+/// Factors `[c, d]` of the square of the equivalent stress in plane stress,
+/// `c (sig_x + sig_y)^2 + d ((sig_y - sig_x)^2 + 4 sig_xy^2)`: Hill 1948 with the same properties
+/// in all directions of the sheet.
+#[derive(Clone, Copy)]
+pub struct Anisotropy([f64; 2]);
+
+impl Anisotropy {
+    /// The von Mises stress.
+    pub const NONE: Self = Self::new(1.0);
+
+    /// Computes the factors from Lankford's coefficient R, the ratio of the plastic strains across
+    /// and through the sheet in uniaxial tension.
+    pub const fn new(lankford: f64) -> Self {
+        let c = 0.5 / (1.0 + lankford);
+        Self([c, (1.0 + 2.0 * lankford) * c])
+    }
+
+    /// Returns the factors of `(sig_x + sig_y)^2`, `(sig_y - sig_x)^2` and `sig_xy^2`.
+    fn factors(self) -> [f64; 3] {
+        let Self([c, d]) = self;
+        [c, d, 4.0 * d]
+    }
 }
 
 impl Coefficients {
     /// Computes the coefficients from the elastic constants and the initial yield stress
     /// [force/length^2].
     pub fn new(elastic: &Elastic, yield_stress: f64) -> Self {
+        Self::anisotropic(elastic, yield_stress, Anisotropy::NONE)
+    }
+
+    /// Computes the coefficients for sheets with this anisotropy.
+    pub fn anisotropic(elastic: &Elastic, yield_stress: f64, anisotropy: Anisotropy) -> Self {
         let Elastic { youngs_modulus, poisson, .. } = *elastic;
         let shear = elastic.shear_modulus();
-        let moduli = [0.5 * youngs_modulus / (1.0 - poisson), 3.0 * shear];
+        let Anisotropy([c, d]) = anisotropy;
+        let moduli = [2.0 * c * youngs_modulus / (1.0 - poisson), 4.0 * d * shear];
         Self {
             plane_stress: elastic.plane_stress(),
             thinning: elastic.thinning(),
             shear,
             bulk: elastic.bulk_modulus(),
             moduli: moduli.map(|m| m / yield_stress),
+            anisotropy,
             per_yield: 1.0 / yield_stress,
             per_yield2: 1.0 / (yield_stress * yield_stress),
         }

@@ -12,6 +12,9 @@
 //! ```text
 //! v(y) = p / alpha^2 + q / beta^2 = 1,   alpha = sig_y + E y / (2 (1-nu)),   beta = sig_y + 3 G y
 //! ```
+//! With Lankford's coefficient R the factors 1/4 of p, 3/4 and 3 of q are `c`, `d` and `4 d`, with
+//! `c = 1/(2 (1 + R))` and `d = (1 + 2 R) c` (Hill 1948, the same in all directions of the sheet);
+//! then `alpha = sig_y + 2 c E y / (1-nu)`, `beta = sig_y + 4 d G y`.
 //! Its solver uses Halley steps on `1/sqrt(v) = 1`, which is linear in pure shear and in equal
 //! biaxial stress and nearly linear otherwise. `sqrt(v)` is the rational function that agrees to
 //! the fourth power of v - 1. Two or three steps reach 1e-10 of the yield stress.
@@ -62,9 +65,9 @@ impl Plasticity {
         points: Points<'_, R>,
         dt: f64,
     ) {
-        let Coefficients { plane_stress, thinning, per_yield2, .. } = self.coefficients;
+        let Coefficients { plane_stress, thinning, per_yield2, anisotropy, .. } = self.coefficients;
         let [c11, c12, g] = plane_stress.map(R::splat);
-        let [of_s, of_d, of_t] = [0.25, 0.75, 3.0].map(|factor| R::splat(factor * per_yield2));
+        let [of_s, of_d, of_t] = anisotropy.factors().map(|factor| R::splat(factor * per_yield2));
         let thinning = R::splat(thinning);
         let zero = R::zero();
         let n = points.strain.len().min(MOST);

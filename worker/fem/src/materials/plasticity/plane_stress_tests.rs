@@ -286,3 +286,52 @@ fn a_bad_table_is_refused_with_its_fault() {
         assert!(problems.iter().any(|problem| problem.path == "hardening"), "{problems:?}");
     }
 }
+
+/// Lankford's coefficient R: the plastic strain across the sheet over that through it in uniaxial
+/// tension is R, and yield is at `sig_y`, in equal biaxial tension at `sig_y sqrt((1 + R)/2)`, in
+/// shear at `sig_y sqrt((1 + R)/(2 (1 + 2 R)))` (Hill 1948). Also with a curve of factors over the
+/// rate, which takes the other solver.
+#[test]
+fn anisotropy_through_the_thickness() {
+    let factors = Param::Table(vec![vec![0.0, 1.0], vec![1.0, 1.0]]);
+    for r in [0.6, 1.0, 1.8] {
+        for more in [&[][..], &[("rate_factors", factors.clone())]] {
+            let law = steel(&[&[("lankford", Param::Number(r))], more].concat());
+            let mut state = [0.0; COLUMNS];
+            let (mut across, mut through) = (0.0, 0.0);
+            (0..200).for_each(|_| pull(&*law, &mut state, 1e-4, 1.0));
+            assert!((state[0] - YIELD).abs() < 1e-9 * YIELD, "{state:?}");
+            // The stress is constant from here on, so that all strains are plastic.
+            for _ in 0..10 {
+                let (mut low, mut high) = (-1e-4, 1e-4);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    let mut trial = state;
+                    advance(&*law, &mut trial, [1e-4, middle, 0.0], 1.0);
+                    if trial[1] > 0.0 { high = middle } else { low = middle }
+                }
+                let lateral = 0.5 * (low + high);
+                across += lateral;
+                through += advance(&*law, &mut state, [1e-4, lateral, 0.0], 1.0);
+            }
+            assert!((across / through - r).abs() < 1e-6 * r, "{} for {r}", across / through);
+            for (strain, column, exact) in [
+                ([1e-3, 1e-3, 0.0], 0, (0.5 * (1.0 + r)).sqrt()),
+                ([0.0, 0.0, 1e-3], 2, (0.5 * (1.0 + r) / (1.0 + 2.0 * r)).sqrt()),
+            ] {
+                let mut state = [0.0; COLUMNS];
+                (0..20).for_each(|_| {
+                    advance(&*law, &mut state, strain, 1.0);
+                });
+                let got = state[column] / YIELD;
+                assert!((got - exact).abs() < 1e-8, "R {r}, {strain:?}: {got} for {exact}");
+                // Work: the plastic strain is that of the equivalent stress.
+                let before = state;
+                advance(&*law, &mut state, strain, 1.0);
+                let work: f64 = (0..3).map(|c| before[c] * strain[c]).sum();
+                let flow = YIELD * (state[3] - before[3]);
+                assert!((work - flow).abs() < 1e-7 * work, "{work} for {flow}");
+            }
+        }
+    }
+}

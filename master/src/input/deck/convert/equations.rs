@@ -1,0 +1,80 @@
+//! Converts `*EOS_...` to keys of the materials of solids.
+
+use super::DeckConverter;
+use super::materials::DeckMaterial;
+use crate::input::deck::record::CardRecord;
+use crate::input::job::tree::Place;
+use std::collections::{BTreeMap, HashMap};
+
+/// Keywords, the keys of the job, and the fields that become their list.
+const EQUATIONS: [(&str, &str, [&str; 6]); 2] = [
+    ("EOS_GRUNEISEN", "eos_gruneisen", ["c", "s1", "s2", "s3", "gamao", "a"]),
+    ("EOS_LINEAR_POLYNOMIAL", "eos_polynomial", ["c1", "c2", "c3", "c4", "c5", "c6"]),
+];
+
+/// The equation of a part of solids.
+#[derive(Debug)]
+pub struct PartEquation {
+    /// Part, material, equation; 0 for none.
+    pub ids: [i64; 3],
+    /// Place of the id of the equation.
+    pub place: Place,
+}
+
+/// The key of an equation, and its constants.
+type Constants = (&'static str, [f64; 6], Place);
+
+impl DeckConverter {
+    /// Gives each material the equation of its parts.
+    pub(super) fn equations_of_state(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
+        let mut equations: BTreeMap<i64, Constants> = BTreeMap::new();
+        for (keyword, key, fields) in EQUATIONS {
+            for record in self.take_records(keyword) {
+                let (id, place) = (record.integer("eosid"), record.place("eosid"));
+                self.starting_state(&record);
+                let constants = fields.map(|field| record.real(field));
+                if equations.insert(id, (key, constants, record.place(fields[0]))).is_some() {
+                    let message = format!("there are two equations of state with the id {id}");
+                    self.trouble.error(place, message, "give each a different id");
+                }
+            }
+        }
+        let mut first: BTreeMap<i64, [i64; 2]> = BTreeMap::new();
+        for PartEquation { ids: [part, mid, eosid], place } in std::mem::take(&mut self.equations) {
+            let &mut [other, before] = first.entry(mid).or_insert([part, eosid]);
+            if before != eosid {
+                let message = format!(
+                    "part {part}: its material {mid} has the equation of state {before} in part \
+                     {other}, and {eosid} here"
+                );
+                let help = "give one of the parts a material of its own";
+                self.trouble.error(place, message, help);
+            }
+            if eosid == 0 || other != part {
+                continue;
+            }
+            let Some(&(key, constants, at)) = equations.get(&eosid) else {
+                let known: Vec<String> = equations.keys().map(i64::to_string).collect();
+                self.missing(place, "*EOS_...", eosid, &known);
+                continue;
+            };
+            if let Some(table) = materials.get_mut(&mid).and_then(|m| m.table.as_mut()) {
+                table.put(key, at, constants);
+            }
+        }
+    }
+
+    /// Refuses a pressure and a volume at the start.
+    fn starting_state(&mut self, record: &CardRecord) {
+        if ![0.0, 1.0].contains(&record.real("v0")) {
+            self.unsupported_value(record, "v0", "a volume at the start; use 1");
+        }
+        for (field, why) in
+            [("e0", "an energy at the start; use 0"), ("c0", "a pressure at the start; use 0")]
+        {
+            if record.real(field) != 0.0 {
+                self.unsupported_value(record, field, why);
+            }
+        }
+    }
+}
