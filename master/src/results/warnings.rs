@@ -52,6 +52,10 @@ pub enum WarningKind {
     Penetration,
     /// Elements that are about to invert.
     Inversion,
+    /// Contact that had nothing to do in the whole run.
+    UnusedContact,
+    /// Walls that nothing has touched in the whole run.
+    UnusedWall,
 }
 
 /// A warning.
@@ -139,6 +143,30 @@ impl WatchedRow<'_> {
         found.extend(self.contact_step(row));
         found.extend(self.penetration(row));
         found.extend(self.inversion(row));
+        found
+    }
+
+    /// Returns the warnings of a run that is complete: what it had, and never used. `has_contact`
+    /// is true if the job asks for contact.
+    pub fn unused(&self, has_contact: bool) -> Vec<EngineeringWarning> {
+        let Some(row) = &self.course.last else { return Vec::new() };
+        let whole = ModelPlace::default();
+        let mut found = Vec::new();
+        let cure = "Look at positions, velocities, normals of walls and the end time in the model \
+                    (`crumple check --html`); remove what is not needed";
+        if has_contact && self.course.pairs == 0 && row.sum.energies.contact == 0.0 {
+            let what = "contact has never acted: no node has touched a segment".into();
+            found.push(self.warn(row, (WarningKind::UnusedContact, 0.0), what, &whole, cure));
+        }
+        let untouched = row.sum.wall_impulse.iter().enumerate().filter(|(_, i)| **i == [0.0; 3]);
+        let walls: Vec<String> = untouched.map(|(wall, _)| wall.to_string()).collect();
+        if !walls.is_empty() {
+            let what = format!(
+                "no node has touched these walls (numbers as in history.csv): {}",
+                walls.join(", ")
+            );
+            found.push(self.warn(row, (WarningKind::UnusedWall, 0.0), what, &whole, cure));
+        }
         found
     }
 
@@ -451,6 +479,32 @@ mod tests {
             r.sum.deepest = ModelPlace { element: None, node: Some(NodeId(5)), ..at(0) };
         });
         assert!(deep[0].place.starts_with("node 5 at "), "{}", deep[0].place);
+    }
+
+    /// Contact without a pair and without work, and walls without an impulse, are named once the
+    /// run is complete; one touch is enough for none.
+    #[test]
+    fn what_a_run_never_used_is_named() {
+        let of = |change: fn(&mut HistoryRow), pairs: u64, has_contact: bool| {
+            let mut row = HistoryRow::default();
+            row.sum.wall_impulse = vec![[0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]];
+            change(&mut row);
+            let mut course = Course::default();
+            (course.last, course.pairs) = (Some(row), pairs);
+            let found = WatchedRow { parts: &[], course: &course }.unused(has_contact);
+            found.iter().map(EngineeringWarning::line).collect::<Vec<_>>()
+        };
+        let found = of(|_| (), 0, true);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].contains("never acted") && found[1].contains("csv): 1, 2."), "{found:?}");
+        let all_walls = |row: &mut HistoryRow| row.sum.wall_impulse = vec![[0.0, -1.0, 0.0]];
+        assert_eq!(of(all_walls, 1, true), Vec::<String>::new());
+        assert_eq!(of(all_walls, 0, false), Vec::<String>::new());
+        let worked = |row: &mut HistoryRow| {
+            row.sum.wall_impulse = Vec::new();
+            row.sum.energies.contact = -1e-9;
+        };
+        assert_eq!(of(worked, 0, true), Vec::<String>::new());
     }
 
     #[test]

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// force is the sum of a function of the elongation and a function of its rate. It acts along the
 /// line between the two nodes; tension is positive.
 ///
+/// A rotational spring (`rotational`) has a moment instead of a force, an angle in radians instead
+/// of an elongation, and acts about the line or the direction.
+///
 /// Springs have no mass, so a free node at their end needs some mass. To connect a node to the
 /// ground, use as second node one that a `[[fix]]` fixes in x, y and z; it needs no mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,6 +30,11 @@ pub struct SpringInput {
     /// [length/time, force].
     #[serde(default)]
     pub force_rate: Vec<[f64; 2]>,
+    /// True for a moment about the line or the direction, by the relative rotation of the second
+    /// node against the first; both have to be nodes of rigid bodies, or fixed in all rotations.
+    /// Stiffness and damping are then moments per angle and per rate.
+    #[serde(default)]
+    pub rotational: bool,
     /// Fixed direction of the force. The elongation is then the relative displacement in this
     /// direction, of the second node against the first. Springs of zero length need it.
     #[serde(default)]

@@ -165,6 +165,49 @@ fn pressure_and_gravity_have_their_signs() {
     assert_eq!((set(&model, "load-node-5"), model.job.load[0].force), (vec![5], [0.5, 0.0, 0.0]));
 }
 
+/// A section with dro 1 makes rotational springs, between rigid bodies only.
+#[test]
+fn rotational_springs() {
+    let link = "*PART\nlink\n3,3,11\n*SECTION_DISCRETE\n3,1\n\n*MAT_SPRING_ELASTIC\n11,4.0\n\
+                *ELEMENT_DISCRETE\n101,3,5,11\n";
+    let rigid = "*MAT_RIGID\n1,7.85e-6,207.0,0.3\n";
+    let model = model_of(&format!("{BASE}{rigid}{MOVES}{link}"));
+    let part = model.job.part.iter().find(|part| part.id == 3).expect("part 3");
+    let spring = part.spring.as_ref().expect("a spring");
+    assert_eq!((spring.rotational, spring.stiffness), (true, 4.0));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{link}*END\n")).unwrap();
+    let text = crumple::input::job::read(&path, &[]).err().expect("no bodies").to_string();
+    assert!(text.contains("2 ends of rotational springs"), "{text}");
+}
+
+/// Pressure on shells acts against their normals; a set and an element that do not exist are named.
+#[test]
+fn pressure_on_shells() {
+    let curve = "*DEFINE_CURVE\n4\n0.0,1.0\n20.0,1.0\n";
+    let set = "*SET_SHELL_LIST\n9\n2\n*SET_SHELL_LIST\n10\n11\n";
+    let loads = "*LOAD_SHELL_ELEMENT\n1,4,2.0\n*LOAD_SHELL_SET\n9,4,3.0\n";
+    let model = with(&format!("{curve}{set}{loads}"));
+    let of = |pressure: f64| {
+        let all = model.settings.loads.pressures.iter().filter(|p| p.pressure == pressure);
+        all.flat_map(|p| &p.faces).map(|face| face.0.0).collect::<Vec<_>>()
+    };
+    assert_eq!((of(2.0), of(3.0)), (vec![1], vec![2]));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    let wrong = "*LOAD_SHELL_ELEMENT\n7,4\n*LOAD_SHELL_SET\n8,4\n10,4\n";
+    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{curve}{set}{wrong}*END\n")).unwrap();
+    let text = crumple::input::job::read(&path, &[]).err().expect("no such shell").to_string();
+    for words in [
+        "there is no shell 7",
+        "no *SET_SHELL_... with the id 8",
+        "set 10 has no shells of the deck",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
 #[test]
 fn what_is_held_comes_from_cards_and_codes() {
     let model = with(

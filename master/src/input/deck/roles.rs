@@ -211,6 +211,7 @@ const ROLES: &[(&str, &str)] = &[
     ("LOAD_GRAVITY_PART*", "dof=1 lc=#f:t:1 accel=a lcdr=#f stga=1 stgr=1"),
     ("LOAD_NODE*", "dof=1 sf=1"),
     ("LOAD_SEGMENT*", "lcid=#f:t:p sf=1 at=t"),
+    ("LOAD_SHELL*", "esid=#s lcid=#f:t:p sf=1 at=t"),
     ("CONSTRAINED_NODAL_RIGID_BODY", "iprt=1 drflag=1 rrflag=1"),
     ("CONSTRAINED_EXTRA_NODES*", ""),
     ("CONSTRAINED_RIGID_BODIES", "iflag=1"),

@@ -42,6 +42,8 @@ struct SpringNode {
     shared: bool,
     /// True if its motion is fixed or prescribed, so that no force accelerates it.
     held: bool,
+    /// True if its rotation is fixed or prescribed.
+    turn_held: bool,
     /// Reciprocal of the fraction of its mass that a tie with an offset leaves its elements and
     /// springs; 0 without one.
     arm: f64,
@@ -82,6 +84,7 @@ pub fn steps(
     let springs = find_springs(mesh, blocks, start, &place, findings);
     let ends = of_nodes(mesh, settings, nodes, start, &place);
     massless(mesh, &ends, findings);
+    without_inertia(mesh, &springs, &ends, findings);
     if springs.is_empty() && !ends.iter().any(|e| e.arm > 0.0) {
         return;
     }
@@ -90,7 +93,7 @@ pub fn steps(
     let needs = masses.needs(&springs, start);
     masses.add_needs(&springs, &needs);
     for (spring, &need) in springs.iter().zip(&needs).filter(|(_, need)| **need > 0.0) {
-        let soft = spring.nodes.map(|n| masses.softness(n, Some(need)));
+        let soft = spring.nodes.map(|n| masses.softness(n, &spring.discrete, Some(need)));
         start.stable_dt[spring.element] = spring.discrete.stable_dt(soft.iter().sum());
     }
     reduce_steps(&masses, blocks, start, &place);
@@ -131,13 +134,22 @@ struct Masses<'a> {
 }
 
 impl Masses<'_> {
-    /// Returns the change of velocity of a node per unit impulse [1/mass]: with the part of its
-    /// mass that a spring with this need gets, or with all of its mass.
-    fn softness(&self, n: usize, need: Option<f64>) -> f64 {
+    /// Returns the change of velocity of a node per unit impulse [1/mass], or for a rotational
+    /// spring that of the rotational velocity [1/(mass length^2)]: with the part of its mass that a
+    /// spring with this need gets, or with all of its mass.
+    fn softness(&self, n: usize, discrete: &Discrete, need: Option<f64>) -> f64 {
         let end = &self.ends[n];
         let part = |all: f64| {
             need.map_or(1.0, |need| need / all * if end.shared { taken(all) } else { 1.0 })
         };
+        if discrete.rotational {
+            // Other nodes are refused.
+            let of_body = |b| {
+                let body: &BodyMass = &self.bodies[b];
+                1.0 / (body.inertia * part(body.need))
+            };
+            return end.body.map_or(0.0, of_body);
+        }
         let loose = 1.0 / (end.arm_share() * end.mass * part(end.need));
         let of_body = |b: &BodyMass| b.softness(&self.mesh.nodes[n].x) / part(b.need);
         let body = end.body.map_or(f64::INFINITY, |b| of_body(&self.bodies[b]));
@@ -147,7 +159,9 @@ impl Masses<'_> {
     /// Returns the fraction of the masses at its ends with which each spring is stable at the step
     /// of the smallest other element, or of the stiffest spring if there are only springs.
     fn needs(&self, springs: &[MeshSpring], start: &ElementStart) -> Vec<f64> {
-        let alone = |spring: &MeshSpring| spring.nodes.map(|n| self.softness(n, None)).iter().sum();
+        let alone = |spring: &MeshSpring| {
+            spring.nodes.map(|n| self.softness(n, &spring.discrete, None)).iter().sum()
+        };
         let alone: Vec<f64> = springs.iter().map(alone).collect();
         let smallest = |steps: &mut dyn Iterator<Item = f64>| steps.fold(f64::INFINITY, f64::min);
         let least = smallest(&mut start.stable_dt.iter().copied());
@@ -221,13 +235,14 @@ fn of_nodes(
     let end = |(&mass, &fixed): (&f64, &u64)| SpringNode {
         mass,
         held: fixed & 0b111 == 0b111,
+        turn_held: fixed >> 3 & 0b111 == 0b111,
         ..SpringNode::default()
     };
     let mut ends: Vec<SpringNode> = nodes.added_mass.iter().zip(&nodes.fixed).map(end).collect();
     let whole_run = |(_, body): &(usize, &RigidBody)| body.window.is_none();
     for (b, body) in settings.rigid.iter().enumerate().filter(whole_run) {
         for n in body.nodes.iter().filter_map(|id| place.get(id)) {
-            (ends[*n].held, ends[*n].body) = (false, Some(b));
+            (ends[*n].held, ends[*n].turn_held, ends[*n].body) = (false, false, Some(b));
         }
     }
     for n in settings
@@ -266,6 +281,28 @@ fn massless(mesh: &Mesh, ends: &[SpringNode], findings: &mut JobProblems) {
         );
         let help =
             "springs have no mass: add a [[mass]], or fix the node in x, y and z by a [[fix]]";
+        findings.add(Problem::error("mesh", message, help));
+    }
+}
+
+/// Reports rotational springs at nodes without a rotational inertia of their own: rotations of
+/// other nodes belong to the elements there, which the step of the spring does not consider.
+fn without_inertia(
+    mesh: &Mesh,
+    springs: &[MeshSpring],
+    ends: &[SpringNode],
+    findings: &mut JobProblems,
+) {
+    let loose = |n: &usize| ends[*n].body.is_none() && !ends[*n].turn_held;
+    let all = springs.iter().filter(|s| s.discrete.rotational).flat_map(|s| s.nodes);
+    let found: Vec<usize> = all.filter(loose).collect();
+    if let Some(&first) = found.first() {
+        let message = format!(
+            "{} ends of rotational springs are not nodes of rigid bodies; the first is node {}",
+            found.len(),
+            mesh.nodes[first].id
+        );
+        let help = "put the node into a [[rigid]] body for the whole run, or fix its rotations";
         findings.add(Problem::error("mesh", message, help));
     }
 }

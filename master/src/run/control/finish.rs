@@ -6,6 +6,9 @@ use crate::results::{figures, requirements};
 use crate::run::balance::URGENT;
 use crumple_proto::report::FinalReport;
 
+/// Reason of a run that has come to its end time.
+const AT_END: &str = "end_time";
+
 impl Control<'_> {
     /// Writes the summary after all final reports have arrived.
     pub(super) fn finish(&mut self) -> Result<Summary, RunError> {
@@ -15,6 +18,10 @@ impl Control<'_> {
             .and_then(|()| self.history.check_files())
             .map_err(missing)?;
         self.watch_files();
+        let first = self.closings.iter().flatten().next();
+        if first.is_some_and(|end| self.ending(end).1 == AT_END) {
+            self.watch_end();
+        }
         let mut summary = self.summary();
         (summary.crush, summary.head_injury) = figures::read(&self.out);
         let path = self.out.join("summary.json");
@@ -38,7 +45,7 @@ impl Control<'_> {
             None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => {
                 (RunEnd::Completed, "max_cycles".into())
             }
-            None => (RunEnd::Completed, "end_time".into()),
+            None => (RunEnd::Completed, AT_END.into()),
         }
     }
 

@@ -32,6 +32,14 @@ impl Control<'_> {
         self.add_warnings(found);
     }
 
+    /// Gives the warnings of a complete run: what it had, and never used.
+    pub(super) fn watch_end(&mut self) {
+        let settings = &self.model.settings;
+        let row = WatchedRow { parts: &settings.parts, course: &self.history.course };
+        let found = row.unused(settings.contact.is_some());
+        self.add_warnings(found);
+    }
+
     fn add_warnings(&mut self, found: Vec<EngineeringWarning>) {
         let known = warnings::merge(&mut self.warnings, found);
         let new: Vec<String> =

@@ -223,6 +223,9 @@ pub struct Discrete {
     pub damping: f64,
     /// True if the force acts along the line between the nodes.
     pub along_line: bool,
+    /// True for a moment and a rotation instead of the force and the elongation: softness is then
+    /// the change of the rotational velocity per unit impulse [1/(mass length^2)].
+    pub rotational: bool,
 }
 
 impl Discrete {

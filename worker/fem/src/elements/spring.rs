@@ -1,5 +1,8 @@
 //! Discrete springs and dampers between two nodes.
 //!
+//! A rotational spring has the relative rotation about e instead of the elongation, summed from
+//! the rotational velocities at mid-step, and a moment instead of the force.
+//!
 //! With the elongation s since the start and its rate r at the last mid-step, the force is
 //! `F = f(s) + g(r)` along the unit vector e from the first node to the second, or along a fixed
 //! direction. Its work follows from the forces at both ends of a step and the velocity between
@@ -32,8 +35,8 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Discrete(build),
 };
 
-/// Columns: 1 if it has started, else 0; length at the start [length]; force on the second corner
-/// [force].
+/// Columns: 1 if it has started, else 0; length at the start [length], or the relative rotation;
+/// force [force] or moment [force length] on the second corner.
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const FORCE: usize = 2;
@@ -46,6 +49,7 @@ pub struct Spring {
     elongation: PiecewiseLinear,
     rate: PiecewiseLinear,
     direction: Option<V3>,
+    rotational: bool,
 }
 
 fn build(part: &Part) -> ElementResult {
@@ -112,6 +116,7 @@ fn build(part: &Part) -> ElementResult {
         elongation: PiecewiseLinear::new(&spring.force_elongation, spring.stiffness),
         rate: PiecewiseLinear::new(&spring.force_rate, spring.damping),
         direction: direction.flatten(),
+        rotational: spring.rotational,
     }))
 }
 
@@ -131,7 +136,11 @@ impl Element for Spring {
     }
 
     fn names(&self) -> Vec<String> {
-        ["started", "length", "force x", "force y", "force z"].map(String::from).to_vec()
+        let names = match self.rotational {
+            true => ["started", "rotation", "moment x", "moment y", "moment z"],
+            false => ["started", "length", "force x", "force y", "force z"],
+        };
+        names.map(String::from).to_vec()
     }
 
     fn corner_mass(&self, _: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
@@ -142,20 +151,25 @@ impl Element for Spring {
         let (nodes, dt) = (pass.nodes, pass.dt);
         pass.one_by_one::<ENDS>(COLUMNS, |element, out| {
             let SingleElement { index, nodes: ends, state, internal } = element;
-            let [x, v] = [nodes.x, nodes.v]
+            let rates = if self.rotational { nodes.w } else { nodes.v };
+            let [x, v] = [nodes.x, rates]
                 .map(|rows| V3::from(xyz(&rows[ends[1]])) - V3::from(xyz(&rows[ends[0]])));
             let (length, along) = self.measure(&x);
-            if state[STARTED] == 0.0 {
-                (state[STARTED], state[LENGTH]) = (1.0, length);
+            let rate = along.dot(&v);
+            if self.rotational {
+                state[LENGTH] += rate * dt;
+            } else if state[STARTED] == 0.0 {
+                state[LENGTH] = length;
             }
-            let force =
-                self.elongation.value(length - state[LENGTH]) + self.rate.value(along.dot(&v));
-            let force = along * force;
+            state[STARTED] = 1.0;
+            let way = if self.rotational { state[LENGTH] } else { length - state[LENGTH] };
+            let force = along * (self.elongation.value(way) + self.rate.value(rate));
             let slot = index * ENDS;
+            let target = if self.rotational { &mut out.moment } else { &mut out.force };
             for c in 0..3 {
                 let before = std::mem::replace(&mut state[FORCE + c], force[c]);
                 *internal += 0.5 * (before + force[c]) * v[c] * dt;
-                (out.force[slot][c], out.force[slot + 1][c]) = (-force[c], force[c]);
+                (target[slot][c], target[slot + 1][c]) = (-force[c], force[c]);
             }
             (f64::INFINITY, force.iter().all(|f| f.is_finite()))
         })
@@ -167,7 +181,12 @@ impl Element for Spring {
 
     fn discrete(&self) -> Option<Discrete> {
         let (stiffness, damping) = (self.elongation.steepest(), self.rate.steepest());
-        Some(Discrete { stiffness, damping, along_line: self.direction.is_none() })
+        Some(Discrete {
+            stiffness,
+            damping,
+            along_line: self.direction.is_none(),
+            rotational: self.rotational,
+        })
     }
 
     fn failed(&self, _: ElementState<'_>) -> bool {
@@ -193,7 +212,8 @@ mod tests {
     fn the_stable_step_is_where_a_mode_begins_to_grow() {
         for (stiffness, damping) in [(3.0, 0.0), (0.0, 0.7), (3.0, 0.7), (3.0, 20.0)] {
             let mu = 1.0 / 2.0 + 1.0 / 5.0;
-            let limit = Discrete { stiffness, damping, along_line: true }.stable_dt(mu);
+            let limit =
+                Discrete { stiffness, damping, along_line: true, rotational: false }.stable_dt(mu);
             let largest = |dt: f64| {
                 let (mut x, mut v, mut most) = (1.0f64, 1.0f64, 0.0f64);
                 for _ in 0..4000 {
@@ -214,7 +234,8 @@ mod tests {
                 largest(1.01 * limit)
             );
         }
-        let nothing = Discrete { stiffness: 0.0, damping: 0.0, along_line: true };
+        let nothing =
+            Discrete { stiffness: 0.0, damping: 0.0, along_line: true, rotational: false };
         assert_eq!(nothing.stable_dt(1.0), f64::INFINITY);
     }
 }

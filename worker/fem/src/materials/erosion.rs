@@ -141,11 +141,10 @@ impl<L: ?Sized> Eroding<L> {
             Some((EROSION[4].key, "the law has no plastic strain"))
         } else if limits[5].is_some() && stress != 6 {
             Some((EROSION[5].key, "shells have no change of volume of their own"))
-        } else if let Some(at) = [6, 7].into_iter().find(|&at| limits[at].is_some() && stress == 6)
-        {
-            Some((EROSION[at].key, "it is for shells, and a part of solids has this material"))
         } else {
-            None
+            let of_shells = [6, 7].into_iter().find(|&at| limits[at].is_some() && stress == 6);
+            let why = "it is for shells, and a part of solids has this material";
+            of_shells.map(|at| (EROSION[at].key, why))
         };
         if let Some((key, why)) = missing {
             let message = format!("material '{}': {key} is given, but {why}", material.name);

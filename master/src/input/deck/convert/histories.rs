@@ -4,31 +4,20 @@
 
 use super::DeckConverter;
 use super::names::names;
-use super::sets::{id, ids};
+use super::sets::{ELEMENT_SETS, ElementSets, id, ids};
 use super::space::{cross, unit};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{MeshElement, Shape};
-use std::collections::{BTreeMap, BTreeSet, HashSet};
-
-/// Sets of elements: keyword, keyword with ranges, and field of a cross section that names the
-/// set.
-const ELEMENT_SETS: [(&str, &str, &str); 3] = [
-    ("SET_SOLID", "SET_SOLID_GENERATE", "hsid"),
-    ("SET_SHELL_LIST", "SET_SHELL_LIST_GENERATE", "ssid"),
-    ("SET_DISCRETE", "SET_DISCRETE_GENERATE", "dsid"),
-];
-
-/// Elements of sets by id: first listed ids, then ranges of ids.
-type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
+use std::collections::{BTreeSet, HashSet};
 
 impl DeckConverter {
     pub(super) fn histories(&mut self) {
         self.transducers();
         let mut sections = Vec::new();
-        let sets = ELEMENT_SETS.map(|(list, ranges, _)| self.element_sets(list, ranges));
+        let sets = std::mem::take(&mut self.element_sets);
         let (of_sets, of_planes) = (
             self.take_records("DATABASE_CROSS_SECTION_SET"),
             self.take_records("DATABASE_CROSS_SECTION_PLANE"),
@@ -150,20 +139,6 @@ impl DeckConverter {
             }
         }
         true
-    }
-
-    fn element_sets(&mut self, list: &str, ranges: &str) -> ElementSets {
-        let mut sets = ElementSets::new();
-        for record in self.take_records(list) {
-            let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
-            sets.entry(record.integer("sid")).or_default().extend(own);
-        }
-        for record in self.take_records(ranges) {
-            let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
-            let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
-            sets.entry(record.integer("sid")).or_default().extend(own);
-        }
-        sets
     }
 
     fn section_of_sets(

@@ -74,6 +74,8 @@ pub struct DeckConverter {
     node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
     part_sets: BTreeMap<i64, Vec<(i64, Place)>>,
     segment_sets: BTreeMap<i64, Vec<segments::DeckSegment>>,
+    /// Sets of elements, in the order of [`sets::ELEMENT_SETS`].
+    element_sets: [sets::ElementSets; 3],
     parts: BTreeMap<i64, parts::DeckPart>,
     used_materials: Vec<i64>,
     /// Equations of state of parts of solids, in the order of the deck.
@@ -143,6 +145,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.welds();
     b.orient_beams();
     b.segment_sets();
+    b.read_element_sets();
     b.equations_of_state(&mut materials);
     b.units(&mut materials);
     b.spc();
@@ -200,6 +203,7 @@ impl DeckConverter {
             node_sets: BTreeMap::new(),
             part_sets: BTreeMap::new(),
             segment_sets: BTreeMap::new(),
+            element_sets: Default::default(),
             parts: BTreeMap::new(),
             used_materials: Vec::new(),
             equations: Vec::new(),

@@ -1,13 +1,13 @@
 //! Segments: faces given by their nodes, for pressure.
 
 use super::DeckConverter;
-use super::sets::id;
+use super::sets::{SHELL_SETS, id};
 use super::tree::JobTable;
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::Shape;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A face given by its nodes in order.
 #[derive(Clone, Debug)]
@@ -16,6 +16,18 @@ pub struct DeckSegment {
     pub nodes: Vec<NodeId>,
     /// Place of the segment.
     pub place: Place,
+}
+
+/// Pressure on faces: curve, scale, place, faces.
+type SegmentPressure = (i64, f64, Place, Vec<DeckSegment>);
+
+/// Adds the pressure of a card on these faces. Faces with the same curve and scale form one load.
+fn add_pressure(loads: &mut Vec<SegmentPressure>, line: &CardLine, faces: Vec<DeckSegment>) {
+    let (curve, scale) = (line.integer("lcid"), line.real("sf"));
+    match loads.iter_mut().find(|load| load.0 == curve && load.1 == scale) {
+        Some(load) => load.3.extend(faces),
+        None => loads.push((curve, scale, line.place, faces)),
+    }
 }
 
 fn segment(line: &CardLine) -> DeckSegment {
@@ -41,16 +53,11 @@ impl DeckConverter {
     }
 
     pub(super) fn pressures(&mut self) {
-        // Faces with the same curve and scale form one load.
-        let mut loads: Vec<(i64, f64, Place, Vec<DeckSegment>)> = Vec::new();
+        let mut loads = self.shell_pressures();
         for record in self.take_records("LOAD_SEGMENT") {
             for line in record.lines("lcid") {
                 self.arrival(line);
-                let (curve, scale) = (line.integer("lcid"), line.real("sf"));
-                match loads.iter_mut().find(|l| l.0 == curve && l.1 == scale) {
-                    Some(load) => load.3.push(segment(line)),
-                    None => loads.push((curve, scale, line.place, vec![segment(line)])),
-                }
+                add_pressure(&mut loads, line, vec![segment(line)]);
             }
         }
         for record in self.take_records("LOAD_SEGMENT_SET") {
@@ -86,6 +93,58 @@ impl DeckConverter {
                 self.add("pressure", table);
             }
         }
+    }
+
+    /// Converts `*LOAD_SHELL_...`: pressures against the normals of shells.
+    fn shell_pressures(&mut self) -> Vec<SegmentPressure> {
+        let mut loads = Vec::new();
+        let of_elements = self.take_records("LOAD_SHELL_ELEMENT");
+        let of_sets = self.take_records("LOAD_SHELL_SET");
+        if of_elements.is_empty() && of_sets.is_empty() {
+            return loads;
+        }
+        let shells: BTreeMap<i64, Vec<NodeId>> = self
+            .rows
+            .elements()
+            .filter(|e| e.shape.is_shell())
+            .map(|e| (e.id.0 as i64, e.corners().to_vec()))
+            .collect();
+        let faces = |range: [i64; 2], place: Place| -> Vec<DeckSegment> {
+            let found = shells.range(range[0]..=range[1].max(range[0]));
+            found.map(|(_, nodes)| DeckSegment { nodes: nodes.clone(), place }).collect()
+        };
+        for line in of_elements.iter().flat_map(|record| record.lines("lcid")) {
+            self.arrival(line);
+            let (id, place) = (line.integer("eid"), line.place("eid"));
+            let found = faces([id; 2], place);
+            if found.is_empty() {
+                let message = format!("*LOAD_SHELL_ELEMENT: there is no shell {id}");
+                self.trouble.error(place, message, "correct the id, or remove the line");
+            }
+            add_pressure(&mut loads, line, found);
+        }
+        for line in of_sets.iter().flat_map(|record| record.lines("lcid")) {
+            self.arrival(line);
+            let (id, place) = (line.integer("esid"), line.place("esid"));
+            match self.element_sets[SHELL_SETS].get(&id) {
+                Some(ranges) => {
+                    let found: Vec<_> =
+                        ranges.iter().flat_map(|&range| faces(range, place)).collect();
+                    if found.is_empty() {
+                        let message =
+                            format!("*LOAD_SHELL_SET: set {id} has no shells of the deck");
+                        self.trouble.error(place, message, "correct the ids of the set");
+                    }
+                    add_pressure(&mut loads, line, found);
+                }
+                None => {
+                    let sets = self.element_sets[SHELL_SETS].keys();
+                    let known: Vec<String> = sets.map(i64::to_string).collect();
+                    self.missing(place, "*SET_SHELL_...", id, &known);
+                }
+            }
+        }
+        loads
     }
 
     /// Returns faces in groups of nodes that contain no other face, with the sign of a pressure on

@@ -4,9 +4,39 @@ use super::DeckConverter;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Sets of elements: keyword, keyword with ranges, and field of a cross section that names the
+/// set.
+pub const ELEMENT_SETS: [(&str, &str, &str); 3] = [
+    ("SET_SOLID", "SET_SOLID_GENERATE", "hsid"),
+    ("SET_SHELL_LIST", "SET_SHELL_LIST_GENERATE", "ssid"),
+    ("SET_DISCRETE", "SET_DISCRETE_GENERATE", "dsid"),
+];
+/// Index of sets of shells in [`ELEMENT_SETS`].
+pub const SHELL_SETS: usize = 1;
+
+/// Elements of sets by id: ranges from the first to the last id.
+pub type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
 
 impl DeckConverter {
+    /// Reads the sets of elements, in the order of [`ELEMENT_SETS`].
+    pub(super) fn read_element_sets(&mut self) {
+        self.element_sets = ELEMENT_SETS.map(|(list, ranges, _)| {
+            let mut sets = ElementSets::new();
+            for record in self.take_records(list) {
+                let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
+                sets.entry(record.integer("sid")).or_default().extend(own);
+            }
+            for record in self.take_records(ranges) {
+                let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
+                let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+                sets.entry(record.integer("sid")).or_default().extend(own);
+            }
+            sets
+        });
+    }
+
     pub(super) fn sets(&mut self) {
         self.part_lists();
         for record in self.take_records("SET_NODE_LIST") {

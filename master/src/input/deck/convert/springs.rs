@@ -16,8 +16,7 @@ const LAWS: [&str; 4] = [
 ];
 
 /// Unsupported fields of sections, and their requests.
-const UNSERVED: [(&str, &str); 6] = [
-    ("dro", "rotational springs and dampers"),
+const UNSERVED: [(&str, &str); 5] = [
     ("kd", "a stiffness that depends on the rate"),
     ("cl", "a clearance"),
     ("fd", "failure of springs"),
@@ -152,6 +151,14 @@ impl DeckConverter {
         };
         let scale = self.spring_scales.get(&pid).map_or(1.0, |s| s.0);
         let mut spring = JobTable::new(law.head);
+        let rotational = section.record.integer("dro") == 1;
+        if rotational {
+            spring.put("rotational", section.record.place("dro"), true);
+            if self.submodels.iter().any(|submodel| submodel.units != [1.0; 3]) {
+                let why = "a rotational spring next to files in other units; use one set of units";
+                self.unsupported_value(&section.record, "dro", why);
+            }
+        }
         let (key, field, below) = match law.row.keyword.name {
             "MAT_SPRING_ELASTIC" => ("stiffness", "k", None),
             "MAT_DAMPER_VISCOUS" => ("damping", "dc", None),
@@ -184,7 +191,8 @@ impl DeckConverter {
             true => law.name(),
             false => format!("{} scaled by {scale}", law.name()),
         };
-        self.map(format!("part {pid}"), asked, format!("springs with {key}"));
+        let kind = if rotational { "rotational springs" } else { "springs" };
+        self.map(format!("part {pid}"), asked, format!("{kind} with {key}"));
         let table = JobTable::new(record.head)
             .with("id", record.place("pid"), pid)
             .with("name", record.place("heading"), name)

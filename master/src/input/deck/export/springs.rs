@@ -25,7 +25,7 @@ pub fn part(deck: &mut DeckWriter, part: &Part, spring: &SpringInput, mid: u64) 
     deck.text(&format!("{}, {id}", line(&part.name)));
     deck.card(&[Id(mid), law.1]);
     deck.keyword("SECTION_DISCRETE");
-    deck.card(&[Id(id)]);
+    deck.card(&[Id(id), if spring.rotational { Id(1) } else { Blank }]);
     deck.card(&[]);
     deck.keyword("PART");
     deck.text(&line(&part.name));

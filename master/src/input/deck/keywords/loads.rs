@@ -162,6 +162,16 @@ pub const KEYWORDS: &[Keyword] = &[
         &[("ssid:i! lcid:i! sf:r=1 at:r", Rest)],
         "the same on a set of segments",
     ),
+    Keyword::new(
+        "LOAD_SHELL_ELEMENT",
+        &[("eid:i! lcid:i! sf:r=1 at:r", Rest)],
+        "`[[pressure]]` on a shell, positive against its normal",
+    ),
+    Keyword::new(
+        "LOAD_SHELL_SET",
+        &[("esid:i! lcid:i! sf:r=1 at:r", Rest)],
+        "the same on a set of shells",
+    ),
 ];
 
 const GRAVITY: &[(&str, Times)] = &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];

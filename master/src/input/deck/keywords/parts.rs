@@ -95,8 +95,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("secid:i! dro:i kd:r v0:r cl:r fd:r", Once),
             ("cdl:r tdl:r", Maybe),
         ],
-        "makes the parts that refer to it `[part.spring]`; dro, kd, cl, fd, cdl and tdl have to be \
-         0",
+        "makes the parts that refer to it `[part.spring]`, with dro 1 rotational ones; kd, cl, fd, \
+         cdl and tdl have to be 0",
     )
     .options(&["TITLE"])
     .repeats(),

@@ -190,6 +190,9 @@ impl StarterWriter<'_> {
                 spring.force_rate.iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();
             own.insert("force_rate".into(), rows.into());
         }
+        if spring.rotational {
+            own.insert("rotational".into(), true.into());
+        }
         if let Some(direction) = spring.direction {
             own.insert("direction".into(), Value::from(direction.to_vec()));
         }
