@@ -1,17 +1,20 @@
-//! Loads: body forces, nodal forces, pressure on faces, and damping proportional to mass.
+//! Loads: body forces, nodal forces, pressure on faces and of airbags, and damping proportional to
+//! mass.
 //!
 //! Pressure is added to the element nodal forces of the loaded element, so that the assembly sums
 //! it in ascending element id with all other forces. Work is force times the mean of the
 //! velocities before and after, as in the ledger.
 
+use crate::airbags::BagSums;
 use crate::curve::Curve;
-use crate::fem::blocks::{Blocks, Portion};
-use crate::math::row::{Row, row};
+use crate::fem::blocks::{Block, Blocks, LocalElement, Portion};
+use crate::math::row::{Row, row, xyz};
 use crate::nodes::Nodes;
 use crate::stateless;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
+use crumple_proto::airbag::ResolvedAirbag;
 use crumple_proto::loads::{Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 
@@ -23,6 +26,9 @@ pub struct Loads {
     gravity: Vec<(Row, Option<usize>)>,
     forces: Vec<LocalForce>,
     pressures: Vec<Pressure>,
+    airbags: Vec<ResolvedAirbag>,
+    /// Gauge pressure of each airbag at the present time [force/length^2].
+    pub airbag_pressures: Vec<f64>,
     faces: Vec<LoadedFace>,
     /// Damping coefficient [1/time].
     pub damping: f64,
@@ -34,9 +40,20 @@ pub struct Loads {
     cycles: Vec<f64>,
 }
 
-stateless!(Loads { curves, gravity, forces, pressures, faces, damping, falling, cycles });
+stateless!(Loads {
+    curves,
+    gravity,
+    forces,
+    pressures,
+    airbags,
+    airbag_pressures,
+    faces,
+    damping,
+    falling,
+    cycles
+});
 stateless!(LocalForce { job, nodes, factor });
-stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, force });
+stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, softness, force });
 
 /// A force on some local nodes.
 #[derive(Debug)]
@@ -47,10 +64,17 @@ struct LocalForce {
     factor: f64,
 }
 
+/// Source of a pressure: index of a pressure or of an airbag.
+#[derive(Clone, Copy, Debug)]
+enum PressureSource {
+    Pressure(usize),
+    Airbag(usize),
+}
+
 /// A face of an own element under pressure.
 #[derive(Debug)]
 struct LoadedFace {
-    pressure: usize,
+    source: PressureSource,
     /// Slots of the element nodal forces, and local nodes, in order around the normal.
     slots: [usize; 4],
     nodes: [u32; 4],
@@ -59,6 +83,8 @@ struct LoadedFace {
     rigid: bool,
     /// Number of cycles for which the force acts: those of an outer step for slow elements.
     cycles: f64,
+    /// Inverse mass of a corner of its element; 0 without mass [1/mass].
+    softness: f64,
     /// Last forces on its nodes [force].
     force: [Row; 4],
 }
@@ -81,6 +107,8 @@ impl Loads {
                 .map(|f| LocalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 })
                 .collect(),
             pressures: job.pressures.clone(),
+            airbags: job.airbags.clone(),
+            airbag_pressures: Vec::new(),
             faces: Vec::new(),
             damping: job.damping,
             falling: [0.0; 4],
@@ -99,28 +127,56 @@ impl Loads {
             self.cycles.extend((0..nodes.local_count).map(of));
         }
         self.faces.clear();
-        if self.pressures.is_empty() {
+        if self.pressures.is_empty() && self.airbags.is_empty() {
             return;
         }
         let slots = blocks.first_slots();
         for b in &blocks.blocks {
             for i in 0..b.count {
                 let (e, slot) = (&blocks.elements[b.first + i], slots[b.first + i]);
+                let face = |source, face: u8, inwards: bool| {
+                    let corners = e.record.shape.faces()[usize::from(face)];
+                    let corners = if inwards { reversed(corners, &e.nodes) } else { corners };
+                    LoadedFace {
+                        source,
+                        slots: corners.map(|c| slot + c),
+                        nodes: corners.map(|c| e.nodes[c]),
+                        portion: b.portion_of(i),
+                        rigid: b.idle,
+                        cycles: if b.slow { subcycles as f64 } else { 1.0 },
+                        softness: corner_softness(b, e, nodes),
+                        force: [[0.0; 4]; 4],
+                    }
+                };
                 for (p, pressure) in self.pressures.iter().enumerate() {
-                    self.faces.extend(pressure.faces_of(e.record.id).map(|face| {
-                        let corners = e.record.shape.faces()[usize::from(face)];
-                        LoadedFace {
-                            pressure: p,
-                            slots: corners.map(|c| slot + c),
-                            nodes: corners.map(|c| e.nodes[c]),
-                            portion: b.portion_of(i),
-                            rigid: b.idle,
-                            cycles: if b.slow { subcycles as f64 } else { 1.0 },
-                            force: [[0.0; 4]; 4],
-                        }
-                    }));
+                    let source = PressureSource::Pressure(p);
+                    let faces = pressure.faces_of(e.record.id);
+                    self.faces.extend(faces.map(|number| face(source, number, false)));
+                }
+                for (a, airbag) in self.airbags.iter().enumerate() {
+                    let source = PressureSource::Airbag(a);
+                    let faces = airbag.faces_of(e.record.id);
+                    self.faces.extend(faces.map(|f| face(source, f.face, f.inwards)));
                 }
             }
+        }
+    }
+
+    /// Adds the terms of the own faces of each airbag to its sums.
+    pub fn measure_airbags(&self, nodes: &Nodes, sums: &mut [BagSums]) {
+        for face in &self.faces {
+            let PressureSource::Airbag(a) = face.source else { continue };
+            let x = face.nodes.map(|n| nodes.x[n as usize]);
+            let (mut volume, mut softness) = (0.0, 0.0);
+            for ((g, x), n) in on_corners(-1.0, &x, face.nodes).iter().zip(&x).zip(face.nodes) {
+                for c in 0..3 {
+                    volume += g[c] * (x[c] - self.airbags[a].origin[c]) / 3.0;
+                    let free = nodes.inv_mass[n as usize][c] > 0.0;
+                    softness += if free { g[c] * g[c] * face.softness } else { 0.0 };
+                }
+            }
+            sums[a].volume.add(volume);
+            sums[a].softness.add(softness);
         }
     }
 
@@ -139,8 +195,14 @@ impl Loads {
             face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
         }
         for face in self.faces.iter_mut().filter(due) {
-            let p = &self.pressures[face.pressure];
-            let pressure = p.pressure * factor(&self.curves, p.curve, time) * face.cycles;
+            let pressure = match face.source {
+                PressureSource::Pressure(p) => {
+                    let p = &self.pressures[p];
+                    p.pressure * factor(&self.curves, p.curve, time)
+                }
+                PressureSource::Airbag(a) => self.airbag_pressures[a],
+            };
+            let pressure = pressure * face.cycles;
             face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
             for (&slot, f) in face.slots.iter().zip(&face.force) {
                 (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
@@ -254,6 +316,18 @@ impl Loads {
         }
         moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.w[i], &nodes.w_next[i])
     }
+}
+
+/// Returns the corners of a face in the opposite order, those of a triangle with a repeated third.
+fn reversed([a, b, c, d]: [usize; 4], nodes: &[u32; 8]) -> [usize; 4] {
+    if nodes[c] == nodes[d] { [a, c, b, b] } else { [a, d, c, b] }
+}
+
+/// Returns the inverse mass of a corner of an element; 0 without mass [1/mass].
+fn corner_softness(block: &Block, element: &LocalElement, nodes: &Nodes) -> f64 {
+    let x = element.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+    let mass = block.element.corner_mass(&x, element.record.own).0 * element.record.mass_factor;
+    if mass > 0.0 { 1.0 / mass } else { 0.0 }
 }
 
 /// Returns the factor of a load at `time`.

@@ -255,6 +255,11 @@ impl RunningWorker {
                 self.warn_of_caps(comm)?;
             }
             self.warn_of_inverted(comm)?;
+            if let Some(why) = self.engine.airbags.fault() {
+                self.report_fault(comm, why)?;
+                self.failed = true;
+                break;
+            }
             if let Some(elem) = agreed.failure {
                 self.report_failure(comm, elem)?;
                 self.failed = true;
@@ -336,6 +341,16 @@ impl RunningWorker {
             return Ok(());
         };
         let trouble = Failure { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
+        post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))
+    }
+
+    /// Sends the cause of a failure that all workers know to the master.
+    fn report_fault(&self, comm: &mut dyn Transport, why: String) -> Result<(), RankLost> {
+        if comm.rank() > 1 {
+            return Ok(());
+        }
+        let clock = &self.engine.clock;
+        let trouble = Failure { elem: None, cycle: clock.cycle, time: clock.time, why };
         post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))
     }
 

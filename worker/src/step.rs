@@ -20,9 +20,10 @@ use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
-const STAGES: [StepStage; 16] = [
+const STAGES: [StepStage; 17] = [
     with_particles(Phase::Elements, sum_over_particles),
     with_nodal_volumes(Phase::Elements, average_nodal_volumes),
+    with_airbags(Phase::Elements, fill_airbags),
     always(Phase::Elements, element_forces),
     always(Phase::Halo, exchange_element_forces),
     always(Phase::Assemble, accelerate),
@@ -54,6 +55,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         Needs::Contact => engine.contact.is_some(),
         Needs::Particles => engine.particles.is_some(),
         Needs::NodalVolumes => engine.blocks.volumes.is_some(),
+        Needs::Airbags => !engine.airbags.is_empty(),
     };
     let due: [bool; STAGES.len()] = std::array::from_fn(|i| has(STAGES[i].needs));
     let logged = tracing::enabled!(Level::TRACE);
@@ -78,6 +80,7 @@ enum Needs {
     Contact,
     Particles,
     NodalVolumes,
+    Airbags,
 }
 
 /// A stage of the step.
@@ -105,6 +108,10 @@ const fn with_particles(phase: Phase, run: StageFunction) -> StepStage {
 
 const fn with_nodal_volumes(phase: Phase, run: StageFunction) -> StepStage {
     StepStage { phase, needs: Needs::NodalVolumes, run }
+}
+
+const fn with_airbags(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs: Needs::Airbags, run }
 }
 
 /// Values that one stage hands to a later one.
@@ -158,6 +165,16 @@ fn average_nodal_volumes(
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, blocks, halo, .. } = engine;
     average_volumes(comm, nodes, blocks, halo, clock.last_dt)
+}
+
+/// Computes the volumes of airbags, and their gas at the present time.
+fn fill_airbags(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    _: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, loads, airbags, .. } = engine;
+    airbags.fill(comm, loads, nodes, Some(clock))
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements
@@ -350,17 +367,17 @@ fn advance(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    if cycle.agreed.failure.is_some() {
+    if cycle.agreed.failure.is_some() || engine.airbags.fault().is_some() {
         return Ok(());
     }
     engine.write_history(comm)?;
-    let Engine { settings, clock, nodes, constraints, .. } = engine;
+    let Engine { settings, clock, nodes, constraints, airbags, .. } = engine;
     nodes.advance(cycle.steps.dt);
     if settings.subcycles > 1 {
         nodes.accumulate_outer_means(settings.subcycles, cycle.set);
     }
     constraints.advance(nodes, cycle.steps.dt);
     clock.advance();
-    clock.select_dt(settings, cycle.agreed.stable_dt);
+    clock.select_dt(settings, airbags.limit(cycle.agreed.stable_dt));
     Ok(())
 }

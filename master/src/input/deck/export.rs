@@ -463,9 +463,10 @@ fn left_over(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
     }
     list(deck, "symmetry", &job.symmetry);
     list(deck, "pressure", &job.pressure);
+    list(deck, "airbag", &job.airbag);
     list(deck, "tie", &job.tie);
     // Entries without cards refer to curves by their names.
-    let referring = ["pressure", "load", "motion", "wall"];
+    let referring = ["pressure", "airbag", "load", "motion", "wall"];
     if referring.iter().any(|key| deck.rest.contains_key(*key)) {
         for curve in &job.curve {
             curves.write_table(deck, Some(&curve.name));

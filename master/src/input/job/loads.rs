@@ -1,9 +1,10 @@
 //! Loads, prescribed motion and planes of symmetry: checks, and conversion to numbers and ids.
 
+use super::airbags;
 use super::state::{NodeSets, NodeStart};
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, MotionInput, PressureInput};
+use crumple_proto::job::{Job, MotionInput, PressureInput, Symmetry};
 use crumple_proto::loads::{
     Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
 };
@@ -93,6 +94,7 @@ pub fn resolve(
             loads.pressures.push(Pressure { faces, pressure: p.pressure, curve });
         }
     }
+    loads.airbags = airbags::resolve(job, mesh, sets, &curves, smallest, findings);
     for (i, m) in job.motion.iter().enumerate().filter(|(_, m)| m.rigid.is_none()) {
         loads.motions.extend(motion(m, i, &curves, mesh, sets, start, findings));
     }
@@ -186,45 +188,56 @@ fn loaded_faces(
     sets: &NodeSets<'_>,
     findings: &mut JobProblems,
 ) -> Option<Vec<(ElemId, u8)>> {
-    if p.parts.is_empty() && p.nodes.is_none() {
+    let path = format!("pressure.{i}");
+    let faces = part_faces((&p.parts, &p.nodes), &path, "pressure", (job, mesh, sets), findings)?;
+    Some(faces.into_iter().map(|(e, f)| (mesh.elements[e].id, f as u8)).collect())
+}
+
+/// Returns the faces of some parts, of a node set, or of both, as index of the element and number
+/// of the face. `what` names the entry of the job. Reports an error and returns `None` if there
+/// are none.
+pub fn part_faces(
+    (parts, nodes): (&[u32], &Option<String>),
+    path: &str,
+    what: &str,
+    (job, mesh, sets): (&Job, &Mesh, &NodeSets<'_>),
+    findings: &mut JobProblems,
+) -> Option<Vec<(usize, usize)>> {
+    let article = if what.starts_with('a') { "an" } else { "a" };
+    if parts.is_empty() && nodes.is_none() {
         let help = "name `parts`, a node set as `nodes`, or both";
-        findings.add(Problem::error(
-            format!("pressure.{i}"),
-            "a pressure has neither parts nor nodes",
-            help,
-        ));
+        let message = format!("{article} {what} has neither parts nor nodes");
+        findings.add(Problem::error(path, message, help));
         return None;
     }
     let mut known = true;
     for (place, id) in
-        p.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|part| part.id == **id))
+        parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|part| part.id == **id))
     {
         let ids: Vec<String> = job.part.iter().map(|part| part.id.to_string()).collect();
         let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
-        let message = format!("pressure: there is no part {id}");
+        let message = format!("{what}: there is no part {id}");
         findings.add(Problem::error(
-            format!("pressure.{i}.parts.{place}"),
+            format!("{path}.parts.{place}"),
             message,
             nearest(&id.to_string(), &ids),
         ));
         known = false;
     }
-    let within = match &p.nodes {
+    let within = match nodes {
         None => None,
-        Some(name) => Some(sets.ids(name, format!("pressure.{i}.nodes"), findings)?),
+        Some(name) => Some(sets.ids(name, format!("{path}.nodes"), findings)?),
     };
     if !known {
         return None;
     }
-    let of_part = |part: u32| p.parts.is_empty() || p.parts.contains(&part);
-    let faces: Vec<(ElemId, u8)> = faces(mesh, of_part, within.as_deref())
-        .into_iter()
-        .map(|(e, f)| (mesh.elements[e].id, f as u8))
-        .collect();
+    let of_part = |part: u32| parts.is_empty() || parts.contains(&part);
+    let faces = faces(mesh, of_part, within.as_deref());
     if faces.is_empty() {
-        let message = "a pressure acts on no face: no element face has all its nodes there";
+        let message =
+            format!("{article} {what} acts on no face: no element face has all its nodes there");
         let help = "name a part that has elements, or a set that holds all nodes of each face";
-        findings.add(Problem::error(format!("pressure.{i}"), message, help));
+        findings.add(Problem::error(path, message, help));
         return None;
     }
     Some(faces)
@@ -353,6 +366,11 @@ fn motion(
     })
 }
 
+/// Returns the distance from a plane of symmetry within which a node lies on it [length].
+pub fn reach_of_plane(plane: &Symmetry, smallest: f64) -> f64 {
+    if plane.tolerance > 0.0 { plane.tolerance } else { ON_PLANE * smallest }
+}
+
 /// Fixes the degrees of freedom that planes of symmetry constrain.
 fn symmetry(
     job: &Job,
@@ -380,7 +398,7 @@ fn symmetry(
             let help = "it has to be 0 (a thousandth of the smallest side) or above";
             findings.add(Problem::error(format!("symmetry.{i}.tolerance"), message, help));
         }
-        let tolerance = if plane.tolerance > 0.0 { plane.tolerance } else { ON_PLANE * smallest };
+        let tolerance = reach_of_plane(plane, smallest);
         let off = |n: usize| (mesh.nodes[n].x[axis] - plane.point[axis]).abs();
         let on: Vec<usize> = (0..mesh.nodes.len()).filter(|&n| off(n) <= tolerance).collect();
         if on.is_empty() {

@@ -1,5 +1,6 @@
 //! Converts the cards of a deck to a job: a tree of values as from a job file, and a mesh.
 
+mod airbags;
 mod beams;
 mod contact;
 mod control;
@@ -140,6 +141,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.body_loads();
     b.nodal_loads();
     b.pressures();
+    b.airbags();
     b.walls();
     b.contacts(sections.defaults.shifted);
     b.ties();

@@ -108,6 +108,32 @@ impl DeckConverter {
         found
     }
 
+    /// Returns the nodes of faces that have no other face between them. Reports segments that are
+    /// no face, and other faces.
+    pub(super) fn nodes_of_surface(
+        &mut self,
+        segments: &[DeckSegment],
+        place: Place,
+        keyword: &str,
+    ) -> Option<Vec<NodeId>> {
+        let faces = self.faces(false);
+        let known = segments.iter().filter(|s| faces.contains_key(&key(&s.nodes))).count();
+        if known < segments.len() {
+            self.of_sense(segments, &faces, true);
+            return None;
+        }
+        let mut groups = whole_groups(segments, &faces);
+        if groups.len() != 1 {
+            let message = format!(
+                "{keyword}: the nodes of the segments have other faces between them, or a segment \
+                 is there twice"
+            );
+            self.unsupported(place, message, format!("{keyword} with such segments"));
+            return None;
+        }
+        groups.pop().map(|(_, nodes)| nodes)
+    }
+
     fn arrival(&mut self, line: &CardLine) {
         if line.real("at") != 0.0 {
             let message = format!("`at` = {}: arrival times are not supported", line.real("at"));

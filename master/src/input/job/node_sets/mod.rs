@@ -70,6 +70,7 @@ fn references(job: &Job) -> impl Iterator<Item = (String, &str)> {
         .chain(keys("initial_velocity", &job.initial_velocity, "nodes", |v| v.nodes.as_ref()))
         .chain(keys("load", &job.load, "nodes", |l| Some(&l.nodes)))
         .chain(keys("pressure", &job.pressure, "nodes", |p| p.nodes.as_ref()))
+        .chain(keys("airbag", &job.airbag, "nodes", |bag| bag.nodes.as_ref()))
         .chain(keys("motion", &job.motion, "nodes", |m| m.nodes.as_ref()))
         .chain(keys("rigid", &job.rigid, "nodes", |r| r.nodes.as_ref()))
         .chain(keys("tie", &job.tie, "nodes", |t| Some(&t.nodes)))
