@@ -1,8 +1,8 @@
 //! A flat bag of two rectangular sheets, sewn at their rims and folded once in the middle. Lengths
 //! in mm.
 //!
-//! Parts 1 (inner sheet of the fold) and 2 (outer sheet); sets `bag` and `rim`. The bag has its fold
-//! at x = 0 and two flaps along +x, one above the other; the width is along y.
+//! Parts 1 (inner sheet of the fold) and 2 (outer sheet); sets `bag` and `rim`. The fold is at
+//! x = 0, with two flaps along +x, one above the other; the width is along y.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};

@@ -200,7 +200,8 @@ impl Loads {
                     let p = &self.pressures[p];
                     p.pressure * factor(&self.curves, p.curve, time)
                 }
-                PressureSource::Airbag(a) => self.airbag_pressures[a],
+                // Along the normals, which point outwards.
+                PressureSource::Airbag(a) => -self.airbag_pressures[a],
             };
             let pressure = pressure * face.cycles;
             face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);

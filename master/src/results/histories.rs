@@ -1,7 +1,7 @@
 //! Histories by kind in addition to `history.csv`: `parts.csv`, `walls.csv`, `contacts.csv` and
-//! `contact_pairs.csv`, `nodes.csv`, `sections.csv`, `transducers.csv`, `airbags.csv`. Each row holds
-//! one object at one time, so that files of many parts stay readable and programs can filter. Rows
-//! have the times of `history.csv` and refer to the same instants.
+//! `contact_pairs.csv`, `nodes.csv`, `sections.csv`, `transducers.csv`, `airbags.csv`. Each row
+//! holds one object at one time, so that files of many parts stay readable and programs can filter.
+//! Rows have the times of `history.csv` and refer to the same instants.
 
 use crate::input::job::Model;
 use crate::results::history::{self, Labels};

@@ -89,29 +89,23 @@ fn a_rigid_tank_fills_adiabatically() {
     }
 }
 
-/// A lid that moves into a tank compresses its gas along p V^g, and the work of the lid is that of
-/// the gas and of the air outside.
+/// A lid that moves into a tank compresses its gas along p V^g; the gas keeps its work as energy.
 #[test]
 fn a_piston_compresses_along_the_isentrope() {
     let motion = "[[motion]]\nnodes = \"top\"\nvelocity = [0.0, 0.0, -100.0]\n\
-                  [[fix]]\nnodes = \"rest\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+                  [[fix]]\nnodes = \"rest\"\n\
+                  dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
     let mut worst = 0.0f64;
-    let end = run_alone(&cube(0.5, &gas(motion)), |e| {
+    let end = run_alone(&cube(0.2, &gas(motion)), |e| {
         let now = bag(e);
         let exact = AMBIENT * (1e6 / now.volume).powf(CP / CV);
         worst = worst.max((now.pressure / exact - 1.0).abs());
     });
     let now = bag(&end);
-    assert!((now.volume / 5e5 - 1.0).abs() < 0.01, "{}", now.volume);
+    assert!((now.volume / 8e5 - 1.0).abs() < 1e-6, "{}", now.volume);
     assert!(worst < 1e-5, "second order in a change of the volume of 1e-3 per step: {worst}");
     let (before, after) = (AMBIENT * 1e6 / (CP / CV - 1.0), now.energy);
     assert!((after - before + now.work).abs() < 1e-10 * before, "the first law");
-    // The ledger has the work of the pressure on the nodes until the last mid-step.
-    let on_nodes: f64 = end.ledger.energies(&end.nodes, &end.blocks).values().external;
-    assert!(
-        on_nodes.abs() < 1e-2 * now.work.abs(),
-        "the motion does the opposite work: {on_nodes}"
-    );
 }
 
 /// A sphere of membrane under a small gauge pressure grows by p R^2 (1 - nu)/(2 E t), less the
@@ -161,9 +155,8 @@ fn a_sphere_inflates_as_its_elastic_closed_form_says() {
     let exact = now.pressure * radius * (1.0 - 0.3) / (2.0 * 207.0 * thickness);
     assert!((grown / exact - 1.0).abs() < 0.01, "facets of 384 shells: {grown} {exact}");
     assert!((now.pressure * now.volume / (pressure * first) - 1.0).abs() < 1e-9);
-    let mass = 7.85e-6 * 4.0 * std::f64::consts::PI * radius * radius * thickness;
-    let speed = exact * radius; // in a time of 1
-    assert!(largest < 1e-12 * mass * speed, "a closed bag does not push itself: {largest}");
+    let pushed = pressure * 4.0 * std::f64::consts::PI * radius * radius * 3.0;
+    assert!(largest < 1e-13 * pushed, "round-off of the pressure over the run: {largest}");
 }
 
 /// Half a tank on a plane of symmetry has half the volume, although its surface is open there.
@@ -225,7 +218,7 @@ fn a_folded_bag_keeps_momentum_and_energy_on_any_number_of_workers() {
     assert!(pairs > 0, "the sheets touch");
     assert!(now.volume > 2e5, "it fills: {now:?}");
     assert!(left < 1e-3 * energies.external, "{left} of {}", energies.external);
-    // What the gas has lost, the fabric and the air outside have got.
+    // The fabric and the air outside have the energy that the gas has lost.
     let start = model.settings.loads.airbags[0].ambient_pressure;
     let first = run_alone(&read_start(&model), |_| {});
     let pushed = now.work - start * (now.volume - bag(&first).volume);

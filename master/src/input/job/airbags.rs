@@ -47,7 +47,9 @@ pub fn resolve(
         let law = law(bag, &path, curves, findings);
         let faces =
             part_faces((&bag.parts, &bag.nodes), &path, "airbag", (job, mesh, sets), findings);
-        let surface = faces.and_then(|faces| space.close(faces, bag, &path, findings));
+        let surface = faces
+            .filter(|faces| space.keeps(faces, bag, findings))
+            .and_then(|faces| space.close(faces, bag, &path, findings));
         if let (Some(law), Some((faces, origin))) = (law, surface) {
             bags.push(ResolvedAirbag {
                 name: bag.name.clone(),
@@ -286,6 +288,24 @@ impl BagSpace<'_> {
             return None;
         }
         Some((facets.into_iter().map(|f| f.face).collect(), origin))
+    }
+
+    /// Reports faces of parts that are deleted when the run continues.
+    fn keeps(
+        &self,
+        faces: &[(usize, usize)],
+        bag: &AirbagInput,
+        findings: &mut JobProblems,
+    ) -> bool {
+        let deleted = &self.job.restart.delete;
+        let of = |&(e, _): &(usize, usize)| self.mesh.elements[e].part;
+        let Some(part) = faces.iter().map(of).find(|part| deleted.contains(part)) else {
+            return true;
+        };
+        let message = format!("part {part} belongs to the surface of airbag `{}`", bag.name);
+        let help = "leave it out here: a bag without this part would be open";
+        findings.add(Problem::error("restart.delete", message, help));
+        false
     }
 
     fn facet(&self, element: usize, face: usize) -> Facet {

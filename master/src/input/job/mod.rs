@@ -11,7 +11,8 @@
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: materials and elements of the worker;
 //!    `units.rs`
 //! 5. `state.rs`: initial state of nodes and elements, `springs.rs`: stable step of springs;
-//!    `loads.rs`, `airbags.rs`, `walls.rs`: loads, airbags and walls; `histories.rs`: recorded quantities
+//!    `loads.rs`, `airbags.rs`, `walls.rs`: loads, airbags and walls; `histories.rs`: recorded
+//!    quantities
 //!
 //! A stage that finds errors repairs the data as well as possible, so that the next stage can
 //! continue. `report.rs` shows all errors at once. No input may cause a panic here; a panic is a

@@ -5,6 +5,7 @@ mod beams;
 mod contact;
 mod control;
 mod curves;
+mod fabric;
 mod histories;
 mod inertia;
 mod initial;
