@@ -35,6 +35,15 @@ def same(what, time, ours, theirs):
         raise Wrong(f"time {time:g}: {what}: {theirs[at]} at {at}, the fields have {ours[at]}")
 
 
+# Solids by their VTK types: the corners that the eight nodes of the format are.
+SOLIDS = {
+    10: [0, 1, 2, 3, 3, 3, 3, 3],
+    12: list(range(8)),
+    13: [0, 2, 5, 3, 1, 1, 4, 4],
+    24: [0, 1, 2, 3, 3, 3, 3, 3],
+}
+
+
 def places(ids, wanted, what):
     """Positions of the wanted ids in `ids`."""
     order = np.argsort(ids)
@@ -55,11 +64,20 @@ def check_elements(kind, state, time, arrays, grid, of_kind):
     def column(name):
         return np.asarray(grid.cell_data[name])[of_kind]
 
-    point = (state, at) if kind == "solid" else (state, at, 0)
-    stress = arrays[f"element_{kind}_stress"][point].reshape(-1, 6)
-    same(f"{kind} stress", time, column("stress"), stress)
-    strain = arrays[f"element_{kind}_effective_plastic_strain"][point].reshape(-1)
-    same(f"{kind} plastic strain", time, column("plastic_strain"), strain)
+    stress = arrays[f"element_{kind}_stress"]
+    strain = arrays[f"element_{kind}_effective_plastic_strain"]
+    if kind == "shell" and "stress_of_points" in grid.cell_data:
+        count = strain.shape[2]
+        # The format has the middle point first if there are three.
+        order = [1, 0, 2] if count == 3 else list(range(count))
+        of_points = column("stress_of_points").reshape(-1, count, 6)[:, order]
+        same("stress of points", time, of_points, stress[state, at])
+        of_points = column("plastic_strain_of_points").reshape(-1, count)[:, order]
+        same("plastic strain of points", time, of_points, strain[state, at])
+    else:
+        point = (state, at) if kind == "solid" else (state, at, 0)
+        same(f"{kind} stress", time, column("stress"), stress[point].reshape(-1, 6))
+        same(f"{kind} plastic strain", time, column("plastic_strain"), strain[point].reshape(-1))
     if kind == "shell":
         same(
             "thickness",
@@ -79,7 +97,6 @@ def check(folder):
     steps = steps_of(folder / "fields" / "fields.pvd")
     times = np.array([time for time, _ in steps], dtype=np.float32)
     same("times", 0.0, times, arrays[ArrayType.global_timesteps])
-    corners = {"solid": 8, "shell": 4}
     for state, (time, path) in enumerate(steps):
         grid = read(path)
         ids = np.asarray(grid.point_data["node_id"])
@@ -98,7 +115,7 @@ def check(folder):
         )
         # The database has no beams and springs (lines).
         types = np.asarray(grid.celltypes)
-        is_solid, is_shell = types == 12, np.isin(types, (5, 9))
+        is_solid, is_shell = np.isin(types, tuple(SOLIDS)), np.isin(types, (5, 9))
         kinds = [
             (kind, of_kind)
             for kind, of_kind in (("solid", is_solid), ("shell", is_shell))
@@ -113,7 +130,9 @@ def check(folder):
             for cell in np.flatnonzero(is_solid | is_shell):
                 kind = "solid" if is_solid[cell] else "shell"
                 wanted = ids[grid.get_cell(cell).point_ids]
-                wanted = np.append(wanted, [wanted[-1]] * (corners[kind] - len(wanted)))
+                if kind == "solid":
+                    wanted = wanted[SOLIDS[types[cell]]]
+                wanted = np.append(wanted, [wanted[-1]] * (4 - len(wanted)))
                 row = places(
                     arrays[f"element_{kind}_ids"],
                     np.array([grid.cell_data["element_id"][cell]]),
@@ -121,6 +140,12 @@ def check(folder):
                 )
                 nodes = arrays[ArrayType.node_ids][arrays[f"element_{kind}_node_indexes"][row[0]]]
                 same(f"nodes of {kind} {row[0]}", time, wanted, nodes)
+    points = arrays.get(ArrayType.element_shell_effective_plastic_strain)
+    if points is not None and points.shape[2] > 1:
+        print(f"{points.shape[2]} points of shells")
+    strain = arrays.get(ArrayType.element_shell_strain)
+    if strain is not None:
+        print(f"strains of shells: {np.max(strain[-1]):.4f} at most")
     named = {
         part["id"]: part["name"]
         for part in json.loads((folder / "summary.json").read_text())["parts"]

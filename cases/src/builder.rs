@@ -2,7 +2,7 @@
 //! nearby numbers.
 
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
+use crumple_proto::mesh::{EDGES_OF_TET10, Mesh, MeshElement, MeshNode, Shape};
 use std::collections::BTreeMap;
 
 /// Growth of [`graded`] from one step to the next.
@@ -84,6 +84,58 @@ impl Builder {
             self.elements.push((part, Shape::Hex8, [ring(k), ring(k + 1)].concat()));
         }
         grid
+    }
+
+    /// Cuts all hexahedra into solids of another shape: six tetrahedra around a diagonal, with four
+    /// or ten nodes, or two wedges. Nodes on edges are in their middles.
+    pub fn cut(&mut self, shape: Shape) {
+        if shape == Shape::Hex8 {
+            return;
+        }
+        let mut middles = BTreeMap::new();
+        for (part, of, c) in std::mem::take(&mut self.elements) {
+            if of != Shape::Hex8 {
+                self.elements.push((part, of, c));
+                continue;
+            }
+            if shape == Shape::Wedge6 {
+                for wedge in [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]] {
+                    self.elements.push((part, shape, wedge.map(|n: usize| c[n]).to_vec()));
+                }
+                continue;
+            }
+            let around = [1, 2, 3, 7, 4, 5];
+            for i in 0..6 {
+                let mut corners =
+                    [0, around[i], around[(i + 1) % 6], 6].map(|n: usize| c[n]).to_vec();
+                if shape == Shape::Tet10 {
+                    for [a, b] in EDGES_OF_TET10 {
+                        let ends: [usize; 2] = [corners[a], corners[b]];
+                        corners.push(self.middle(ends, &mut middles));
+                    }
+                }
+                self.elements.push((part, shape, corners));
+            }
+        }
+    }
+
+    /// Returns the node in the middle of an edge, which is added if there is none yet.
+    fn middle(&mut self, ends: [usize; 2], known: &mut BTreeMap<[usize; 2], usize>) -> usize {
+        let key = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        if let Some(&node) = known.get(&key) {
+            return node;
+        }
+        let [from, to] = key.map(|n| self.points[n]);
+        let node = self.point([0, 1, 2].map(|c| 0.5 * (from[c] + to[c])));
+        known.insert(key, node);
+        node
+    }
+
+    /// Returns the nodes whose coordinate along `axis` is exactly that of this node, as it is for
+    /// nodes of a plane and the middles between them.
+    pub fn plane(&self, axis: usize, of: usize) -> Vec<usize> {
+        let at = self.points[of][axis];
+        (0..self.points.len()).filter(|&n| self.points[n][axis] == at).collect()
     }
 
     /// Connects two rows of nodes of equal length by a row of quads. A closed row returns to its

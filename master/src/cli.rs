@@ -70,7 +70,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Run the catalogue of verification cases against exact, published and computed references.
     ///
-    /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit
+    /// Writes one line for each case as VERIFICATION.md, the table of all rows as
+    /// VERIFICATION_ROWS.md, verification.json, and every job that was run. Exit
     /// code 3 if a case is outside its tolerance.
     Verify(VerifyArgs),
     /// Run a job over a grid of settings: a table and charts of errors and costs.
@@ -124,6 +125,10 @@ pub enum Command {
         /// Largest file of the family, unless one state needs more [MB].
         #[arg(long, value_name = "MB", default_value_t = D3PLOT_FILE_SIZE)]
         file_size: u64,
+        /// Also write strains: of solids, and of shells at both surfaces, from the positions of
+        /// their nodes.
+        #[arg(long)]
+        strains: bool,
     },
     /// Write the histories of a run as LS-DYNA's binary time histories (binout), for scripts and
     /// post-processors that read them.

@@ -30,6 +30,8 @@ pub struct BagFace {
     pub face: u8,
     /// True if the normal of the face points into the bag.
     pub inwards: bool,
+    /// Largest number of faces of the bag that meet at one of its nodes.
+    pub meeting: u32,
 }
 
 impl ResolvedAirbag {

@@ -63,9 +63,13 @@ macro_rules! labelled {
 }
 
 const LABEL_BITS: u32 = 32;
-const PLACE_BITS: u32 = 28;
+const PLACE_BITS: u32 = 27;
 /// Bit that is set in ids with a place; ids without one are far below it.
-const PLACED: u64 = 1 << (LABEL_BITS + PLACE_BITS);
+const PLACED: u64 = 1 << 60;
+/// Number of faces of an element whose numbers are the last bits of the id of a segment.
+const LOW_FACES: usize = 8;
+/// Bit of a segment's id for the faces after them. No id of an element reaches it.
+const HIGH_FACE: u64 = (LOW_FACES as u64) << (LABEL_BITS + PLACE_BITS);
 
 id!(
     /// Global id of a node: the number in the user's mesh, possibly with a place in front.
@@ -80,19 +84,26 @@ labelled!(ElemId);
 
 id!(
     /// Id of a face of an element: 8 times the element's id plus the number of the face
-    /// ([`crate::mesh::Shape::faces`]).
+    /// ([`crate::mesh::Shape::faces`]); a bit of its own marks numbers from 8 to 15.
     SegmentId
 );
 
 impl SegmentId {
     /// Returns the id of face number `face` of an element.
     pub fn new(elem: ElemId, face: usize) -> Self {
-        Self(elem.0 * 8 + face as u64)
+        let high = if face < LOW_FACES { 0 } else { HIGH_FACE };
+        Self(high | (elem.0 * LOW_FACES as u64 + (face % LOW_FACES) as u64))
     }
 
     /// Returns the element's id.
     pub fn elem(self) -> ElemId {
-        ElemId(self.0 / 8)
+        ElemId((self.0 & !HIGH_FACE) / LOW_FACES as u64)
+    }
+
+    /// Returns the number of the face.
+    pub fn face(self) -> usize {
+        let low = (self.0 % LOW_FACES as u64) as usize;
+        if self.0 & HIGH_FACE == 0 { low } else { LOW_FACES + low }
     }
 }
 
@@ -111,7 +122,13 @@ mod tests {
             (900, 0xffff_ffff, ElemId::LARGEST.0)
         );
         assert_eq!(b.to_string(), "4294967295");
-        assert_eq!(SegmentId::new(b, 5).elem(), b);
+        for face in [0, 5, 8, 15] {
+            for elem in [a, b, ElemId::LARGEST] {
+                let segment = SegmentId::new(elem, face);
+                assert_eq!((segment.elem(), segment.face()), (elem, face));
+            }
+        }
+        assert_eq!(SegmentId::new(ElemId(3), 5), SegmentId(29));
         assert_eq!(NodeId::placed(0, 1 << LABEL_BITS), None);
         assert_eq!(NodeId::placed(1 << PLACE_BITS, 1), None);
     }

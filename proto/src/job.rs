@@ -195,7 +195,8 @@ pub struct MeshSource {
     pub shells: Vec<Vec<u64>>,
     /// Solids as `[id, part id, n1, ..., n8]`: the four nodes of a face whose right-hand normal
     /// points into the solid, then the four opposite nodes. A wedge has six nodes: those of a
-    /// triangle, then those of the opposite one. A tetrahedron has four.
+    /// triangle, then those of the opposite one. A tetrahedron has four, or ten: then follow those
+    /// on the edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
     #[serde(default)]
     pub solids: Vec<Vec<u64>>,
     /// Beams as `[id, part id, n1, n2, n3]`. The second axis of the section points from the line n1
@@ -388,8 +389,8 @@ pub struct Part {
     #[serde(default = "one")]
     pub contact_thickness_scale: f64,
     /// Formulation of the four-node shells or of the solids. Shells: `stabilised_quad` (default),
-    /// `belytschko_tsay` or `fully_integrated_quad`. Solids: `hexahedron` (default); tetrahedra and
-    /// wedges have one formulation each.
+    /// `belytschko_tsay` or `fully_integrated_quad`. Solids: `hexahedron` (default); other
+    /// solids have one formulation each.
     /// `stabilised_quad` bends exactly in distorted quads and takes its hourglass stiffness from
     /// material and shape. In folds it is closest to converged forces (`cases/studies/README.md`,
     /// crush and twist-thin). `belytschko_tsay` is a fifth cheaper and agrees with it where the

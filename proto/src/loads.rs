@@ -30,6 +30,8 @@ pub struct Gravity {
     pub acceleration: [f64; 3],
     /// Index of its curve; constant if `None`.
     pub curve: Option<usize>,
+    /// Nodes on which it acts, ascending, with the fraction of their mass; all nodes if `None`.
+    pub shares: Option<Vec<(NodeId, f64)>>,
 }
 
 /// Force and moment on each of a set of nodes.
@@ -77,6 +79,16 @@ pub struct PrescribedMotion {
     pub amount: [f64; 3],
     /// Index of its curve; constant if `None`.
     pub curve: Option<usize>,
+    /// Times of its begin and end [time]; it acts in the whole run if `None`. Outside of this
+    /// window its degrees of freedom are free.
+    pub window: Option<[f64; 2]>,
+}
+
+impl PrescribedMotion {
+    /// Returns true if it acts in a step that starts at `time`.
+    pub fn acts_at(&self, time: f64) -> bool {
+        self.window.is_none_or(|[begin, end]| begin <= time && time < end)
+    }
 }
 
 /// Quantity that a motion prescribes.

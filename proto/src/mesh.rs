@@ -29,11 +29,41 @@ pub enum Shape {
     /// Six-node solid, a wedge: the three nodes of a triangle, whose right-hand normal points into
     /// the solid, then the opposite three.
     Wedge6,
+    /// Ten-node solid: the four corners as in [`Shape::Tet4`], then the nodes on the edges 0-1,
+    /// 1-2, 2-0, 0-3, 1-3 and 2-3.
+    Tet10,
 }
+
+/// Largest number of nodes of an element.
+pub const MAX_CORNERS: usize = 10;
+
+/// Corners of the edges of [`Shape::Tet10`], in the order of their nodes.
+pub const EDGES_OF_TET10: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
+/// Faces of [`Shape::Tet10`]: four triangles on each side of the tetrahedron, three at its corners
+/// and one between the nodes on its edges.
+const SIDES_OF_TET10: [[usize; 4]; 16] = [
+    [0, 6, 4, 4],
+    [2, 5, 6, 6],
+    [1, 4, 5, 5],
+    [4, 6, 5, 5],
+    [0, 4, 7, 7],
+    [1, 8, 4, 4],
+    [3, 7, 8, 8],
+    [4, 8, 7, 7],
+    [1, 5, 8, 8],
+    [2, 9, 5, 5],
+    [3, 8, 9, 9],
+    [5, 9, 8, 8],
+    [2, 6, 9, 9],
+    [0, 7, 6, 6],
+    [3, 9, 7, 7],
+    [6, 7, 9, 9],
+];
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 9] = [
+    pub const ALL: [Shape; 10] = [
         Shape::Quad4,
         Shape::Tri3,
         Shape::Hex8,
@@ -43,15 +73,17 @@ impl Shape {
         Shape::Point1,
         Shape::Tet4,
         Shape::Wedge6,
+        Shape::Tet10,
     ];
 
-    /// Returns the number of corner nodes.
+    /// Returns the number of nodes, which are called corners also where they lie on edges.
     pub fn corners(self) -> usize {
         match self {
             Shape::Quad4 | Shape::Tet4 => 4,
             Shape::Tri3 => 3,
             Shape::Wedge6 => 6,
             Shape::Hex8 => 8,
+            Shape::Tet10 => MAX_CORNERS,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
             Shape::Point1 => 1,
         }
@@ -64,14 +96,15 @@ impl Shape {
             Shape::Quad4 | Shape::Tri3 | Shape::Tet4 => 4,
             Shape::Wedge6 => 6,
             Shape::Hex8 => 8,
+            Shape::Tet10 => MAX_CORNERS,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
             Shape::Point1 => 1,
         }
     }
 
     /// Returns the corners of each face, whose right-hand normal points outwards; a triangle
-    /// repeats its third. The face of a shell has the shell's own corners. Lines and particles have
-    /// none.
+    /// repeats its third. The face of a shell has the shell's own corners. Each side of a ten-node
+    /// tetrahedron is four triangles. Lines and particles have none.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
@@ -88,8 +121,42 @@ impl Shape {
             Shape::Wedge6 => {
                 &[[0, 2, 1, 1], [3, 4, 5, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
             }
+            Shape::Tet10 => &SIDES_OF_TET10,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => &[],
         }
+    }
+
+    /// Returns the mass of a node over the mean of the nodes. In proportion to the diagonal of the
+    /// consistent mass matrix (Hinton, Rock & Zienkiewicz 1976) a corner of a ten-node tetrahedron
+    /// has 1/36 of its mass and a node on an edge 4/27.
+    pub const fn mass_share(self, node: usize) -> f64 {
+        match self {
+            Shape::Tet10 if node < 4 => 10.0 / 36.0,
+            Shape::Tet10 => 40.0 / 27.0,
+            _ => 1.0,
+        }
+    }
+
+    /// Returns the factors on the forces that a pressure on a face gives its corners, if these are
+    /// those of a linear face. A uniform pressure on a side of a ten-node tetrahedron acts on the
+    /// nodes of the edges alone, a third on each, as its shape functions demand: the three outer
+    /// triangles give nothing to the corner, and the more to both edges.
+    pub fn load_shares(self, face: usize) -> [f64; 4] {
+        match self {
+            Shape::Tet10 if face % 4 < 3 => [0.0, 1.5, 1.5, 1.5],
+            _ => [1.0; 4],
+        }
+    }
+
+    /// Returns the nodes of a solid that are behind a face: not on it, nor on the other triangles
+    /// of its side. There are at most four.
+    pub fn behind(self, face: usize) -> impl Iterator<Item = usize> {
+        let faces = self.faces();
+        let side = match self {
+            Shape::Tet10 => &faces[face / 4 * 4..][..4],
+            _ => &faces[face..][..1],
+        };
+        (0..self.corners()).filter(move |c| !side.as_flattened().contains(c))
     }
 
     /// Returns true if its nodes have rotational degrees of freedom.
@@ -109,7 +176,7 @@ impl Shape {
 
     /// Returns true for solids.
     pub fn is_solid(self) -> bool {
-        matches!(self, Shape::Hex8 | Shape::Tet4 | Shape::Wedge6)
+        matches!(self, Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 | Shape::Tet10)
     }
 }
 
@@ -122,16 +189,16 @@ pub struct MeshNode {
     pub x: [f64; 3],
 }
 
-/// Corner nodes of an element; the last one is repeated up to eight.
-pub type CornerNodes = [NodeId; 8];
+/// Nodes of an element; the last one is repeated up to [`MAX_CORNERS`].
+pub type CornerNodes = [NodeId; MAX_CORNERS];
 
 /// Returns the corners as [`CornerNodes`].
 ///
 /// # Panics
-/// If there are no corners, or more than eight.
+/// If there are no corners, or more than [`MAX_CORNERS`].
 pub fn corner_nodes(corners: &[NodeId]) -> CornerNodes {
     let last = *corners.last().expect("an element has corners");
-    assert!(corners.len() <= 8, "an element has eight corners at most");
+    assert!(corners.len() <= MAX_CORNERS, "an element has {MAX_CORNERS} nodes at most");
     std::array::from_fn(|c| corners.get(c).copied().unwrap_or(last))
 }
 
@@ -164,7 +231,7 @@ impl MeshElement {
     /// Builds an element with these corners.
     ///
     /// # Panics
-    /// If there are no corners, or more than eight.
+    /// If there are no corners, or more than [`MAX_CORNERS`].
     pub fn new(id: ElemId, part: u32, shape: Shape, corners: &[NodeId]) -> Self {
         Self { id, part, shape, nodes: corner_nodes(corners), own: OwnSection::default() }
     }
@@ -230,9 +297,9 @@ pub fn face_key<N: Copy + Ord>(face: [N; 4]) -> [N; 4] {
 
 /// Returns the faces of each solid that no other solid shares, one bit per face number; 0 for
 /// all other elements.
-pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
+pub fn free_faces(elements: &[MeshElement]) -> Vec<u16> {
     let mut open: HashMap<[NodeId; 4], (usize, usize)> = HashMap::new();
-    let mut free = vec![0u8; elements.len()];
+    let mut free = vec![0u16; elements.len()];
     for (i, e) in elements.iter().enumerate().filter(|(_, e)| e.shape.is_solid()) {
         for (f, face) in e.shape.faces().iter().enumerate() {
             let key = face_key(face.map(|c| e.nodes[c]));
@@ -265,7 +332,7 @@ mod tests {
 
     /// Returns the free faces by the face numbers of Attaway et al. (1998), eq. 14: a face is that
     /// of its lowest node and of the node diagonal to it.
-    fn free_faces_by_diagonals(elements: &[MeshElement]) -> Vec<u8> {
+    fn free_faces_by_diagonals(elements: &[MeshElement]) -> Vec<u16> {
         let key = |e: &MeshElement, face: &[usize; 4]| {
             let nodes = face.map(|c| e.nodes[c]);
             let least = (0..4).min_by_key(|&k| nodes[k]).expect("four nodes");
@@ -274,7 +341,7 @@ mod tests {
         let faces = |e: &MeshElement| e.shape.faces().iter().map(|f| key(e, f)).collect::<Vec<_>>();
         let all: Vec<_> = elements.iter().flat_map(faces).collect();
         let is_free = |k: &(NodeId, NodeId)| all.iter().filter(|o| *o == k).count() == 1;
-        let bits = |e| faces(e).iter().enumerate().map(|(f, k)| u8::from(is_free(k)) << f).sum();
+        let bits = |e| faces(e).iter().enumerate().map(|(f, k)| u16::from(is_free(k)) << f).sum();
         elements.iter().map(bits).collect()
     }
 
@@ -324,6 +391,46 @@ mod tests {
         assert_eq!(free_faces(&[wedge, tetrahedron]), [0b1_1101, 0b1110]);
     }
 
+    /// Returns the corners of a tetrahedron and the middles of its edges.
+    fn with_middles(x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let middle = |[a, b]: [usize; 2]| [0, 1, 2].map(|c| 0.5 * (x[a][c] + x[b][c]));
+        x.iter().copied().chain(EDGES_OF_TET10.map(middle)).collect()
+    }
+
+    /// The four triangles of each side have a third of its load on each edge and none at the
+    /// corners.
+    #[test]
+    fn a_pressure_on_a_quadratic_side_acts_on_the_edges() {
+        for side in 0..4 {
+            let mut load = [0.0; MAX_CORNERS];
+            for face in 4 * side..4 * side + 4 {
+                // Each triangle has a quarter of the side, and a third of it for each corner.
+                let of_corner = Shape::Tet10.load_shares(face).map(|share| share / 12.0);
+                let corners = Shape::Tet10.faces()[face];
+                (0..3).for_each(|c| load[corners[c]] += of_corner[c]);
+            }
+            assert_eq!(load[..4], [0.0; 4], "side {side}");
+            let edges: Vec<f64> = load[4..].iter().copied().filter(|f| *f > 0.0).collect();
+            assert!(edges.len() == 3 && edges.iter().all(|f| (f - 1.0 / 3.0).abs() < 1e-15));
+        }
+    }
+
+    /// Behind a triangle of a ten-node tetrahedron are the opposite corner and the nodes on the
+    /// edges to it; behind a face of another solid all nodes that it does not have.
+    #[test]
+    fn nodes_behind_a_face_are_not_on_its_side() {
+        let behind = |shape: Shape, face| shape.behind(face).collect::<Vec<_>>();
+        for face in 0..4 {
+            assert_eq!(behind(Shape::Tet10, face), [3, 7, 8, 9]);
+            assert_eq!(behind(Shape::Tet10, 12 + face), [1, 4, 5, 8]);
+        }
+        assert_eq!(behind(Shape::Tet4, 1), [2]);
+        assert_eq!(behind(Shape::Hex8, 0), [4, 5, 6, 7]);
+        for shape in [Shape::Hex8, Shape::Tet4, Shape::Wedge6, Shape::Tet10] {
+            assert!((0..shape.faces().len()).all(|f| shape.behind(f).count() <= 4), "{shape:?}");
+        }
+    }
+
     /// All faces of all solids have their normals outwards, and each edge is in two of them.
     #[test]
     fn faces_of_solids_are_closed_and_point_outwards() {
@@ -334,6 +441,7 @@ mod tests {
             (Shape::Hex8, cube.clone(), 1.0),
             (Shape::Wedge6, pick(&[0, 1, 2, 4, 5, 6]), 0.5),
             (Shape::Tet4, pick(&[0, 1, 2, 6]), 1.0 / 6.0),
+            (Shape::Tet10, with_middles(&pick(&[0, 1, 2, 6])), 1.0 / 6.0),
         ];
         for (shape, x, volume) in shapes {
             let mut edges = Vec::new();

@@ -41,6 +41,8 @@ pub struct Settings {
     pub field_dir: String,
     /// True if field files have the contact force on each node.
     pub contact_forces: bool,
+    /// Number of points through the thickness in field files; 0 for none.
+    pub field_points: usize,
     /// Checkpoints.
     pub checkpoint: CheckpointSettings,
     /// Materials, in the job's order.
@@ -185,7 +187,8 @@ impl Settings {
 
     /// Returns true if the elements of a part carry no force: it is rigid or has a null material.
     pub fn is_inactive(&self, part: u32) -> bool {
-        self.parts[part as usize].skin || self.rigid.iter().any(|r| r.parts.contains(&part))
+        let is_rigid = |body: &RigidBody| body.window.is_none() && body.parts.contains(&part);
+        self.parts[part as usize].skin || self.rigid.iter().any(is_rigid)
     }
 
     /// Returns the mean cost of an element per cycle, over that of an element that is computed
@@ -261,7 +264,7 @@ pub struct ElementRecord {
     /// Corner nodes.
     pub nodes: CornerNodes,
     /// Faces of a solid that no other solid shares, one bit per face number.
-    pub free_faces: u8,
+    pub free_faces: u16,
     /// True if the element has failed and has left the contact surface.
     pub failed: bool,
     /// Values of a shell that replace those of its part.

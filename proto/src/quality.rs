@@ -2,7 +2,7 @@
 //! tests of generators.
 
 use crate::ids::{ElemId, NodeId};
-use crate::mesh::{Mesh, MeshElement, Shape, once_each};
+use crate::mesh::{EDGES_OF_TET10, MAX_CORNERS, Mesh, MeshElement, Shape, once_each};
 use std::collections::HashMap;
 
 type Coordinates = [f64; 3];
@@ -138,7 +138,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
 /// Measures an element whose corners have the coordinates `x` [length].
 pub fn measure(element: &MeshElement, x: &[Coordinates]) -> ElementQuality {
     match element.shape {
-        Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 => measure_solid(element, x),
+        Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 | Shape::Tet10 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
         Shape::Line2 | Shape::Beam2 | Shape::Truss2 => measure_line(x),
         Shape::Point1 => measure_line(&[x[0], x[0]]),
@@ -147,9 +147,9 @@ pub fn measure(element: &MeshElement, x: &[Coordinates]) -> ElementQuality {
 
 /// Returns the Jacobians at the corners of an element with the coordinates `x`: of a solid
 /// [length^3], of a shell along the normal of its middle [length^2]. They are 0 for lines, and for
-/// corners that the shape does not have.
-pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
-    let mut jacobians = [0.0; 8];
+/// corners that the shape does not have. Those of a ten-node tetrahedron are at all its nodes.
+pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; MAX_CORNERS] {
+    let mut jacobians = [0.0; MAX_CORNERS];
     match shape {
         Shape::Hex8 => (0..8).for_each(|c| jacobians[c] = solid_jacobian::<4>(c, x)),
         Shape::Wedge6 => (0..6).for_each(|c| jacobians[c] = solid_jacobian::<3>(c, x)),
@@ -157,6 +157,7 @@ pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; 8] {
             let [a, b, d] = [1, 2, 3].map(|c| sub(x[c], x[0]));
             jacobians[..4].fill(dot(cross(a, b), d));
         }
+        Shape::Tet10 => (0..MAX_CORNERS).for_each(|c| jacobians[c] = quadratic_jacobian(c, x)),
         Shape::Quad4 | Shape::Tri3 => {
             let x = &x[..shape.corners()];
             let twice = twice_area(x);
@@ -176,6 +177,26 @@ fn solid_jacobian<const N: usize>(c: usize, x: &[Coordinates]) -> f64 {
     let [next, before] = [1, N - 1].map(|step| base + (c % N + step) % N);
     let up = dot(cross(sub(x[next], x[c]), sub(x[before], x[c])), sub(x[other + c % N], x[c]));
     if base == 0 { up } else { -up }
+}
+
+/// Returns the Jacobian of a ten-node tetrahedron at a node [length^3].
+fn quadratic_jacobian(node: usize, x: &[Coordinates]) -> f64 {
+    // Volume coordinates of the node.
+    let mut at = [0.0; 4];
+    match node.checked_sub(4) {
+        None => at[node] = 1.0,
+        Some(edge) => EDGES_OF_TET10[edge].iter().for_each(|&c| at[c] = 0.5),
+    }
+    // Derivatives of the position by the volume coordinates.
+    let mut by = [0, 1, 2, 3].map(|c| x[c].map(|x| (4.0 * at[c] - 1.0) * x));
+    for ([a, b], x) in EDGES_OF_TET10.into_iter().zip(&x[4..]) {
+        (0..3).for_each(|i| {
+            by[a][i] += 4.0 * at[b] * x[i];
+            by[b][i] += 4.0 * at[a] * x[i];
+        });
+    }
+    let [a, b, c] = [1, 2, 3].map(|k| sub(by[k], by[0]));
+    dot(cross(a, b), c)
 }
 
 /// Returns the cross product of the sides of a face at a corner [length^2].

@@ -19,4 +19,19 @@ pub struct RigidBody {
     pub inertia: Option<[f64; 6]>,
     /// Prescribed motions of the centre and rotations about it; their `nodes` are empty.
     pub motions: Vec<PrescribedMotion>,
+    /// Times at which its parts become rigid and deformable again [time]; `None` for a body that is
+    /// rigid in the whole run. The elements of its parts compute forces at all times.
+    pub window: Option<[f64; 2]>,
+}
+
+impl RigidBody {
+    /// Returns true if it is rigid at a time.
+    pub fn is_rigid_at(&self, time: f64) -> bool {
+        self.window.is_none_or(|[from, until]| from <= time && time < until)
+    }
+
+    /// Returns true if its parts stay rigid once they are.
+    pub fn stays_rigid(&self) -> bool {
+        self.window.is_none_or(|[_, until]| until == f64::MAX)
+    }
 }

@@ -22,6 +22,9 @@ pub struct Tie {
     /// True if the slave keeps its position relative to the mean position of its masters, at
     /// the end of an arm that rotates with them. Otherwise it is at the mean position.
     pub offset: bool,
+    /// True if the arm has the mean rotation of the positions of the masters, and moments act on
+    /// them as forces. Otherwise the arm has the mean of their rotations.
+    pub mean: bool,
 }
 
 impl Tie {

@@ -2,42 +2,12 @@
 
 use crate::model_of;
 use crumple::input::job::Model;
-use crumple_verification::scene::Scene;
+use crumple_verification::scene::{Cut, Scene};
 
 /// Side of all cubes [mm].
 pub const SIDE: f64 = 5.0;
 /// Gap between rod and plate at the start [mm].
 const GAP: f64 = 0.5;
-
-/// How cubes are cut into elements.
-#[derive(Clone, Copy, Debug)]
-pub enum Cut {
-    /// One hexahedron.
-    Whole,
-    /// Six tetrahedra around a diagonal.
-    Tetrahedra,
-    /// Two wedges.
-    Wedges,
-}
-
-impl Cut {
-    /// Adds a cube with these corners to a scene.
-    pub fn add(self, scene: &mut Scene, part: u32, c: [u32; 8]) {
-        match self {
-            Self::Whole => scene.solid(part, c),
-            Self::Tetrahedra => {
-                let around = [1, 2, 3, 7, 4, 5].map(|k: usize| c[k]);
-                for i in 0..6 {
-                    scene.solid_of(part, &[c[0], around[i], around[(i + 1) % 6], c[6]]);
-                }
-            }
-            Self::Wedges => {
-                scene.solid_of(part, &[c[0], c[1], c[2], c[4], c[5], c[6]]);
-                scene.solid_of(part, &[c[0], c[2], c[3], c[4], c[6], c[7]]);
-            }
-        }
-    }
-}
 
 /// Adds `count` cubes from `from`, layer by layer; `part` gives the part of a layer. Returns their
 /// nodes.
@@ -47,6 +17,7 @@ fn add_cubes(
     (from, cut): ([f64; 3], Cut),
     part: impl Fn(usize) -> u32,
 ) -> Vec<u32> {
+    scene.cut(cut);
     let first = scene.count() + 1;
     let [a, b, c] = count;
     let id = |[i, j, k]: [usize; 3]| first + ((k * (b + 1) + j) * (a + 1) + i) as u32;
@@ -59,7 +30,7 @@ fn add_cubes(
         let face = |k| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(id);
         let (below, above) = (face(k), face(k + 1));
         let corners = std::array::from_fn(|n| if n < 4 { below[n] } else { above[n - 4] });
-        cut.add(scene, part(k), corners);
+        scene.solid(part(k), corners);
     }
     (first..=scene.count()).collect()
 }

@@ -31,6 +31,7 @@ use crate::timer::Timer;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::ids::ElemId;
+use crumple_proto::mesh::{MAX_CORNERS, Shape};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{Displacement, Energies, HistoryPart, ModelPlace, Phase, PhaseSeconds};
@@ -117,7 +118,7 @@ impl Engine {
         let mut airbags = Airbags::new(&settings.loads);
         if !airbags.is_empty() {
             loads.bind_local(&local.nodes, &local.blocks, settings.subcycles);
-            airbags.fill(comm, &mut loads, &local.nodes, None)?;
+            airbags.fill(comm, &mut loads, (&local.nodes, &constraints), None)?;
             stable_dt = airbags.limit(stable_dt);
         }
         let mut engine = Self {
@@ -307,7 +308,7 @@ impl Engine {
     }
 
     /// Returns the centre of an own element [length].
-    pub fn centre_of(&self, nodes: [u32; 8], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
+    pub fn centre_of(&self, nodes: [u32; MAX_CORNERS], shape: Shape) -> [f64; 3] {
         centre(&self.nodes.x, nodes, shape)
     }
 

@@ -12,7 +12,7 @@ use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
 use crate::parallel::surface_update::Failures;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::face_key;
+use crumple_proto::mesh::{CornerNodes, face_key};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
 use std::collections::HashSet;
 
@@ -23,7 +23,7 @@ pub const EVERY: u64 = 8;
 /// Nodes of a face, ascending.
 type FaceNodes = [NodeId; 4];
 
-fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = FaceNodes> {
+fn faces_of(nodes: &CornerNodes, faces: &[[usize; 4]]) -> impl Iterator<Item = FaceNodes> {
     faces.iter().map(|corners| face_key(corners.map(|c| nodes[c])))
 }
 

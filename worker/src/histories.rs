@@ -284,16 +284,17 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
             let (mass, inertia) = (mass * e.record.mass_factor, inertia * e.record.mass_factor);
             let (mut kinetic, mut momentum) = (0.0, [0.0; 3]);
             let corners = e.record.shape.corners();
-            for n in e.nodes[..corners].iter().map(|&n| n as usize) {
+            for (c, n) in e.nodes[..corners].iter().map(|&n| n as usize).enumerate() {
+                let share = e.record.shape.mass_share(c);
                 let (v, next) = (&nodes.v[n], &nodes.v_next[n]);
                 let turning = if nodes.rotations {
                     inertia * dot(&nodes.w[n], &nodes.w_next[n])
                 } else {
                     0.0
                 };
-                kinetic += 0.5 * (mass * dot(v, next) + turning);
+                kinetic += 0.5 * share * (mass * dot(v, next) + turning);
                 let at = |c: usize| if ended { v[c] } else { 0.5 * (v[c] + next[c]) };
-                (0..3).for_each(|c| momentum[c] += mass * at(c));
+                (0..3).for_each(|c| momentum[c] += share * mass * at(c));
             }
             part.mass.add(mass * corners as f64);
             part.kinetic.add(kinetic);

@@ -7,15 +7,15 @@
 
 use crate::airbags::BagSums;
 use crate::curve::Curve;
-use crate::fem::blocks::{Block, Blocks, LocalElement, Portion};
-use crate::math::row::{Row, row, xyz};
+use crate::fem::blocks::{Blocks, Portion};
+use crate::math::row::{Row, row};
 use crate::nodes::Nodes;
 use crate::stateless;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
 use crumple_proto::airbag::ResolvedAirbag;
-use crumple_proto::loads::{Pressure, ResolvedLoads};
+use crumple_proto::loads::{Gravity, Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 
 /// Loads on the nodes and elements of this worker, by local index.
@@ -24,6 +24,8 @@ pub struct Loads {
     curves: Vec<Curve>,
     /// Acceleration [length/time^2] and curve.
     gravity: Vec<(Row, Option<usize>)>,
+    /// Body forces on parts.
+    of_parts: Vec<PartGravity>,
     forces: Vec<LocalForce>,
     pressures: Vec<Pressure>,
     airbags: Vec<ResolvedAirbag>,
@@ -43,6 +45,7 @@ pub struct Loads {
 stateless!(Loads {
     curves,
     gravity,
+    of_parts,
     forces,
     pressures,
     airbags,
@@ -52,8 +55,19 @@ stateless!(Loads {
     falling,
     cycles
 });
+stateless!(PartGravity { job, shares, falling });
 stateless!(LocalForce { job, nodes, factor });
-stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, softness, force });
+stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, force });
+
+/// A body force on a fraction of the masses of some local nodes.
+#[derive(Debug)]
+struct PartGravity {
+    job: Gravity,
+    /// Local nodes with the fraction of their mass.
+    shares: Vec<(u32, f64)>,
+    /// Acceleration at the present time [length/time^2].
+    falling: Row,
+}
 
 /// A force on some local nodes.
 #[derive(Debug)]
@@ -64,11 +78,13 @@ struct LocalForce {
     factor: f64,
 }
 
-/// Source of a pressure: index of a pressure or of an airbag.
+/// Source of a pressure.
 #[derive(Clone, Copy, Debug)]
 enum PressureSource {
+    /// Index of a pressure.
     Pressure(usize),
-    Airbag(usize),
+    /// Index of an airbag, and how many of its faces meet at a corner at most.
+    Airbag { bag: usize, meeting: u32 },
 }
 
 /// A face of an own element under pressure.
@@ -83,8 +99,9 @@ struct LoadedFace {
     rigid: bool,
     /// Number of cycles for which the force acts: those of an outer step for slow elements.
     cycles: f64,
-    /// Inverse mass of a corner of its element; 0 without mass [1/mass].
-    softness: f64,
+    /// Factors on the forces of a linear face, see
+    /// [`load_shares`](crumple_proto::mesh::Shape::load_shares).
+    shares: [f64; 4],
     /// Last forces on its nodes [force].
     force: [Row; 4],
 }
@@ -93,6 +110,15 @@ impl LoadedFace {
     fn is_in(&self, set: ElementSet) -> bool {
         set == ElementSet::All || self.cycles == 1.0
     }
+
+    /// Returns the forces of a pressure on its corners, which are at `x` [force].
+    fn of_pressure(&self, pressure: f64, x: &[Row; 4]) -> [Row; 4] {
+        let mut forces = on_corners(pressure, x, self.nodes);
+        for (force, share) in forces.iter_mut().zip(self.shares) {
+            (0..3).for_each(|c| force[c] *= share);
+        }
+        forces
+    }
 }
 
 impl Loads {
@@ -100,7 +126,18 @@ impl Loads {
     pub fn new(job: &ResolvedLoads) -> Self {
         Self {
             curves: job.curves.iter().map(|points| Curve::new(points)).collect(),
-            gravity: job.gravity.iter().map(|g| (row(g.acceleration), g.curve)).collect(),
+            gravity: job
+                .gravity
+                .iter()
+                .filter(|g| g.shares.is_none())
+                .map(|g| (row(g.acceleration), g.curve))
+                .collect(),
+            of_parts: job
+                .gravity
+                .iter()
+                .filter(|g| g.shares.is_some())
+                .map(|g| PartGravity { job: g.clone(), shares: Vec::new(), falling: [0.0; 4] })
+                .collect(),
             forces: job
                 .forces
                 .iter()
@@ -121,8 +158,13 @@ impl Loads {
         for f in &mut self.forces {
             f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
         }
+        for g in &mut self.of_parts {
+            let shares = g.job.shares.iter().flatten();
+            g.shares = shares.filter_map(|&(id, s)| Some((nodes.local_index(id)?, s))).collect();
+        }
         self.cycles.clear();
-        if subcycles > 1 && !(self.gravity.is_empty() && self.forces.is_empty()) {
+        let act = !(self.gravity.is_empty() && self.of_parts.is_empty() && self.forces.is_empty());
+        if subcycles > 1 && act {
             let of = |i| if blocks.has_subcycled_only(i) { subcycles as f64 } else { 1.0 };
             self.cycles.extend((0..nodes.local_count).map(of));
         }
@@ -134,9 +176,16 @@ impl Loads {
         for b in &blocks.blocks {
             for i in 0..b.count {
                 let (e, slot) = (&blocks.elements[b.first + i], slots[b.first + i]);
-                let face = |source, face: u8, inwards: bool| {
-                    let corners = e.record.shape.faces()[usize::from(face)];
-                    let corners = if inwards { reversed(corners, &e.nodes) } else { corners };
+                let face = |source, number: u8, inwards: bool| {
+                    let (shape, number) = (e.record.shape, usize::from(number));
+                    let corners = shape.faces()[number];
+                    let order = match inwards {
+                        false => [0, 1, 2, 3],
+                        true if e.nodes[corners[2]] == e.nodes[corners[3]] => [0, 2, 1, 1],
+                        true => [0, 3, 2, 1],
+                    };
+                    let corners = order.map(|c| corners[c]);
+                    let shares = shape.load_shares(number);
                     LoadedFace {
                         source,
                         slots: corners.map(|c| slot + c),
@@ -144,7 +193,7 @@ impl Loads {
                         portion: b.portion_of(i),
                         rigid: b.idle,
                         cycles: if b.slow { subcycles as f64 } else { 1.0 },
-                        softness: corner_softness(b, e, nodes),
+                        shares: order.map(|c| shares[c]),
                         force: [[0.0; 4]; 4],
                     }
                 };
@@ -153,30 +202,38 @@ impl Loads {
                     let faces = pressure.faces_of(e.record.id);
                     self.faces.extend(faces.map(|number| face(source, number, false)));
                 }
-                for (a, airbag) in self.airbags.iter().enumerate() {
-                    let source = PressureSource::Airbag(a);
-                    let faces = airbag.faces_of(e.record.id);
-                    self.faces.extend(faces.map(|f| face(source, f.face, f.inwards)));
+                for (bag, airbag) in self.airbags.iter().enumerate() {
+                    self.faces.extend(airbag.faces_of(e.record.id).map(|f| {
+                        let source = PressureSource::Airbag { bag, meeting: f.meeting };
+                        face(source, f.face, f.inwards)
+                    }));
                 }
             }
         }
     }
 
-    /// Adds the terms of the own faces of each airbag to its sums.
-    pub fn measure_airbags(&self, nodes: &Nodes, sums: &mut [BagSums]) {
+    /// Adds the terms of the own faces of each airbag to its sums. `inv_mass` gives the inverse
+    /// masses of a local node [1/mass].
+    pub fn measure_airbags(
+        &self,
+        nodes: &Nodes,
+        inv_mass: impl Fn(u32) -> Row,
+        sums: &mut [BagSums],
+    ) {
         for face in &self.faces {
-            let PressureSource::Airbag(a) = face.source else { continue };
+            let PressureSource::Airbag { bag, meeting } = face.source else { continue };
             let x = face.nodes.map(|n| nodes.x[n as usize]);
+            let gradients = face.of_pressure(-1.0, &x);
             let (mut volume, mut softness) = (0.0, 0.0);
-            for ((g, x), n) in on_corners(-1.0, &x, face.nodes).iter().zip(&x).zip(face.nodes) {
+            for ((g, x), &n) in gradients.iter().zip(&x).zip(&face.nodes) {
+                let inverse = inv_mass(n);
                 for c in 0..3 {
-                    volume += g[c] * (x[c] - self.airbags[a].origin[c]) / 3.0;
-                    let free = nodes.inv_mass[n as usize][c] > 0.0;
-                    softness += if free { g[c] * g[c] * face.softness } else { 0.0 };
+                    volume += g[c] * (x[c] - self.airbags[bag].origin[c]) / 3.0;
+                    softness += f64::from(meeting) * g[c] * g[c] * inverse[c];
                 }
             }
-            sums[a].volume.add(volume);
-            sums[a].softness.add(softness);
+            sums[bag].volume.add(volume);
+            sums[bag].softness.add(softness);
         }
     }
 
@@ -201,10 +258,10 @@ impl Loads {
                     p.pressure * factor(&self.curves, p.curve, time)
                 }
                 // Along the normals, which point outwards.
-                PressureSource::Airbag(a) => -self.airbag_pressures[a],
+                PressureSource::Airbag { bag, .. } => -self.airbag_pressures[bag],
             };
-            let pressure = pressure * face.cycles;
-            face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
+            face.force =
+                face.of_pressure(pressure * face.cycles, &face.nodes.map(|n| nodes.x[n as usize]));
             for (&slot, f) in face.slots.iter().zip(&face.force) {
                 (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
             }
@@ -218,8 +275,7 @@ impl Loads {
 
     /// Returns how many times a load acts on a local node in this cycle.
     fn times(&self, i: usize, set: ElementSet) -> f64 {
-        let cycles = self.cycles.get(i).copied().unwrap_or(1.0);
-        if set == ElementSet::All || cycles == 1.0 { cycles } else { 0.0 }
+        times(&self.cycles, i, set)
     }
 
     /// Adds body forces and nodal forces to the forces of local nodes, in the order of the job.
@@ -233,6 +289,16 @@ impl Loads {
             for (i, (f, m)) in nodes.force.iter_mut().zip(&nodes.mass).enumerate() {
                 let m = m * self.times(i, set);
                 (0..3).for_each(|c| f[c] += m * self.falling[c]);
+            }
+        }
+        let cycles = &self.cycles;
+        for g in &mut self.of_parts {
+            let factor = factor(&self.curves, g.job.curve, time);
+            (0..3).for_each(|c| g.falling[c] = factor * g.job.acceleration[c]);
+            for &(n, share) in &g.shares {
+                let n = n as usize;
+                let m = nodes.mass[n] * share * times(cycles, n, set);
+                (0..3).for_each(|c| nodes.force[n][c] += m * g.falling[c]);
             }
         }
         for load in &mut self.forces {
@@ -286,6 +352,13 @@ impl Loads {
                 sum.add(moved(&self.falling, i) * (nodes.mass[i] * self.times(i, set) * mid));
             });
         }
+        for g in &self.of_parts {
+            let shares = g.shares.iter().map(|&(n, share)| (n as usize, share));
+            for (i, share) in shares.filter(|s| nodes.is_owned(s.0)) {
+                let mass = nodes.mass[i] * share * self.times(i, set);
+                sum.add(moved(&g.falling, i) * (mass * mid));
+            }
+        }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
             let of = |i: usize| {
@@ -319,16 +392,10 @@ impl Loads {
     }
 }
 
-/// Returns the corners of a face in the opposite order, those of a triangle with a repeated third.
-fn reversed([a, b, c, d]: [usize; 4], nodes: &[u32; 8]) -> [usize; 4] {
-    if nodes[c] == nodes[d] { [a, c, b, b] } else { [a, d, c, b] }
-}
-
-/// Returns the inverse mass of a corner of an element; 0 without mass [1/mass].
-fn corner_softness(block: &Block, element: &LocalElement, nodes: &Nodes) -> f64 {
-    let x = element.nodes.map(|n| xyz(&nodes.x0[n as usize]));
-    let mass = block.element.corner_mass(&x, element.record.own).0 * element.record.mass_factor;
-    if mass > 0.0 { 1.0 / mass } else { 0.0 }
+/// Returns how many times a load acts on a local node in a cycle.
+fn times(cycles: &[f64], i: usize, set: ElementSet) -> f64 {
+    let cycles = cycles.get(i).copied().unwrap_or(1.0);
+    if set == ElementSet::All || cycles == 1.0 { cycles } else { 0.0 }
 }
 
 /// Returns the factor of a load at `time`.

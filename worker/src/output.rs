@@ -2,6 +2,7 @@
 
 use crate::engine::Engine;
 use crate::fem::blocks::Class;
+use crate::fem::elements::PointFields;
 use crate::math::row::{Row, xyz};
 use crate::vtu::{self, Cells, FieldPiece};
 use crumple_proto::ids::ElemId;
@@ -25,6 +26,9 @@ struct CellColumns {
     contact_worker: Vec<u32>,
     class: Vec<u8>,
     element_id: Vec<i64>,
+    /// Empty unless the job asks for all points.
+    stress_of_points: Vec<f32>,
+    plastic_strain_of_points: Vec<f32>,
 }
 
 /// Writes the fields of own elements and, if there are `several` workers, those of ghost
@@ -143,6 +147,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
             c.von_mises.push(f.von_mises as f32);
             c.stress.push(f.stress.map(|s| s as f32));
             c.thickness.push(f.thickness as f32);
+            c.points(engine.settings.field_points, || b.element.points(b.state(i), &x));
             c.class.push(match e.class {
                 Class::Interior => vtu::INTERIOR,
                 Class::Interface => vtu::INTERFACE,
@@ -168,6 +173,7 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
         c.von_mises.push(0.0);
         c.stress.push([0.0; 6]);
         c.thickness.push(2.0 * s.half_thickness as f32);
+        c.points(engine.settings.field_points, || vec![PointFields::default()]);
         c.class.push(vtu::EXTERIOR);
         c.name(engine, s.part, s.id.elem(), s.nodes[0]);
     }
@@ -175,6 +181,19 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
 }
 
 impl CellColumns {
+    /// Adds the points of an element, `count` of them.
+    fn points(&mut self, count: usize, points: impl Fn() -> Vec<PointFields>) {
+        if count == 0 {
+            return;
+        }
+        let own = points();
+        for k in 0..count {
+            let point = own[k.min(own.len() - 1)];
+            self.stress_of_points.extend(point.stress.map(|s| s as f32));
+            self.plastic_strain_of_points.push(point.plastic_strain as f32);
+        }
+    }
+
     fn name(&mut self, engine: &Engine, part: u32, id: ElemId, first_node: u32) {
         self.part.push(engine.settings.parts[part as usize].id);
         self.worker.push(engine.nodes.me);
@@ -206,6 +225,12 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     ];
     if engine.halo.regions.is_some() {
         cell_arrays.push(vtu::CONTACT_WORKER.with(&c.contact_worker));
+    }
+    let count = engine.settings.field_points;
+    if count > 0 {
+        cell_arrays.push(vtu::STRESS_OF_POINTS.of_points(count).with(&c.stress_of_points));
+        let strains = vtu::PLASTIC_STRAIN_OF_POINTS.of_points(count);
+        cell_arrays.push(strains.with(&c.plastic_strain_of_points));
     }
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.label() as i64).collect();
     let mut point_arrays = vec![

@@ -256,7 +256,7 @@ impl RunningWorker {
             }
             self.warn_of_inverted(comm)?;
             if let Some(why) = self.engine.airbags.fault() {
-                self.report_fault(comm, why)?;
+                self.report_fault(comm, why.to_string())?;
                 self.failed = true;
                 break;
             }

@@ -41,7 +41,8 @@ const STAGES: [StepStage; 17] = [
 ];
 
 /// Advances the model by one step, with the same dt on every worker. Returns before positions
-/// change if any worker reports a failure; the last valid state is then kept.
+/// change if any worker reports a failure or an airbag has no valid state; the last valid state is
+/// then kept.
 ///
 /// # Errors
 /// A worker is gone.
@@ -66,9 +67,15 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         if logged {
             tracing::trace!(phase = PHASES[stage.phase as usize], ?took);
         }
+        if engine.airbags.fault().is_some() {
+            return Ok(cycle.agreed); // all workers know it
+        }
     }
-    if cycle.agreed.eroded && cycle.agreed.failure.is_none() {
-        engine.erode(comm)?; // new surfaces without failed elements
+    if cycle.agreed.failure.is_none() {
+        if cycle.agreed.eroded {
+            engine.erode(comm)?; // new surfaces without failed elements
+        }
+        engine.switch_bodies(comm)?;
     }
     Ok(cycle.agreed)
 }
@@ -173,8 +180,8 @@ fn fill_airbags(
     comm: &mut dyn Transport,
     _: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, loads, airbags, .. } = engine;
-    airbags.fill(comm, loads, nodes, Some(clock))
+    let Engine { clock, nodes, loads, airbags, constraints, .. } = engine;
+    airbags.fill(comm, loads, (nodes, constraints), Some(clock))
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements
@@ -226,6 +233,7 @@ fn accelerate(
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, blocks, loads, constraints, .. } = engine;
+    constraints.begin_step(nodes, clock.time);
     blocks.assemble(nodes, cycle.set);
     loads.add_forces(nodes, clock.time, cycle.set);
     constraints.distribute_forces(comm, nodes)?;
@@ -339,12 +347,13 @@ fn balance_energy(
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, contact, ledger, loads, constraints, .. } = engine;
+    let Engine { clock, nodes, contact, ledger, loads, constraints, .. } = engine;
     if let Some(contact) = contact {
         contact.finish_step(nodes, cycle.steps, &mut ledger.contact);
     }
     let external = &mut ledger.external;
-    constraints.add_prescribed_work(nodes, contact.as_ref(), cycle.steps, external);
+    let now = (clock.time, cycle.steps);
+    constraints.add_prescribed_work(nodes, contact.as_ref(), now, external);
     loads.add_work(nodes, cycle.steps, cycle.set, external);
     Ok(())
 }
@@ -367,7 +376,7 @@ fn advance(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    if cycle.agreed.failure.is_some() || engine.airbags.fault().is_some() {
+    if cycle.agreed.failure.is_some() {
         return Ok(());
     }
     engine.write_history(comm)?;

@@ -57,6 +57,13 @@ impl Array {
     }
 }
 
+impl Array {
+    /// Returns this array of one point as that of several points.
+    pub fn of_points(self, points: usize) -> Self {
+        Self { components: points * self.components, ..self }
+    }
+}
+
 const fn array(name: &'static str, components: usize, kind: NumberType) -> Array {
     Array { name, components, kind }
 }
@@ -84,6 +91,12 @@ pub const VON_MISES: Array = array("von_mises", 1, NumberType::F32);
 pub const STRESS: Array = array("stress", 6, NumberType::F32);
 /// Current thickness [length].
 pub const THICKNESS: Array = array("thickness", 1, NumberType::F32);
+/// Stress of the points through the thickness, six components each as in [`STRESS`]
+/// [force/length^2]. Only if the job asks for it; [`OptionalArrays`] has the number of points. An
+/// element with fewer points repeats its last one.
+pub const STRESS_OF_POINTS: Array = array("stress_of_points", 6, NumberType::F32);
+/// Effective plastic strain of the same points.
+pub const PLASTIC_STRAIN_OF_POINTS: Array = array("plastic_strain_of_points", 1, NumberType::F32);
 /// Id of the part.
 pub const PART: Array = array("part", 1, NumberType::U32);
 /// Number of the worker that wrote the piece, counted from 0.
@@ -116,6 +129,8 @@ pub struct OptionalArrays {
     pub contact_worker: bool,
     /// [`CONTACT_FORCE`].
     pub contact_force: bool,
+    /// Number of points of [`STRESS_OF_POINTS`] and [`PLASTIC_STRAIN_OF_POINTS`]; 0 without them.
+    pub points: usize,
 }
 
 impl OptionalArrays {
@@ -124,12 +139,18 @@ impl OptionalArrays {
         Self {
             contact_worker: settings.has_second_decomposition(),
             contact_force: settings.contact_forces,
+            points: settings.field_points,
         }
     }
 
     /// Returns the arrays on cells, in the order of the file.
     pub fn cell_arrays(self) -> Vec<Array> {
-        CELL_ARRAYS.iter().copied().chain(self.contact_worker.then_some(CONTACT_WORKER)).collect()
+        let contact_worker = self.contact_worker.then_some(CONTACT_WORKER);
+        let points = [STRESS_OF_POINTS, PLASTIC_STRAIN_OF_POINTS]
+            .map(|array| array.of_points(self.points))
+            .into_iter()
+            .filter(|_| self.points > 0);
+        CELL_ARRAYS.iter().copied().chain(contact_worker).chain(points).collect()
     }
 
     /// Returns the arrays on points, in the order of the file.
@@ -254,6 +275,7 @@ impl Cells {
             Shape::Hex8 => 12,
             Shape::Tet4 => 10,
             Shape::Wedge6 => 13,
+            Shape::Tet10 => 24,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 3,
             Shape::Point1 => 1,
         });
@@ -303,8 +325,13 @@ impl FieldPiece<'_> {
 
     fn check(&self) -> Result<(), String> {
         let optional = OptionalArrays {
-            contact_worker: self.cell_arrays.len() > CELL_ARRAYS.len(),
+            contact_worker: self.cell_arrays.iter().any(|c| c.array.name == CONTACT_WORKER.name),
             contact_force: self.point_arrays.len() > POINT_ARRAYS.len(),
+            points: self
+                .cell_arrays
+                .iter()
+                .find(|c| c.array.name == PLASTIC_STRAIN_OF_POINTS.name)
+                .map_or(0, |c| c.array.components),
         };
         let points = self.points.len();
         check_columns("point", &optional.point_arrays(), self.point_arrays, points)?;

@@ -46,7 +46,9 @@ fn main() -> ExitCode {
         Command::ExportDeck(args) => crumple::input::deck::export::run(&args),
         Command::Convert(args) => crumple::input::deck::translate::run(&args),
         Command::Scale(args) => crumple::analysis::scale::run(&args),
-        Command::ExportD3plot { dir, file_size } => crumple::results::d3plot::run(&dir, file_size),
+        Command::ExportD3plot { dir, file_size, strains } => {
+            crumple::results::d3plot::run(&dir, file_size, strains)
+        }
         Command::ExportBinout { dir } => crumple::results::binout::run(&dir),
         Command::ExportVtkhdf { dir } => crumple::results::vtkhdf::run(&dir),
         Command::ExportExodus { dir } => crumple::results::exodus::run(&dir),

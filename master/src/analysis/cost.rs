@@ -344,8 +344,7 @@ fn pick(
 }
 
 fn is_idle(model: &Model, part: u32) -> bool {
-    model.settings.parts[part as usize].skin
-        || model.settings.rigid.iter().any(|r| r.parts.contains(&part))
+    model.settings.is_inactive(part)
 }
 
 /// Returns the settings without loads, constraints and output.

@@ -30,6 +30,7 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         (Shape::Hex8, "solids"),
         (Shape::Tet4, "tetrahedra"),
         (Shape::Wedge6, "wedges"),
+        (Shape::Tet10, "ten-node tetrahedra"),
         (Shape::Beam2, "beams"),
         (Shape::Truss2, "trusses"),
         (Shape::Point1, "particles"),
@@ -287,7 +288,8 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
     writeln!(
         out,
-        "start        fastest node at {}, {fixed} nodes fixed or with prescribed motion, \
+        "start        fastest node at {}, {fixed} nodes fixed, in rigid bodies or with prescribed \
+         motion, \
          {} rigid walls",
         figure(fastest),
         model.settings.walls.len()

@@ -26,7 +26,7 @@ struct ElementType {
     sides: &'static [&'static [usize]],
 }
 
-const KINDS: [ElementType; 8] = [
+const KINDS: [ElementType; 9] = [
     ElementType {
         names: &["HEX"],
         shape: Shape::Hex8,
@@ -43,6 +43,16 @@ const KINDS: [ElementType; 8] = [
         names: &["TETRA", "TET"],
         shape: Shape::Tet4,
         sides: &[&[0, 1, 3], &[1, 2, 3], &[0, 3, 2], &[0, 2, 1]],
+    },
+    ElementType {
+        names: &["TETRA", "TET"],
+        shape: Shape::Tet10,
+        sides: &[
+            &[0, 1, 3, 4, 8, 7],
+            &[1, 2, 3, 5, 9, 8],
+            &[0, 3, 2, 7, 9, 6],
+            &[0, 2, 1, 6, 5, 4],
+        ],
     },
     ElementType {
         names: &["WEDGE"],
@@ -262,8 +272,8 @@ impl ExodusReader<'_> {
         let (Some(kind), Ok(id)) = (kind, u32::try_from(id)) else {
             self.error(
                 format!("{shown} has elements of type {named} with {width} nodes"),
-                "these types are read: HEX with 8 nodes, TETRA with 4, WEDGE with 6, SHELL and \
-                 QUAD with 4, TRI, TRISHELL and SHELL with 3, BEAM, BAR, ROD and TRUSS with 2. \
+                "these types are read: HEX with 8 nodes, TETRA with 4 or 10, WEDGE with 6, SHELL \
+                 and QUAD with 4, TRI, TRISHELL and SHELL with 3, BEAM, BAR, ROD and TRUSS with 2. \
                  Mesh the block with one of them, or delete it",
             );
             return None;
@@ -494,7 +504,7 @@ mod tests {
                 (301, 30, Shape::Beam2),
             ];
             assert_eq!(parts, wanted, "{format:?}");
-            assert_eq!(mesh.elements[1].nodes.map(|n| n.0), [5, 6, 7, 8, 9, 10, 11, 12]);
+            assert_eq!(mesh.elements[1].corners(), [5, 6, 7, 8, 9, 10, 11, 12].map(NodeId));
             assert_eq!(mesh.elements[2].own.thickness, 0.25);
             // The beam is parallel to z, so its second axis is x.
             assert_eq!(mesh.nodes.len(), 13);

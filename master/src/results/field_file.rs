@@ -185,6 +185,13 @@ impl PieceArrays {
         }
     }
 
+    /// Returns the number of components of an array of 32-bit floats on cells; 0 if there is no
+    /// such array, or no cell.
+    pub fn components(&self, name: &str) -> usize {
+        let bytes = self.arrays.get(name).map_or(0, |stored| stored.bytes.len());
+        (bytes / size_of::<f32>()).checked_div(self.cells).unwrap_or(0)
+    }
+
     /// Returns the names of all arrays with their types and bytes, in no particular order.
     pub fn stored(&self) -> impl Iterator<Item = (&str, NumberType, &[u8])> {
         self.arrays

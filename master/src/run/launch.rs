@@ -26,7 +26,7 @@ use crate::stdout::say;
 use crumple_proto::disk;
 #[cfg(feature = "mpi")]
 use crumple_proto::exit_code::{COMPLETED, WORKER_LOST};
-use crumple_proto::job::{Checkpoint, Restart};
+use crumple_proto::job::{Checkpoint, Output, Restart};
 use crumple_proto::transport::{Transport, threads};
 use std::path::{Path, PathBuf};
 
@@ -447,16 +447,18 @@ pub(super) fn make_report(
 /// # Errors
 /// One cannot be written; the message names the file.
 pub(super) fn export(model: &Model, out: &Path) -> Result<(), String> {
-    type Export = fn(&Path) -> Result<String, String>;
+    type Export = fn(&Path, &Output) -> Result<String, String>;
     let output = &model.job.output;
     let exports: [(bool, Export); 4] = [
-        (output.d3plot, |out| d3plot::export(out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE)),
-        (output.d3plot, binout::export),
-        (output.vtkhdf, vtkhdf::export),
-        (output.exodus, exodus::export),
+        (output.d3plot, |out, output| {
+            d3plot::export(out, 1_000_000 * crate::cli::D3PLOT_FILE_SIZE, output.strains)
+        }),
+        (output.d3plot, |out, _| binout::export(out)),
+        (output.vtkhdf, |out, _| vtkhdf::export(out)),
+        (output.exodus, |out, _| exodus::export(out)),
     ];
     exports.iter().filter(|(is_asked, _)| *is_asked).try_for_each(|(_, export)| {
-        export(out)?;
+        export(out, output)?;
         Ok(())
     })
 }

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Airbag: a volume inside a closed surface, with one pressure that acts on the surface. The
-/// surface consists of the shells of some parts; edges in planes of symmetry may be open. Normals
-/// are corrected so that they point outwards. An ideal gas (`cv`, `cp`) has inflows and vents;
+/// surface consists of the shells of some parts; edges in planes of symmetry may be open. Its
+/// normals point outwards: they are turned if the volume shows what is inside. An ideal gas (`cv`, `cp`) has inflows and vents;
 /// instead of it, `inverse_pressure` or `pressure_over_volume` gives the pressure.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +19,10 @@ pub struct AirbagInput {
     /// only those of these parts.
     #[serde(default)]
     pub nodes: Option<String>,
+    /// True if the normals of the elements point into the bag. It decides only where the volume at
+    /// the start does not show what is inside, as in a flat bag.
+    #[serde(default)]
+    pub normals_inwards: bool,
     /// Constant volume in addition to that inside the surface, such as that of an inflator
     /// [length^3].
     #[serde(default)]

@@ -14,7 +14,7 @@ pub struct CurveInput {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Gravity, or another body force, on the whole model.
+/// Gravity, or another body force, on the whole model or on some parts.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityInput {
@@ -23,6 +23,10 @@ pub struct GravityInput {
     /// Name of a curve, the factor over time; without it 1.
     #[serde(default)]
     pub curve: Option<String>,
+    /// Parts on whose elements it acts, with their masses, those of mass scaling included; all
+    /// masses if empty.
+    #[serde(default)]
+    pub parts: Vec<u32>,
 }
 
 /// Force of constant direction on a node set.
@@ -95,6 +99,14 @@ pub struct MotionInput {
     /// Name of a curve, the factor over time; without it 1.
     #[serde(default)]
     pub curve: Option<String>,
+    /// Time at which the motion begins [time]; its degrees of freedom are free before. A
+    /// displacement and an acceleration then count from the place at this time.
+    #[serde(default)]
+    pub birth: f64,
+    /// Time at which the motion ends and its degrees of freedom are free again [time]; without it
+    /// the end of the run.
+    #[serde(default)]
+    pub death: Option<f64>,
 }
 
 /// Plane of symmetry: nodes on it stay in it and rotate about its normal only.

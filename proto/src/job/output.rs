@@ -22,6 +22,12 @@ pub struct Output {
     pub contacts: bool,
     /// Also write the contact force on each node to the field files: the array `contact_force`.
     pub contact_forces: bool,
+    /// Also write the stress and the plastic strain of all points through the thickness to the
+    /// field files, as `stress_of_points` and `plastic_strain_of_points`: from the inner surface to
+    /// the outer one. A d3plot database then has all points.
+    pub points: bool,
+    /// Also write strains to a d3plot database: of solids, and of shells at both surfaces.
+    pub strains: bool,
     /// Also write the fields as a d3plot database, and the histories as a binout, at the end of the
     /// run.
     pub d3plot: bool,
@@ -48,6 +54,8 @@ impl Default for Output {
             walls: true,
             contacts: true,
             contact_forces: false,
+            points: false,
+            strains: false,
             d3plot: false,
             vtkhdf: false,
             exodus: false,

@@ -28,4 +28,13 @@ pub struct Rigid {
     /// nodal masses.
     #[serde(default)]
     pub inertia: Option<[f64; 6]>,
+    /// Time at which its parts become rigid [time]; they deform before. The body then has the mass,
+    /// the momentum and the angular momentum of its nodes. The kinetic energy of their other motion
+    /// counts as work of external forces.
+    #[serde(default)]
+    pub from: f64,
+    /// Time at which its parts deform again, with the stresses that they had [time]; without it the
+    /// end of the run.
+    #[serde(default)]
+    pub until: Option<f64>,
 }

@@ -31,6 +31,15 @@ pub struct TieInput {
     /// distance, so that angular momentum is not conserved.
     #[serde(default)]
     pub node: Option<u64>,
+    /// Node set whose mean motion the slaves have, instead of a surface: translation and rotation
+    /// of the rigid motion that fits these masters best. A force or moment on a slave acts on the
+    /// masters as forces. The mass of a slave is divided among them; its rotational inertia is not
+    /// carried.
+    #[serde(default)]
+    pub mean_of: Option<String>,
+    /// Weights of the masters of `mean_of` in ascending order of their ids; equal if empty.
+    #[serde(default)]
+    pub weights: Vec<f64>,
     /// Largest distance of a node from a face [length]. Without it the larger of 0.6 of the
     /// thicknesses of both and a twentieth of the shorter diagonal of the face, as in LS-DYNA.
     /// Nodes at a larger distance are not tied, and a warning names them.

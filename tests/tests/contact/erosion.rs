@@ -2,9 +2,9 @@
 //! contact from then on, whichever workers own either.
 
 use crumple::input::job::Model;
-use crumple_tests::brittle::{Cut, SIDE, rod_on_plate, rod_on_plate_with};
+use crumple_tests::brittle::{SIDE, rod_on_plate, rod_on_plate_with};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
-use crumple_verification::scene::Scene;
+use crumple_verification::scene::{Cut, Scene};
 
 /// The rod goes through the brittle layer and rebounds from the lower one, whose faces are
 /// exposed only after the upper layer has failed. Without these faces it would fall through the

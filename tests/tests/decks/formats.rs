@@ -145,7 +145,7 @@ fn unsupported_keywords_are_reported() {
             && allowed.unsupported[0].contains("unsupported.k:")
     );
     let named = "mesh.leave_out=[\"AIRBAG_HYBRID\", \"*load_thermal_constant\", \
-                 \"CONSTRAINED_INTERPOLATION\"]";
+                 \"LOAD_BODY_GENERALIZED\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());
     let run = program::run(crumple_with(&[
@@ -366,8 +366,10 @@ fn an_exported_job_gives_the_same_digest() {
     let digest = |job: &str| {
         program::run(crumple_with(&[&["run", job], few.as_slice()].concat())).with_code(0).digest()
     };
-    for job in ["cases/jeep-frame", "cases/tumble", "cases/block", "cases/twist", "cases/pipe-whip"]
-    {
+    let scenes =
+        ["jeep-frame", "tumble", "block", "twist", "pipe-whip", "beam", "hertz", "panel", "slide"];
+    for job in scenes.map(|name| format!("cases/{name}")) {
+        let job = job.as_str();
         program::run(crumple_with(&["export-deck", job, "--out", deck])).with_code(0);
         assert_eq!(digest(job), digest(deck), "{job}");
     }
@@ -424,6 +426,17 @@ fn exported_cards_say_what_other_programs_have_to_know() {
                 "*CONTACT_AUTOMATIC_SINGLE_SURFACE",
             ],
             &["[[motion]]", "[[gravity]]", "[[load]]", "[[curve]]"],
+        ),
+        (
+            "tests/decks/scenes/faces.toml",
+            &[
+                "*SET_SEGMENT",
+                "*LOAD_SEGMENT_SET",
+                "*CONTACT_TIED_NODES_TO_SURFACE_ID",
+                "*CONTACT_TIED_SHELL_EDGE_TO_SURFACE_OFFSET_ID",
+                "*CONSTRAINED_INTERPOLATION",
+            ],
+            &["[[pressure]]", "[[tie]]", "[[curve]]"],
         ),
     ] {
         let digest = |job| run(job, &[]);

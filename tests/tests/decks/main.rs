@@ -2,6 +2,7 @@
 //! bytes, runs. Mesh files of other programs.
 
 mod airbags;
+mod bars;
 mod base;
 mod broken_meshes;
 mod bytes;
@@ -17,3 +18,5 @@ mod odd_files;
 mod radioss;
 mod rigid_joints;
 mod runs;
+mod submodels;
+mod ten_nodes;

@@ -442,3 +442,28 @@ fn solids_of_one_name_get_names_of_their_own() {
     assert_eq!(found.mesh.node_sets["a-2"], [4, 5, 6]);
     assert_eq!(row(&found, "part a"), Some((Fate::Read, 1)));
 }
+
+/// The end of an analysis of Abaqus is that of the job, and the units are printed; a folder is no
+/// mesh file, and a mesh file no job.
+#[test]
+fn the_duration_of_an_abaqus_analysis_is_the_end_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("beam.inp");
+    let step = "*Step\n*Dynamic, Explicit\n, 0.002\n*End Step\n";
+    fs::write(&source, text_of("made/block.inp") + step + step).unwrap();
+    let out = folder.path().join("job");
+    let [file, to, inside] = [&source, &out, &folder.path().to_path_buf()]
+        .map(|path| path.to_string_lossy().into_owned());
+    let said = run(crumple_with(&["import", &file, "--out", &to])).with_code(0).said();
+    assert!(said.contains("units        mm, ms, kg: the file has no materials"), "{said}");
+    let job = fs::read_to_string(out.join("job.toml")).unwrap();
+    assert!(job.contains("end_time = 0.004") && !job.contains("\"end_time\""), "{job}");
+
+    let said = run(crumple_with(&["import", &inside])).with_code(2).said();
+    assert!(said.contains("is a folder"), "{said}");
+    let said = run(crumple_with(&["run", &file])).with_code(2).said();
+    assert!(
+        said.contains("is a mesh file, not a job") && said.contains("crumple import"),
+        "{said}"
+    );
+}

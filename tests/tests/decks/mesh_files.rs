@@ -64,6 +64,12 @@ fn files_of_other_projects_are_read() {
         assert!(problems.iter().any(|p| p.message.contains(wanted)), "{file}: {problems:?}");
         assert!(problems.iter().all(|p| !p.help.is_empty()), "{file}: {problems:?}");
     }
+    // Without its pyramids, the file of HyperMesh (Nastran) has the cells that meshio counts.
+    let path = meshes().join("third-party/meshio/cylinder.fem");
+    let found = read(&path, true).unwrap_or_else(|problems| panic!("{problems:?}")).mesh;
+    let count = |shape| found.elements.iter().filter(|e| e.shape == shape).count();
+    let counts = [Shape::Quad4, Shape::Tri3, Shape::Tet4].map(count);
+    assert_eq!((found.nodes.len(), counts), (33, [18, 4, 63]));
 }
 
 /// The same mesh in all forms that Gmsh writes: a block of solids, a plate, and the top of the

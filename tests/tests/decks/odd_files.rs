@@ -92,8 +92,7 @@ fn paths_of_other_machines_are_found_next_to_the_deck() {
     }
 }
 
-/// The id line of a solid may be padded with zeros; solids of ten nodes are named, not read as
-/// eight.
+/// The id line of a solid may be padded with zeros; solids of ten nodes are not read as eight.
 #[test]
 fn solids_on_two_lines_may_have_zeros_on_the_first() {
     let old = "1,2,1,2,3,4,5,6,7,8\n";
@@ -107,8 +106,8 @@ fn solids_on_two_lines_may_have_zeros_on_the_first() {
     assert_eq!(passes(fixed.as_bytes()).mesh.elements, passes(plain().as_bytes()).mesh.elements);
     for first in ["1,2\n", "1,2,0,0,0,0,0,0,0,0\n"] {
         let ten = plain().replace(old, &format!("{first}1,2,3,5,4,6,7,8,11,12\n"));
-        let report = reading(ten.as_bytes(), &[]).err().expect("it is refused");
-        assert!(report.contains("element 1 is a tetrahedron of ten nodes"), "{report}");
+        let report = reading(ten.as_bytes(), &[]).err().expect("its nodes are those of a cube");
+        assert!(report.contains("is inverted or twisted"), "{report}");
     }
     let eight = plain().replace("1,1,11,12,15,14\n", "1,1,11,12,15,14,1,2,3,4\n");
     let report = reading(eight.as_bytes(), &[]).err().expect("it is refused");

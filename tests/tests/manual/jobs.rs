@@ -97,3 +97,20 @@ fn the_complete_job_of_the_guide_is_read() {
     let warnings: Vec<String> = model.warnings.iter().map(|w| format!("{w:?}")).collect();
     assert!(warnings.is_empty(), "{warnings:?}");
 }
+
+/// The schema for editors allows a rule where a key names a node set.
+#[test]
+fn a_rule_in_the_place_of_a_set_fits_the_schema() {
+    let schema = jsonschema::draft7::new(&schema_of_parts()).expect("a sound schema");
+    let errors = |row: &crumple::input::job::node_sets::SetKey, value: &str| {
+        let job = json(&format!("[[{}]]\n{} = {value}\n", row.list, row.key)).unwrap();
+        schema.iter_errors(&job).map(|error| error.to_string()).collect::<Vec<_>>()
+    };
+    for row in crumple::input::job::node_sets::SET_KEYS {
+        let nested = "{ rule = \"union\", sets = [\"a\", { rule = \"nodes\", ids = [1] }] }";
+        for value in ["\"a\"", nested] {
+            assert_eq!(errors(row, value), Vec::<String>::new(), "{}.{}", row.list, row.key);
+        }
+        assert!(!errors(row, "{ rule = \"plain\" }").is_empty(), "{}.{}", row.list, row.key);
+    }
+}

@@ -14,21 +14,25 @@ const E: f64 = 207.0;
 /// `all` holds its nodes, `edge` those at x = 0, `lower` the first half. `rest` is the rest of
 /// the job.
 fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Model {
+    model_of(&plate_text(side, n, thickness, end_time, rest), &[])
+}
+
+/// Returns the text of the job of [`plate`].
+fn plate_text(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> String {
     let mut scene = Scene::default();
     let at = |i: usize| side * i as f64 / n as f64;
     let grid = scene.lattice(1, [n, n], |i, j| [at(i), at(j), 0.0]);
     scene.set_named("all", grid.all());
     scene.set_named("edge", &grid.row(0));
     scene.set_named("lower", &grid.all()[..grid.all().len() / 2]);
-    let text = format!(
+    format!(
         "end_time = {end_time:?}\n{}\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\n\
          density = {RHO:?}\n\
          youngs_modulus = {E:?}\npoisson = 0.3\n[[part]]\nid = 1\nmaterial = \"steel\"\n\
          thickness = {thickness:?}\n{rest}",
         scene.mesh_text()
-    );
-    model_of(&text, &[])
+    )
 }
 
 /// The energy balance at whole times, as in history rows.
@@ -311,4 +315,113 @@ fn bits_do_not_depend_on_workers() {
         let parallel = run_side_by_side(&model, workers, 400, force);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
     }
+}
+
+/// A plate falls freely, is led at a constant velocity for a while, and falls on with this
+/// velocity: `z = v (t2 - t1) - g t1^2/2 + v (t - t2) - g (t - t2)^2/2`, except for the steps at
+/// which it begins and ends. The work of the motion is in the balance.
+#[test]
+fn a_motion_begins_and_ends() {
+    let (g, v, [birth, death], end) = (0.5, 2.0, [0.3, 0.7], 1.0);
+    let rest = format!(
+        "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[motion]]\nnodes = \"all\"\n\
+         dofs = [\"z\"]\nvelocity = [0.0, 0.0, {v:?}]\nbirth = {birth:?}\ndeath = {death:?}\n",
+        -g
+    );
+    let model = plate(10.0, 2, 1.0, end, &rest);
+    let mut balance: Option<Balance> = None;
+    let (mut worst, mut dt) = (0.0f64, 0.0f64);
+    let last = run_alone(&model, |e| {
+        balance.get_or_insert_with(|| Balance::from(0.0)).record(e);
+        dt = dt.max(e.clock.dt);
+        let t = e.clock.time;
+        let fall = |t: f64| -0.5 * g * t * t;
+        let expected = if t <= birth {
+            fall(t)
+        } else if t <= death {
+            fall(birth) + v * (t - birth)
+        } else {
+            fall(birth) + v * (t - birth) + fall(t - death)
+        };
+        worst = worst.max((e.nodes.x[0][2] - expected).abs());
+    });
+    assert!(last.clock.time > death, "{}", last.clock.time);
+    assert!(worst < 3.0 * v * dt, "three steps: {worst:e} {dt:e}");
+    assert!(last.nodes.fixed.iter().all(|f| *f == 0), "all are free at the end");
+    let balance = balance.unwrap();
+    assert!(balance.left < 1e-9 * balance.work.abs(), "{} {}", balance.left, balance.work);
+    let one = run_side_by_side(&model, 1, 1_000_000, 0).digest();
+    for workers in [2, 3] {
+        assert_eq!(run_side_by_side(&model, workers, 1_000_000, 0).digest(), one);
+    }
+}
+
+/// Two motions in the same direction may follow each other, but not overlap. A rigid body is led
+/// in a window in the same way.
+#[test]
+fn motions_follow_each_other() {
+    let motion = |v: f64, birth: f64, death: f64, of: &str| {
+        format!(
+            "[[motion]]\n{of}\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, {v:?}]\nbirth = {birth:?}\n\
+             death = {death:?}\n"
+        )
+    };
+    for (of, body) in [
+        ("nodes = \"all\"", ""),
+        ("rigid = \"one\"", "[time]\ndt_max = 1e-3\n[[rigid]]\nname = \"one\"\nparts = [1]\n"),
+    ] {
+        let both = motion(1.0, 0.0, 0.4, of) + &motion(-3.0, 0.4, 0.6, of);
+        let model = plate(10.0, 2, 1.0, 1.0, &format!("{body}{both}"));
+        let mut dt = 0.0f64;
+        let end = run_alone(&model, |e| dt = dt.max(e.clock.dt));
+        // Free flight with the last velocity from 0.6 on.
+        let expected = 0.4 - 3.0 * (end.clock.time - 0.4);
+        let z = end.nodes.x[0][2];
+        assert!((z - expected).abs() < 12.0 * dt, "{of}: {z} {expected} {dt}");
+    }
+    let overlap =
+        motion(1.0, 0.0, 0.4, "nodes = \"all\"") + &motion(-3.0, 0.3, 0.6, "nodes = \"all\"");
+    let text = plate_text(10.0, 2, 1.0, 1.0, &overlap);
+    let report = crumple::input::job::read_text("job.toml".into(), text, &[]).err().unwrap();
+    assert!(report.to_string().contains("not free to follow a motion"), "{report}");
+}
+
+/// Gravity on one of two parts with common nodes gives them the momentum `m g t` with the mass m of
+/// this part, and the work of this force.
+#[test]
+fn gravity_acts_on_parts() {
+    let g = 9.81e-3;
+    let mut scene = Scene::default();
+    let first = scene.lattice(1, [2, 2], |i, j| [5.0 * i as f64, 5.0 * j as f64, 0.0]);
+    let shared = first.row(2);
+    // The second part begins at the last row of the first one.
+    let next: Vec<u32> = (0..3).map(|j| scene.node([15.0, 5.0 * f64::from(j), 0.0])).collect();
+    for j in 0..2 {
+        scene.shell(2, &[shared[j], next[j], next[j + 1], shared[j + 1]]);
+    }
+    let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+    let text = format!(
+        "end_time = 0.5\n{}[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
+         law = \"elastic\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.3\n{}{}\
+         [[gravity]]\nacceleration = [0.0, 0.0, {:?}]\nparts = [2]\n",
+        scene.mesh_text(),
+        part(1),
+        part(2),
+        -g
+    );
+    let model = model_of(&text, &[]);
+    let mass = RHO * 5.0 * 10.0;
+    let mut worst = 0.0f64;
+    let mut balance = Balance::from(0.0);
+    let end = run_alone(&model, |e| {
+        balance.record(e);
+        let p = crumple_worker::energy::momentum(&e.nodes).0[2];
+        // Velocities are those in the middle of the last step.
+        let expected = -mass * g * (e.clock.time - 0.5 * e.clock.last_dt);
+        worst = worst.max((p - expected).abs() / (mass * g * 0.5));
+    });
+    assert!(worst < 1e-9, "{worst:e}");
+    assert!(end.clock.time >= 0.5 && balance.left < 1e-3 * balance.work.abs());
+    let one = run_side_by_side(&model, 1, 100, 0).digest();
+    assert_eq!(run_side_by_side(&model, 3, 100, 0).digest(), one);
 }

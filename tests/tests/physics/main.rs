@@ -11,6 +11,7 @@ mod rigid;
 mod sections;
 mod solids;
 mod springs;
+mod switches;
 mod ties;
 mod trusses;
 mod walls;

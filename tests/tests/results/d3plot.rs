@@ -2,6 +2,7 @@
 //! bit for bit with the field files: deploy/read_d3plot.py. Without such a reader the tests
 //! check only the files from outside.
 
+use crumple_proto::mesh::MeshElement;
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use crumple_tests::tools;
 use crumple_verification::scene::Scene;
@@ -60,6 +61,64 @@ fn shells_read_back() {
     }
 }
 
+/// All points through the thickness, three and five of them; strains of a sheet that is stretched
+/// by a tenth: ln 1.1 along, and at both surfaces.
+#[test]
+fn points_and_strains_read_back() {
+    for points in ["3", "5"] {
+        let more = format!("part.1.points={points}");
+        let args = ["run", "cases/tube-crush", "--quiet", "--no-report", "--workers", "2"];
+        let sets = ["--set", "output.points=true", "--set", "time.max_cycles=400", "--set", &more];
+        let ended = run(crumple_with(&[&args[..], &sets].concat()));
+        if let Some(said) = export_and_read(&ended, "100", 2) {
+            assert!(said.contains(&format!("{points} points of shells")), "{said}");
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sheet.toml");
+    fs::write(
+        &path,
+        r#"
+        end_time = 0.1
+        [mesh]
+        nodes = [[1, 0.0, 0.0, 0.0], [2, 10.0, 0.0, 0.0], [3, 10.0, 10.0, 0.0], [4, 0.0, 10.0, 0.0]]
+        shells = [[1, 1, 1, 2, 3, 4]]
+        [[material]]
+        name = "steel"
+        law = "elastic"
+        density = 7.85e-6
+        youngs_modulus = 210.0
+        poisson = 0.3
+        [[part]]
+        id = 1
+        material = "steel"
+        thickness = 1.0
+        [output]
+        field_interval = 0.1
+        d3plot = true
+        strains = true
+        [[curve]]
+        name = "ramp"
+        points = [[0.0, 0.0], [0.1, 1.0]]
+        [[motion]]
+        nodes = { rule = "nodes", ids = [1, 4] }
+        velocity = [0.0, 0.0, 0.0]
+        [[motion]]
+        nodes = { rule = "nodes", ids = [2, 3] }
+        displacement = [1.0, 0.0, 0.0]
+        curve = "ramp"
+        "#,
+    )
+    .unwrap();
+    let ended = run(crumple_with(&["run", &path.to_string_lossy(), "--quiet"])).with_code(0);
+    let Some(python) = tools::python("lasso.dyna, pyvista") else { return };
+    let mut reader = Command::new(python);
+    reader.arg(root().join("deploy/read_d3plot.py")).arg(ended.out());
+    let said = run(reader).with_code(0).said();
+    let strain = (1.1_f64).ln();
+    assert!(said.contains(&format!("strains of shells: {strain:.4} at most")), "{said}");
+}
+
 /// Solids, written at the end of the run because the job requests it.
 #[test]
 fn solids_read_back() {
@@ -73,6 +132,26 @@ fn solids_read_back() {
                 && said.contains("0 shells, 7152 solids, 0 gone: all agrees"),
             "{said}"
         );
+    }
+}
+
+/// Tetrahedra with four and ten nodes and wedges, of which the format has the corners.
+#[test]
+fn tetrahedra_and_wedges_read_back() {
+    for (nodes, count) in [("4", 384), ("6", 128), ("10", 384)] {
+        let cut = format!("scene.nodes={nodes}");
+        let args = ["run", "cases/block", "--quiet", "--no-report", "--workers", "2"];
+        let sets = ["--set", &cut, "--end-time", "0.05", "--set", "output.exodus=true"];
+        let ended = run(crumple_with(&[&args[..], &sets].concat())).with_code(0);
+        let Some(said) = export_and_read(&ended, "100", 2) else { continue };
+        assert!(said.contains(&format!("0 shells, {count} solids, 0 gone: all agrees")), "{said}");
+        let mut reader = Command::new(tools::python("pyvista").expect("it was there"));
+        reader.arg(root().join("deploy/read_exodus.py")).arg(ended.out());
+        run(reader).with_code(0);
+        // The file is a mesh too.
+        let mesh = crumple::input::exodus::read(&ended.out().join("fields.exo")).unwrap();
+        let of_kind = |e: &&MeshElement| e.corners().len().to_string() == nodes;
+        assert_eq!(mesh.elements.iter().filter(of_kind).count(), count);
     }
 }
 

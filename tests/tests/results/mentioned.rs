@@ -2,7 +2,7 @@
 //! of each run are judged again, without the code that warns.
 
 use crumple::results::field_file::{PieceArrays, pieces, steps};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{MAX_CORNERS, Shape};
 use crumple_proto::quality::corner_jacobians;
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use std::collections::{BTreeMap, BTreeSet};
@@ -93,7 +93,7 @@ fn of_histories(dir: &Path) -> Expected {
 /// Returns the smallest ratio of the Jacobian at a corner of an element to its value at the start,
 /// over all field files.
 fn least_jacobian(dir: &Path) -> f64 {
-    let mut first: BTreeMap<i64, [f64; 8]> = BTreeMap::new();
+    let mut first: BTreeMap<i64, [f64; MAX_CORNERS]> = BTreeMap::new();
     let mut least = f64::INFINITY;
     for step in steps(&dir.join("fields/fields.pvd")).unwrap() {
         for piece in pieces(&step.file).unwrap() {
@@ -112,6 +112,7 @@ fn least_jacobian(dir: &Path) -> f64 {
                     10 => Shape::Tet4,
                     12 => Shape::Hex8,
                     13 => Shape::Wedge6,
+                    24 => Shape::Tet10,
                     _ => continue,
                 };
                 let at = |&n: &i64| [0, 1, 2].map(|c| points[3 * n as usize + c]);

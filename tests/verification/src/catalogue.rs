@@ -168,7 +168,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "B01",
         "Taylor bar, linear hardening",
-        &[taylor::COARSE, taylor::FINE, taylor::WALL],
+        &[taylor::COARSE, taylor::FINE, taylor::WALL, taylor::OTHER_SOLIDS],
         "the perfectly plastic variant of Abaqus",
     ),
     entry(

@@ -184,6 +184,7 @@ fn refuse_repeats(outcomes: &mut [Outcome]) {
 
 fn write(out: &Path, report: &report::Report<'_>) -> std::io::Result<()> {
     std::fs::write(out.join("VERIFICATION.md"), report.markdown())?;
+    std::fs::write(out.join("VERIFICATION_ROWS.md"), report.rows())?;
     std::fs::write(out.join("verification.json"), report.json())
 }
 

@@ -1,4 +1,4 @@
-//! The table of all rows, as Markdown and as JSON.
+//! One line for each case and the table of all rows, as Markdown, and all as JSON.
 
 use super::row::{CheckRow, short};
 use super::{Entry, Outcome};
@@ -17,14 +17,25 @@ pub struct Report<'a> {
 
 const HEAD: &str = "# Verification
 
-Written by `crumple verify`: computed values and exact, published or computed references, in SI
-units. A row is one quantity of a run. Its variant names contact law, element and mesh. Marks of the
-sources: [V] read in the cited source, [D] derived, [C] computed with an independent program, [U]
-not verified. Rows without a tolerance are shown for orientation only.
+Written by `crumple verify`: computed values compared with exact, published or computed references.
+A line is one case. `bound` counts its quantities with a bound, `outside` those outside it. The last
+columns name the quantity that uses most of its tolerance: the deviation over the allowed one, above
+1 if it is outside. All quantities are in [the table of rows](VERIFICATION_ROWS.md).
+";
+
+const HEAD_OF_ROWS: &str = "# Verification: all rows
+
+Written by `crumple verify`, in SI units. A row is one quantity of a run. Its variant names contact
+law, element and mesh. Marks of the sources: [V] read in the cited source, [D] derived, [C] computed
+with an independent program, [U] not verified. Rows without a tolerance are shown for orientation
+only.
+
+| case | quantity | variant | reference | ours | error | tolerance | source | |
+|---|---|---|---|---|---|---|---|---|
 ";
 
 impl Report<'_> {
-    /// Returns the table as Markdown.
+    /// Returns one line for each case as Markdown, with known shortcomings and what is missing.
     pub fn markdown(&self) -> String {
         let mut text = String::from(HEAD);
         let rows = || self.outcomes.iter().filter_map(|o| o.rows.as_ref().ok()).flatten();
@@ -40,24 +51,9 @@ impl Report<'_> {
              {failed} outside it; {broken} checks could not be run.\n",
             self.entries.len()
         );
-        text.push_str(
-            "| case | quantity | variant | reference | ours | error | tolerance | source | |\n",
-        );
-        text.push_str("|---|---|---|---|---|---|---|---|---|\n");
-        for entry in self.entries {
-            for outcome in self.outcomes(entry) {
-                match &outcome.rows {
-                    Ok(rows) => rows.iter().for_each(|r| text.push_str(&line(entry.id, r))),
-                    Err(why) => {
-                        let _ = writeln!(
-                            text,
-                            "| {} | {} | | | | | | {why} | **FAIL** |",
-                            entry.id, outcome.name
-                        );
-                    }
-                }
-            }
-        }
+        text.push_str("| case | subject | bound | outside | nearest to its bound | share |\n");
+        text.push_str("|---|---|---|---|---|---|\n");
+        self.entries.iter().for_each(|entry| text.push_str(&self.summary(entry)));
         let known = || rows().filter(|r| !r.known.is_empty());
         if known().next().is_some() {
             text.push_str("\n## Known shortcomings\n\n");
@@ -87,6 +83,46 @@ impl Report<'_> {
             );
             for e in open {
                 let _ = writeln!(text, "| {} | {} | {} |", e.id, e.title, e.open);
+            }
+        }
+        text
+    }
+
+    /// Returns the line of a case.
+    fn summary(&self, entry: &Entry) -> String {
+        let rows = || self.outcomes(entry).filter_map(|o| o.rows.as_ref().ok()).flatten();
+        let bound = rows().filter(|r| r.verdict() != "recorded").count();
+        let outside = rows().filter(|r| !r.passes()).count();
+        let shares = rows().filter_map(|r| Some((r.share().filter(|s| !s.is_nan())?, r)));
+        let nearest = shares.max_by(|a, b| a.0.total_cmp(&b.0));
+        let (name, share) = nearest.map_or((String::new(), String::new()), |(share, r)| {
+            (format!("{}, {}", r.quantity.replace('|', "\\|"), r.variant), format!("{share:.2}"))
+        });
+        let broken: String = self
+            .outcomes(entry)
+            .filter_map(|o| Some(format!("; **{}: {}**", o.name, o.rows.as_ref().err()?)))
+            .collect();
+        format!(
+            "| {} | {}{broken} | {bound} | {outside} | {name} | {share} |\n",
+            entry.id, entry.title
+        )
+    }
+
+    /// Returns the table of all rows as Markdown.
+    pub fn rows(&self) -> String {
+        let mut text = String::from(HEAD_OF_ROWS);
+        for entry in self.entries {
+            for outcome in self.outcomes(entry) {
+                match &outcome.rows {
+                    Ok(rows) => rows.iter().for_each(|r| text.push_str(&line(entry.id, r))),
+                    Err(why) => {
+                        let _ = writeln!(
+                            text,
+                            "| {} | {} | | | | | | {why} | **FAIL** |",
+                            entry.id, outcome.name
+                        );
+                    }
+                }
             }
         }
         text

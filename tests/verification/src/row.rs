@@ -118,6 +118,17 @@ impl CheckRow {
         }
     }
 
+    /// Returns the deviation over the allowed one; `None` if the bound is one-sided or there is
+    /// none.
+    pub fn share(&self) -> Option<f64> {
+        match self.tolerance {
+            Tolerance::Relative(allowed) | Tolerance::Absolute(allowed) if allowed > 0.0 => {
+                Some(self.error().abs() / allowed)
+            }
+            _ => None,
+        }
+    }
+
     /// Returns the verdict in a word.
     pub fn verdict(&self) -> &'static str {
         match (self.passes(), self.tolerance) {

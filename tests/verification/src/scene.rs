@@ -1,6 +1,8 @@
 //! Builder of meshes and jobs: mesh rows by code, the rest as the text of a job file. Tests with
 //! their own job text take [`Scene::mesh_text`] only. Units are SI, unless a scene has others.
 
+use crumple_proto::mesh::EDGES_OF_TET10;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Steel of the catalogue: Young's modulus [Pa], Poisson's ratio, density [kg/m^3].
@@ -34,6 +36,32 @@ impl Elastic {
     }
 }
 
+/// How cubes are cut into elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Cut {
+    /// One hexahedron.
+    #[default]
+    Whole,
+    /// Six tetrahedra around a diagonal.
+    Tetrahedra,
+    /// Two wedges.
+    Wedges,
+    /// Six tetrahedra with nodes in the middle of their edges.
+    QuadraticTetrahedra,
+}
+
+impl Cut {
+    /// Returns the name of the elements.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cut::Whole => "hexahedron",
+            Cut::Tetrahedra => "tetrahedron",
+            Cut::Wedges => "wedge",
+            Cut::QuadraticTetrahedra => "ten-node tetrahedron",
+        }
+    }
+}
+
 /// Builder of a job; ids of nodes and elements count from 1, until [`Scene::renumber`] changes
 /// them.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +69,10 @@ pub struct Scene {
     end_time: f64,
     units: &'static str,
     nodes: Vec<[f64; 3]>,
+    /// How cubes are cut into elements.
+    cut: Cut,
+    /// Nodes in the middle between two nodes.
+    middles: BTreeMap<[u32; 2], u32>,
     shells: Vec<Vec<u32>>,
     solids: Vec<Vec<u32>>,
     beams: Vec<Vec<u32>>,
@@ -150,15 +182,60 @@ impl Scene {
         self.thicknesses.push((shell, thickness));
     }
 
-    /// Adds a solid of a part: a face whose normal points into it, then the opposite nodes. Ids
-    /// follow those of the shells.
-    pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
-        self.solid_of(part, &corners);
+    /// Cuts the solids that are added from now on.
+    pub fn cut(&mut self, cut: Cut) {
+        self.cut = cut;
     }
 
-    /// Adds a tetrahedron, a wedge or a hexahedron, by the number of corners.
+    /// Adds a solid of a part, cut as [`Scene::cut`] says: a face whose normal points into it, then
+    /// the opposite nodes. Ids follow those of the shells.
+    pub fn solid(&mut self, part: u32, c: [u32; 8]) {
+        match self.cut {
+            Cut::Whole => self.solid_of(part, &c),
+            Cut::Tetrahedra | Cut::QuadraticTetrahedra => {
+                let around = [1, 2, 3, 7, 4, 5].map(|k: usize| c[k]);
+                for i in 0..6 {
+                    let corners = [c[0], around[i], around[(i + 1) % 6], c[6]];
+                    match self.cut {
+                        Cut::Tetrahedra => self.solid_of(part, &corners),
+                        _ => self.quadratic_tetrahedron(part, corners),
+                    }
+                }
+            }
+            Cut::Wedges => {
+                self.solid_of(part, &[c[0], c[1], c[2], c[4], c[5], c[6]]);
+                self.solid_of(part, &[c[0], c[2], c[3], c[4], c[6], c[7]]);
+            }
+        }
+    }
+
+    /// Adds a tetrahedron, a wedge or a hexahedron, by the number of nodes.
     pub fn solid_of(&mut self, part: u32, corners: &[u32]) {
         self.solids.push(std::iter::once(part).chain(corners.iter().copied()).collect());
+    }
+
+    /// Adds a tetrahedron with nodes in the middle of its edges, which it has in common with its
+    /// neighbours.
+    fn quadratic_tetrahedron(&mut self, part: u32, c: [u32; 4]) {
+        let middles = EDGES_OF_TET10.map(|[a, b]: [usize; 2]| self.middle(c[a], c[b]));
+        self.solid_of(part, &[&c[..], &middles[..]].concat());
+    }
+
+    /// Returns the node in the middle between two nodes, which is added if there is none yet.
+    fn middle(&mut self, a: u32, b: u32) -> u32 {
+        let ends = [a.min(b), a.max(b)];
+        if let Some(&node) = self.middles.get(&ends) {
+            return node;
+        }
+        let [from, to] = ends.map(|n| self.at(n));
+        let node = self.node([0, 1, 2].map(|c| 0.5 * (from[c] + to[c])));
+        self.middles.insert(ends, node);
+        node
+    }
+
+    /// Returns the nodes in the middle between two nodes, with these.
+    pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], u32)> {
+        self.middles.iter().map(|(&ends, &node)| (ends, node))
     }
 
     /// Adds a beam of a part between two nodes. The second axis of its section points towards

@@ -7,8 +7,11 @@ use std::collections::HashMap;
 /// Box of nodes, n + 1 each way.
 #[derive(Clone, Debug)]
 pub struct Block {
+    /// Nodes of the grid, then those in the middle of edges.
     nodes: Vec<u32>,
     n: [usize; 3],
+    /// Twice the steps of the nodes in the middle of edges.
+    middles: Vec<[usize; 3]>,
 }
 
 impl Block {
@@ -24,7 +27,10 @@ impl Block {
 
     /// Returns the nodes at step `at` along axis `c`.
     pub fn layer(&self, c: usize, at: usize) -> Vec<u32> {
-        steps(self.n).filter(|s| s[c] == at).map(|s| self.at(s)).collect()
+        let on_grid = steps(self.n).filter(|s| s[c] == at).map(|s| self.at(s));
+        let middles = &self.nodes[self.nodes.len() - self.middles.len()..];
+        let on_edges = self.middles.iter().zip(middles).filter(|(s, _)| s[c] == 2 * at);
+        on_grid.chain(on_edges.map(|(_, &node)| node)).collect()
     }
 
     /// Returns the nodes of the last layer along axis `c`.
@@ -100,13 +106,21 @@ impl Scene {
                 }
             })
             .collect();
-        let block = Block { nodes, n };
+        let mut block = Block { nodes, n, middles: Vec::new() };
         for [i, j, k] in steps(n.map(|n| n - 1)) {
             let face = |k: usize| {
                 [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|s| block.at(s))
             };
             let (below, above) = (face(k), face(k + 1));
             self.solid(part, std::array::from_fn(|c| if c < 4 { below[c] } else { above[c - 4] }));
+        }
+        let step_of: HashMap<u32, [usize; 3]> =
+            steps(n).map(|step| (block.at(step), step)).collect();
+        for (ends, node) in self.middles() {
+            if let [Some(a), Some(b)] = ends.map(|end| step_of.get(&end)) {
+                block.nodes.push(node);
+                block.middles.push([0, 1, 2].map(|c| a[c] + b[c]));
+            }
         }
         block
     }

@@ -293,8 +293,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
         let corners = shape.faces()[face];
         let mut behind = [NOT_LOCAL; 4];
         if !shell {
-            let others = (0..shape.corners()).filter(|c| !corners.contains(c));
-            behind.iter_mut().zip(others).for_each(|(b, c)| *b = e.nodes[c]);
+            behind.iter_mut().zip(shape.behind(face)).for_each(|(b, c)| *b = e.nodes[c]);
         }
         Segment {
             id: SegmentId::new(e.record.id, face),

@@ -19,6 +19,7 @@ use crate::step_data::StepData;
 use crate::time::ElementSet;
 use crumple_math::row::{Row, xyz};
 use crumple_proto::ids::ElemId;
+use crumple_proto::mesh::MAX_CORNERS;
 use crumple_proto::partition::{ElementRecord, Settings};
 use crumple_proto::transport::thread_cpu;
 
@@ -28,7 +29,7 @@ pub struct LocalElement {
     /// The element as it is sent to other workers.
     pub record: ElementRecord,
     /// Local nodes of the corners; the last one is repeated.
-    pub nodes: [u32; 8],
+    pub nodes: [u32; MAX_CORNERS],
     /// True if one of its nodes is shared with another worker.
     pub shared: bool,
     /// Its class at the last renewal; an element with a shared node is an interface element.
@@ -522,8 +523,8 @@ impl Blocks {
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
                 let (m, j) = b.element.corner_mass(&x, e.record.own);
                 for c in 0..e.record.shape.corners() {
-                    self.force[slot + c] =
-                        [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
+                    let factor = e.record.mass_factor * e.record.shape.mass_share(c);
+                    self.force[slot + c] = [m * factor, j * factor, 0.0, 0.0];
                 }
             }
         }

@@ -31,6 +31,7 @@ pub fn settings() -> Settings {
         histories: Default::default(),
         field_dir: String::new(),
         contact_forces: false,
+        field_points: 0,
         checkpoint: Default::default(),
         materials: Vec::new(),
         parts: Vec::new(),

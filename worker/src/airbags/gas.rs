@@ -110,7 +110,16 @@ impl GasModel {
     }
 
     /// Lets gas in and out from `time` to `time + dt` in a constant volume.
-    pub fn exchange(&self, gas: &mut Gas, volume: f64, time: f64, dt: f64) {
+    ///
+    /// # Errors
+    /// More gas leaves in a part of the step than there is.
+    pub fn exchange(
+        &self,
+        gas: &mut Gas,
+        volume: f64,
+        time: f64,
+        dt: f64,
+    ) -> Result<(), &'static str> {
         let gauge = self.pressure(gas, volume) - self.ambient;
         for (open, vent) in gas.open.iter_mut().zip(&self.law.vents) {
             *open |= gauge >= vent.opening_pressure;
@@ -126,31 +135,42 @@ impl GasModel {
             let at = time + part as f64 * h;
             let first = self.outflow(gas, volume, at);
             let mut middle = gas.clone();
-            middle.mass = (gas.mass + 0.5 * (mass_in - h * first.mass)).max(0.0);
-            middle.energy = (gas.energy + 0.5 * (enthalpy_in - h * first.enthalpy)).max(0.0);
+            middle.mass += 0.5 * (mass_in - h * first.mass);
+            middle.energy += 0.5 * (enthalpy_in - h * first.enthalpy);
             let out = self.outflow(&middle, volume, at + 0.5 * h);
-            // No more can leave than is there.
-            let there = gas.mass + mass_in;
-            let h = if h * out.mass > there { there / out.mass } else { h };
             let (mass_out, enthalpy_out) = (h * out.mass, h * out.enthalpy);
             gas.mass += mass_in - mass_out;
-            gas.energy = (gas.energy + enthalpy_in - enthalpy_out).max(0.0);
+            gas.energy += enthalpy_in - enthalpy_out;
+            if !(middle.mass >= 0.0 && gas.mass >= 0.0 && gas.energy >= 0.0) {
+                return Err("more gas leaves in a step than it has. Correct its vents and units");
+            }
             gas.exchanged[1] += mass_out;
             gas.enthalpy[1] += enthalpy_out;
         }
         gas.exchanged[0] += source.mass;
         gas.enthalpy[0] += source.enthalpy;
+        Ok(())
     }
 
     /// Changes the volume, from one where the pressure on the surface is `pressure`. Returns the
-    /// work of the gas; the energy is NaN if the volume becomes too small for one step.
-    pub fn expand(&self, gas: &mut Gas, pressure: f64, [from, to]: [f64; 2]) -> f64 {
+    /// work of the gas.
+    ///
+    /// # Errors
+    /// The volume changes too much for one step.
+    pub fn expand(
+        &self,
+        gas: &mut Gas,
+        pressure: f64,
+        [from, to]: [f64; 2],
+    ) -> Result<f64, &'static str> {
         let half = 0.5 * (to - from);
         let share = 1.0 + half * (self.exponent() - 1.0) / to;
         let energy = (gas.energy - pressure * half) / share;
-        let work = gas.energy - energy;
-        gas.energy = if share > 0.0 && energy >= 0.0 { energy } else { f64::NAN };
-        work
+        if !(share > 0.0 && energy >= 0.0) {
+            return Err("its volume changes too much in one step. Reduce `time.safety`, or give \
+                        it an `added_volume`");
+        }
+        Ok(std::mem::replace(&mut gas.energy, energy) - energy)
     }
 
     /// Returns the mass and enthalpy that the sources add from `time` to `time + dt`.
@@ -218,7 +238,7 @@ mod tests {
             GasInflow { rate: 2.0, curve: None, temperature: 400.0, temperature_curve: None };
         let model = GasModel::new(&GasLaw { inflows: vec![inflow], ..law(0.0) }, 0.0, &[]);
         let mut gas = model.start(3.0);
-        (0..50).for_each(|i| model.exchange(&mut gas, 3.0, 0.1 * f64::from(i), 0.1));
+        (0..50).for_each(|i| model.exchange(&mut gas, 3.0, 0.1 * f64::from(i), 0.1).unwrap());
         assert!((model.temperature(&gas) / (400.0 * CP / CV) - 1.0).abs() < 1e-12);
         assert!((gas.mass - 10.0).abs() < 1e-12 && gas.exchanged[0] == gas.mass);
         let pressure = 10.0 * (CP - CV) * 400.0 * CP / CV / 3.0;
@@ -234,7 +254,7 @@ mod tests {
             let volume = |i: i32| 4.0 - 2.5 * f64::from(i) / f64::from(steps);
             for i in 0..steps {
                 let pressure = model.pressure(&gas, volume(i));
-                work += model.expand(&mut gas, pressure, [volume(i), volume(i + 1)]);
+                work += model.expand(&mut gas, pressure, [volume(i), volume(i + 1)]).unwrap();
             }
             assert!((gas.energy + work - 8.0 / (CP / CV - 1.0)).abs() < 1e-10);
             model.pressure(&gas, 1.5) / (2.0 * (4.0f64 / 1.5).powf(CP / CV)) - 1.0
@@ -271,7 +291,7 @@ mod tests {
         gas.open = vec![true];
         let tau = gas.mass / model.outflow(&gas, 1.0, 0.0).mass;
         let energy = gas.energy;
-        (0..100).for_each(|i| model.exchange(&mut gas, 1.0, 0.01 * tau * f64::from(i), 0.01 * tau));
+        (0..100).for_each(|i| model.exchange(&mut gas, 1.0, 0.01 * tau * f64::from(i), 0.01 * tau).unwrap());
         let exact = 50.0 * (1.0 + 0.5 * (g - 1.0)).powf(-2.0 * g / (g - 1.0));
         assert!(exact > 2.0, "still choked: {exact}");
         let error = model.pressure(&gas, 1.0) / exact - 1.0;
@@ -285,15 +305,33 @@ mod tests {
         let law = GasLaw { vents: vec![vent(0.2, 3.0)], ..law(3.0) };
         let model = GasModel::new(&law, 1.0, &[]);
         let mut gas = model.start(1.0);
-        model.exchange(&mut gas, 1.0, 0.0, 1.0);
+        model.exchange(&mut gas, 1.0, 0.0, 1.0).unwrap();
         assert_eq!((gas.exchanged[1], gas.open[0]), (0.0, false), "a gauge pressure of 2");
-        model.exchange(&mut gas, 0.5, 1.0, 1e-3);
+        model.exchange(&mut gas, 0.5, 1.0, 1e-3).unwrap();
         assert!(gas.exchanged[1] > 0.0 && gas.open[0], "a gauge pressure of 5");
-        (0..2000).for_each(|i| model.exchange(&mut gas, 1.0, f64::from(i), 1.0));
+        (0..2000).for_each(|i| model.exchange(&mut gas, 1.0, f64::from(i), 1.0).unwrap());
         let pressure = model.pressure(&gas, 1.0);
         assert!((pressure - 1.0).abs() < 1e-2, "the ambient pressure: {pressure}");
         let left = gas.mass;
-        model.exchange(&mut gas, 2.0, 0.0, 1.0);
+        model.exchange(&mut gas, 2.0, 0.0, 1.0).unwrap();
         assert_eq!(gas.mass, left, "below the ambient pressure");
+    }
+
+    /// A vent that would empty the gas within a part of a step, and a volume that falls to a
+    /// hundredth in one step, are errors.
+    #[test]
+    fn a_gas_that_a_step_would_use_up_is_an_error() {
+        let rate = GasVent {
+            flow: VentFlow::Rate { points: vec![[0.0, 1e9]] },
+            opening_pressure: 0.0,
+        };
+        let model = GasModel::new(&GasLaw { vents: vec![rate], ..law(50.0) }, 1.0, &[]);
+        let mut gas = model.start(1.0);
+        let lost = model.exchange(&mut gas, 1.0, 0.0, 1.0).unwrap_err();
+        assert!(lost.starts_with("more gas leaves"), "{lost}");
+        let closed = GasModel::new(&law(50.0), 1.0, &[]);
+        let mut gas = closed.start(1.0);
+        let fallen = closed.expand(&mut gas, 50.0, [1.0, 0.01]).unwrap_err();
+        assert!(fallen.starts_with("its volume changes too much"), "{fallen}");
     }
 }

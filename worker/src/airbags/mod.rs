@@ -6,13 +6,15 @@
 //! it has the same bits for any number of workers; all workers compute the same gas.
 //!
 //! The pressure of a bag acts as a spring on all nodes of its surface at once. Its squared
-//! frequency is `-dp/dV sum of |G_a|^2/M_a` over nodes, where `G_a` are sums of `g_a`. With
-//! `|sum of g|^2 / sum of m <= sum of |g|^2/m`, the sum over all faces of `|g_a|^2/m_a`, with the
-//! masses of the corners of their elements, is an upper bound. By Irons & Treharne (1971) the
-//! squared frequency of the model is at most the sum of that of its elements and this one.
+//! frequency is `-dp/dV sum of |G_a|^2/M_a` over nodes, where `G_a` is the sum of `g_a` over the
+//! faces that meet at the node. If these are k, `|sum of g|^2 <= k sum of |g|^2`, so that the sum
+//! over all faces of `k |g_a|^2/M_a` is an upper bound. Constraints only lower the frequency
+//! ([`crate::constraints::Constraints::largest_inv_mass`]). By Irons & Treharne (1971) the squared
+//! frequency of the model is at most the sum of that of its elements and this one.
 
 mod gas;
 
+use crate::constraints::Constraints;
 use crate::curve::Curve;
 use crate::loads::Loads;
 use crate::nodes::Nodes;
@@ -30,7 +32,7 @@ use serde::{Deserialize, Serialize};
 pub struct BagSums {
     /// Terms of the volume [length^3].
     pub volume: ExactSum,
-    /// Sum of `|g_a|^2/m_a` over faces and corners that are free to move [length^4/mass].
+    /// Sum of `k |g_a|^2/M_a` over faces and corners [length^4/mass].
     pub softness: ExactSum,
 }
 
@@ -73,6 +75,8 @@ pub struct Airbags {
     words: Vec<i64>,
     /// Upper bound of the squared frequency due to all bags [1/time^2].
     frequency2: f64,
+    /// What is wrong with the first bag that has no valid next state; equal on all workers.
+    fault: Option<String>,
 }
 
 #[derive(Debug)]
@@ -110,6 +114,7 @@ impl Airbags {
             bags: loads.airbags.iter().map(bag).collect(),
             words: vec![0; 2 * WORDS * loads.airbags.len()],
             frequency2: 0.0,
+            fault: None,
         }
     }
 
@@ -120,9 +125,9 @@ impl Airbags {
 
     /// Returns the states of all airbags.
     pub fn state(&self) -> Vec<BagMemory> {
-        // A new field is an error here: state has to be added. The words belong to one step, and
-        // the frequency follows from the state when the next step begins.
-        let Self { bags, words: _, frequency2: _ } = self;
+        // A new field is an error here: state has to be added. The words belong to one step, the
+        // frequency follows from the state when the next step begins, and a fault ends the run.
+        let Self { bags, words: _, frequency2: _, fault: _ } = self;
         let of = |bag: &Bag| {
             let Bag { job: _, model: _, memory } = bag;
             memory.clone()
@@ -135,8 +140,8 @@ impl Airbags {
         self.bags.iter_mut().zip(states).for_each(|(bag, memory)| bag.memory = memory);
     }
 
-    /// Computes volumes and pressures at the present time, and hands the pressures to the loads.
-    /// Collective.
+    /// Computes volumes and pressures at the present time, and hands the pressures to the loads. If
+    /// a bag has no valid state there, it keeps the last one, and there is a fault. Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -144,11 +149,11 @@ impl Airbags {
         &mut self,
         comm: &mut dyn Transport,
         loads: &mut Loads,
-        nodes: &Nodes,
+        (nodes, constraints): (&Nodes, &Constraints),
         clock: Option<&Clock>,
     ) -> Result<(), RankLost> {
         let mut sums = vec![BagSums::default(); self.bags.len()];
-        loads.measure_airbags(nodes, &mut sums);
+        loads.measure_airbags(nodes, |n| constraints.largest_inv_mass(n, nodes), &mut sums);
         for (words, sum) in self.words.chunks_exact_mut(2 * WORDS).zip(&sums) {
             words[..WORDS].copy_from_slice(sum.volume.words());
             words[WORDS..].copy_from_slice(sum.softness.words());
@@ -158,7 +163,13 @@ impl Airbags {
         self.frequency2 = 0.0;
         for (bag, words) in self.bags.iter_mut().zip(self.words.chunks_exact(2 * WORDS)) {
             let [volume, softness] = [&words[..WORDS], &words[WORDS..]].map(ExactSum::value_of);
-            bag.fill(volume + bag.job.added_volume, from, dt);
+            match bag.filled(volume + bag.job.added_volume, from, dt) {
+                Ok(memory) => bag.memory = memory,
+                Err(why) => {
+                    let fault = format!("airbag `{}`: {why}", bag.job.name);
+                    self.fault.get_or_insert(fault);
+                }
+            }
             self.frequency2 += bag.stiffness(from + dt) * softness;
         }
         loads.airbag_pressures.clear();
@@ -177,19 +188,9 @@ impl Airbags {
         }
     }
 
-    /// Returns what is wrong if a bag has no valid state; equal on all workers.
-    pub fn fault(&self) -> Option<String> {
-        let valid = |bag: &&Bag| {
-            let BagMemory { volume, pressure, gas, .. } = &bag.memory;
-            *volume > 0.0 && pressure.is_finite() && gas.energy.is_finite()
-        };
-        let bag = self.bags.iter().find(|bag| !valid(bag))?;
-        Some(format!(
-            "airbag `{}` has the volume {:.4e} and the pressure {:.4e}: its surface has turned \
-             inside out or collapses in one step. Give it an `added_volume`, let contact keep its \
-             layers apart, or correct its units",
-            bag.job.name, bag.memory.volume, bag.memory.pressure
-        ))
+    /// Returns what is wrong if a bag has no valid next state; equal on all workers.
+    pub fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
     }
 
     /// Returns the states of all airbags for output.
@@ -199,10 +200,21 @@ impl Airbags {
 }
 
 impl Bag {
-    /// Advances the bag by `dt` to a new volume; `from` is the time before. With a volume before
-    /// the start, the bag starts.
-    fn fill(&mut self, volume: f64, from: f64, dt: f64) {
-        let memory = &mut self.memory;
+    /// Returns the state after a step `dt` to a new volume; `from` is the time before. Before the
+    /// start, the bag starts with this volume.
+    ///
+    /// # Errors
+    /// There is no valid state: the volume is not above 0 or changes too much, or the gas is used
+    /// up.
+    fn filled(&self, volume: f64, from: f64, dt: f64) -> Result<BagMemory, String> {
+        if !(volume > 0.0 && volume.is_finite()) {
+            return Err(format!(
+                "its volume is {volume:.4e} after {:.4e}: its surface has collapsed or turned \
+                 inside out. Give it an `added_volume`, or let contact keep its layers apart",
+                self.memory.volume
+            ));
+        }
+        let mut memory = self.memory.clone();
         let started = memory.start_volume > 0.0;
         if !started {
             (memory.start_volume, memory.volume) = (volume, volume);
@@ -213,27 +225,33 @@ impl Bag {
         let before = memory.pressure;
         let volumes = [memory.volume, volume];
         memory.volume = volume;
-        let mut work = 0.0;
-        memory.pressure = match &self.model {
+        let mean_work = |after: f64| 0.5 * (before + after) * (volumes[1] - volumes[0]);
+        let ambient = self.job.ambient_pressure;
+        let work;
+        (memory.pressure, work) = match &self.model {
             BagModel::Gas(model) => {
+                let mut work = 0.0;
                 if started {
-                    model.exchange(&mut memory.gas, volumes[0], from, dt);
-                    work = model.expand(&mut memory.gas, before, volumes);
+                    model.exchange(&mut memory.gas, volumes[0], from, dt)?;
+                    work = model.expand(&mut memory.gas, before, volumes)?;
                 }
-                model.pressure(&memory.gas, volume)
+                (model.pressure(&memory.gas, volume), work)
             }
             BagModel::Inverse(pressure, factor) => {
-                let gauge = pressure * factor.value(from + dt) * memory.start_volume / volume;
-                self.job.ambient_pressure + gauge
+                let ratio = memory.start_volume / volume;
+                let after = ambient + pressure * factor.value(from + dt) * ratio;
+                (after, mean_work(after))
             }
             BagModel::Table(points) => {
-                self.job.ambient_pressure + points.value(volume / memory.start_volume)
+                let after = ambient + points.value(volume / memory.start_volume);
+                (after, mean_work(after))
             }
         };
-        if started && !matches!(self.model, BagModel::Gas(_)) {
-            work = 0.5 * (before + memory.pressure) * (volumes[1] - volumes[0]);
-        }
         memory.work += work;
+        if !(memory.pressure.is_finite() && memory.work.is_finite()) {
+            return Err(format!("its pressure is {:?} and not finite", memory.pressure));
+        }
+        Ok(memory)
     }
 
     /// Returns the change of pressure per decrease of the volume, at least 0

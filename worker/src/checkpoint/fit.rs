@@ -114,7 +114,7 @@ impl<'a> Fit<'a> {
         }
         let knows = |id: NodeId| self.node(id).is_some();
         let is_face =
-            |id: SegmentId| self.element(id.elem()).is_some_and(|e| has_face(e, id.0 % 8));
+            |id: SegmentId| self.element(id.elem()).is_some_and(|e| has_face(e, id.face()));
         for (&node, list) in &piece.share.memories {
             if !list.iter().all(|history| history.is_valid(node, knows, is_face)) {
                 return Err(format!("node {node} has a contact history that is not valid"));
@@ -195,8 +195,8 @@ impl<'a> Fit<'a> {
     }
 }
 
-fn has_face(element: &ElementRecord, face: u64) -> bool {
-    face < element.shape.faces().len() as u64
+fn has_face(element: &ElementRecord, face: usize) -> bool {
+    face < element.shape.faces().len()
 }
 
 /// Checks that the elements are those of parts of the job, with their columns. `known` are the

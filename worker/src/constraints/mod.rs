@@ -52,6 +52,16 @@ pub struct Constraints {
 }
 
 impl Constraints {
+    /// Returns an inverse mass of local node `n` with which forces on many nodes at once move them
+    /// no less than they do with the constraints [1/mass].
+    ///
+    /// The masters of ties have the masses m of their slaves besides their own M, and their forces
+    /// g besides their own G: `|G + g|^2/(M + m) <= 2 |G|^2/(M + m) + 2 |g|^2/m`.
+    pub fn largest_inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
+        let times = if self.ties.is_empty() { 1.0 } else { 2.0 };
+        self.bodies.largest_inv_mass(n, nodes).map(|inverse| times * inverse)
+    }
+
     /// Builds the constraints of a new run, and adds the masses of tied slaves to their masters.
     /// Collective.
     ///
@@ -100,6 +110,11 @@ impl Constraints {
         nodes: &mut Nodes,
     ) -> Result<bool, RankLost> {
         self.ties.release_failed(comm, failed, nodes)
+    }
+
+    /// Constrains and frees nodes whose motions begin or have ended, before any acceleration.
+    pub fn begin_step(&mut self, nodes: &mut Nodes, time: f64) {
+        self.prescribed.begin_step(nodes, time);
     }
 
     /// Distributes forces on constrained nodes, once all but contact forces are known.
@@ -178,10 +193,10 @@ impl Constraints {
         &self,
         nodes: &Nodes,
         contact: Option<&Contact>,
-        steps: StepSizes,
+        now: (f64, StepSizes),
         sum: &mut WorkSum,
     ) {
-        self.prescribed.add_work(nodes, (contact, &self.ties), steps, sum);
+        self.prescribed.add_work(nodes, (contact, &self.ties), now, sum);
     }
 
     /// Moves rigid bodies with their members, and walls, to their positions at the end of the step.

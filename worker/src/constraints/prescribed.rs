@@ -3,7 +3,9 @@
 //! Their records have the prescribed degrees of freedom as constrained, so that loads, contact
 //! and walls use zero inverse mass there. Velocities are those that move a node to its position
 //! at the end of the step. This position follows from its initial position and the exact
-//! integral of the curve, so that no error accumulates.
+//! integral of the curve, so that no error accumulates. A motion that begins or ends within the run
+//! moves its nodes by the increments of this integral, from where they are, and frees their degrees
+//! of freedom outside of its window.
 
 use crate::constraints::ties::Ties;
 use crate::contact::Contact;
@@ -20,9 +22,12 @@ use nalgebra::Rotation3;
 #[derive(Debug, Default)]
 pub struct Prescribed {
     motions: Vec<LocalMotion>,
+    /// Motions with a window that act now, by number; `None` before the first step with a new
+    /// local mesh.
+    acting: Option<Vec<usize>>,
 }
 
-stateless!(Prescribed { motions });
+stateless!(Prescribed { motions, acting });
 
 /// Displacement or rotation of a motion as a function of time.
 #[derive(Debug)]
@@ -31,13 +36,37 @@ pub struct MotionCurve {
     pub form: MotionForm,
     amount: V3,
     curve: Curve,
+    /// Times of its begin and end, if it does not act in the whole run.
+    window: Option<[f64; 2]>,
 }
 
 impl MotionCurve {
     /// Builds it from a motion; `curves` are those of the job.
     pub fn new(job: &PrescribedMotion, curves: &[Vec<[f64; 2]>]) -> Self {
         let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
-        Self { form: job.form, amount: V3::from(job.amount), curve }
+        Self { form: job.form, amount: V3::from(job.amount), curve, window: job.window }
+    }
+
+    /// Returns true if the motion does not act in the whole run.
+    pub fn is_timed(&self) -> bool {
+        self.window.is_some()
+    }
+
+    /// Returns true if the motion acts in a step that starts at `time`.
+    pub fn acts_at(&self, time: f64) -> bool {
+        self.window.is_none_or(|[begin, end]| begin <= time && time < end)
+    }
+
+    /// Returns the displacement or rotation in a step. An acceleration starts at rest at the begin
+    /// of its window.
+    pub fn increment(&self, time: f64, dt: f64) -> V3 {
+        let change = self.amount(time + dt) - self.amount(time);
+        match (self.form, self.window) {
+            (MotionForm::Acceleration, Some([begin, _])) => {
+                change - self.amount * (self.curve.integral(begin) * dt)
+            }
+            _ => change,
+        }
     }
 
     /// Returns the displacement [length] or the rotation vector [rad] from time 0 to `time`.
@@ -56,6 +85,8 @@ struct LocalMotion {
     job: PrescribedMotion,
     course: MotionCurve,
     nodes: Vec<u32>,
+    /// Its ghosts, if it has a window.
+    copies: Vec<u32>,
 }
 
 impl Prescribed {
@@ -66,29 +97,61 @@ impl Prescribed {
             job: m.clone(),
             course: course(m),
             nodes: Vec::new(),
+            copies: Vec::new(),
         };
-        Self { motions: job.motions.iter().map(motion).collect() }
+        Self { motions: job.motions.iter().map(motion).collect(), acting: None }
     }
 
     /// Finds the nodes that are present here.
     pub fn bind_local(&mut self, nodes: &Nodes) {
         for m in &mut self.motions {
             m.nodes = m.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
+            m.copies.clear();
+            if m.course.is_timed() {
+                let here = m.job.nodes.iter().filter_map(|&id| nodes.index_of(id));
+                m.copies.extend(here.filter(|&n| n as usize >= nodes.local_count));
+            }
         }
+        self.acting = None;
+    }
+
+    /// Constrains the degrees of freedom of motions that begin, and frees those of motions that
+    /// have ended.
+    pub fn begin_step(&mut self, nodes: &mut Nodes, time: f64) {
+        let timed = || self.motions.iter().enumerate().filter(|(_, m)| m.course.is_timed());
+        let now: Vec<usize> =
+            timed().filter(|(_, m)| m.course.acts_at(time)).map(|m| m.0).collect();
+        if self.acting.as_ref() == Some(&now) {
+            return;
+        }
+        let bind = |nodes: &mut Nodes, m: &LocalMotion, acts: bool| {
+            let dofs = m.job.dofs as u8;
+            for &n in m.nodes.iter().chain(&m.copies) {
+                let fixed = &mut nodes.fixed[n as usize];
+                *fixed = if acts { *fixed | dofs } else { *fixed & !dofs };
+                nodes.invert_mass(n as usize);
+            }
+        };
+        // A node may have another motion in the same direction at another time.
+        timed().filter(|(k, _)| !now.contains(k)).for_each(|(_, m)| bind(nodes, m, false));
+        now.iter().for_each(|&k| bind(nodes, &self.motions[k], true));
+        self.acting = Some(now);
     }
 
     /// Sets the velocities with which local nodes reach their positions at the end of the step.
     pub fn apply(&self, nodes: &mut Nodes, time: f64, dt: f64) {
-        for m in &self.motions {
-            let (now, next) = (m.course.amount(time), m.course.amount(time + dt));
+        for m in self.motions.iter().filter(|m| m.course.acts_at(time)) {
+            let timed = m.course.is_timed();
+            let increment = m.course.increment(time, dt);
+            let next = if timed { increment } else { m.course.amount(time + dt) };
             let turns = match m.job.form {
                 MotionForm::Spin { centre } => Some((V3::from(centre), Rotation3::new(next))),
                 _ => None,
             };
-            let spin = if turns.is_some() { (next - now) / dt } else { V3::zeros() };
+            let spin = if turns.is_some() { increment / dt } else { V3::zeros() };
             for &n in &m.nodes {
                 let i = n as usize;
-                let start = V3::from(xyz(&nodes.x0[i]));
+                let start = V3::from(xyz(if timed { &nodes.x[i] } else { &nodes.x0[i] }));
                 let place = match &turns {
                     Some((centre, rotation)) => centre + rotation * (start - centre),
                     None => start + next,
@@ -112,10 +175,10 @@ impl Prescribed {
         &self,
         nodes: &Nodes,
         (contact, ties): (Option<&Contact>, &Ties),
-        steps: StepSizes,
+        (time, steps): (f64, StepSizes),
         sum: &mut WorkSum,
     ) {
-        for m in &self.motions {
+        for m in self.motions.iter().filter(|m| m.course.acts_at(time)) {
             for &n in m.nodes.iter().filter(|&&n| nodes.is_owned(n as usize)) {
                 let i = n as usize;
                 let turned = contact.map_or(V3::zeros(), |k| k.couple_on(n));
@@ -164,6 +227,7 @@ mod tests {
             form,
             amount,
             curve: Some(0),
+            window: None,
         };
         let mut p = Prescribed::new(&ResolvedLoads {
             curves: vec![curve.to_vec()],
@@ -177,7 +241,8 @@ mod tests {
         for i in 0..steps {
             nodes.accelerate(dt);
             p.apply(&mut nodes, i as f64 * dt, dt);
-            p.add_work(&nodes, (None, &Ties::default()), sizes, &mut work);
+            let time = i as f64 * dt;
+            p.add_work(&nodes, (None, &Ties::default()), (time, sizes), &mut work);
             nodes.advance(dt);
         }
         (nodes, work.total())

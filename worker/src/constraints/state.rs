@@ -45,6 +45,18 @@ impl ConstraintState {
     }
 }
 
+impl ConstraintState {
+    /// Marks bodies that have become rigid for the rest of the run: their elements compute no
+    /// forces.
+    pub fn settle(&self, settings: &mut Settings) {
+        for (b, body) in settings.rigid.iter_mut().enumerate() {
+            if self.bodies.has_settled(b, body) {
+                body.window = None;
+            }
+        }
+    }
+}
+
 impl Constraints {
     /// Returns the state that all workers have in common. The impulses of walls,
     /// [`Walls::impulses`], are sums of one worker and not part of it.

@@ -104,10 +104,51 @@ impl Engine {
         self.renew_without(comm, self.tree.clone(), parts)
     }
 
-    /// Sets the velocities of the members of rigid bodies from number `first` on to the motion of
-    /// their body, and fixes their nodes.
-    pub(super) fn carry_members(&mut self, first: usize) {
-        let members: Vec<_> = self.constraints.bodies.carried(first, &self.nodes).collect();
+    /// Makes parts rigid, or deformable again, whose time has come. All workers call this together.
+    ///
+    /// The difference between the energies before and after counts as work of external forces.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn switch_bodies(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let due = self.constraints.bodies.due(self.clock.time);
+        if due.is_empty() {
+            return Ok(());
+        }
+        let before = self.energies(true).stored();
+        let is_begun = |b: &usize| self.constraints.bodies.is_active(*b);
+        let (ending, beginning): (Vec<usize>, Vec<usize>) = due.into_iter().partition(is_begun);
+        ending.iter().for_each(|&b| self.release_members(b));
+        let bodies = &mut self.constraints.bodies;
+        bodies.activate(comm, &self.settings, &self.nodes, &beginning)?;
+        self.carry_members(&beginning);
+        for &b in &beginning {
+            if self.constraints.bodies.has_settled(b, &self.settings.rigid[b]) {
+                self.settings.rigid[b].window = None;
+            }
+        }
+        let after = self.energies(true).stored();
+        self.ledger.external.transfer(&before, &after);
+        let (cycle, time) = (self.clock.cycle, self.clock.time);
+        tracing::info!(cycle, time, ?beginning, ?ending, "parts become rigid or deformable");
+        self.renew(comm, self.tree.clone()) // ghosts of members have other constraints too
+    }
+
+    /// Gives the members of a body the motion of the body, and frees them.
+    fn release_members(&mut self, b: usize) {
+        let nodes = self.constraints.bodies.nodes_of(b);
+        let local: Vec<u32> = nodes.iter().filter_map(|&id| self.nodes.local_index(id)).collect();
+        for i in local.into_iter().map(|n| n as usize) {
+            self.nodes.fixed[i] &= !0b11_1111;
+            self.nodes.invert_mass(i);
+        }
+        self.constraints.bodies.deactivate(&self.settings, b);
+    }
+
+    /// Sets the velocities of the members of rigid bodies to the motion of their body, and fixes
+    /// their nodes.
+    pub(super) fn carry_members(&mut self, bodies: &[usize]) {
+        let members: Vec<_> = self.constraints.bodies.carried(bodies, &self.nodes).collect();
         for (i, velocity, spin) in members {
             let n = &mut self.nodes;
             n.fixed[i] |= 0b11_1111;

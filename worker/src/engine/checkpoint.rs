@@ -233,11 +233,12 @@ impl Engine {
     /// A worker is gone.
     pub fn restore(
         comm: &mut dyn Transport,
-        settings: Settings,
+        mut settings: Settings,
         tree: CutTree,
         share: PartitionData,
         (common, own): (CommonState, WorkerState),
     ) -> Result<Self, RankLost> {
+        common.constraints.settle(&mut settings);
         let mut share = distribute(comm, &tree, &share)?;
         let means = std::mem::take(&mut share.means);
         let cuts = Cuts { boxes: &tree, contact: None };
@@ -290,7 +291,8 @@ impl Engine {
         engine.blocks.slow_dt = common.slow_dt;
         if known_bodies < engine.settings.rigid.len() {
             let before = engine.energies(true).stored();
-            engine.carry_members(known_bodies);
+            let new: Vec<usize> = (known_bodies..engine.settings.rigid.len()).collect();
+            engine.carry_members(&new);
             let after = engine.energies(true).stored();
             engine.ledger.external.transfer(&before, &after);
             engine.renew(comm, engine.tree.clone())?; // ghosts of members are constrained too

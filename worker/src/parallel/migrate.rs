@@ -12,7 +12,7 @@ use crate::parallel::partition::{LocalMesh, PartitionData};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::{CornerNodes, OwnSection, Shape};
+use crumple_proto::mesh::{CornerNodes, MAX_CORNERS, OwnSection, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_all, exchange_with};
 use std::collections::HashMap;
@@ -23,8 +23,9 @@ use std::collections::HashMap;
 struct WireElement {
     id: ElemId,
     part: u32,
-    shape: u16,
-    /// Free faces; the bits above mark a failed and a slow element.
+    shape: u8,
+    /// Bits of a failed and of a slow element.
+    marks: u8,
     free_faces: u16,
     nodes: CornerNodes,
     thickness: f64,
@@ -64,8 +65,8 @@ pub fn layout() -> [(&'static str, Vec<String>); 4] {
     [
         (
             "element",
-            fields!(WireElement: id part shape free_faces nodes thickness offset mass_factor share
-                stable_dt columns),
+            fields!(WireElement: id part shape marks free_faces nodes thickness offset mass_factor
+                share stable_dt columns),
         ),
         ("node", fields!(NodeRecord: id fixed x0 x seen v w mass inertia)),
         (
@@ -269,7 +270,7 @@ fn pack_local(
 /// history columns and the number of its message.
 fn pack<'a, 'b, N: Copy + Ord>(
     count: usize,
-    elements: impl Iterator<Item = (&'a ElementRecord, [N; 8], Vec<f64>, usize)>,
+    elements: impl Iterator<Item = (&'a ElementRecord, [N; MAX_CORNERS], Vec<f64>, usize)>,
     node: impl Fn(N) -> NodeShare<'b>,
 ) -> Vec<Vec<u64>> {
     let mut parcels: Vec<Parcel> = (0..count).map(|_| Parcel::default()).collect();
@@ -292,7 +293,7 @@ fn pack<'a, 'b, N: Copy + Ord>(
 }
 
 /// Returns the centre of an element with the nodes at `x` [length].
-pub fn centre(x: &[Row], nodes: [u32; 8], shape: Shape) -> [f64; 3] {
+pub fn centre(x: &[Row], nodes: [u32; MAX_CORNERS], shape: Shape) -> [f64; 3] {
     let used = shape.corners();
     std::array::from_fn(|c| {
         nodes[..used].iter().map(|&n| x[n as usize][c]).sum::<f64>() / used as f64
@@ -358,8 +359,9 @@ fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
     mail.push(WireElement {
         id,
         part,
-        shape: shape as u16,
-        free_faces: u16::from(free_faces) | u16::from(failed) << 8 | u16::from(slow) << 9,
+        shape: shape as u8,
+        marks: u8::from(failed) | u8::from(slow) << 1,
+        free_faces,
         nodes,
         thickness,
         offset: offset.unwrap_or(f64::NAN),
@@ -378,9 +380,9 @@ fn take_element(mail: &mut Mailbox) -> Option<(ElementRecord, Vec<f64>)> {
         part: e.part,
         shape: *Shape::ALL.get(usize::from(e.shape))?,
         nodes: e.nodes,
-        free_faces: e.free_faces as u8,
-        failed: e.free_faces >> 8 & 1 == 1,
-        slow: e.free_faces >> 9 & 1 == 1,
+        free_faces: e.free_faces,
+        failed: e.marks & 1 == 1,
+        slow: e.marks >> 1 & 1 == 1,
         own: OwnSection {
             thickness: e.thickness,
             offset: Some(e.offset).filter(|offset| !offset.is_nan()),
@@ -408,8 +410,8 @@ mod tests {
             id: ElemId(id),
             part,
             shape,
-            nodes: [0, 1, 2, 3, 4, 5, 6, 7].map(|c| NodeId(id + c)),
-            free_faces: part as u8,
+            nodes: std::array::from_fn(|c| NodeId(id + c as u64)),
+            free_faces: part as u16 | 0x8100,
             failed: part == 5,
             slow: id == 3 || id == 7,
             own: OwnSection {

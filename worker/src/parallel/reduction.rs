@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn of_ids_as_floats_the_first_is_the_largest() {
-        let last = ElemId::placed((1 << 28) - 1, u64::from(u32::MAX)).unwrap();
+        let last = ElemId::placed((1 << 27) - 1, u64::from(u32::MAX)).unwrap();
         let ids = [
             ElemId(0),
             ElemId(1),

@@ -49,6 +49,9 @@ pub const SCENES: &[BenchScene] = &[
     BenchScene { workers: 2, ..scene("jeep-frame-2-workers", "jeep-frame") },
     fine("jeep-frame-65k", "jeep-frame", &["scene.refine=3"]),
     BenchScene { goal_ns: 60.0, ..scene("hex-bar", "bench/hex-bar") },
+    BenchScene { sets: &["scene.nodes=4"], ..scene("tetrahedron-bar", "bench/hex-bar") },
+    BenchScene { sets: &["scene.nodes=10"], ..scene("ten-node-bar", "bench/hex-bar") },
+    BenchScene { sets: &["scene.nodes=6"], ..scene("wedge-bar", "bench/hex-bar") },
     BenchScene { sets: &[SINGLE, PLAIN], ..scene("tube-single", "tube-crush") },
     BenchScene {
         sets: &[SINGLE, PLAIN],

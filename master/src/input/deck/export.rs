@@ -4,9 +4,11 @@
 //! Numbers with too many digits for a field become parameters. Keys of the job without a card are
 //! written after `$crumple:`, where other programs ignore them.
 
+pub(in crate::input::deck) mod beams;
 mod bodies;
 pub(in crate::input::deck) mod contact;
 mod curves;
+mod faces;
 mod loads;
 mod materials;
 mod springs;
@@ -36,6 +38,10 @@ pub(in crate::input::deck) struct DeckWriter {
     pub(in crate::input::deck) rest: Table,
     /// Number of curves so far.
     curves: u64,
+    /// Number of sets of parts so far.
+    part_sets: u64,
+    /// Number of sets of segments so far.
+    segment_sets: u64,
 }
 
 impl DeckWriter {
@@ -87,6 +93,17 @@ impl DeckWriter {
         self.body += &format!("{id:>WIDTH$}{name}\n");
     }
 
+    /// Writes a set of parts, and returns its id.
+    fn part_set(&mut self, parts: &[u32]) -> u64 {
+        self.part_sets += 1;
+        let id = self.part_sets;
+        self.keyword("SET_PART_LIST");
+        self.card(&[Id(id)]);
+        let parts: Vec<CardValue> = parts.iter().map(|&p| Id(u64::from(p))).collect();
+        parts.chunks(8).for_each(|eight| self.card(eight));
+        id
+    }
+
     fn finish(self, job: &str) -> String {
         let mut head = format!(
             "*KEYWORD LONG=Y\n$ {} as a deck, by crumple {}\n",
@@ -129,12 +146,10 @@ pub(in crate::input::deck) fn line(text: &str) -> String {
 
 /// Returns a model as a deck.
 pub fn export(model: &Model) -> Result<String, String> {
-    let beams =
-        model.mesh.elements.iter().filter(|e| e.shape.is_bar() || e.shape == Shape::Point1).count();
-    if beams > 0 {
+    let particles = model.mesh.elements.iter().filter(|e| e.shape == Shape::Point1).count();
+    if particles > 0 {
         return Err(format!(
-            "{beams} beams, trusses or particles cannot be written as a deck yet: remove them from \
-             the mesh"
+            "{particles} particles cannot be written as a deck: remove them from the mesh"
         ));
     }
     let job = &model.job;
@@ -156,9 +171,11 @@ pub fn export(model: &Model) -> Result<String, String> {
     initial(&mut deck, job, set);
     loads::gravity(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
+    faces::pressures(&mut deck, model, &mut curves);
     bodies::write(&mut deck, job, &bodies, set, &mut curves);
     walls::write(&mut deck, job, set, &mut curves);
     contact::write(&mut deck, job);
+    faces::ties(&mut deck, model, set);
     mesh(&mut deck, model);
     left_over(&mut deck, job, &mut curves);
     Ok(deck.finish(&model.path.display().to_string()))
@@ -230,10 +247,15 @@ fn parts(
                 part.id
             ));
         }
-        let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
         let plain =
             materials.iter().position(|m| m.name == part.material).map_or(0, |i| i as u64 + 1);
         let mid = rigid.get(&part.id).copied().unwrap_or(plain);
+        if part.beam.is_some() || part.truss.is_some() {
+            let law = materials.iter().find(|m| m.name == part.material);
+            beams::part(deck, part, law.map_or("", |m| m.law.as_str()), mid)?;
+            continue;
+        }
+        let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
         let id = u64::from(part.id);
         section(deck, part, shells);
         let hourglass = hourglass(deck, part, shells);
@@ -395,9 +417,11 @@ fn initial(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) {
 fn mesh(deck: &mut DeckWriter, model: &Model) {
     deck.keyword("NODE");
     for node in &model.mesh.nodes {
-        deck.card(&[Id(node.id.label()), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
+        let [x, y, z] = model.given_position(node).map(Number);
+        deck.card(&[Id(node.id.label()), x, y, z]);
     }
     springs::elements(deck, model.mesh.elements.iter());
+    beams::elements(deck, model);
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
         let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
@@ -422,6 +446,11 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
 
 fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
     let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
+    if element.shape == Shape::Tet10 {
+        deck.card(&fields);
+        deck.card(&element.nodes.map(|n| Id(n.label())));
+        return;
+    }
     let corners: &[usize] = match element.shape {
         Shape::Tri3 => &[0, 1, 2, 2],
         Shape::Quad4 => &[0, 1, 2, 3],
@@ -470,11 +499,9 @@ fn left_over(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         }
     }
     list(deck, "symmetry", &job.symmetry);
-    list(deck, "pressure", &job.pressure);
     list(deck, "airbag", &job.airbag);
-    list(deck, "tie", &job.tie);
     // Entries without cards refer to curves by their names.
-    let referring = ["pressure", "airbag", "load", "motion", "wall"];
+    let referring = ["gravity", "pressure", "airbag", "load", "motion", "wall"];
     if referring.iter().any(|key| deck.rest.contains_key(*key)) {
         for curve in &job.curve {
             curves.write_table(deck, Some(&curve.name));
@@ -516,6 +543,25 @@ pub(in crate::input::deck) fn differing<T: serde::Serialize>(
     }
 }
 
+/// Returns the keys of a job in the comments of a deck, by their tables.
+pub(in crate::input::deck) fn keys_in_comments(deck: &str) -> Vec<String> {
+    let lines = deck.lines().filter_map(|line| line.strip_prefix("$crumple: "));
+    let mut found: Vec<String> = Vec::new();
+    let mut table = String::new();
+    for line in lines {
+        if line.starts_with('[') {
+            table = line.trim_matches(['[', ']']).to_string();
+        } else if let Some((key, value)) = line.split_once(" = ") {
+            match key {
+                "name" | "id" => table += &format!(" {value}"),
+                _ => found.push(format!("{table}: no card for {key}")),
+            }
+        }
+    }
+    found.dedup();
+    found
+}
+
 /// Runs `crumple export-deck` and returns the exit code.
 pub fn run(args: &crate::cli::ExportArgs) -> u8 {
     let refuse = |what: &dyn Display| {
@@ -533,6 +579,11 @@ pub fn run(args: &crate::cli::ExportArgs) -> u8 {
         Ok(text) => text,
         Err(what) => return refuse(&what),
     };
+    let left = keys_in_comments(&text);
+    if !left.is_empty() {
+        eprintln!("without a card, in comments that only Crumple reads:");
+        left.iter().for_each(|what| eprintln!("  {what}"));
+    }
     match &args.out {
         None => crate::stdout::write(format_args!("{text}")),
         Some(path) => {

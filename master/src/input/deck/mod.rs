@@ -2,13 +2,15 @@
 //!
 //! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `fields.rs`, `number.rs`: fields of a line
 //! 2. `table.rs`, `keywords`: the table of keywords and their cards; `record.rs` reads cards by
-//!    it; `parameters.rs`, `expression.rs`: `&name`
+//!    it; `parameters.rs`, `expression.rs`: `&name`; `submodel.rs`, `roles.rs`, `affine.rs`:
+//!    included files with other ids, units or position
 //! 3. `convert`: a job's tree of values, and a mesh; `merge.rs` merges a job file over it
 //! 4. `export.rs`: the reverse conversion
 //! 5. `radioss`: files, keywords and export of Radioss, with the same steps
 //!
 //! The reader of cards does not know models. No input may cause a panic here.
 
+mod affine;
 mod convert;
 mod diagnostics;
 pub mod export;
@@ -21,7 +23,9 @@ mod parameters;
 pub mod radioss;
 mod record;
 pub mod reference;
+mod roles;
 mod sniff;
+mod submodel;
 mod table;
 mod text;
 pub mod translate;

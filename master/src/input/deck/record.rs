@@ -5,6 +5,7 @@ use super::fields::{CardFormat, split};
 use super::keywords::KeywordRow;
 use super::number;
 use super::parameters::{DeckParameters, Parameter};
+use super::submodel::{CurveUnits, Submodel};
 use super::table::{Card, Field, FieldType, Times};
 use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
@@ -54,6 +55,21 @@ impl CardLine {
         let index = self.card.index(name)?;
         self.asked.set(self.asked.get() | 1 << index);
         self.values.get(index)
+    }
+
+    /// Returns the fields of its card.
+    pub fn fields(&self) -> &'static [Field] {
+        &self.card.fields
+    }
+
+    /// Returns its values, one for each field; none once copies of the line exist.
+    pub fn values_mut(&mut self) -> &mut [Value] {
+        Rc::get_mut(&mut self.values).unwrap_or_default()
+    }
+
+    /// Forgets which fields were asked for.
+    pub fn forget_asked(&mut self) {
+        self.asked.set(0);
     }
 
     /// Returns the number of fields that were asked for, without the ids in the keyword's line.
@@ -175,6 +191,8 @@ pub struct CardRecord {
     pub options: Vec<&'static str>,
     /// The keyword's own line.
     pub head: Place,
+    /// True if it is in a file that `*INCLUDE_TRANSFORM` changes.
+    pub in_submodel: bool,
     /// Its lines.
     lines: Vec<CardLine>,
 }
@@ -193,6 +211,23 @@ impl CardRecord {
     /// Returns all its lines.
     pub fn all_lines(&self) -> &[CardLine] {
         &self.lines
+    }
+
+    /// Returns all its lines for changes.
+    pub fn all_lines_mut(&mut self) -> &mut [CardLine] {
+        &mut self.lines
+    }
+
+    /// Sets a number by the name of its field, if its card is there.
+    pub fn put(&mut self, name: &str, x: f64) {
+        for line in &mut self.lines {
+            if let Some(index) = line.card.index(name)
+                && let Some(value) = line.values_mut().get_mut(index)
+            {
+                value.given = Given::Real(x);
+                return;
+            }
+        }
     }
 
     /// Returns the first line with a field of this name.
@@ -250,6 +285,15 @@ pub struct Cards<'c> {
     pub parameters: &'c DeckParameters,
     /// Problems.
     pub trouble: &'c mut Trouble,
+    /// Change of the file that is read, and the units of its curves.
+    pub submodel: Option<(&'c Submodel, &'c mut CurveUnits)>,
+}
+
+impl<'c> Cards<'c> {
+    /// Creates the context of files that are read as they are.
+    pub fn of(texts: &'c Texts, parameters: &'c DeckParameters, trouble: &'c mut Trouble) -> Self {
+        Self { texts, parameters, trouble, submodel: None }
+    }
 }
 
 impl Cards<'_> {
@@ -271,6 +315,7 @@ impl Cards<'_> {
                 written: block.name.clone(),
                 options: options.to_vec(),
                 head: block.place(),
+                in_submodel: false,
                 lines: Vec::new(),
             };
             let mut whole = true;
@@ -311,6 +356,9 @@ impl Cards<'_> {
                 }
             }
             if whole {
+                if let Some((submodel, curves)) = &mut self.submodel {
+                    submodel.apply(&mut record, curves, self.trouble);
+                }
                 records.push(record);
             }
             if at == before {

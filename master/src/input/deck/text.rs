@@ -48,6 +48,9 @@ pub struct KeywordBlock {
     pub format: CardFormat,
     /// First byte of each line and one past its last; without comments.
     pub lines: Vec<(u32, u32)>,
+    /// Number of the `*INCLUDE_TRANSFORM` by which its file is included, from 1 on in the order
+    /// of the deck; 0 outside of such files.
+    pub submodel: u32,
 }
 
 impl KeywordBlock {
@@ -111,13 +114,18 @@ pub(super) struct DeckReader<'t> {
     folders: Vec<PathBuf>,
     /// Problems.
     pub(super) trouble: &'t mut Trouble,
+    /// Number of `*INCLUDE_TRANSFORM` so far, and that of the present file.
+    submodels: u32,
+    submodel: u32,
 }
 
 impl<'t> DeckReader<'t> {
     /// Creates a reader for the deck at a path.
     pub(super) fn new(path: &Path, trouble: &'t mut Trouble) -> Self {
         let folders = vec![path.parent().unwrap_or(Path::new("")).to_path_buf()];
-        DeckReader { texts: Texts::default(), open: Vec::new(), folders, trouble }
+        let (submodels, submodel) = (0, 0);
+        let texts = Texts::default();
+        DeckReader { texts, open: Vec::new(), folders, trouble, submodels, submodel }
     }
 }
 
@@ -201,13 +209,10 @@ impl DeckReader<'_> {
                         _ if is_keyword(&name) => {
                             // A line with the name of the project follows.
                             format = own;
-                            let lines = Vec::new();
-                            block = Some(KeywordBlock { file, head: span, name, format, lines });
+                            block = Some(self.begin_block((file, span), name, format));
                         }
                         _ => {
-                            let lines = Vec::new();
-                            block =
-                                Some(KeywordBlock { file, head: span, name, format: own, lines });
+                            block = Some(self.begin_block((file, span), name, own));
                         }
                     }
                 }
@@ -235,6 +240,45 @@ impl DeckReader<'_> {
         let fragment = fragment.and_then(|f| String::from_utf8(f).ok());
         let own = &mut self.texts.files[file as usize];
         (own.text, own.fragment) = (text, fragment);
+    }
+
+    /// Returns a block without lines.
+    fn begin_block(
+        &self,
+        (file, head): (u32, (u32, u32)),
+        name: String,
+        format: CardFormat,
+    ) -> KeywordBlock {
+        KeywordBlock { file, head, name, format, lines: Vec::new(), submodel: self.submodel }
+    }
+
+    /// Reads the file of `*INCLUDE_TRANSFORM`. Its block keeps the cards after the name, and
+    /// precedes the blocks of the file.
+    fn include_transform(
+        &mut self,
+        mut block: KeywordBlock,
+        line: impl Fn((u32, u32)) -> String,
+        folder: &Path,
+        format: CardFormat,
+    ) {
+        let begin = block.lines.iter().position(|l| l.0 < l.1).unwrap_or(0);
+        let goes_on = |span: &&(u32, u32)| line(**span).trim_end().ends_with(" +");
+        let count = 1 + block.lines[begin..].iter().take_while(goes_on).count();
+        let count = count.min(block.lines.len() - begin);
+        let cards = block.lines.split_off(begin + count);
+        let named = std::mem::replace(&mut block.lines, cards);
+        let place = block.place();
+        let Some((name, span)) = names(&named, line).into_iter().next() else {
+            let help = "name the file on the line after the keyword";
+            return self.trouble.error(place, "*INCLUDE_TRANSFORM has no file", help);
+        };
+        let place = block.span(span, 0, (span.1 - span.0) as usize);
+        let found = self.resolve_include(&name, folder, place);
+        self.texts.blocks.push(block);
+        self.submodels += 1;
+        let outer = std::mem::replace(&mut self.submodel, self.submodels);
+        self.file(&found, name, Some(place), format);
+        self.submodel = outer;
     }
 
     /// Reports a line before the first keyword: an error if it has numbers as a card has, else a
@@ -284,6 +328,7 @@ impl DeckReader<'_> {
                     self.file(&found, name, Some(place), format);
                 }
             }
+            "INCLUDE_TRANSFORM" => self.include_transform(block, line, folder, format),
             "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
                 let root = if block.name == "INCLUDE_PATH" {
                     PathBuf::new()

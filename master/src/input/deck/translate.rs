@@ -98,7 +98,7 @@ fn made(model: &Model, to: &Path) -> Result<MadeDeck, Problem> {
     }
     if super::is_deck(to) && !name.to_lowercase().ends_with(".rad") {
         let text = export::export(model).map_err(cannot)?;
-        let losses = keys_in_comments(&text);
+        let losses = export::keys_in_comments(&text);
         return Ok(MadeDeck { files: vec![(to.to_path_buf(), text)], losses });
     }
     let message = format!("{} has no ending of a deck", to.display());
@@ -114,23 +114,4 @@ fn losses_of_reading(model: &Model) -> Vec<String> {
     let unsupported = model.unsupported.iter().map(|text| format!("not read: {text}"));
     let changed = model.mapping.iter().map(|m| format!("{}: {} -> {}", m.of, m.asked, m.used));
     unsupported.chain(changed).collect()
-}
-
-/// Returns the keys of a job in the comments of a deck, by their tables.
-fn keys_in_comments(deck: &str) -> Vec<String> {
-    let lines = deck.lines().filter_map(|line| line.strip_prefix("$crumple: "));
-    let mut found: Vec<String> = Vec::new();
-    let mut table = String::new();
-    for line in lines {
-        if line.starts_with('[') {
-            table = line.trim_matches(['[', ']']).to_string();
-        } else if let Some((key, value)) = line.split_once(" = ") {
-            match key {
-                "name" | "id" => table += &format!(" {value}"),
-                _ => found.push(format!("{table}: no card for {key}")),
-            }
-        }
-    }
-    found.dedup();
-    found
 }

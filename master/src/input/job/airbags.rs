@@ -6,7 +6,7 @@ use super::validate::JobProblems;
 use crumple_proto::airbag::{
     BagFace, BagLaw, GasInflow, GasLaw, GasVent, ResolvedAirbag, VentFlow,
 };
-use crumple_proto::ids::NodeId;
+use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{AirbagInput, InflowInput, Job, VentInput};
 use crumple_proto::mesh::{Mesh, once_each};
 use crumple_proto::problem::Problem;
@@ -15,8 +15,10 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Number of open edges that a message names.
 const NAMED: usize = 4;
-/// Volume over the product of area and diagonal below which a surface counts as flat: the
-/// orientation of its elements then decides what is inside.
+/// Volume over area^(3/2) below which the normals of the elements decide what is inside, if they
+/// agree: sheets that cross a little can have a volume of the wrong sign.
+const THIN: f64 = 1e-3;
+/// The same ratio below which a volume is round-off.
 const FLAT: f64 = 1e-9;
 
 /// Resolves all airbags. `smallest` is the shortest side of an element [length].
@@ -273,21 +275,28 @@ impl BagSpace<'_> {
         for (axis, at) in planes {
             origin[axis] = at;
         }
-        let Some(bodies) = orient(&mut facets, &edges) else {
-            let message = format!("the surface of airbag `{}` has one side only", bag.name);
-            let help = "correct the elements: no order of their nodes gives all normals one side";
-            findings.add(Problem::error(path, message, help));
-            return None;
+        let turned = match orient(&mut facets, &edges) {
+            Some(bodies) => self.turn_outwards(&mut facets, &bodies, origin, bag.normals_inwards),
+            None => Err((
+                "has one side only".into(),
+                "correct the elements: no order of their nodes gives all normals one side",
+            )),
         };
-        let volume = self.turn_outwards(&mut facets, &bodies, origin);
-        if volume + bag.added_volume <= 0.0 {
-            let message = format!("airbag `{}` has no volume at the start", bag.name);
-            let help = "keep its layers apart, or give it an `added_volume`, such as that of its \
-                        inflator";
-            findings.add(Problem::error(path, message, help));
-            return None;
-        }
-        Some((facets.into_iter().map(|f| f.face).collect(), origin))
+        let problem = match turned {
+            Ok(volume) if volume + bag.added_volume > 0.0 => {
+                count_meeting(&mut facets);
+                return Some((facets.into_iter().map(|f| f.face).collect(), origin));
+            }
+            Ok(volume) => (
+                format!("has the volume {volume:.4e} at the start, which has to be above 0"),
+                "keep its layers apart, or give it an `added_volume`, such as that of its \
+                 inflator; if the normals of its elements point into it, set `normals_inwards`",
+            ),
+            Err(problem) => problem,
+        };
+        let message = format!("the surface of airbag `{}` {}", bag.name, problem.0);
+        findings.add(Problem::error(path, message, problem.1));
+        None
     }
 
     /// Reports faces of parts that are deleted when the run continues.
@@ -316,7 +325,7 @@ impl BagSpace<'_> {
         if nodes.len() > 1 && nodes.first() == nodes.last() {
             nodes.pop();
         }
-        Facet { face: BagFace { element: e.id, face: face as u8, inwards: false }, nodes }
+        Facet { face: face_of(e.id, face as u8), nodes }
     }
 
     /// Checks that each edge belongs to two faces, or lies in a plane of symmetry. Returns axis and
@@ -392,22 +401,56 @@ impl BagSpace<'_> {
         (sum / nodes().count().max(1) as f64).into()
     }
 
-    /// Turns each body so that its volume is positive. Returns the sum of volumes [length^3].
-    fn turn_outwards(&self, facets: &mut [Facet], bodies: &[usize], origin: [f64; 3]) -> f64 {
-        let count = bodies.iter().max().map_or(0, |last| last + 1);
-        let (mut volumes, mut areas) = (vec![0.0; count], vec![0.0; count]);
+    /// Turns all normals outwards. Returns the volume [length^3].
+    ///
+    /// The volume of a single body shows what is inside. If it is small, or if there are several
+    /// bodies, one perhaps in a hole of another, the normals of the elements decide; with
+    /// `inwards` these point into the bag.
+    fn turn_outwards(
+        &self,
+        facets: &mut [Facet],
+        bodies: &Bodies,
+        origin: [f64; 3],
+        inwards: bool,
+    ) -> Result<f64, (String, &'static str)> {
         let origin = Vector3::from(origin);
-        for (facet, &body) in facets.iter().zip(bodies) {
-            let (volume, area) = self.measure(facet, origin);
+        let count = bodies.mixed.len();
+        let (mut volumes, mut area) = (vec![0.0; count], 0.0);
+        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
+        for (facet, &body) in facets.iter().zip(&bodies.of) {
+            let (volume, size) = self.measure(facet, origin);
             volumes[body] += if facet.face.inwards { -volume } else { volume };
-            areas[body] += area;
+            area += size;
+            for x in facet.nodes.iter().map(|n| &self.place[n]) {
+                let [low, high] = &mut boxes[body];
+                (0..3).for_each(|c| (low[c], high[c]) = (low[c].min(x[c]), high[c].max(x[c])));
+            }
         }
-        // A surface that is flat keeps the orientation of its elements, if they agree.
-        let flat = |b: usize| volumes[b].abs() <= FLAT * areas[b].powf(1.5);
-        for (facet, &body) in facets.iter_mut().zip(bodies) {
-            facet.face.inwards ^= volumes[body] < 0.0 && !flat(body);
+        let total: f64 = volumes.iter().sum();
+        let scale = area.powf(1.5);
+        let mixed = bodies.mixed.iter().filter(|m| **m).count();
+        if mixed > 0 && (count > 1 || total.abs() <= FLAT * scale) {
+            let why = match count {
+                1 => "is flat at the start".to_string(),
+                _ => format!("consists of {count} bodies"),
+            };
+            let help = "order the nodes of its elements so that all normals point outwards";
+            return Err((format!("{why}, and its elements do not show one side"), help));
         }
-        (0..count).filter(|&b| !flat(b)).map(|b| volumes[b].abs()).sum()
+        let small = total.abs() <= THIN * scale;
+        let turn = if mixed > 0 || !small { total < 0.0 } else { inwards };
+        let sign = if turn { -1.0 } else { 1.0 };
+        facets.iter_mut().for_each(|facet| facet.face.inwards ^= turn);
+        let holds = |outer: usize, inner: usize| {
+            let ([low, high], [from, to]) = (boxes[outer], boxes[inner]);
+            (0..3).all(|c| low[c] <= from[c] && to[c] <= high[c])
+        };
+        let is_hole = |b: usize| (0..count).any(|o| volumes[o] * sign > 0.0 && holds(o, b));
+        if count > 1 && (0..count).any(|b| volumes[b] * sign < -FLAT * scale && !is_hole(b)) {
+            let message = format!("consists of {count} bodies, one of them with normals inwards");
+            return Err((message, "order the nodes of its elements so that all point outwards"));
+        }
+        Ok(total * sign)
     }
 
     /// Returns volume between a face and a point, and the area of the face, from the triangles of a
@@ -441,9 +484,18 @@ fn edges(facets: &[Facet]) -> Edges {
     edges
 }
 
-/// Orients all faces of each connected body as its first one, and returns the number of the body
-/// of each face; `None` if that is impossible.
-fn orient(facets: &mut [Facet], edges: &Edges) -> Option<Vec<usize>> {
+/// Connected bodies of a surface.
+#[derive(Debug, PartialEq)]
+struct Bodies {
+    /// Number of the body of each face.
+    of: Vec<usize>,
+    /// For each body, true if the normals of its elements do not show one side.
+    mixed: Vec<bool>,
+}
+
+/// Orients all faces of each connected body as its first one; returns `None` if that is
+/// impossible.
+fn orient(facets: &mut [Facet], edges: &Edges) -> Option<Bodies> {
     let mut neighbours: Vec<Vec<(usize, bool)>> = vec![Vec::new(); facets.len()];
     for of in edges.values() {
         if let [(a, a_along), (b, b_along)] = of[..] {
@@ -452,19 +504,21 @@ fn orient(facets: &mut [Facet], edges: &Edges) -> Option<Vec<usize>> {
             neighbours[b].push((a, a_along == b_along));
         }
     }
-    let mut bodies = vec![usize::MAX; facets.len()];
-    let mut count = 0;
+    let mut bodies = Bodies { of: vec![usize::MAX; facets.len()], mixed: Vec::new() };
     for start in 0..facets.len() {
-        if bodies[start] != usize::MAX {
+        if bodies.of[start] != usize::MAX {
             continue;
         }
-        bodies[start] = count;
+        let body = bodies.mixed.len();
+        bodies.mixed.push(false);
+        bodies.of[start] = body;
         let mut front = vec![start];
         while let Some(i) = front.pop() {
             for &(j, differs) in &neighbours[i] {
                 let inwards = facets[i].face.inwards ^ differs;
-                if bodies[j] == usize::MAX {
-                    bodies[j] = count;
+                if bodies.of[j] == usize::MAX {
+                    bodies.of[j] = body;
+                    bodies.mixed[body] |= inwards;
                     facets[j].face.inwards = inwards;
                     front.push(j);
                 } else if facets[j].face.inwards != inwards {
@@ -472,9 +526,23 @@ fn orient(facets: &mut [Facet], edges: &Edges) -> Option<Vec<usize>> {
                 }
             }
         }
-        count += 1;
     }
     Some(bodies)
+}
+
+/// Counts the faces that meet at the nodes of each face.
+fn count_meeting(facets: &mut [Facet]) {
+    let mut counts: HashMap<NodeId, u32> = HashMap::new();
+    for node in facets.iter().flat_map(|f| &f.nodes) {
+        *counts.entry(*node).or_default() += 1;
+    }
+    for facet in facets {
+        facet.face.meeting = facet.nodes.iter().map(|n| counts[n]).max().unwrap_or(0);
+    }
+}
+
+fn face_of(element: ElemId, face: u8) -> BagFace {
+    BagFace { element, face, inwards: false, meeting: 0 }
 }
 
 #[cfg(test)]
@@ -482,9 +550,7 @@ mod tests {
     use super::*;
 
     fn facet(id: u64, nodes: [u64; 3]) -> Facet {
-        let element = crumple_proto::ids::ElemId(id);
-        let face = BagFace { element, face: 0, inwards: false };
-        Facet { face, nodes: nodes.map(NodeId).to_vec() }
+        Facet { face: face_of(ElemId(id), 0), nodes: nodes.map(NodeId).to_vec() }
     }
 
     /// A tetrahedron whose third face is in the wrong order.
@@ -498,9 +564,12 @@ mod tests {
         ];
         let edges = edges(&facets);
         assert!(edges.values().all(|of| of.len() == 2));
-        assert_eq!(orient(&mut facets, &edges), Some(vec![0; 4]));
+        let bodies = orient(&mut facets, &edges).expect("two sides");
+        assert_eq!(bodies, Bodies { of: vec![0; 4], mixed: vec![true] });
         let turned: Vec<bool> = facets.iter().map(|f| f.face.inwards).collect();
         assert_eq!(turned, [false, false, true, false]);
+        count_meeting(&mut facets);
+        assert!(facets.iter().all(|f| f.face.meeting == 3));
     }
 
     /// A strip of five triangles, joined with half a turn (the Moebius band of five vertices).

@@ -209,6 +209,11 @@ pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
         "toml" | "k" | "key" | "dyn" | "rad" => Ok(path.to_path_buf()),
+        known if mesh_file::reads(known) => Err(Problem::error(
+            "",
+            format!("{shown} is a mesh file, not a job"),
+            "write a job for it: crumple import FILE --out FOLDER, then crumple run FOLDER",
+        )),
         _ => Err(Problem::error(
             "",
             format!("{shown} is not a .toml file"),

@@ -26,7 +26,8 @@ pub fn resolve(
         job.output.node.iter().enumerate().map(|(i, n)| group(n, i, sets, findings)).collect();
     let rigid = |part: u32| {
         let place = settings.parts.iter().position(|p| p.id == part).map(|i| i as u32);
-        settings.rigid.iter().any(|body| place.is_some_and(|p| body.parts.contains(&p)))
+        let throughout = settings.rigid.iter().filter(|body| body.window.is_none());
+        throughout.into_iter().any(|body| place.is_some_and(|p| body.parts.contains(&p)))
     };
     let all = job.output.section.iter().enumerate();
     let sections: Vec<_> =

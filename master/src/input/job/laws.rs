@@ -123,6 +123,7 @@ impl BuiltElements {
                 Part { particles: Some(_), .. } => Shape::Point1,
                 Part { element: Some(name), .. } if name == "hexahedron" => Shape::Hex8,
                 Part { element: Some(name), .. } if name == "tetrahedron" => Shape::Tet4,
+                Part { element: Some(name), .. } if name == "quadratic_tetrahedron" => Shape::Tet10,
                 Part { thickness: 0.0, element: None, .. } => Shape::Hex8,
                 _ => Shape::Quad4,
             };

@@ -1,7 +1,7 @@
 //! Loads, prescribed motion and planes of symmetry: checks, and conversion to numbers and ids.
 
 use super::airbags;
-use super::state::{NodeSets, NodeStart};
+use super::state::{ElementStart, NodeSets, NodeStart};
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MotionInput, PressureInput, Symmetry};
@@ -9,8 +9,9 @@ use crumple_proto::loads::{
     Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
 };
 use crumple_proto::mesh::{Mesh, free_faces};
+use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Names of the degrees of freedom, in the order of their bits.
 pub const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
@@ -65,7 +66,9 @@ pub fn resolve(
     }
     for (i, g) in job.gravity.iter().enumerate() {
         let curve = curves.find(&g.curve, &format!("gravity.{i}.curve"), findings);
-        loads.gravity.push(Gravity { acceleration: g.acceleration, curve });
+        known_parts(&g.parts, &format!("gravity.{i}"), "gravity", job, findings);
+        // Shares follow from the masses of the elements, see `share_gravity`.
+        loads.gravity.push(Gravity { acceleration: g.acceleration, curve, shares: None });
     }
     for (i, load) in job.load.iter().enumerate() {
         let curve = curves.find(&load.curve, &format!("load.{i}.curve"), findings);
@@ -210,20 +213,7 @@ pub fn part_faces(
         findings.add(Problem::error(path, message, help));
         return None;
     }
-    let mut known = true;
-    for (place, id) in
-        parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|part| part.id == **id))
-    {
-        let ids: Vec<String> = job.part.iter().map(|part| part.id.to_string()).collect();
-        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
-        let message = format!("{what}: there is no part {id}");
-        findings.add(Problem::error(
-            format!("{path}.parts.{place}"),
-            message,
-            nearest(&id.to_string(), &ids),
-        ));
-        known = false;
-    }
+    let known = known_parts(parts, path, what, job, findings);
     let within = match nodes {
         None => None,
         Some(name) => Some(sets.ids(name, format!("{path}.nodes"), findings)?),
@@ -243,6 +233,74 @@ pub fn part_faces(
     Some(faces)
 }
 
+/// Returns true if the job has all these parts. Reports those that it does not have.
+fn known_parts(
+    parts: &[u32],
+    path: &str,
+    what: &str,
+    job: &Job,
+    findings: &mut JobProblems,
+) -> bool {
+    let mut known = true;
+    for (place, id) in
+        parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|part| part.id == **id))
+    {
+        let ids: Vec<String> = job.part.iter().map(|part| part.id.to_string()).collect();
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        let message = format!("{what}: there is no part {id}");
+        let help = nearest(&id.to_string(), &ids);
+        findings.add(Problem::error(format!("{path}.parts.{place}"), message, help));
+        known = false;
+    }
+    known
+}
+
+/// Finds the nodes of gravity on parts, with the fraction of their mass that elements of these
+/// parts have. The mass of tied nodes counts at the nodes that they follow.
+pub fn share_gravity(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &mut Settings,
+    (elements, nodes): (&ElementStart, &NodeStart),
+) {
+    if job.gravity.iter().all(|g| g.parts.is_empty()) {
+        return;
+    }
+    let place: HashMap<NodeId, usize> =
+        mesh.nodes.iter().enumerate().map(|(n, node)| (node.id, n)).collect();
+    let masses_of = |of: &dyn Fn(u32) -> bool, added: Option<&[f64]>| {
+        let mut masses = added.map_or(vec![0.0; mesh.nodes.len()], <[f64]>::to_vec);
+        for (i, e) in mesh.elements.iter().enumerate().filter(|(_, e)| of(e.part)) {
+            let each = elements.mass_with_scaling(i) / e.shape.corners() as f64;
+            for (c, id) in e.corners().iter().enumerate() {
+                masses[place[id]] += each * e.shape.mass_share(c);
+            }
+        }
+        for tie in &settings.ties {
+            let mass = std::mem::take(&mut masses[place[&tie.node]]);
+            tie.masters.iter().for_each(|(id, share)| masses[place[id]] += share * mass);
+        }
+        masses
+    };
+    let whole = masses_of(&|_| true, Some(&nodes.added_mass));
+    let shares: Vec<Option<Vec<(NodeId, f64)>>> = job
+        .gravity
+        .iter()
+        .map(|g| {
+            let own = (!g.parts.is_empty()).then(|| masses_of(&|p| g.parts.contains(&p), None))?;
+            let share = |(n, mass): (usize, &f64)| {
+                (*mass > 0.0).then(|| (mesh.nodes[n].id, mass / whole[n]))
+            };
+            let mut list: Vec<_> = own.iter().enumerate().filter_map(share).collect();
+            list.sort_unstable_by_key(|s| s.0);
+            Some(list)
+        })
+        .collect();
+    for (gravity, shares) in settings.loads.gravity.iter_mut().zip(shares) {
+        gravity.shares = shares;
+    }
+}
+
 /// Returns the faces of shells and outer faces of solids of some parts, as index of the element
 /// and number of the face. With a node set, returns only faces whose nodes are all in the set.
 pub fn faces(
@@ -256,7 +314,7 @@ pub fn faces(
 /// Returns these faces if the free faces of the mesh are already known.
 pub fn outer_faces(
     mesh: &Mesh,
-    free: &[u8],
+    free: &[u16],
     of_part: impl Fn(u32) -> bool,
     within: Option<&[NodeId]>,
 ) -> Vec<(usize, usize)> {
@@ -300,12 +358,24 @@ pub fn motion_form(
         ));
         return None;
     };
-    if starts_with_jump(form, curves, &m.curve, curve) {
+    let window = window(m, &path, findings);
+    if m.birth <= 0.0 && starts_with_jump(form, curves, &m.curve, curve) {
         let message = "a prescribed displacement starts with a jump";
         findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
     }
     let dofs = (!m.dofs.is_empty()).then(|| dof_bits(&m.dofs, &format!("{path}.dofs"), findings));
-    Some((PrescribedMotion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
+    Some((PrescribedMotion { nodes: Vec::new(), dofs: 0, form, amount, curve, window }, dofs))
+}
+
+/// Returns the times of begin and end of a motion that does not act in the whole run.
+fn window(m: &MotionInput, path: &str, findings: &mut JobProblems) -> Option<[f64; 2]> {
+    if m.birth < 0.0 || m.death.is_some_and(|death| death <= m.birth) {
+        let message = format!("a motion begins at {:?} and ends at {:?}", m.birth, m.death);
+        let help = "give a `birth` of 0 or above, and a `death` above it";
+        findings.add(Problem::error(format!("{path}.birth"), message, help));
+    }
+    let is_whole = m.birth == 0.0 && m.death.is_none();
+    (!is_whole).then_some([m.birth, m.death.unwrap_or(f64::MAX)])
 }
 
 /// Returns true if a motion is a displacement that is not 0 at time 0. `index` is that of its
@@ -342,11 +412,11 @@ fn motion(
     let (motion, dofs) = form?;
     let all = if matches!(motion.form, MotionForm::Spin { .. }) { 0b11_1111 } else { 0b111 };
     let dofs = dofs.unwrap_or(all);
-    let clashes: Vec<usize> =
-        nodes.iter().copied().filter(|&n| start.fixed[n] & dofs != 0).collect();
+    let taken = |n: usize| start.taken(n, dofs, motion.window);
+    let clashes: Vec<usize> = nodes.iter().copied().filter(|&n| taken(n) != 0).collect();
     if let Some(&first) = clashes.first() {
-        let twice =
-            DOFS.iter().enumerate().filter(|(bit, _)| start.fixed[first] & dofs & (1 << bit) != 0);
+        let bits = taken(first);
+        let twice = DOFS.iter().enumerate().filter(|(bit, _)| bits & (1 << bit) != 0);
         let twice: Vec<&str> = twice.map(|(_, name)| *name).collect();
         let message = format!(
             "{} nodes are not free to follow a motion; the first is node {} in {}",
@@ -358,7 +428,7 @@ fn motion(
                     there, or name other `dofs` here";
         findings.add(Problem::error(&path, message, help));
     }
-    nodes.iter().for_each(|&n| start.fixed[n] |= dofs);
+    nodes.iter().for_each(|&n| start.prescribe(n, dofs, motion.window));
     Some(PrescribedMotion {
         nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(),
         dofs,

@@ -115,6 +115,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
             4 => Some(Shape::Tet4),
             6 => Some(Shape::Wedge6),
             8 => Some(Shape::Hex8),
+            10 => Some(Shape::Tet10),
             _ => None,
         }));
     }

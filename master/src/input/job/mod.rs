@@ -3,7 +3,7 @@
 //!
 //! 1. `tree.rs`: TOML with the place of every value, merged over the files that the job includes
 //!    (`include.rs`) and over its deck (`deck`); `sets.rs` applies the command line, `library.rs`
-//!    the library of materials
+//!    the library of materials; `inline_sets.rs` moves rules of node sets to `[[set]]`
 //! 2. `validate.rs`: unknown keys, types and missing keys, by the schema of
 //!    [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its checks; `node_sets/`: sets by rule; `numbering.rs`: new numbers
@@ -23,13 +23,14 @@ mod contact;
 mod files;
 mod histories;
 mod include;
+pub mod inline_sets;
 mod joints;
 pub mod laws;
 pub mod library;
 mod loads;
 mod mesh;
 mod model;
-mod node_sets;
+pub mod node_sets;
 mod numbering;
 mod particles;
 mod placeholders;
@@ -51,6 +52,7 @@ mod walls;
 mod warnings;
 
 pub use laws::BuiltElements;
+pub(in crate::input) use loads::outer_faces;
 pub use model::Model;
 pub use numbering::Renumbered;
 pub use report::{Located, Report, SourceFiles, Spot};
@@ -60,18 +62,19 @@ pub use validate::nearest;
 
 use crate::input::deck;
 use crate::input::mesh_file::Fate;
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
-use crumple_proto::tie::Tie;
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, SourceFile};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use ties::ResolvedTies;
 use tree::Node;
 use validate::JobProblems;
 
@@ -116,6 +119,7 @@ pub fn check_keys(text: &str) -> Vec<Problem> {
         || tree.get("mesh").is_some_and(|mesh| mesh.get("deck").is_some());
     contact::from_list(&mut tree);
     library::expand(&mut tree, &mut findings);
+    inline_sets::hoist(&mut tree);
     validate::job(&mut tree, &mut findings);
     let is_fault = |problem: &Problem| !(is_part && validate::is_missing_key(problem));
     findings.list.into_iter().map(|found| found.problem).filter(is_fault).collect()
@@ -170,6 +174,7 @@ fn read_tree(
                 elements: built.elements,
                 quality: built.quality,
                 renumbered: built.renumbered,
+                given: built.given,
                 blocks: built.blocks,
                 warnings,
                 mapping: built.mapping,
@@ -195,6 +200,7 @@ struct Built {
     elements: ElementStart,
     quality: Quality,
     renumbered: Option<Renumbered>,
+    given: BTreeMap<NodeId, [f64; 3]>,
     blocks: BuiltElements,
     warnings: Vec<Problem>,
     mapping: Vec<deck::Mapping>,
@@ -265,8 +271,8 @@ fn build(
     resolve::check(&job, workers_given, findings);
     let mut checked = check_mesh(&job, read, findings);
     let (mut settings, blocks) = choose_laws(&tree, &job, &mut checked, findings);
-    let CheckedMesh { mesh, renumbered, quality, .. } = checked;
-    let mesh = mesh?;
+    let CheckedMesh { mesh, renumbered, quality, ties, .. } = checked;
+    let (mesh, given) = (mesh?, ties.given);
     let smallest = quality.as_ref().map_or(0.0, |q| q.min_side.value);
     let nodes = constrain(&job, &mesh, &mut settings, smallest, findings);
     particles::check(&job, &mesh, &settings, findings);
@@ -281,11 +287,13 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
+    loads::share_gravity(&job, &mesh, &mut settings, (&elements, &nodes));
     let mut warnings = placeholders::check(&job);
     warnings.extend(warnings::of_model(&job, &mesh, &settings, &elements, &nodes));
     Some(Built {
         quality: quality?,
         renumbered,
+        given,
         job,
         mesh,
         settings,
@@ -308,6 +316,7 @@ fn read_keys(
     let mut tree = sources.job.tree.clone();
     sets::apply(&mut tree, sets, findings);
     library::expand(&mut tree, findings);
+    inline_sets::hoist(&mut tree);
     // Places of problems are looked up in the tree as written, with `--set` but before repairs.
     sources.job.tree = tree.clone();
     validate::job(&mut tree, findings);
@@ -327,7 +336,7 @@ struct CheckedMesh {
     mesh: Option<Mesh>,
     axes: mesh::Axes,
     renumbered: Option<Renumbered>,
-    ties: Vec<Tie>,
+    ties: ResolvedTies,
     quality: Option<Quality>,
 }
 
@@ -370,7 +379,7 @@ fn choose_laws(
         resolve::settings(job, sides, &mesh.map(thickest).unwrap_or_default());
     settings.axes = std::mem::take(&mut checked.axes);
     settings.with_own_offsets = mesh.map_or(Vec::new(), |mesh| with_own_offsets(mesh, &settings));
-    settings.ties = std::mem::take(&mut checked.ties);
+    settings.ties = std::mem::take(&mut checked.ties.ties);
     let used = match mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
         None => vec![laws::Used::default(); order.len()],
@@ -402,6 +411,7 @@ fn constrain(
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
     settings.rotations =
         !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
+    nodes.free_timed();
     nodes
 }
 

@@ -4,12 +4,14 @@ use super::report::{Located, Report, SourceFiles};
 use super::{BuiltElements, ElementStart, NodeStart, Renumbered, state};
 use crate::input::deck;
 use crate::input::mesh_file::ImportRow;
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::{Mesh, free_faces};
+use crumple_proto::mesh::{Mesh, MeshNode, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::Quality;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A valid job: read, checked, with its mesh and all defaults.
@@ -30,6 +32,8 @@ pub struct Model {
     pub quality: Quality,
     /// Data of the renumbering, if nodes and elements were renumbered.
     pub renumbered: Option<Renumbered>,
+    /// Positions in the input of nodes that ties have moved [length].
+    pub given: BTreeMap<NodeId, [f64; 3]>,
     /// The formulations of all parts.
     pub blocks: BuiltElements,
     /// Warnings. [`Model::show`] adds the line in the job. The run may add more warnings.
@@ -66,6 +70,11 @@ impl Model {
             }
         }
         all
+    }
+
+    /// Returns the position of a node in the input [length].
+    pub fn given_position(&self, node: &MeshNode) -> [f64; 3] {
+        self.given.get(&node.id).copied().unwrap_or(node.x)
     }
 
     /// Returns the records for the distribution: elements and nodes by ascending id.

@@ -10,6 +10,7 @@ use crumple_proto::partition::{CheckpointSettings, Material, Param, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::steering::{MOST_FIELDS, OutputTimes};
 use crumple_worker::contact::beams;
+use crumple_worker::fem::elements::points_of;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use crumple_worker::parameter::{Form, ParameterRow};
 use std::collections::{BTreeMap, HashMap};
@@ -252,6 +253,12 @@ impl NumberChecks<'_> {
     }
 }
 
+/// Returns the largest number of points through the thickness of any part of shells, at least 1.
+fn most_points(parts: &[Part]) -> usize {
+    let shells = parts.iter().filter(|p| p.thickness > 0.0);
+    shells.map(points_of).max().unwrap_or(1)
+}
+
 /// Returns the settings of all workers with defaults, and for each of their parts its index in
 /// the job. Default lengths follow from the smallest and the median side of the mesh's elements.
 /// Walls, loads, rigid bodies and parts with offsets of single shells are added later. `own` holds
@@ -298,6 +305,7 @@ pub fn settings(
         planned: Vec::new(),
         histories: HistoryRequests::default(),
         contact_forces: job.output.contact_forces && contact.is_some(),
+        field_points: if job.output.points { most_points(&parts) } else { 0 },
         field_dir: String::new(),
         checkpoint: checkpoint_settings(job),
         materials: job.material.iter().map(material).collect(),

@@ -51,6 +51,8 @@ pub fn add(job: &mut Job, findings: &mut JobProblems) {
         fixed: Vec::new(),
         mass: None,
         inertia: None,
+        from: 0.0,
+        until: None,
     };
     let bodies: Vec<Rigid> = restart.rigid.iter().map(body).collect();
     job.rigid.extend(bodies);

@@ -1,11 +1,11 @@
 //! Rigid bodies of a job: checks, and conversion to numbers and ids.
 
 use super::loads::{Curves, DOFS, dof_bits, motion_form};
-use super::state::{NodeSets, NodeStart};
+use super::state::{NodeSets, NodeStart, are_apart};
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Rigid};
-use crumple_proto::loads::MotionForm;
+use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -28,14 +28,20 @@ pub fn resolve(
     if job.rigid.is_empty() {
         return bodies;
     }
-    let mut owner: HashMap<NodeId, usize> = HashMap::new();
+    let mut owner: HashMap<NodeId, Vec<usize>> = HashMap::new();
     let context = BodyContext::new(mesh, sets);
     for (i, rigid) in job.rigid.iter().enumerate() {
         let path = format!("rigid.{i}");
         numbers(rigid, i, job, findings);
         let fixed = dof_bits(&rigid.fixed, &format!("{path}.fixed"), findings);
         let nodes = members(rigid, &path, &context, findings);
-        if let Some((other, first)) = nodes.iter().find_map(|id| owner.get(id).map(|o| (*o, *id))) {
+        let window = window(rigid, i, job, findings);
+        let meets = |other: usize| match (bodies[other].window, window) {
+            (Some(one), Some(own)) => !are_apart(one, own),
+            _ => true,
+        };
+        let shared = |id: &NodeId| owner.get(id)?.iter().copied().find(|&o| meets(o));
+        if let Some((other, first)) = nodes.iter().find_map(|id| Some((shared(id)?, *id))) {
             let message = format!(
                 "rigid bodies `{}` and `{}` have nodes in common; the first is node {first}",
                 job.rigid[other].name, rigid.name
@@ -46,7 +52,7 @@ pub fn resolve(
                 "merge them into one body, or leave a row of elements between them",
             ));
         }
-        owner.extend(nodes.iter().map(|id| (*id, i)));
+        nodes.iter().for_each(|id| owner.entry(*id).or_default().push(i));
         let held: Vec<NodeId> = nodes
             .iter()
             .copied()
@@ -69,13 +75,50 @@ pub fn resolve(
             .filter(|(_, p)| rigid.parts.contains(&p.id))
             .map(|(k, _)| k)
             .collect();
-        bodies.push(RigidBody { nodes, parts, fixed, inertia: rigid.inertia, motions: Vec::new() });
+        let (inertia, motions) = (rigid.inertia, Vec::new());
+        bodies.push(RigidBody { nodes, parts, fixed, inertia, motions, window });
     }
-    for body in &bodies {
+    for body in bodies.iter().filter(|body| body.window.is_none()) {
         body.nodes.iter().filter_map(|&id| sets.place(id)).for_each(|n| start.fixed[n] |= ALL);
     }
     motions(job, &mut bodies, findings);
     bodies
+}
+
+/// Returns the times at which a body becomes rigid and deformable again; `None` for a body that is
+/// rigid in the whole run. Reports keys that cannot be combined with such times.
+fn window(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) -> Option<[f64; 2]> {
+    let path = |key: &str| format!("rigid.{i}.{key}");
+    if rigid.from == 0.0 && rigid.until.is_none() {
+        return None;
+    }
+    let mut refuse = |key: &str, message: &str, help: &str| {
+        let message = format!("rigid body `{}` {message}", rigid.name);
+        findings.add(Problem::error(path(key), message, help));
+    };
+    if rigid.from < 0.0 || rigid.until.is_some_and(|until| until <= rigid.from) {
+        refuse("from", "ends before it begins", "give a `from` of 0 or above and a later `until`");
+    }
+    if rigid.from == 0.0 {
+        let help = "give a `from` above 0; parts that are rigid first need a material that deforms";
+        refuse("until", "begins at 0 and ends", help);
+    }
+    if rigid.mass.is_some() || rigid.inertia.is_some() {
+        let help = "remove them: its mass and inertia are those of its nodes at that time";
+        refuse("mass", "becomes rigid in the run and has a mass or inertia", help);
+    }
+    let joined = |name: &String| *name == rigid.name;
+    if job.joint.iter().any(|joint| joint.bodies.iter().any(joined)) {
+        refuse("from", "becomes rigid in the run and has a joint", "join a body of other parts");
+    }
+    if job.motion.iter().any(|motion| motion.rigid.as_ref().is_some_and(joined)) {
+        let help = "move a node set, or make the body rigid for the whole run";
+        refuse("from", "becomes rigid in the run and has a prescribed motion", help);
+    }
+    if job.time.subcycles > 1 {
+        refuse("from", "becomes rigid in a run with subcycles", "remove `time.subcycles`");
+    }
+    Some([rigid.from, rigid.until.unwrap_or(f64::MAX)])
 }
 
 /// Checks names, masses and inertias.
@@ -248,7 +291,12 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
         let spins = matches!(motion.form, MotionForm::Spin { .. });
         let dofs = dofs.unwrap_or(if spins { 0b11_1000 } else { 0b111 });
         let body = &mut bodies[body];
-        let taken = body.motions.iter().fold(body.fixed, |bits, m| bits | m.dofs) & dofs;
+        let meets = |m: &&PrescribedMotion| match (m.window, motion.window) {
+            (Some(one), Some(other)) => !are_apart(one, other),
+            _ => true,
+        };
+        let others = body.motions.iter().filter(meets);
+        let taken = others.fold(body.fixed, |bits, m| bits | m.dofs) & dofs;
         if taken != 0 {
             let names: Vec<&str> =
                 (0..6).filter(|b| taken >> b & 1 == 1).map(|b| DOFS[b]).collect();
@@ -260,6 +308,6 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
                 "remove them from its `fixed` or from the other motion, or name other `dofs` here";
             findings.add(Problem::error(&path, message, help));
         }
-        body.motions.push(crumple_proto::loads::PrescribedMotion { dofs, ..motion });
+        body.motions.push(PrescribedMotion { dofs, ..motion });
     }
 }

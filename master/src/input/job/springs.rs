@@ -18,6 +18,7 @@
 
 use super::laws::BuiltElements;
 use super::state::{ElementStart, NodeStart};
+use super::ties::mean::excess as tie_excess;
 use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
@@ -41,8 +42,9 @@ struct SpringNode {
     shared: bool,
     /// True if its motion is fixed or prescribed, so that no force accelerates it.
     held: bool,
-    /// True if it is tied with an offset.
-    has_arm: bool,
+    /// Reciprocal of the fraction of its mass that a tie with an offset leaves its elements and
+    /// springs; 0 without one.
+    arm: f64,
     /// Index of its rigid body.
     body: Option<usize>,
     /// Fraction of its mass with which its springs are stable at the step of other elements.
@@ -52,7 +54,7 @@ struct SpringNode {
 impl SpringNode {
     /// Returns the fraction of its mass that an offset leaves its elements and springs.
     fn arm_share(&self) -> f64 {
-        if self.has_arm { ARM_SHARE } else { 1.0 }
+        if self.arm > 0.0 { 1.0 / self.arm } else { 1.0 }
     }
 }
 
@@ -80,7 +82,7 @@ pub fn steps(
     let springs = find_springs(mesh, blocks, start, &place, findings);
     let ends = of_nodes(mesh, settings, nodes, start, &place);
     massless(mesh, &ends, findings);
-    if springs.is_empty() && !ends.iter().any(|e| e.has_arm) {
+    if springs.is_empty() && !ends.iter().any(|e| e.arm > 0.0) {
         return;
     }
     let bodies = settings.rigid.iter().map(|b| BodyMass::new(b, mesh, &ends, &place)).collect();
@@ -222,7 +224,8 @@ fn of_nodes(
         ..SpringNode::default()
     };
     let mut ends: Vec<SpringNode> = nodes.added_mass.iter().zip(&nodes.fixed).map(end).collect();
-    for (b, body) in settings.rigid.iter().enumerate() {
+    let whole_run = |(_, body): &(usize, &RigidBody)| body.window.is_none();
+    for (b, body) in settings.rigid.iter().enumerate().filter(whole_run) {
         for n in body.nodes.iter().filter_map(|id| place.get(id)) {
             (ends[*n].held, ends[*n].body) = (false, Some(b));
         }
@@ -230,15 +233,21 @@ fn of_nodes(
     for n in settings
         .ties
         .iter()
-        .filter(|t| t.offset && settings.rotations)
+        .filter(|t| t.offset && settings.rotations && !t.mean)
         .filter_map(|t| place.get(&t.node))
     {
-        ends[*n].has_arm = true;
+        ends[*n].arm = 1.0 / ARM_SHARE;
+    }
+    for tie in settings.ties.iter().filter(|t| t.mean) {
+        let at = |id: &NodeId| mesh.nodes[place[id]].x;
+        ends[place[&tie.node]].arm = tie_excess(tie, at);
     }
     for (i, element) in mesh.elements.iter().enumerate().filter(|(_, e)| e.shape != Shape::Line2) {
         let corners = element.corners();
-        for n in corners.iter().filter_map(|id| place.get(id)) {
-            ends[*n].mass += start.mass_with_scaling(i) / corners.len() as f64;
+        let of_each = start.mass_with_scaling(i) / corners.len() as f64;
+        let found = corners.iter().enumerate().filter_map(|(c, id)| Some((c, place.get(id)?)));
+        for (c, n) in found {
+            ends[*n].mass += of_each * element.shape.mass_share(c);
             ends[*n].shared = true;
         }
     }

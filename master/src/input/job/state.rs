@@ -12,6 +12,7 @@ use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use crumple_proto::rigid::RigidBody;
 use std::collections::HashMap;
 
 /// Per node, in the order of the mesh.
@@ -25,9 +26,36 @@ pub struct NodeStart {
     pub velocity: Vec<[f64; 3]>,
     /// Rotational velocity [1/time].
     pub spin: Vec<[f64; 3]>,
+    /// Degrees of freedom by node that motions prescribe in windows of time only.
+    pub timed: HashMap<usize, Vec<(u64, [f64; 2])>>,
 }
 
 impl NodeStart {
+    /// Returns the degrees of freedom of a node that are not free for a motion in a window.
+    pub fn taken(&self, n: usize, dofs: u64, window: Option<[f64; 2]>) -> u64 {
+        let timed = self.timed.get(&n).map_or(&[][..], Vec::as_slice);
+        let in_windows = timed.iter().fold(0, |all, (bits, _)| all | bits);
+        let meets = |other: &[f64; 2]| window.is_none_or(|own| !are_apart(own, *other));
+        let met = timed.iter().filter(|(_, other)| meets(other));
+        let met = met.fold(0, |all, (bits, _)| all | bits);
+        dofs & (self.fixed[n] & !in_windows | met)
+    }
+
+    /// Marks degrees of freedom of a node as prescribed.
+    pub fn prescribe(&mut self, n: usize, dofs: u64, window: Option<[f64; 2]>) {
+        self.fixed[n] |= dofs;
+        if let Some(window) = window {
+            self.timed.entry(n).or_default().push((dofs, window));
+        }
+    }
+
+    /// Frees what motions prescribe in windows only: the workers constrain it in time.
+    pub fn free_timed(&mut self) {
+        for (n, motions) in std::mem::take(&mut self.timed) {
+            motions.iter().for_each(|(dofs, _)| self.fixed[n] &= !dofs);
+        }
+    }
+
     /// Fixes degrees of freedom of a node and sets their initial velocity to zero.
     pub fn hold(&mut self, n: usize, bits: u64) {
         self.fixed[n] |= bits;
@@ -40,6 +68,11 @@ impl NodeStart {
             }
         }
     }
+}
+
+/// Returns true if two windows of time have no time in common.
+pub fn are_apart(one: [f64; 2], other: [f64; 2]) -> bool {
+    one[1] <= other[0] || other[1] <= one[0]
 }
 
 /// Per element, in the order of the mesh.
@@ -155,6 +188,7 @@ pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut JobProb
         fixed: vec![0; count],
         velocity: vec![[0.0; 3]; count],
         spin: vec![[0.0; 3]; count],
+        timed: HashMap::new(),
     };
     for (i, mass) in job.mass.iter().enumerate() {
         let path = format!("mass.{i}.nodes");
@@ -243,7 +277,9 @@ pub fn elements(
         let wanted = job.time.mass_scaling_dt;
         // The stable step is proportional to the square root of the density.
         let factor = if wanted > dt { (wanted / dt).powi(2) } else { 1.0 };
-        let rigid = settings.rigid.iter().position(|r| r.parts.contains(&(part as u32)));
+        let is_rigid =
+            |body: &RigidBody| body.window.is_none() && body.parts.contains(&(part as u32));
+        let rigid = settings.rigid.iter().position(is_rigid);
         start.part.push(part as u32);
         start.mass.push(mass);
         start.share.push(1.0);

@@ -10,7 +10,7 @@ use super::state::ElementStart;
 use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Time;
-use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::mesh::{MAX_CORNERS, Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
@@ -50,7 +50,7 @@ impl SubcycleClasses {
 /// Connections between nodes, as indices in the mesh.
 struct Neighbours {
     /// Nodes of each element.
-    elements: Vec<[u32; 8]>,
+    elements: Vec<[u32; MAX_CORNERS]>,
     /// Groups of nodes that a tie or a rigid body joins; fast motion passes through them.
     joined: Vec<Vec<u32>>,
     nodes: usize,

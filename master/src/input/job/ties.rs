@@ -1,6 +1,7 @@
 //! Ties of a job: search for the face of each tied node, checks, and conversion to numbers and
 //! ids.
 
+pub mod mean;
 mod surface;
 
 use super::state::{NodeSets, NodeStart};
@@ -13,7 +14,7 @@ use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::tie::Tie;
 use crumple_worker::constraints::ties::project::Foot;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use surface::TieSurface;
 
 /// Displacement of a node onto its face, as a fraction of the face's diagonal, above which it is
@@ -42,7 +43,7 @@ struct TieContext<'a> {
     mesh: &'a Mesh,
     sets: NodeSets<'a>,
     /// Free faces of solids.
-    free: Vec<u8>,
+    free: Vec<u16>,
     /// Thickness of each part, and of the thickest shell at each node [length].
     thick: HashMap<u32, f64>,
     shells: HashMap<NodeId, f64>,
@@ -80,11 +81,19 @@ impl<'a> TieContext<'a> {
     }
 }
 
-/// Finds the faces to which nodes are tied and moves the nodes onto them. Returns the ties by
-/// ascending node.
-pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Vec<Tie> {
+/// The ties of a job.
+#[derive(Default)]
+pub struct ResolvedTies {
+    /// Ties by ascending node.
+    pub ties: Vec<Tie>,
+    /// Positions of tied nodes in the input, before they were moved [length].
+    pub given: BTreeMap<NodeId, [f64; 3]>,
+}
+
+/// Finds the faces to which nodes are tied and moves the nodes onto them.
+pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> ResolvedTies {
     if job.tie.is_empty() {
-        return Vec::new();
+        return ResolvedTies::default();
     }
     let mut projected: Vec<Projected> = Vec::new();
     let context = TieContext::new(job, mesh);
@@ -103,13 +112,15 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Vec<Ti
         let help = "remove it from one of the sets";
         findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
     }
+    let mut given = BTreeMap::new();
     for s in &projected {
-        mesh.nodes[s.node].x = s.point;
+        let node = &mut mesh.nodes[s.node];
+        given.insert(node.id, std::mem::replace(&mut node.x, s.point));
     }
     for entry in 0..job.tie.len() {
         report_moved(job, entry, &projected, findings);
     }
-    chained(job, projected, findings)
+    ResolvedTies { ties: chained(job, projected, findings), given }
 }
 
 /// Returns the name of an entry in messages.
@@ -171,6 +182,9 @@ fn tied_nodes(
     if let Some(node) = spec.node {
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
+    }
+    if let Some(set) = &spec.mean_of {
+        return mean::to_mean(spec, set, entry, nodes.unwrap_or_default(), context, findings);
     }
     let surface = TieSurface::new(spec, entry, context, nodes.is_some(), findings);
     let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
@@ -253,6 +267,7 @@ fn to_node(
             faces: Vec::new(),
             rotations: spec.rotations,
             offset: false,
+            mean: false,
         },
         entry,
         node,
@@ -390,6 +405,22 @@ pub fn lead(ties: &[Tie], motions: &mut [PrescribedMotion]) {
     motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
 }
 
+/// Reports ties of the nodes of a body that becomes rigid in the run.
+fn refuse_timed(ties: &[Tie], body: &RigidBody, findings: &mut JobProblems) {
+    let is_member = |id: &NodeId| body.nodes.binary_search(id).is_ok();
+    let meets = |tie: &&Tie| is_member(&tie.node) || tie.masters.iter().any(|m| is_member(&m.0));
+    let nodes: Vec<NodeId> = ties.iter().filter(meets).map(|tie| tie.node).collect();
+    if !nodes.is_empty() {
+        let message = format!(
+            "{} ties have nodes of a body that becomes rigid in the run: {}",
+            nodes.len(),
+            named(&nodes)
+        );
+        let help = "make the body rigid for the whole run, or leave a row of elements between";
+        findings.add(Problem::error("tie", message, help));
+    }
+}
+
 /// Adds tied nodes on rigid bodies to the bodies. Reports nodes that are fixed, moved or rigid
 /// already and so cannot be tied.
 pub fn join(
@@ -401,6 +432,9 @@ pub fn join(
 ) {
     let mut body_of: HashMap<NodeId, usize> = HashMap::new();
     for (b, body) in bodies.iter().enumerate() {
+        if body.window.is_some() {
+            refuse_timed(ties, body, findings);
+        }
         body_of.extend(body.nodes.iter().map(|&n| (n, b)));
     }
     let fixed = |id: NodeId| sets.place(id).map_or(0, |n| start.fixed[n]);

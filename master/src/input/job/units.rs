@@ -33,14 +33,20 @@ impl Units {
 
 /// Warns of every material whose density or wave speed does not exist in the stated units.
 pub fn check(job: &Job) -> Vec<Problem> {
-    let Some(units) = read(&job.units) else {
-        return Vec::new();
-    };
-    let mut problems = Vec::new();
     // A material that carries no load may have any numbers.
     let bears = |name: &str| {
         let mut own = job.part.iter().filter(|p| p.material == name).peekable();
         own.peek().is_none() || own.any(|p| !p.skin)
+    };
+    let mut problems = yields(job, bears);
+    let Some(units) = read(&job.units) else {
+        if !job.units.trim().is_empty() {
+            let message = format!("`units` = \"{}\" names no units that are known", job.units);
+            let help = "write one unit each of length, time and mass, such as \"mm, ms, kg\": with \
+                        them densities and moduli are checked";
+            problems.push(Problem::warning("units", message, help));
+        }
+        return problems;
     };
     for (index, material) in job.material.iter().enumerate().filter(|(_, m)| bears(&m.name)) {
         let density = material.density * units.mass / units.length.powi(3);
@@ -76,6 +82,32 @@ pub fn check(job: &Job) -> Vec<Problem> {
         }
     }
     problems
+}
+
+/// Largest yield stress over Young's modulus: that of a perfect crystal (Frenkel 1926) is a tenth
+/// to a fifth of the shear modulus.
+const LARGEST_YIELD: f64 = 0.1;
+
+/// Warns of every material that yields at strains at which no solid is elastic.
+fn yields(job: &Job, bears: impl Fn(&str) -> bool) -> Vec<Problem> {
+    let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|i| i as f64));
+    let of = |(index, material): (usize, &MaterialSpec)| {
+        let modulus = youngs_modulus(material)?;
+        let (key, yields) = ["yield_stress", "a"]
+            .into_iter()
+            .find_map(|key| Some((key, number(material.parameters.get(key)?)?)))?;
+        let is_metal = matches!(material.law.as_str(), "j2" | "johnson_cook");
+        (is_metal && modulus > 0.0 && yields > LARGEST_YIELD * modulus).then(|| {
+            let message = format!(
+                "material `{}`: it yields at {yields:.3e}, {:.2} of its Young's modulus",
+                material.name,
+                yields / modulus
+            );
+            let help = "check both and `units`: metals yield below 0.02 of Young's modulus";
+            Problem::warning(format!("material.{index}.{key}"), message, help)
+        })
+    };
+    job.material.iter().enumerate().filter(|(_, m)| bears(&m.name)).filter_map(of).collect()
 }
 
 /// Returns the wave speeds [m/s] that exist at a density [kg/m^3].
@@ -146,6 +178,25 @@ mod tests {
     fn metals_are_not_as_soft_as_rubber() {
         assert!(fit("m, ms, kg", 7850.0, 207e3) && !fit("m, ms, kg", 7850.0, 207.0));
         assert!(fit("m, ms, kg", 1100.0, 5.0), "rubber");
+    }
+
+    /// A yield stress in MPa with a modulus in GPa, and units that are not known.
+    #[test]
+    fn wrong_units_of_one_value_are_noticed() {
+        let job = |units: &str, yields: f64| -> Job {
+            let text = format!(
+                "units = \"{units}\"\nend_time = 1.0\n[mesh]\ngenerator = \"block\"\n\
+                 [[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = 7.85e-6\n\
+                 youngs_modulus = 207.0\npoisson = 0.3\nyield_stress = {yields:?}\n"
+            );
+            toml::from_str(&text).unwrap()
+        };
+        let paths = |units: &str, yields: f64| -> Vec<String> {
+            check(&job(units, yields)).into_iter().map(|problem| problem.path).collect()
+        };
+        assert!(paths("mm, ms, kg", 0.3).is_empty() && paths("", 0.3).is_empty());
+        assert_eq!(paths("mm, ms, kg", 300.0), ["material.0.yield_stress"]);
+        assert_eq!(paths("mm, ms, kgs", 0.3), ["units"]);
     }
 
     #[test]

@@ -4,10 +4,12 @@
 //! Faulty values are reported and then removed or replaced, so that later checks can look at the
 //! rest.
 
+use super::inline_sets;
 use super::report::PlacedProblem;
 use super::tree::{Entry, Node, NodeContent, Place};
 use crumple_proto::problem::Problem;
 use serde_json::Value;
+use std::collections::HashSet;
 use std::sync::LazyLock;
 
 static SCHEMA: LazyLock<Value> = LazyLock::new(crate::input::reference::job_schema);
@@ -269,6 +271,14 @@ fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut JobProblems
         NodeContent::Array(_) if kind == "object" => {
             format!("write [{path}] with one bracket, once")
         }
+        _ if inline_sets::names_a_set(path) => {
+            "write the name of a node set, part or rigid body, or a rule such as { rule = \"box\", \
+             min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }"
+                .into()
+        }
+        _ if last(list_path(path)) == "parts" && kind == "integer" => {
+            "write the id of the part, a whole number: it is `id` in its [[part]]".into()
+        }
         _ => meaning,
     };
     findings.add_faulty(Problem::error(path, message, help), None);
@@ -420,6 +430,13 @@ fn unknown_message(key: &str, path: &str) -> String {
 }
 
 fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
+    // A slip of one letter is more likely than the wrong section.
+    if let Some(near) = near(key, known)
+        && key.len() > 2
+        && strsim::damerau_levenshtein(key, near) == 1
+    {
+        return suggestion(Some(near), "keys here", known);
+    }
     // It may be correct but in the wrong section.
     for (name, property) in SCHEMA["properties"].as_object().into_iter().flatten() {
         let resolved = resolve(property);
@@ -447,6 +464,8 @@ pub fn nearest(word: &str, known: &[&str]) -> String {
 
 fn suggestion(near: Option<&str>, intro: &str, known: &[&str]) -> String {
     const LISTED: usize = 40;
+    let mut seen = HashSet::new();
+    let known: Vec<&str> = known.iter().copied().filter(|word| seen.insert(*word)).collect();
     let mut all = known.iter().take(LISTED).copied().collect::<Vec<_>>().join(", ");
     if known.len() > LISTED {
         all += &format!(" and {} more", known.len() - LISTED);

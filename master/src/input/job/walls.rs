@@ -213,6 +213,7 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Ve
                     form,
                     amount,
                     curve,
+                    window: None,
                 })
             }
             (None, None) => WallMotion::Still,
@@ -263,8 +264,10 @@ pub fn behind(
 ) {
     let wave = fastest_wave(job);
     let first = &settings.walls[..settings.walls.len().saturating_sub(job.restart.wall.len())];
-    let held: HashSet<NodeId> =
-        settings.rigid.iter().flat_map(|b| b.nodes.iter().copied()).collect();
+    let held: HashSet<NodeId> = {
+        let throughout = settings.rigid.iter().filter(|b| b.window.is_none());
+        throughout.flat_map(|b| b.nodes.iter().copied()).collect()
+    };
     let free: Vec<&MeshNode> = mesh
         .nodes
         .iter()

@@ -17,6 +17,9 @@ pub enum Cell {
     Hexahedron,
     /// Four corners of a volume.
     Tetrahedron,
+    /// Four corners of a volume and the middles of its edges, in the order of
+    /// [`Shape::Tet10`].
+    Tetrahedron10,
     /// Six corners of a volume.
     Wedge,
     /// Five corners of a volume.
@@ -56,6 +59,7 @@ impl Cell {
             Cell::Quad => "quad",
             Cell::Hexahedron => "hexahedron",
             Cell::Tetrahedron => "tetrahedron with 4 nodes",
+            Cell::Tetrahedron10 => "tetrahedron with 10 nodes",
             Cell::Wedge => "wedge with 6 nodes",
             Cell::Pyramid => "pyramid with 5 nodes",
             Cell::SecondOrder(name, _) | Cell::Other(name, _) | Cell::Joint(name, _) => name,
@@ -72,15 +76,16 @@ impl Cell {
             Cell::Quad => CellUse::Element(Shape::Quad4),
             Cell::Hexahedron => CellUse::Element(Shape::Hex8),
             Cell::Tetrahedron => CellUse::Element(Shape::Tet4),
+            Cell::Tetrahedron10 => CellUse::Element(Shape::Tet10),
             Cell::Wedge => CellUse::Element(Shape::Wedge6),
             Cell::Pyramid => CellUse::Refused(PYRAMIDS),
             Cell::SecondOrder(..) => CellUse::Refused(
                 "mesh with elements of first order, without nodes on their sides (in Gmsh \
-                 Mesh.ElementOrder = 1)",
+                 Mesh.ElementOrder = 1); of second order only tetrahedra with 10 nodes are read",
             ),
             Cell::Other(..) => CellUse::Refused(
-                "these are read: quads, triangles, hexahedra with 8 nodes, tetrahedra with 4, \
-                 wedges with 6, lines. Remove the others from the mesh",
+                "these are read: quads, triangles, hexahedra with 8 nodes, tetrahedra with 4 or \
+                 10, wedges with 6, lines. Remove the others from the mesh",
             ),
         }
     }
@@ -92,7 +97,11 @@ impl Cell {
             Cell::Line => 1,
             Cell::Triangle | Cell::Quad => 2,
             Cell::SecondOrder(_, dimension) | Cell::Other(_, dimension) => dimension,
-            Cell::Hexahedron | Cell::Tetrahedron | Cell::Wedge | Cell::Pyramid => 3,
+            Cell::Hexahedron
+            | Cell::Tetrahedron
+            | Cell::Tetrahedron10
+            | Cell::Wedge
+            | Cell::Pyramid => 3,
         }
     }
 }

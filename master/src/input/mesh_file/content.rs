@@ -90,6 +90,8 @@ pub struct FileMesh {
     pub node_sets: BTreeMap<String, Vec<u64>>,
     /// Materials.
     pub materials: Vec<FileMaterial>,
+    /// End of the analysis, if the file has one [time].
+    pub end_time: Option<f64>,
 }
 
 impl FileMesh {

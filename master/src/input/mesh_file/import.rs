@@ -59,6 +59,9 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
         let _ = write!(said, "\n{}", Located { problem: warning.clone(), spot: None });
     }
     let _ = writeln!(said, "\njob          {}", job.display());
+    if !text.units.is_empty() {
+        let _ = writeln!(said, "units        {}", text.units);
+    }
     if !text.placeholders.is_empty() {
         let _ = writeln!(said, "placeholders {}", text.placeholders.join(", "));
     }

@@ -213,6 +213,11 @@ pub fn is_own_format(path: &Path) -> bool {
     head().is_ok_and(|(head, length)| format_of(&head, length as usize).is_none() && is_toml(&head))
 }
 
+/// Returns true if there is a format with this extension, in small letters.
+pub fn reads(extension: &str) -> bool {
+    format_by(extension).is_some()
+}
+
 /// Returns the format that an extension is for.
 fn format_by(extension: &str) -> Option<&'static MeshFormat> {
     FORMATS.iter().find(|format| format.extensions.contains(&extension))
@@ -234,6 +239,7 @@ pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
         std::io::ErrorKind::NotFound => {
             one(format!("there is no file {shown}"), "correct the path")
         }
+        _ if path.is_dir() => one(format!("{shown} is a folder"), "name a mesh file in it"),
         _ => one(format!("{shown} cannot be read: {error}"), "check its name and permissions"),
     })?;
     let head = &bytes[..bytes.len().min(HEAD)];

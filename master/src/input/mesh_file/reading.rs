@@ -15,12 +15,13 @@ const MOST: usize = 10;
 const MOST_IDS: usize = 50_000_000;
 
 /// Shapes of elements and their names in the table.
-const SHAPES: [(Shape, &str); 6] = [
+const SHAPES: [(Shape, &str); 7] = [
     (Shape::Quad4, "quads"),
     (Shape::Tri3, "triangles"),
     (Shape::Hex8, "solids"),
     (Shape::Tet4, "tetrahedra"),
     (Shape::Wedge6, "wedges"),
+    (Shape::Tet10, "ten-node tetrahedra"),
     (Shape::Beam2, "beams"),
 ];
 

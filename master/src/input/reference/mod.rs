@@ -8,7 +8,7 @@ mod page;
 mod schema;
 
 pub use page::page;
-pub use schema::{job_schema, schema};
+pub use schema::{INLINE_SET, job_schema, schema};
 
 use crate::cli::SchemaArgs;
 

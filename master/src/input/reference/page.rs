@@ -1,6 +1,6 @@
 //! Reference page of jobs: every key with type, dimension, default and meaning.
 
-use super::schema;
+use super::{INLINE_SET, schema};
 use crumple_cases::GENERATORS;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::elements::ELEMENTS;
@@ -97,7 +97,8 @@ impl Page<'_> {
 
     /// Returns the table that a property holds, and true if it may appear several times.
     fn inner<'a>(&'a self, property: &'a Value) -> Option<(&'a Value, bool)> {
-        if self.type_name(property).is_some_and(|name| self.open.iter().any(|open| open == name)) {
+        let is_open = |name| name == INLINE_SET || self.open.iter().any(|open| open == name);
+        if self.type_name(property).is_some_and(is_open) {
             return None;
         }
         let resolved = self.resolve(property);
@@ -143,6 +144,9 @@ impl Page<'_> {
 
     /// Returns the form of the values of a property.
     fn form(&self, property: &Value) -> String {
+        if self.type_name(property) == Some(INLINE_SET) && property["anyOf"].is_null() {
+            return "rule".into();
+        }
         let resolved = self.resolve(property);
         let choices = ["enum", "oneOf"].iter().find_map(|k| resolved[*k].as_array());
         if let Some(choices) = choices {
@@ -168,6 +172,7 @@ impl Page<'_> {
             "array" => {
                 let items = match self.form(&resolved["items"]).as_str() {
                     one @ ("number" | "whole number" | "text") => format!("{one}s"),
+                    "text or rule" => "texts or rules".to_string(),
                     list => match list.strip_prefix("list of ") {
                         Some(items) => format!("lists of {items}"),
                         None => format!("lists of {list}"),

@@ -1,9 +1,13 @@
 //! The schema of a job, completed with names of laws, formulations and generators, and with their
 //! keys.
 
+use crate::input::job::inline_sets::{KEYS_OF_SETS, LIST_OF_SETS};
 use crate::input::job::laws::{ElementKey, contact_keys, element_keys};
+use crate::input::job::node_sets::SET_KEYS;
 use crumple_cases::GENERATORS;
-use crumple_proto::job::{ContactInput, Interface, Job, MaterialSpec, MeshSource, Parallel, Part};
+use crumple_proto::job::{
+    ContactInput, Interface, Job, MaterialSpec, MeshSource, Parallel, Part, SetInput,
+};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
@@ -149,6 +153,7 @@ pub fn schema() -> Value {
         &mut of_type::<MeshSource>(&mut schema)["properties"]["generator"],
         GENERATORS.iter().map(|g| g.name),
     );
+    rules_as_names(&mut schema);
     let material = of_type::<MaterialSpec>(&mut schema);
     words(&mut material["properties"]["law"], LAWS.iter().map(|l| l.name));
     // The library gives the law and its values.
@@ -164,6 +169,54 @@ pub fn schema() -> Value {
     schema["allOf"] = GENERATORS.iter().map(of_generator).chain([needed]).collect();
     schema["required"] = json!(["mesh"]);
     schema
+}
+
+/// Name of the type of a rule in the place of the name of a set.
+pub const INLINE_SET: &str = "InlineSet";
+
+/// Allows a rule where a key names a node set.
+fn rules_as_names(schema: &mut Value) {
+    let mut rule = of_type::<SetInput>(schema).clone();
+    let needed = rule["required"].as_array().into_iter().flatten().filter(|key| *key != "name");
+    rule["required"] = needed.cloned().collect();
+    schema["$defs"][INLINE_SET] = rule;
+    for row in SET_KEYS {
+        let place = row.list.split('.').chain([row.key]);
+        let pointer = place
+            .fold(String::new(), |at, key| format!("{}/properties/{key}", resolved(schema, at)));
+        allow_rule(schema.pointer_mut(&pointer));
+    }
+    for of in [SetInput::schema_name().as_ref(), INLINE_SET] {
+        let keys = &mut schema["$defs"][of]["properties"];
+        KEYS_OF_SETS.iter().for_each(|key| allow_rule(keys.get_mut(*key)));
+        allow_rule(keys.get_mut(LIST_OF_SETS).and_then(|list| list.get_mut("items")));
+    }
+}
+
+/// Returns the JSON pointer of the table at `pointer`, or of the entries of the list there.
+fn resolved(schema: &Value, pointer: String) -> String {
+    let mut at = pointer;
+    while let Some(here) = schema.pointer(&at) {
+        match here["$ref"].as_str() {
+            Some(target) => at = target.trim_start_matches('#').to_string(),
+            None if here["items"].is_object() => at += "/items",
+            None => break,
+        }
+    }
+    at
+}
+
+/// Allows a rule besides the name.
+///
+/// # Panics
+/// There is no such property.
+fn allow_rule(property: Option<&mut Value>) {
+    let property = property.expect("a key that names a set is in the schema");
+    let kind = property["type"].take();
+    if let Some(table) = property.as_object_mut() {
+        table.remove("type");
+    }
+    property["anyOf"] = json!([{ "type": kind }, { "$ref": format!("#/$defs/{INLINE_SET}") }]);
 }
 
 /// Restricts a property to these words, or to null if the key is optional.

@@ -7,7 +7,8 @@
 //! and shells, and the deletion table. Internal numbers count from 1 in the order of the file. A
 //! file ends with a marker and is filled with zeros to a whole block.
 
-use super::source::{DatabaseState, FieldMesh};
+use super::source::{DatabaseState, FieldMesh, PointValues};
+use super::strain::StateStrains;
 use std::io::{self, Write};
 
 /// Marker at the end of the geometry and of every file.
@@ -19,25 +20,42 @@ const BLOCK: usize = 512;
 const GLOBAL: usize = 6;
 /// Words per solid: six stresses and the plastic strain.
 const SOLID: usize = 7;
-/// Words per shell: those of its point, the largest von Mises stress over the thickness as
-/// additional variable, then thickness, two unused variables, and the internal energy.
-const SHELL: usize = SOLID + 1 + 4;
+/// Words per point of a shell: those of a solid, and the von Mises stress as additional variable.
+const POINT: usize = SOLID + 1;
+/// Words per shell besides its points: thickness, two unused variables, internal energy.
+const REST: usize = 4;
+/// Words of a strain.
+const STRAIN: usize = 6;
 
 /// Layout of the database for one mesh.
 pub struct DatabaseLayout {
     mesh: FieldMesh,
+    /// True if states have strains.
+    strains: bool,
 }
 
 impl DatabaseLayout {
-    /// Creates the layout for this mesh.
-    pub fn new(mesh: FieldMesh) -> Self {
-        Self { mesh }
+    /// Creates the layout for this mesh, with strains if `strains` is true.
+    pub fn new(mesh: FieldMesh, strains: bool) -> Self {
+        Self { mesh, strains }
+    }
+
+    /// Returns the number of points of a shell.
+    fn points(&self) -> usize {
+        self.mesh.points.max(1)
+    }
+
+    /// Returns the number of words of a solid and of a shell.
+    fn words_of_elements(&self) -> [usize; 2] {
+        let strain = if self.strains { STRAIN } else { 0 };
+        [SOLID + strain, self.points() * POINT + REST + 2 * strain]
     }
 
     /// Returns the number of words of one state.
     fn state_words(&self) -> usize {
         let (solids, shells) = (self.mesh.solids.len(), self.mesh.shells.len());
-        1 + GLOBAL + 6 * self.mesh.nodes.len() + solids * (SOLID + 1) + shells * (SHELL + 1)
+        let [solid, shell] = self.words_of_elements();
+        1 + GLOBAL + 6 * self.mesh.nodes.len() + solids * (solid + 1) + shells * (shell + 1)
     }
 
     /// Returns the number of bytes of one state.
@@ -84,11 +102,13 @@ impl DatabaseLayout {
         w.float(971.0);
         w.ints([4, m.nodes.len() as i32, 6, GLOBAL as i32]); // unpacked, three dimensions
         w.ints([0, 1, 1, 0]); // no temperatures; coordinates; velocities; no accelerations
-        w.ints([solids, solid_parts, 0, 0, SOLID as i32]);
+        let [solid, shell] = self.words_of_elements().map(|words| words as i32);
+        w.ints([solids, solid_parts, 0, 0, solid]);
         w.ints([0, 0, 0]); // beams
-        w.ints([shells, all_parts - solid_parts, SHELL as i32]);
-        w.ints([0, 1]); // additional variables of solids and of shells
-        w.int(-10_001); // one point through the thickness, and the deletion table
+        w.ints([shells, all_parts - solid_parts, shell]);
+        // Additional variables of solids, which are strains, and of shells.
+        w.ints([solid - SOLID as i32, 1]);
+        w.int(-(10_000 + self.points() as i32)); // points of shells, and the deletion table
         w.ints([0, 0, self.number_words() as i32]); // particles; the user numbers
         w.ints([0, 0, 0]); // thick shells
         w.ints([1000, 1000, 0, 1000]); // stress, plastic strain, no resultants, thickness, energy
@@ -126,7 +146,13 @@ impl DatabaseLayout {
     }
 
     /// Writes one state and returns the number of its words.
-    pub fn write_state(&self, out: &mut dyn Write, state: &DatabaseState) -> io::Result<usize> {
+    pub fn write_state(
+        &self,
+        out: &mut dyn Write,
+        state: &DatabaseState,
+        strains: Option<&StateStrains>,
+    ) -> io::Result<usize> {
+        debug_assert_eq!(strains.is_some(), self.strains);
         let m = &self.mesh;
         let mut words = Words::default();
         words.float(state.time as f32);
@@ -134,20 +160,25 @@ impl DatabaseLayout {
         words.floats([kinetic, internal, total, 0.0, 0.0, 0.0]);
         words.floats(state.x.iter().flatten().copied());
         words.floats(state.v.iter().flatten().copied());
-        for values in &state.solids {
+        for (i, values) in state.solids.iter().enumerate() {
             words.floats(values.stress);
             words.float(values.plastic_strain);
+            words.floats(strains.iter().flat_map(|s| s.solids[i]));
         }
-        for values in &state.shells {
-            words.floats(values.stress);
-            words.floats([
-                values.plastic_strain,
-                values.von_mises,
-                values.thickness,
-                0.0,
-                0.0,
-                0.0,
-            ]);
+        for (i, values) in state.shells.iter().enumerate() {
+            match m.points {
+                0 => {
+                    words.floats(values.stress);
+                    words.floats([values.plastic_strain, values.von_mises]);
+                }
+                count => {
+                    let own = &state.points[i * count..][..count];
+                    order(count).for_each(|k| words.point(&own[k]));
+                }
+            }
+            words.floats([values.thickness, 0.0, 0.0]);
+            words.floats(strains.iter().flat_map(|s| s.shells[i]).flatten());
+            words.float(0.0);
         }
         // The part number of an existing element, zero of a deleted one.
         let left =
@@ -166,6 +197,13 @@ impl DatabaseLayout {
         out.write_all(&MARKER.to_ne_bytes())?;
         out.write_all(&vec![0; 4 * ((words + 1).next_multiple_of(BLOCK) - words - 1)])
     }
+}
+
+/// Returns the points of a shell in the order of the format: three points are the middle, the inner
+/// and the outer one; others come from the inner surface to the outer one.
+fn order(count: usize) -> impl Iterator<Item = usize> {
+    let three = [1, 0, 2];
+    (0..count).map(move |k| if count == 3 { three[k] } else { k })
 }
 
 /// Words under construction.
@@ -189,6 +227,15 @@ impl Words {
 
     fn floats(&mut self, values: impl IntoIterator<Item = f32>) {
         values.into_iter().for_each(|v| self.float(v));
+    }
+
+    /// Adds a point of a shell.
+    fn point(&mut self, point: &PointValues) {
+        let [xx, yy, zz, xy, yz, zx] = point.stress;
+        let direct = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        let shear = xy * xy + yz * yz + zx * zx;
+        self.floats(point.stress);
+        self.floats([point.plastic_strain, (0.5 * direct + 3.0 * shear).sqrt()]);
     }
 
     /// Adds a text of `words` words, cut or filled with blanks. A character that is not ASCII

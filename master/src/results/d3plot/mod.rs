@@ -5,35 +5,40 @@
 //! layout. It contains coordinates, velocities, stress and plastic strain of solids and shells,
 //! thickness of shells, and the deletion table. Fields have one stress per element (at the middle
 //! surface of a shell) and the largest plastic strain over the thickness, so the database has one
-//! integration point with these values. The internal energy of single elements is not known and
-//! is written as zero. Global energies are those of `history.csv`, interpolated.
+//! integration point with these values; with `output.points` it has all points. Strains are those
+//! of `strain.rs`. The internal energy of single elements is not known and is written as zero.
+//! Global energies are those of `history.csv`, interpolated.
 
 mod format;
 mod source;
+mod strain;
 
 use crumple_worker::vtu::write_whole;
 use format::DatabaseLayout;
 use source::FieldSource;
 use std::io;
 use std::path::{Path, PathBuf};
+use strain::StrainedMesh;
 
 /// Name of the first file. Files of states add a number to it.
 pub const NAME: &str = "d3plot";
 
 /// Exports the run in `dir`, prints the files written, and returns the exit code.
-pub fn run(dir: &Path, file_size: u64) -> u8 {
-    crate::stdout::ended(export(dir, file_size * 1_000_000))
+pub fn run(dir: &Path, file_size: u64, strains: bool) -> u8 {
+    crate::stdout::ended(export(dir, file_size * 1_000_000, strains))
 }
 
 /// Writes the database of the run in `dir` next to its fields, in files of at most `limit` bytes
-/// or one state. Returns a message about the files.
+/// or one state; with `strains`, also strains. Returns a message about the files.
 ///
 /// # Errors
 /// There are no fields or they cannot be read, an id does not fit into the format, or a file
 /// cannot be written.
-pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
+pub fn export(dir: &Path, limit: u64, strains: bool) -> Result<String, String> {
     let mut source = FieldSource::open(dir)?;
-    let format = DatabaseLayout::new(source.mesh()?);
+    let mesh = source.mesh()?;
+    let mut strains = strains.then(|| StrainedMesh::new(&mesh));
+    let format = DatabaseLayout::new(mesh, strains.is_some());
     let path = dir.join(NAME);
     remove_family(dir).map_err(|e| format!("{}: {e}", path.display()))?;
     let failed = |e: io::Error| e.to_string();
@@ -47,7 +52,8 @@ pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
             let mut words = 0;
             for &i in run {
                 let state = source.state(i).map_err(io::Error::other)?;
-                words += format.write_state(out, state)?;
+                let strained = strains.as_mut().map(|mesh| mesh.at(state));
+                words += format.write_state(out, state, strained.as_ref())?;
             }
             format.end(out, words)
         };

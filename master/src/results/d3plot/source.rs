@@ -25,6 +25,8 @@ pub struct FieldMesh {
     pub shell_corners: Vec<[i32; 4]>,
     /// Ids and names of parts.
     pub parts: Vec<(i32, String)>,
+    /// Number of points of each shell in the fields; 0 if there is only the middle surface.
+    pub points: usize,
 }
 
 /// Ids of an element.
@@ -58,6 +60,8 @@ pub struct DatabaseState {
     pub solids: Vec<StateValues>,
     /// Values per shell.
     pub shells: Vec<StateValues>,
+    /// Points of the shells, as many for each as the mesh says; empty if it has none.
+    pub points: Vec<PointValues>,
 }
 
 /// Values of an element.
@@ -73,6 +77,15 @@ pub struct StateValues {
     pub von_mises: f32,
     /// Thickness of a shell [length].
     pub thickness: f32,
+}
+
+/// Values of a point through the thickness of a shell.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PointValues {
+    /// Stress xx, yy, zz, xy, yz, zx [force/length^2].
+    pub stress: [f32; 6],
+    /// Effective plastic strain.
+    pub plastic_strain: f32,
 }
 
 /// Position of an element's values in the state.
@@ -92,6 +105,7 @@ pub struct FieldSource {
     nodes: HashMap<i64, usize>,
     elements: HashMap<i64, StatePosition>,
     state: DatabaseState,
+    points: usize,
 }
 
 impl FieldSource {
@@ -119,7 +133,7 @@ impl FieldSource {
         }
         let energies = energies(&dir.join("history.csv"));
         let (nodes, elements, state) = (HashMap::new(), HashMap::new(), DatabaseState::default());
-        Ok(Self { dir: dir.to_owned(), steps, energies, nodes, elements, state })
+        Ok(Self { dir: dir.to_owned(), steps, energies, nodes, elements, state, points: 0 })
     }
 
     /// Returns the number of states.
@@ -153,6 +167,7 @@ impl FieldSource {
         let mut solids: Vec<(ElementIds, [i64; 8])> = Vec::new();
         let mut shells: Vec<(ElementIds, [i64; 4])> = Vec::new();
         for piece in &pieces {
+            self.points = self.points.max(piece.components(vtu::PLASTIC_STRAIN_OF_POINTS.name));
             let (points, moved) = (piece.array("Points")?, piece.array(vtu::DISPLACEMENT.name)?);
             let node_ids = piece.array(vtu::NODE_ID.name)?;
             for ((&n, x), u) in node_ids.iter().zip(points.chunks(3)).zip(moved.chunks(3)) {
@@ -170,7 +185,11 @@ impl FieldSource {
                     .collect();
                 let corner = |k: usize| at[k.min(at.len() - 1)];
                 match (kind as u8, at.len()) {
+                    // The format's solids have eight corners; the nodes on edges are left out.
                     (10 | 12, _) => solids.push((element, std::array::from_fn(corner))),
+                    (24, 10) => {
+                        solids.push((element, std::array::from_fn(|k| at[k.min(3)])));
+                    }
                     (13, 6) => {
                         let degenerate = [0, 2, 5, 3, 1, 1, 4, 4].map(corner);
                         solids.push((element, degenerate));
@@ -201,6 +220,7 @@ impl FieldSource {
             v: vec![[0.0; 3]; x.len()],
             solids: vec![StateValues::default(); solids.len()],
             shells: vec![StateValues::default(); shells.len()],
+            points: vec![PointValues::default(); self.points * shells.len()],
             ..DatabaseState::default()
         };
         Ok(FieldMesh {
@@ -215,6 +235,7 @@ impl FieldSource {
             shell_corners: shells.iter().map(|e| e.1.map(place)).collect(),
             shells: shells.iter().map(|e| e.0).collect(),
             parts,
+            points: self.points,
         })
     }
 
@@ -239,7 +260,31 @@ impl FieldSource {
                 [vtu::PLASTIC_STRAIN, vtu::VON_MISES, vtu::THICKNESS].map(|a| piece.array(a.name));
             let [plastic_strain, von_mises, thickness] = scalars;
             let (plastic_strain, von_mises, thickness) = (plastic_strain?, von_mises?, thickness?);
+            let count = piece.components(vtu::PLASTIC_STRAIN_OF_POINTS.name);
+            if piece.cells > 0 && count != self.points {
+                return Err(format!(
+                    "{}: the fields have {count} points of shells, and {} at the start",
+                    self.steps[step].0.display(),
+                    self.points
+                ));
+            }
+            let of_points = match self.points {
+                0 => [Vec::new(), Vec::new()],
+                _ => [
+                    piece.array(vtu::STRESS_OF_POINTS.name)?,
+                    piece.array(vtu::PLASTIC_STRAIN_OF_POINTS.name)?,
+                ],
+            };
             for (e, id) in piece.array(vtu::ELEMENT_ID.name)?.iter().enumerate() {
+                if let Some(&StatePosition::Shell(shell)) = self.elements.get(&(*id as i64)) {
+                    for k in 0..self.points {
+                        let at = e * self.points + k;
+                        s.points[shell * self.points + k] = PointValues {
+                            stress: std::array::from_fn(|c| of_points[0][6 * at + c] as f32),
+                            plastic_strain: of_points[1][at] as f32,
+                        };
+                    }
+                }
                 let values = match self.elements.get(&(*id as i64)) {
                     Some(&StatePosition::Solid(i)) => &mut s.solids[i],
                     Some(&StatePosition::Shell(i)) => &mut s.shells[i],

@@ -189,6 +189,7 @@ fn blocks(first: &Snapshot) -> Result<Vec<WrittenBlock>, String> {
         let kind = match (kind, corners) {
             (_, 8) => "HEX8",
             (10, _) => "TETRA4",
+            (24, _) => "TETRA10",
             (13, _) => "WEDGE6",
             (_, 4) => "SHELL4",
             (_, 3) => "TRISHELL3",

@@ -2,6 +2,7 @@
 //! its data are stored for each time.
 
 use crate::results::field_file::{self, FieldStep, PieceArrays};
+use crumple_proto::mesh::MAX_CORNERS;
 use crumple_worker::vtu::{self, Array};
 use nalgebra::Matrix3;
 use std::collections::HashMap;
@@ -125,6 +126,8 @@ pub enum CellShape {
     Tetrahedron,
     /// Six corners: those of a triangle, then those opposite.
     Wedge,
+    /// Four corners of a solid, then the nodes on its edges.
+    QuadraticTetrahedron,
 }
 
 impl CellShape {
@@ -138,6 +141,7 @@ impl CellShape {
             Self::Hexahedron => 8,
             Self::Tetrahedron => 4,
             Self::Wedge => 6,
+            Self::QuadraticTetrahedron => 10,
         }
     }
 
@@ -150,6 +154,7 @@ impl CellShape {
             (12, 8) => Some(Self::Hexahedron),
             (10, 4) => Some(Self::Tetrahedron),
             (13, 6) => Some(Self::Wedge),
+            (24, 10) => Some(Self::QuadraticTetrahedron),
             _ => None,
         }
     }
@@ -161,7 +166,7 @@ pub struct SeriesElement {
     /// Shape.
     pub shape: CellShape,
     /// Indices of its nodes, as many as the shape has corners.
-    pub corners: [u32; 8],
+    pub corners: [u32; MAX_CORNERS],
     /// Id of its part.
     pub part: u32,
     /// Id.
@@ -334,7 +339,7 @@ impl SeriesReader {
             let next = self.series.elements.len() as u32;
             let element = *self.element_of.entry(ids_of_cells[cell]).or_insert(next);
             if element == next {
-                let mut numbers = [0; 8];
+                let mut numbers = [0; MAX_CORNERS];
                 numbers
                     .iter_mut()
                     .zip(of_cell)

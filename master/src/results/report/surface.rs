@@ -25,6 +25,7 @@ fn faces_of(shape: CellShape) -> &'static [[usize; 4]] {
         CellShape::Hexahedron => Shape::Hex8.faces(),
         CellShape::Tetrahedron => Shape::Tet4.faces(),
         CellShape::Wedge => Shape::Wedge6.faces(),
+        CellShape::QuadraticTetrahedron => Shape::Tet10.faces(),
         CellShape::Point | CellShape::Line | CellShape::Triangle | CellShape::Quad => &[],
     }
 }
@@ -52,7 +53,10 @@ pub fn faces(series: &MeshSeries) -> Vec<VisibleFace> {
                 corners: [c[0], c[1], c[2], c[3]],
                 owners: [owner, NO_ELEMENT],
             }),
-            CellShape::Hexahedron | CellShape::Tetrahedron | CellShape::Wedge => {
+            CellShape::Hexahedron
+            | CellShape::Tetrahedron
+            | CellShape::Wedge
+            | CellShape::QuadraticTetrahedron => {
                 for face in faces_of(e.shape) {
                     let Some(corners) = without_repeats(face.map(|i| c[i])) else { continue };
                     let key = face_key(corners);
@@ -105,7 +109,7 @@ pub mod tests {
         let node = |i: u32, j: u32| 4 * i + j;
         let cube = |i: u32| SeriesElement {
             shape: CellShape::Hexahedron,
-            corners: [0, 1, 2, 3, 4, 5, 6, 7].map(|k: u32| node(i + k / 4, k % 4)),
+            corners: std::array::from_fn(|k| node(i + (k as u32 / 4).min(1), k as u32 % 4)),
             part: i % 2,
             id: (1 << 40) + 7 * u64::from(i),
         };

@@ -1,9 +1,11 @@
 //! Runs of Radioss decks, and conversion between formats. Units mm, ms, kg.
 
 use super::read_at;
-use crumple_tests::program::{crumple_with, run};
+use crumple_tests::program::{crumple, crumple_with, root, run};
+use crumple_tests::tools;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 const FEW: [&str; 5] =
     ["--set", "output.field_interval=-1", "--no-report", "--quiet", "--overwrite"];
@@ -149,4 +151,42 @@ fn a_deck_that_is_written_again_is_the_same_job() {
     let refused = run(crumple_with(&["convert", paths[0], "a.xyz"])).with_code(2);
     assert!(refused.said().contains("_0000.rad"), "{}", refused.said());
     assert!(!Path::new("a.xyz").exists());
+}
+
+/// Prints phases as a Radioss engine does; the elements take ten hours.
+const OTHER_SOLVER: &str = "#!/bin/sh
+set -e
+test -f \"$1\"
+grep -q /MON/ON \"$(echo \"$1\" | sed s/_0000/_0001/)\"
+echo ' CONTACT SORTING.............: .1000E+00     0.00 %'
+echo ' ELEMENT FORCES..............: .3600E+05    99.99 %'
+echo ' TOTAL.......................: .3601E+05   100.00 %'
+";
+
+/// The script that times another solver: both run on the same deck, phases are compared by their
+/// names, and a solver that fails is named.
+#[test]
+fn another_solver_is_timed_on_the_same_deck() {
+    let Some(python) = tools::python("json") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let solver = folder.path().join("solver.sh");
+    fs::write(&solver, OTHER_SOLVER).unwrap();
+    let timed = |command: String| {
+        let mut script = Command::new(&python);
+        script.arg(root().join("deploy/peer.py")).current_dir(root());
+        script.args(["cases/tube-crush", "--end-time", "0.02", "--rounds", "2"]);
+        script.env("CRUMPLE_PEER", command).env("CRUMPLE_BIN", crumple());
+        run(script)
+    };
+    let said = timed(format!("sh {} {{deck}}", solver.display())).with_code(0).said();
+    let row = |name: &str| {
+        let line = said.lines().find(|line| line.starts_with(&format!("| {name} |")));
+        let cells = line.unwrap_or_else(|| panic!("{said}")).split('|').map(str::trim);
+        cells.map(String::from).collect::<Vec<_>>()
+    };
+    assert_eq!(row("elements")[3], "36000.000", "{said}");
+    assert!(row("elements")[4].parse::<f64>().unwrap() > 1e4, "{said}");
+    assert_eq!((&row("contact search")[3][..], &row("the rest")[3][..]), ("0.100", "9.900"));
+    let said = timed("false {deck}".into()).with_code(1).said();
+    assert!(said.contains("the other solver ended with 1"), "{said}");
 }

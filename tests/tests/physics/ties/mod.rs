@@ -2,6 +2,7 @@
 
 mod contact;
 mod jobs;
+mod mean;
 mod motion;
 mod release;
 

@@ -11,7 +11,7 @@ use crumple_fem::nodes::Nodes;
 use crumple_math::row::{V3, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{MAX_CORNERS, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use std::collections::{HashMap, HashSet};
 
@@ -129,7 +129,7 @@ fn in_solids(
     let faces: Vec<&Segment> = surface.segments.iter().filter(|s| s.is_solid()).collect();
     let with_faces: HashSet<u32> = faces.iter().map(|s| s.part).collect();
     let number = |n: NodeId| nodes.local_index(n).expect("an element's nodes are in the mesh");
-    let solids: Vec<(ElementRecord, [u32; 8])> = elements
+    let solids: Vec<(ElementRecord, [u32; MAX_CORNERS])> = elements
         .iter()
         .filter(|e| e.shape.is_solid() && with_faces.contains(&e.part))
         .map(|e| (*e, e.nodes.map(number)))
@@ -141,8 +141,9 @@ fn in_solids(
         Some(V3::from(xyz(&nodes.x[surface.slaves[p as usize] as usize])) + shift)
     };
     let place = |&n: &u32| xyz(&nodes.x[n as usize]);
-    let grown =
-        |corners: &[u32; 8]| Aabb::around(corners.iter().map(place)).grown(surface.shift_reach());
+    let grown = |corners: &[u32; MAX_CORNERS]| {
+        Aabb::around(corners.iter().map(place)).grown(surface.shift_reach())
+    };
     let boxes: Vec<Aabb> = solids.iter().map(|(_, corners)| grown(corners)).collect();
     let inside = |e: u32, p: u32| {
         let ((solid, corners), slave) = (&solids[e as usize], surface.slaves[p as usize]);
@@ -235,7 +236,7 @@ fn points(nodes: &Nodes, surface: &Surface) -> Vec<[f64; 3]> {
 
 /// Returns true if a point is in a solid, up to round-off. The test uses the planes through the
 /// middles of its faces.
-fn is_inside(at: &V3, shape: Shape, corners: &[V3; 8]) -> bool {
+fn is_inside(at: &V3, shape: Shape, corners: &[V3; MAX_CORNERS]) -> bool {
     shape.faces().iter().all(|f| {
         let [a, b, c, d] = f.map(|i| corners[i]);
         let outward = (c - a).cross(&(d - b));

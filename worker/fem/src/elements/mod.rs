@@ -26,6 +26,7 @@ mod plate_tests;
 #[cfg(test)]
 mod precision_tests;
 mod quad;
+mod quadratic_tetrahedron;
 mod section;
 mod shell;
 #[cfg(test)]
@@ -81,6 +82,33 @@ pub struct ElementFields {
     pub failed: bool,
 }
 
+/// Output fields of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointFields {
+    /// Global stress: xx, yy, zz, xy, yz, zx [force/length^2].
+    pub stress: [f64; 6],
+    /// Effective plastic strain.
+    pub plastic_strain: f64,
+}
+
+impl ElementFields {
+    /// Returns the fields of a solid with several points: the mean of the stress, the largest of
+    /// the other values. It has failed if all points have.
+    fn of_points<const N: usize>(points: &[Self; N]) -> Self {
+        let largest =
+            |of: fn(&Self) -> f64| points.iter().map(of).fold(0.0, |m: f64, value| m.max(value));
+        Self {
+            plastic_strain: largest(|p| p.plastic_strain),
+            stress: std::array::from_fn(|c| {
+                points.iter().map(|p| p.stress[c]).sum::<f64>() / N as f64
+            }),
+            von_mises: largest(|p| p.von_mises),
+            thickness: 0.0,
+            failed: points.iter().all(|p| p.failed),
+        }
+    }
+}
+
 /// Elements of one part and one shape. An implementation holds parameters only; the state is in the
 /// history columns.
 pub trait Element: Send + Sync {
@@ -112,7 +140,8 @@ pub trait Element: Send + Sync {
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
     /// Returns the mass [mass] and the rotational inertia [mass length^2] that one element
-    /// contributes to each of its corners. `x` are the coordinates of its slots.
+    /// contributes to each of its corners, on average ([`Shape::mass_share`]). `x` are the
+    /// coordinates of its slots.
     fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64);
 
     /// Computes internal forces at the coordinates x(t), after it updates the stress from t - dt to
@@ -176,6 +205,13 @@ pub trait Element: Send + Sync {
 
     /// Returns the fields of the element with this history at the slot coordinates `x`.
     fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields;
+
+    /// Returns the points through the thickness, from the inner surface to the outer one; of an
+    /// element without a thickness its fields.
+    fn points(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> Vec<PointFields> {
+        let ElementFields { plastic_strain, stress, .. } = self.fields(history, x);
+        vec![PointFields { stress, plastic_strain }]
+    }
 }
 
 /// A spring or damper.
@@ -267,6 +303,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     hexahedron::ROW,
     tetrahedron::ROW,
     wedge::ROW,
+    quadratic_tetrahedron::ROW,
     beam::ROW,
     truss::ROW,
     particle::ROW,
@@ -396,11 +433,11 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let named = part.element.as_deref();
     let wanted = named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
-    // Tetrahedra and wedges have one formulation each, which the name of another solid does not
-    // exclude: a part may have all of them.
+    // Other solids than hexahedra have one formulation each, which the name of another solid does
+    // not exclude: a part may have all of them.
     let is_solid = |row: &&ElementEntry| row.shape.is_solid();
     if let Some(name) = named
-        && matches!(shape, Shape::Tet4 | Shape::Wedge6)
+        && matches!(shape, Shape::Tet4 | Shape::Wedge6 | Shape::Tet10)
         && !ELEMENTS.iter().filter(is_solid).any(|row| row.name == name)
     {
         let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();

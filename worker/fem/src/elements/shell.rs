@@ -2,8 +2,8 @@
 
 use super::section::Section;
 use super::{
-    Element, ElementFields, ElementPass, GroupCorners, GroupNodes, PassTotals, ShellGroups, Totals,
-    four, with_points,
+    Element, ElementFields, ElementPass, GroupCorners, GroupNodes, PassTotals, PointFields,
+    ShellGroups, Totals, four, with_points,
 };
 use crate::columns::ElementState;
 use crate::materials::PointLanes;
@@ -170,5 +170,9 @@ impl<F: Formulation> Element for Shell<F> {
     fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields {
         let fields = self.section().fields(history, &F::axes(four(x)));
         ElementFields { failed: self.failed(history), ..fields }
+    }
+
+    fn points(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> Vec<PointFields> {
+        self.section().point_fields(history, &F::axes(four(x)))
     }
 }

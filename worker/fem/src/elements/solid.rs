@@ -3,7 +3,7 @@
 //!
 //! The steps are those of [`hexahedron`](super::hexahedron).
 
-use super::pass::GroupNodes;
+use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
 use crate::materials::{Elastic, PointLanes, PointReal, STRETCH_COLUMN, Solid, SolidPoint};
@@ -161,12 +161,7 @@ impl SolidMaterial {
     /// Returns `2 mu g + max(lambda, 0) tr G` of `G = sum B_I B_I'` [force/length^4].
     #[inline(always)]
     pub fn stiffness<R: Real>(&self, gram: &[R; 6]) -> R {
-        let [a, b, c, d, e, f] = *gram;
-        let trace = a + b + c;
-        let third = R::splat(1.0 / 3.0) * trace;
-        let [a, b, c] = [a - third, b - third, c - third];
-        let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
-        let largest = third + (R::splat(2.0 / 3.0) * square).sqrt();
+        let (largest, trace) = largest_and_trace(gram);
         let elastic = &self.elastic;
         R::splat(elastic.lame().max(0.0)) * trace
             + R::splat(2.0 * elastic.shear_modulus()) * largest
@@ -198,6 +193,17 @@ impl SolidMaterial {
             failed: self.has_failed(history, first),
         }
     }
+}
+
+/// Returns a bound of the largest eigenvalue of a symmetric tensor, and its trace.
+#[inline(always)]
+pub fn largest_and_trace<R: Real>(tensor: &[R; 6]) -> (R, R) {
+    let [a, b, c, d, e, f] = *tensor;
+    let trace = a + b + c;
+    let third = R::splat(1.0 / 3.0) * trace;
+    let [a, b, c] = [a - third, b - third, c - third];
+    let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
+    (third + (R::splat(2.0 / 3.0) * square).sqrt(), trace)
 }
 
 /// Returns the strain increment (xx, yy, zz, twice xy, yz, zx) and the rotation of half the step,
@@ -292,4 +298,41 @@ pub fn corner<L: PointLanes<W>, const C: usize, const W: usize>(
         (rows[0][lane], rows[1][lane]) = (L::row(x), L::row(v));
     }
     rows.map(L::from_rows)
+}
+
+/// Returns a vector by its components.
+#[inline(always)]
+pub fn each<R>(of: impl Fn(usize) -> R) -> [R; 3] {
+    [of(0), of(1), of(2)]
+}
+
+/// Returns two nodal columns at the nodes of a group, relative to node 0.
+#[inline(always)]
+pub fn gather<L: PointLanes<W>, const N: usize, const W: usize>(
+    group: &GroupNodes<N, W>,
+    [one, other]: [&[[f64; 4]]; 2],
+) -> [[[L; 3]; N]; 2] {
+    // One length for both columns, so that one bounds check per node is enough.
+    let n = one.len();
+    let columns = [&one[..n], &other[..n]];
+    let nodes: [[[L; 3]; 2]; N] = std::array::from_fn(|c| corner::<L, N, W>(group, columns, c));
+    std::array::from_fn(|of| std::array::from_fn(|c| each(|i| nodes[c][of][i] - nodes[0][of][i])))
+}
+
+/// Returns the nodes of one element [length], relative to node 0.
+pub fn relative<const N: usize>(x: &[[f64; 3]]) -> [[f64; 3]; N] {
+    std::array::from_fn(|c| each(|i| x[c][i] - x[0][i]))
+}
+
+/// Writes the nodal forces of a group of elements [force], lane by lane.
+#[inline(always)]
+pub fn scatter<L: PointLanes<W>, const N: usize, const W: usize>(
+    forces: [[L; 3]; N],
+    force: &mut GroupCorners<N, W>,
+) {
+    for (c, of_node) in forces.into_iter().enumerate() {
+        for (lane, row) in L::to_rows(of_node).into_iter().enumerate() {
+            force[lane][c] = row.to_array();
+        }
+    }
 }

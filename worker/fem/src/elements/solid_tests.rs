@@ -1,10 +1,12 @@
-//! Tests of tetrahedra and wedges: rigid motion, patches, balance, energy, stable step, lanes.
+//! Tests of tetrahedra with four and ten nodes and of wedges: rigid motion, patches, balance,
+//! energy, stable step, lanes.
 
 use super::solid_testing::block;
 use super::testing::*;
 use crumple_proto::job::Part;
-use crumple_proto::mesh::OwnSection;
+use crumple_proto::mesh::{EDGES_OF_TET10, OwnSection};
 use crumple_proto::partition::Material;
+use std::collections::BTreeMap;
 
 const E: f64 = 1e6;
 const NU: f64 = 0.25;
@@ -26,12 +28,33 @@ fn wedges_of(cells: &[[u32; 8]]) -> Vec<[u32; 6]> {
     cells.iter().flat_map(cut).collect()
 }
 
+/// Returns tetrahedra with nodes in the middle of their edges, which are added to the nodes.
+fn with_middles(nodes: &mut Vec<[f64; 3]>, cells: &[[u32; 4]]) -> Vec<[u32; 10]> {
+    let mut known = BTreeMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *known.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+            let [from, to] = [a, b].map(|n| nodes[n as usize]);
+            nodes.push([0, 1, 2].map(|i| 0.5 * (from[i] + to[i])));
+            nodes.len() as u32 - 1
+        })
+    };
+    let of = |c: &[u32; 4]| {
+        let on_edges = EDGES_OF_TET10.map(|[a, b]: [usize; 2]| middle(c[a], c[b]));
+        std::array::from_fn(|n| if n < 4 { c[n] } else { on_edges[n - 4] })
+    };
+    cells.iter().map(of).collect()
+}
+
 fn tetrahedron() -> Part {
     part_of("tetrahedron", 0.0).with("pressure", "element").with("bulk_viscosity", [0.0; 2])
 }
 
 fn wedge() -> Part {
     part_of("wedge", 0.0).with("bulk_viscosity", [0.0; 2])
+}
+
+fn quadratic_tetrahedron() -> Part {
+    part_of("quadratic_tetrahedron", 0.0).with("bulk_viscosity", [0.0; 2])
 }
 
 /// Returns a unit cube of eight cubes whose nodes are displaced by noise up to `by`.
@@ -50,6 +73,12 @@ fn tetrahedra(by: f64, law: Material) -> Patch<4> {
 fn wedges(by: f64, law: Material) -> Patch<6> {
     let (nodes, cells) = distorted(by);
     Patch::new(wedge(), law, &nodes, &wedges_of(&cells))
+}
+
+fn quadratic_tetrahedra(by: f64, law: Material) -> Patch<10> {
+    let (mut nodes, cells) = distorted(by);
+    let cells = with_middles(&mut nodes, &tetrahedra_of(&cells));
+    Patch::new(quadratic_tetrahedron(), law, &nodes, &cells)
 }
 
 fn shake<const C: usize>(patch: &mut Patch<C>, size: f64) {
@@ -76,6 +105,7 @@ fn turn_once<const C: usize>(mut patch: Patch<C>) {
 fn rigid_rotation_leaves_no_stress() {
     turn_once(tetrahedra(0.1, elastic(E, NU, 1.0)));
     turn_once(wedges(0.1, elastic(E, NU, 1.0)));
+    turn_once(quadratic_tetrahedra(0.1, elastic(E, NU, 1.0)));
 }
 
 fn stretch<const C: usize>(mut patch: Patch<C>) {
@@ -102,6 +132,7 @@ fn stretch<const C: usize>(mut patch: Patch<C>) {
 fn distorted_patch_is_exact() {
     stretch(tetrahedra(0.1, elastic(E, NU, 1.0)));
     stretch(wedges(0.1, elastic(E, NU, 1.0)));
+    stretch(quadratic_tetrahedra(0.1, elastic(E, NU, 1.0)));
 }
 
 fn swing<const C: usize>(mut patch: Patch<C>) {
@@ -131,6 +162,7 @@ fn swing<const C: usize>(mut patch: Patch<C>) {
 fn forces_balance_and_do_the_work_that_is_booked() {
     swing(tetrahedra(0.15, elastic(E, NU, 1.0)));
     swing(wedges(0.15, elastic(E, NU, 1.0)));
+    swing(quadratic_tetrahedra(0.15, elastic(E, NU, 1.0)));
 }
 
 /// Returns the largest velocity after 2000 steps over that at the start.
@@ -164,7 +196,75 @@ fn the_stable_step_is_below_the_limit_and_near_it() {
             let dt = wedges().stable_dt();
             let [below, above] = [0.99, 1.7].map(|share| growth(wedges(), share * dt));
             assert!(below < 100.0 && above > 1e4, "wedges {nu} {size:?}: {below:e} {above:e}");
+            let mut nodes = nodes.clone();
+            let cells = with_middles(&mut nodes, &tetrahedra_of(&cells));
+            let quadratic = || Patch::new(quadratic_tetrahedron(), law(), &nodes, &cells);
+            let dt = quadratic().stable_dt();
+            let [below, above] = [0.99, 1.5].map(|share| growth(quadratic(), share * dt));
+            assert!(below < 100.0 && above > 1e4, "ten nodes {nu} {size:?}: {below:e} {above:e}");
         }
+    }
+}
+
+/// A single regular ten-node tetrahedron: its step is at least 0.76 of that at which it becomes
+/// unstable, and below it. Distorted ones with curved edges are stable at their own step.
+#[test]
+fn the_step_of_a_regular_ten_node_tetrahedron_is_near_its_limit() {
+    let mut nodes = vec![[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let cells = with_middles(&mut nodes, &[[0, 1, 2, 3]]);
+    for nu in [0.0, 0.3, 0.49] {
+        let single = || Patch::new(quadratic_tetrahedron(), elastic(1.0, nu, 1.0), &nodes, &cells);
+        let dt = single().stable_dt();
+        let [below, above] = [0.995, 1.0 / 0.76].map(|share| growth(single(), share * dt));
+        assert!(below < 100.0 && above > 1e4, "{nu}: {below:e} {above:e}");
+        for seed in 1..20 {
+            let mut noise = Noise(seed);
+            let mut moved = nodes.clone();
+            let by = |n: usize| if n < 4 { 0.5 } else { 0.1 };
+            moved.iter_mut().enumerate().for_each(|(n, x)| {
+                x.iter_mut().for_each(|c| *c += by(n) * noise.next());
+            });
+            let curved =
+                || Patch::new(quadratic_tetrahedron(), elastic(1.0, nu, 1.0), &moved, &cells);
+            let dt = curved().stable_dt();
+            if dt.is_nan() {
+                continue; // inverted
+            }
+            let below = growth(curved(), 0.995 * dt);
+            assert!(below < 100.0, "{nu}, seed {seed}: {below:e}");
+        }
+    }
+}
+
+/// Ten-node tetrahedra represent a quadratic displacement: a bar of one layer in pure bending has
+/// the curvature of the beam. Corner and edge nodes have their shares of the mass.
+#[test]
+fn ten_node_tetrahedra_bend_exactly() {
+    let (mut nodes, cells) = block([3, 1, 1], [3.0, 1.0, 1.0]);
+    let cells = with_middles(&mut nodes, &tetrahedra_of(&cells));
+    let mut bar = Patch::new(quadratic_tetrahedron(), elastic(E, NU, 1.0), &nodes, &cells);
+    let mass: Vec<f64> = bar.masses().iter().map(|m| m.0).collect();
+    assert_close(mass.iter().sum(), 3.0, 1e-14, "the mass of the bar");
+    let kappa = 1e-8;
+    // Pure bending about z (Timoshenko & Goodier 1970, sec. 102), with y from the middle.
+    bar.go(|[x, y, z]| {
+        let (y0, z0) = (y - 0.5, z - 0.5);
+        [
+            x + kappa * x * y0,
+            y - 0.5 * kappa * (x * x + NU * (y0 * y0 - z0 * z0)),
+            z - NU * kappa * y0 * z0,
+        ]
+    });
+    let (force, _) = bar.nodal();
+    let moment: f64 = (0..nodes.len())
+        .filter(|&n| nodes[n][0] == 3.0)
+        .map(|n| (nodes[n][1] - 0.5) * force[n][0])
+        .sum();
+    assert_close(moment, E * kappa / 12.0, 1e-6 * E * kappa, "E I kappa");
+    let largest = bar.largest().0;
+    for n in (0..nodes.len()).filter(|&n| nodes[n][0] > 0.0 && nodes[n][0] < 3.0) {
+        let at_rest = force[n].iter().all(|f| f.abs() < 1e-6 * largest);
+        assert!(at_rest, "node {n} at {:?}: {:?} of {largest:e}", nodes[n], force[n]);
     }
 }
 
@@ -220,6 +320,7 @@ fn every_lane_is_what_it_would_be_alone() {
     for law in laws_of_solids() {
         alone(&law, tetrahedra(0.1, law.clone()), tetrahedron());
         alone(&law, wedges(0.1, law.clone()), wedge());
+        alone(&law, quadratic_tetrahedra(0.1, law.clone()), quadratic_tetrahedron());
     }
 }
 
@@ -245,6 +346,7 @@ fn a_failed_element_lets_go() {
     let brittle = || material("j2", 1.0, &numbers);
     pull(tetrahedra(0.1, brittle()));
     pull(wedges(0.1, brittle()));
+    pull(quadratic_tetrahedra(0.1, brittle()));
 }
 
 fn crush<const C: usize>(fresh: impl Fn() -> Patch<C>) {
@@ -263,4 +365,5 @@ fn crush<const C: usize>(fresh: impl Fn() -> Patch<C>) {
 fn an_inverted_or_wildly_strained_element_is_trouble() {
     crush(|| tetrahedra(0.0, elastic(E, NU, 1.0)));
     crush(|| wedges(0.0, elastic(E, NU, 1.0)));
+    crush(|| quadratic_tetrahedra(0.0, elastic(E, NU, 1.0)));
 }

@@ -202,6 +202,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
 /// Elements of one part with C slots each, with their nodes, columns and corner forces. Solids have
 /// no moments.
 pub struct Patch<const C: usize = 4> {
+    pub shape: Shape,
     pub element: Box<dyn Element>,
     pub x: Vec<[f64; 4]>,
     pub v: Vec<[f64; 4]>,
@@ -275,6 +276,7 @@ impl<const C: usize> Patch<C> {
             [_, _, c, d] if c == d => Shape::Tri3,
             [_, _, _, _] => Shape::Quad4,
             [_, _, _, _, _, _] => Shape::Wedge6,
+            [_, _, _, _, _, _, _, _, _, _] => Shape::Tet10,
             _ => Shape::Hex8,
         };
         // Tests that name no formulation use the simplest one.
@@ -294,6 +296,7 @@ impl<const C: usize> Patch<C> {
         let still = vec![[0.0; 4]; nodes.len()];
         let corners = vec![[0.0; 4]; groups.len()];
         let mut patch = Self {
+            shape,
             unstrained: vec![false; groups.len() / (C * history.lanes())],
             element,
             x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
@@ -419,9 +422,10 @@ impl<const C: usize> Patch<C> {
         for (e, cell) in self.cells.iter().enumerate() {
             let (mass, inertia) = self.element.corner_mass(&self.corners(e), OwnSection::default());
             let corners = if C == 4 && cell[2] == cell[3] { 3 } else { C };
-            for &node in &cell[..corners] {
-                masses[node as usize].0 += mass;
-                masses[node as usize].1 += inertia;
+            for (c, &node) in cell[..corners].iter().enumerate() {
+                let share = self.shape.mass_share(c);
+                masses[node as usize].0 += share * mass;
+                masses[node as usize].1 += share * inertia;
             }
         }
         masses

@@ -29,7 +29,8 @@
 use super::pass::GroupCorners;
 use super::section::label;
 use super::solid::{
-    SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, corner, increment, viscous, work_and_size,
+    SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, corner, increment, scatter, viscous,
+    work_and_size,
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupNodes,
@@ -295,11 +296,7 @@ impl SolidGroups<NODES> for Tetrahedron {
         let response = self.respond(&x, &v, history, dt);
         let [f1, f2, f3] = response.force;
         let f0: [L; 3] = std::array::from_fn(|i| -(f1[i] + f2[i] + f3[i]));
-        for (c, of_corner) in [f0, f1, f2, f3].into_iter().enumerate() {
-            for (lane, row) in L::to_rows(of_corner).into_iter().enumerate() {
-                force[lane][c] = row.to_array();
-            }
-        }
+        scatter([f0, f1, f2, f3], force);
         response.totals
     }
 

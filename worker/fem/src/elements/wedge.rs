@@ -26,8 +26,8 @@
 
 use super::pass::GroupCorners;
 use super::solid::{
-    SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, corner, increment, viscous,
-    work_and_size,
+    SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, each, gather, increment, relative,
+    scatter, viscous, work_and_size,
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupNodes,
@@ -127,12 +127,6 @@ impl<R: Real> WedgeGradient<R> {
         let [w0, w1] = self.volumes.map(|v| v * inverse);
         std::array::from_fn(|n| each(|i| w0.mul_add(self.b[0][n][i], w1 * self.b[1][n][i])))
     }
-}
-
-/// Returns a vector by components.
-#[inline(always)]
-fn each<R>(of: impl Fn(usize) -> R) -> [R; 3] {
-    [of(0), of(1), of(2)]
 }
 
 /// Returns the gradient of `scale` times the field `u`: component i by coordinate j.
@@ -417,27 +411,6 @@ impl Wedge {
     }
 }
 
-/// Returns two nodal columns at the nodes, relative to node 0.
-#[inline(always)]
-fn gather<L: PointLanes<W>, const W: usize>(
-    group: &GroupNodes<NODES, W>,
-    [one, other]: [&[[f64; 4]]; 2],
-) -> [WedgeNodes<L>; 2] {
-    // One length for both columns, so that one bounds check per node is enough.
-    let n = one.len();
-    let columns = [&one[..n], &other[..n]];
-    let corners: [[[L; 3]; 2]; NODES] =
-        std::array::from_fn(|c| corner::<L, NODES, W>(group, columns, c));
-    std::array::from_fn(|of| {
-        std::array::from_fn(|c| each(|i| corners[c][of][i] - corners[0][of][i]))
-    })
-}
-
-/// Returns the nodes of one element, relative to node 0.
-fn relative(x: &[[f64; 3]]) -> WedgeNodes<f64> {
-    std::array::from_fn(|c| each(|i| x[c][i] - x[0][i]))
-}
-
 impl SolidGroups<NODES> for Wedge {
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
@@ -450,11 +423,7 @@ impl SolidGroups<NODES> for Wedge {
     ) -> Totals<L> {
         let [x, v] = gather(group, [nodes.x, nodes.v]);
         let response = self.respond(&x, &v, history, dt);
-        for (c, of_corner) in response.force.into_iter().enumerate() {
-            for (lane, row) in L::to_rows(of_corner).into_iter().enumerate() {
-                force[lane][c] = row.to_array();
-            }
-        }
+        scatter(response.force, force);
         response.totals
     }
 
@@ -532,15 +501,8 @@ impl Element for Wedge {
         self.material.failed.is_some()
     }
 
-    /// The stress is the mean of the points; the other values are the largest ones.
     fn fields(&self, history: ElementState<'_>, _x: &[[f64; 3]]) -> ElementFields {
-        let [a, b] = [0, 1].map(|p| self.material.fields(history, p * self.material.state));
-        ElementFields {
-            plastic_strain: a.plastic_strain.max(b.plastic_strain),
-            stress: std::array::from_fn(|c| 0.5 * (a.stress[c] + b.stress[c])),
-            von_mises: a.von_mises.max(b.von_mises),
-            thickness: 0.0,
-            failed: self.failed(history),
-        }
+        let points = [0, 1].map(|p| self.material.fields(history, p * self.material.state));
+        ElementFields::of_points(&points)
     }
 }

@@ -11,7 +11,7 @@
 use crate::constraints::prescribed::MotionCurve;
 use crate::math::row::V3;
 use crate::work::Work;
-use crumple_proto::loads::MotionForm;
+use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::rigid::RigidBody;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -32,8 +32,12 @@ pub struct Body {
     inverse: Matrix3<f64>,
     /// Largest change of rotational velocity per unit angular impulse [1/(mass length^2)].
     pub softest: f64,
-    /// True for each fixed or prescribed degree of freedom: translations, then rotations.
+    /// True for each degree of freedom that is fixed or prescribed at present: translations, then
+    /// rotations.
     held: [bool; 6],
+    /// True for each fixed one; not part of a checkpoint.
+    #[serde(skip)]
+    fixed: [bool; 6],
     /// Prescribed motions; not part of a checkpoint.
     #[serde(skip)]
     courses: Vec<(u64, MotionCurve)>,
@@ -93,9 +97,10 @@ fn courses(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)>
     job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect()
 }
 
-/// Returns true for each fixed or prescribed degree of freedom.
-fn held(job: &RigidBody) -> [bool; 6] {
-    let bits = job.motions.iter().fold(job.fixed, |bits, m| bits | m.dofs);
+/// Returns true for each degree of freedom that is fixed, or prescribed by a motion that `acts`.
+fn held(job: &RigidBody, acts: impl Fn(&PrescribedMotion) -> bool) -> [bool; 6] {
+    let motions = job.motions.iter().filter(|m| acts(m));
+    let bits = motions.fold(job.fixed, |bits, m| bits | m.dofs);
     std::array::from_fn(|c| bits >> c & 1 == 1)
 }
 
@@ -106,7 +111,9 @@ impl Body {
         let vectors = [self.centre, self.last.velocity, self.last.angular, self.last_spin];
         // Round-off of a run is many orders smaller; other numbers are no turn.
         let is_turn = |q: &UnitQuaternion<f64>| (q.norm() - 1.0).abs() < 1e-3;
-        self.held == held(job)
+        let (least, most) = (held(job, |m| m.window.is_none()), held(job, |_| true));
+        let is_possible = |c: usize| least[c] <= self.held[c] && self.held[c] <= most[c];
+        (0..6).all(is_possible)
             && self.mass.is_finite()
             && self.mass >= 0.0
             && vectors.iter().flat_map(|v| v.iter()).all(|a| a.is_finite())
@@ -117,6 +124,7 @@ impl Body {
     /// Sets the prescribed motions of a body from a checkpoint.
     pub fn restore(&mut self, job: &RigidBody, given: &[Vec<[f64; 2]>]) {
         self.courses = courses(job, given);
+        self.fixed = held(job, |_| false);
     }
 
     /// Builds a body at time 0.
@@ -144,7 +152,8 @@ impl Body {
             inertia,
             inverse,
             softest: if smallest > 0.0 { 1.0 / smallest } else { 0.0 },
-            held: held(job),
+            held: held(job, |m| m.acts_at(0.0)),
+            fixed: held(job, |_| false),
             courses: courses(job, curves),
             start: centre,
             centre,
@@ -168,6 +177,11 @@ impl Body {
     /// Prepares a step: fixed and prescribed velocities, and the mobility at the present
     /// orientation.
     pub fn start_step(&mut self, time: f64, dt: f64) {
+        if self.courses.iter().any(|(_, course)| course.is_timed()) {
+            let acting = self.courses.iter().filter(|(_, course)| course.acts_at(time));
+            let bits = acting.fold(0, |bits, (dofs, _)| bits | dofs);
+            self.held = std::array::from_fn(|c| self.fixed[c] || bits >> c & 1 == 1);
+        }
         self.next = self.last;
         self.led_angular = V3::zeros();
         let (velocity, spin) = self.prescribed_velocities(time, dt);
@@ -181,15 +195,18 @@ impl Body {
     /// in the step.
     fn prescribed_velocities(&self, time: f64, dt: f64) -> (V3, V3) {
         let (mut velocity, mut spin) = (V3::zeros(), V3::zeros());
-        for (dofs, course) in &self.courses {
-            let (now, next) = (course.amount(time), course.amount(time + dt));
+        for (dofs, course) in self.courses.iter().filter(|(_, course)| course.acts_at(time)) {
+            let (next, increment) = (course.amount(time + dt), course.increment(time, dt));
             let turns = matches!(course.form, MotionForm::Spin { .. });
             for c in 0..3 {
                 if dofs >> c & 1 == 1 && !turns {
-                    velocity[c] = (self.start[c] + next[c] - self.centre[c]) / dt;
+                    velocity[c] = match course.is_timed() {
+                        true => increment[c] / dt,
+                        false => (self.start[c] + next[c] - self.centre[c]) / dt,
+                    };
                 }
                 if dofs >> (c + 3) & 1 == 1 && turns {
-                    spin[c] = (next[c] - now[c]) / dt;
+                    spin[c] = increment[c] / dt;
                 }
             }
         }

@@ -51,14 +51,39 @@ impl Bodies {
         settings: &Settings,
         nodes: &Nodes,
     ) -> Result<(), RankLost> {
-        let all = self;
-        all.jobs = settings.rigid.clone();
-        let first = all.bodies.len();
-        if all.jobs.len() == first {
+        self.jobs = settings.rigid.clone();
+        let first = self.bodies.len();
+        if self.jobs.len() == first {
             return Ok(());
         }
+        for job in &self.jobs[first..] {
+            self.bodies.push(loose(job, &settings.loads.curves));
+            self.arms.push(Vec::new());
+            self.beyond.push(Matrix3::zeros());
+            self.active.push(false);
+        }
+        let count = self.bodies.len();
+        let rigid: Vec<usize> = (first..count).filter(|&b| self.jobs[b].is_rigid_at(0.0)).collect();
+        self.activate(comm, settings, nodes, &rigid)?;
+        self.joints.extend(&settings.joints, &self.bodies);
+        self.share.resize(count, 0.0);
+        self.damped.resize(count, [(V3::zeros(), V3::zeros()); 2]);
+        Ok(())
+    }
+
+    /// Makes bodies rigid, with the present state of their members. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn activate(
+        &mut self,
+        comm: &mut dyn Transport,
+        settings: &Settings,
+        nodes: &Nodes,
+        which: &[usize],
+    ) -> Result<(), RankLost> {
         let mut mine: Vec<WireMember> = Vec::new();
-        for (b, job) in all.jobs.iter().enumerate().skip(first) {
+        for (b, job) in which.iter().map(|&b| (b, &self.jobs[b])) {
             let owned =
                 job.nodes.iter().filter_map(|&id| nodes.local_index(id)).map(|n| n as usize);
             mine.extend(owned.filter(|&i| nodes.is_owned(i)).map(|i| WireMember {
@@ -74,17 +99,28 @@ impl Bodies {
         let parcels = gather_all(comm, mine)?;
         let mut members: Vec<WireMember> = parcels.concat();
         members.sort_unstable_by_key(|m| (m.body, m.node));
-        for (b, job) in all.jobs.iter().enumerate().skip(first) {
+        for &b in which {
             let own: Vec<&WireMember> = members.iter().filter(|m| m.body == b as u64).collect();
-            let (body, beyond) = assemble(job, &settings.loads.curves, &own);
-            all.arms.push(own.iter().map(|m| V3::from(m.x) - body.centre).collect());
-            all.bodies.push(body);
-            all.beyond.push(beyond);
+            let (body, beyond) = assemble(&self.jobs[b], &settings.loads.curves, &own);
+            self.arms[b] = own.iter().map(|m| V3::from(m.x) - body.centre).collect();
+            self.bodies[b] = body;
+            self.beyond[b] = beyond;
+            self.active[b] = true;
         }
-        all.joints.extend(&settings.joints, &all.bodies);
-        all.share.resize(all.bodies.len(), 0.0);
-        all.damped.resize(all.bodies.len(), [(V3::zeros(), V3::zeros()); 2]);
         Ok(())
+    }
+
+    /// Releases the members of a body.
+    pub fn deactivate(&mut self, settings: &Settings, b: usize) {
+        self.bodies[b] = loose(&self.jobs[b], &settings.loads.curves);
+        self.arms[b].clear();
+        self.beyond[b] = Matrix3::zeros();
+        self.active[b] = false;
+    }
+
+    /// Returns the nodes of a body.
+    pub fn nodes_of(&self, b: usize) -> &[NodeId] {
+        &self.jobs[b].nodes
     }
 
     /// Checks that these are the bodies of a job, or its first ones.
@@ -98,11 +134,15 @@ impl Bodies {
         }
         let count = self.bodies.len();
         let lengths = [self.arms.len(), self.beyond.len(), self.share.len(), self.damped.len()];
+        let lengths = [&lengths[..], &[self.active.len()]].concat();
         if count > jobs.len() || lengths.iter().any(|&length| length != count) {
             return Err(format!("it has {count} rigid bodies, and the job has {}", jobs.len()));
         }
-        let other = |(arms, job): &(&Vec<V3>, &RigidBody)| arms.len() != job.nodes.len();
-        if let Some(body) = self.arms.iter().zip(jobs).position(|pair| other(&pair)) {
+        let members = self.arms.iter().zip(jobs).zip(&self.active);
+        let other = |((arms, job), active): ((&Vec<V3>, &RigidBody), &bool)| {
+            arms.len() != if *active { job.nodes.len() } else { 0 }
+        };
+        if let Some(body) = members.into_iter().position(other) {
             return Err(format!("rigid body {body} has other nodes in the job"));
         }
         match self.bodies.iter().zip(jobs).position(|(body, job)| !body.fits(job)) {
@@ -128,7 +168,7 @@ impl Bodies {
             return;
         }
         self.body_of.resize(nodes.len(), NONE);
-        for (b, job) in self.jobs.iter().enumerate() {
+        for (b, job) in self.jobs.iter().enumerate().filter(|(b, _)| self.active[*b]) {
             for (index, &id) in job.nodes.iter().enumerate() {
                 if let Some(n) = nodes.index_of(id) {
                     self.body_of[n as usize] = b as u32;
@@ -139,6 +179,12 @@ impl Bodies {
             }
         }
     }
+}
+
+/// Returns a body without members, which nothing moves.
+fn loose(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Body {
+    let still = Momentum::new(V3::zeros(), V3::zeros());
+    Body::new(job, curves, 1.0, Matrix3::identity(), V3::zeros(), still)
 }
 
 /// Builds a body from its members in ascending node id, with the momenta of the nodes. Returns

@@ -80,6 +80,9 @@ pub struct Bodies {
     jobs: Vec<RigidBody>,
     /// The bodies, in the order of the job.
     pub bodies: Vec<Body>,
+    /// True for the bodies that are rigid at present. The others have no members here, and unit
+    /// mass.
+    active: Vec<bool>,
     /// Difference between the inertia that the job prescribes and that of the nodal masses;
     /// sums over nodes do not contain it.
     beyond: Vec<Matrix3<f64>>,
@@ -127,15 +130,15 @@ impl Bodies {
         self.members.iter().map(|m| m.local).filter(move |&n| pushed(n as usize))
     }
 
-    /// Returns the local members of the bodies from number `first` on, with the velocity and the
-    /// rotational velocity that their body gives them at the last mid-step.
+    /// Returns the local members of some bodies, with the velocity and the rotational velocity that
+    /// their body gives them at the last mid-step.
     pub fn carried<'a>(
         &'a self,
-        first: usize,
+        of: &'a [usize],
         nodes: &'a Nodes,
     ) -> impl Iterator<Item = (usize, V3, V3)> + 'a {
-        let bodies = self.bodies.iter().zip(&self.jobs).skip(first);
-        bodies.flat_map(move |(body, job)| {
+        let active = of.iter().filter(|&&b| self.active[b]);
+        active.map(|&b| (&self.bodies[b], &self.jobs[b])).flat_map(move |(body, job)| {
             let spin = body.last_spin;
             let local = job.nodes.iter().filter_map(|&id| nodes.local_index(id));
             local.map(move |n| {
@@ -143,6 +146,23 @@ impl Bodies {
                 (n as usize, body.last.velocity + spin.cross(&arm), spin)
             })
         })
+    }
+
+    /// Returns the bodies that become rigid, and those that deform again, at a time.
+    pub fn due(&self, time: f64) -> Vec<usize> {
+        let bodies = self.jobs.iter().zip(&self.active).enumerate();
+        let changes = bodies.filter(|(_, (job, active))| job.is_rigid_at(time) != **active);
+        changes.map(|(b, _)| b).collect()
+    }
+
+    /// Returns true if a body of a job is rigid for the rest of the run.
+    pub fn has_settled(&self, b: usize, job: &RigidBody) -> bool {
+        self.active.get(b) == Some(&true) && job.stays_rigid()
+    }
+
+    /// Returns true if a body is rigid at present.
+    pub fn is_active(&self, body: usize) -> bool {
+        self.active[body]
     }
 
     /// Returns true if there are no bodies.
@@ -286,6 +306,26 @@ impl Bodies {
             Some(b) if nodes.mass[n as usize] > 0.0 => [self.share[b] / nodes.mass[n as usize]; 4],
             _ => nodes.inv_mass[n as usize],
         }
+    }
+
+    /// Returns an inverse mass of local node `n` with which forces on all members of a body at once
+    /// move them no less than the body does [1/mass].
+    ///
+    /// Members that were free would move more than the body, whose mass is the sum of theirs. An
+    /// inertia that the job prescribes can be smaller than that of the nodal masses. The response to
+    /// a moment is then at most the product of the largest inertia of the latter and the inverse of
+    /// the smallest of the former times larger.
+    pub fn largest_inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
+        let Some(b) = self.body_of(n) else { return nodes.inv_mass[n as usize] };
+        let (body, mass) = (&self.bodies[b], nodes.mass[n as usize]);
+        if body.is_prescribed() || mass == 0.0 {
+            return [0.0; 4];
+        }
+        let times = match self.beyond[b] == Matrix3::zeros() {
+            true => 1.0,
+            false => ((body.inertia - self.beyond[b]).norm() * body.softest).max(1.0),
+        };
+        [times / mass, times / mass, times / mass, 0.0]
     }
 
     /// Returns the inverse rotational inertia that contact uses at local node `n` [1/(mass

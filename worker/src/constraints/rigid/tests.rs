@@ -7,7 +7,14 @@ use crumple_proto::rigid::RigidBody;
 use nalgebra::Matrix3;
 
 fn job() -> RigidBody {
-    RigidBody { nodes: Vec::new(), parts: Vec::new(), fixed: 0, inertia: None, motions: Vec::new() }
+    RigidBody {
+        nodes: Vec::new(),
+        parts: Vec::new(),
+        fixed: 0,
+        inertia: None,
+        motions: Vec::new(),
+        window: None,
+    }
 }
 
 /// Three different principal moments, axes not aligned with space.
@@ -98,6 +105,7 @@ fn a_prescribed_body_follows_its_curve() {
         form,
         amount,
         curve: None,
+        window: None,
     };
     let spin = motion(MotionForm::Spin { centre: [0.0; 3] }, 0b11_1000, [0.0, 0.6, 0.8]);
     let led = RigidBody {

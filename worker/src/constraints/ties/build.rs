@@ -1,8 +1,9 @@
 //! Start of the ties: tables, masses that move to the masters, velocities of the slaves.
 
 use super::exchange::{PackedNode, of_owners};
+use super::mean::MeanRotation;
 use super::{ARM_INERTIA, Ties, blend};
-use crate::math::row::{V3, xyz};
+use crate::math::row::{V3, row, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
@@ -45,7 +46,8 @@ impl Ties {
         let number = |id: NodeId| masters.partition_point(|&c| c < id) as u32;
         Self {
             turn: rotations && jobs.iter().any(|t| t.rotations || t.offset),
-            arms: rotations && jobs.iter().any(|t| t.offset),
+            arms: jobs.iter().any(|t| t.mean || rotations && t.offset),
+            means: jobs.iter().any(|t| t.mean),
             shares: jobs
                 .iter()
                 .map(|t| t.masters.iter().map(|&(id, share)| (number(id), share)).collect())
@@ -66,7 +68,7 @@ impl Ties {
         let joined = self.definitions.iter().zip(&self.shares).zip(slaves);
         joined
             .map(|((job, shares), slave)| {
-                if self.arms && job.offset {
+                if self.has_arm(job) {
                     V3::from(slave.x) - V3::from(xyz(&blend(shares, |c| masters[c].x)))
                 } else {
                     V3::zeros()
@@ -78,6 +80,9 @@ impl Ties {
     /// Returns the inertia that each slave adds to its masters [mass length^2].
     fn inertia_of_slaves(&self, arms: &[V3]) -> Vec<f64> {
         let inertia = |(job, (own, arm)): (&Tie, (&[f64; 2], &V3))| {
+            if job.mean {
+                return 0.0; // its masters do not rotate with it
+            }
             let turns = if self.turn && job.rotations { own[1] } else { 0.0 };
             turns + ARM_INERTIA * own[0] * arm.norm_squared()
         };
@@ -112,7 +117,13 @@ impl Ties {
         }
         for ((job, shares), arm) in self.definitions.iter().zip(&self.shares).zip(arms) {
             let Some(n) = nodes.index_of(job.node).map(|n| n as usize) else { continue };
-            let spin = blend(shares, |c| masters[c].w);
+            let spin = match job.mean {
+                true => {
+                    let rotation = MeanRotation::new(shares, |c| masters[c].x);
+                    row(rotation.spin(shares, |c| masters[c].x, |c| masters[c].v).into())
+                }
+                false => blend(shares, |c| masters[c].w),
+            };
             nodes.v[n] = blend(shares, |c| masters[c].v);
             let turned = V3::from(xyz(&spin)).cross(arm);
             (0..3).for_each(|k| nodes.v[n][k] += turned[k]);

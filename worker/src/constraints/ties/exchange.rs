@@ -54,7 +54,10 @@ impl Ties {
             .filter(|&&t| !is_held(self.slave_index[t as usize]))
             .map(|&t| u64::from(t))
             .collect();
-        let followed = self.local_slaves.iter().flat_map(|&t| &self.shares[t as usize]);
+        // Forces on a slave that follows a mean motion depend on the positions of all masters.
+        let of_means = self.force_sources.iter().filter(|&&t| self.definitions[t as usize].mean);
+        let needed = self.local_slaves.iter().chain(of_means);
+        let followed = needed.flat_map(|&t| &self.shares[t as usize]);
         let mut carriers: Vec<u64> = followed
             .filter(|s| !is_held(self.master_index[s.0 as usize]))
             .map(|s| u64::from(s.0))

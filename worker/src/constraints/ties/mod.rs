@@ -14,6 +14,8 @@
 //! |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step of the elements at s is at least `1/sqrt(1 +
 //! a)` of their own. The master rank takes this into account (`share` of their records).
 //!
+//! A slave can also follow the mean motion of any set of masters, see `mean.rs`.
+//!
 //! If a slave starts with another velocity than its masters, the difference acts on them as an
 //! impulse, so that the momentum of the mesh is conserved. When the element of its face fails,
 //! the slave is released. It takes back its mass, and the momentum of this mass at the face.
@@ -28,6 +30,7 @@
 
 mod build;
 mod exchange;
+mod mean;
 pub mod project;
 
 use crate::contact::Contact;
@@ -38,6 +41,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::tie::Tie;
 use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
 use exchange::{Link, PackedNode, receive, send};
+use mean::MeanRotation;
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
@@ -59,6 +63,8 @@ pub struct Ties {
     /// True if any tie includes rotations or has an offset; and true if any has an offset.
     turn: bool,
     arms: bool,
+    /// True if any slave follows the mean motion of its masters.
+    means: bool,
     /// Original mass and inertia of each slave, and the inertia that it adds to its masters.
     slave_masses: Vec<[f64; 2]>,
     added_inertia: Vec<f64>,
@@ -134,17 +140,26 @@ impl Ties {
         let mut pushes = vec![[V3::zeros(); 2]; carrying.len()];
         for (t, shares) in self.shares.iter().enumerate() {
             let [mass, inertia] = self.slave_masses[t];
-            let spin = V3::from(xyz(&blend(shares, |c| carrying[c].w)));
+            let mean = self.definitions[t].mean;
+            let rotation = MeanRotation::new(shares, |c| carrying[c].x);
+            let spin = match mean {
+                true => rotation.spin(shares, |c| carrying[c].x, |c| carrying[c].v),
+                false => V3::from(xyz(&blend(shares, |c| carrying[c].w))),
+            };
             let led = V3::from(xyz(&blend(shares, |c| carrying[c].v))) + spin.cross(&arms[t]);
             let push = (V3::from(tied[t].v) - led) * mass;
             let mut turn = arms[t].cross(&push);
-            if self.turn && self.definitions[t].rotations {
+            if self.turn && self.definitions[t].rotations && !mean {
                 turn += (V3::from(tied[t].w) - spin) * inertia;
             }
             for &(c, share) in shares {
                 let c = c as usize;
                 totals[c][0] += share * mass;
                 totals[c][1] += share * self.added_inertia[t];
+                if mean {
+                    pushes[c][0] += rotation.force_on(carrying[c].x, share, [push, turn]);
+                    continue;
+                }
                 pushes[c][0] += push * share;
                 pushes[c][1] += turn * share;
             }
@@ -198,7 +213,7 @@ impl Ties {
         for &t in &released {
             self.add_masses(t, -1.0, nodes);
             if let Some(n) = nodes.index_of(self.definitions[t].node).map(|n| n as usize) {
-                if self.arms && self.definitions[t].offset {
+                if self.has_arm(&self.definitions[t]) {
                     // The masters had the mass at the foot of the arm: with their velocity the
                     // slave takes back the momentum that it gave.
                     let held = |c: usize| {
@@ -323,9 +338,15 @@ impl Ties {
         for &t in &self.force_sources {
             let [force, moment] = self.slave_loads[t as usize];
             let turns = self.turns(t as usize);
+            let mean = self.mean_rotation(t as usize, nodes);
             for &(c, share) in &self.shares[t as usize] {
                 let n = self.master_index[c as usize] as usize;
                 if n >= nodes.local_count {
+                    continue;
+                }
+                if let Some(mean) = &mean {
+                    let f = mean.force_on(xyz(&nodes.x[n]), share, [force, moment]);
+                    (0..3).for_each(|k| nodes.force[n][k] += f[k]);
                     continue;
                 }
                 (0..3).for_each(|k| nodes.force[n][k] += share * force[k]);
@@ -363,8 +384,16 @@ impl Ties {
         self.contact_forces.fill(V3::zeros());
         for &t in &self.force_sources {
             let [force, moment] = self.slave_loads[t as usize];
+            let mean = self.mean_rotation(t as usize, nodes);
             for &(c, share) in self.shares[t as usize].iter().filter(|_| force != V3::zeros()) {
                 let n = self.master_index[c as usize];
+                let (force, times) = match &mean {
+                    Some(mean) => {
+                        let place = self.master_place(c as usize, nodes);
+                        (mean.force_on(place, share, [force, moment]), 1.0)
+                    }
+                    None => (force, share),
+                };
                 if self.turns(t as usize) && (n as usize) < nodes.local_count {
                     let (next, inverse) =
                         (&mut nodes.w_next[n as usize], &nodes.inv_inertia[n as usize]);
@@ -374,8 +403,8 @@ impl Ties {
                 if n != NONE {
                     let (next, inverse) =
                         (&mut nodes.v_next[n as usize], &nodes.inv_mass[n as usize]);
-                    (0..3).for_each(|k| next[k] += steps.dt_damped * share * force[k] * inverse[k]);
-                    self.contact_forces[c as usize] += force * share;
+                    (0..3).for_each(|k| next[k] += steps.dt_damped * times * force[k] * inverse[k]);
+                    self.contact_forces[c as usize] += force * times;
                 }
             }
         }
@@ -406,20 +435,36 @@ impl Ties {
 
     /// Returns true if a tie exerts moments on its masters.
     fn turns(&self, t: usize) -> bool {
-        self.turn && (self.definitions[t].rotations || self.definitions[t].offset)
+        let tie = &self.definitions[t];
+        self.turn && (tie.rotations || tie.offset) && !tie.mean
+    }
+
+    /// Returns the position of a master that is present here or that this worker receives.
+    fn master_place(&self, c: usize, nodes: &Nodes) -> [f64; 3] {
+        match self.master_index[c] as usize {
+            n if n < nodes.local_count => xyz(&nodes.x[n]),
+            _ => self.master_positions[c],
+        }
+    }
+
+    /// Returns the mean rotation of the masters of a tie that follows it.
+    fn mean_rotation(&self, t: usize, nodes: &Nodes) -> Option<MeanRotation> {
+        let place = |c: usize| self.master_place(c, nodes);
+        self.definitions[t].mean.then(|| MeanRotation::new(&self.shares[t], place))
+    }
+
+    /// Returns true if the slave of a tie is at the end of an arm.
+    fn has_arm(&self, tie: &Tie) -> bool {
+        self.arms && tie.offset && (self.turn || tie.mean)
     }
 
     /// Returns the vector from the mean position of the masters to a slave here; zero without
     /// an offset [length].
     fn arm(&self, t: usize, nodes: &Nodes) -> V3 {
-        if !(self.arms && self.definitions[t].offset) {
+        if !self.has_arm(&self.definitions[t]) {
             return V3::zeros();
         }
-        let held =
-            |c: usize| Some(self.master_index[c] as usize).filter(|&k| k < nodes.local_count);
-        let foot = blend(&self.shares[t], |c| {
-            held(c).map_or(self.master_positions[c], |k| xyz(&nodes.x[k]))
-        });
+        let foot = blend(&self.shares[t], |c| self.master_place(c, nodes));
         V3::from(xyz(&nodes.x[self.slave_index[t] as usize])) - V3::from(xyz(&foot))
     }
 
@@ -469,13 +514,23 @@ impl Ties {
             });
             let (rotations, arm) =
                 (self.definitions[t as usize].rotations, self.arm(t as usize, nodes));
-            if !(self.turn && (rotations || arm != V3::zeros())) {
+            let mean = self.mean_rotation(t as usize, nodes);
+            if !((self.turn || mean.is_some()) && (rotations || arm != V3::zeros())) {
                 continue;
             }
-            let spin = blend(shares, |c| {
-                held(c).map_or(self.master_velocities[c][1], |k| xyz(&nodes.w_next[k]))
-            });
-            if rotations && n < nodes.local_count {
+            let spin = match mean {
+                Some(mean) => {
+                    let velocity = |c: usize| {
+                        held(c).map_or(self.master_velocities[c][0], |k| xyz(&nodes.v_next[k]))
+                    };
+                    let place = |c: usize| self.master_place(c, nodes);
+                    crate::math::row::row(mean.spin(shares, place, velocity).into())
+                }
+                None => blend(shares, |c| {
+                    held(c).map_or(self.master_velocities[c][1], |k| xyz(&nodes.w_next[k]))
+                }),
+            };
+            if self.turn && rotations && n < nodes.local_count {
                 nodes.w_next[n] = spin;
             }
             if arm != V3::zeros() {
@@ -502,7 +557,7 @@ impl Ties {
     /// Sends the forces on owned slaves to the workers that have their masters.
     fn exchange_slave_forces(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let Self { links, mail, slave_loads, .. } = self;
-        if self.turn {
+        if self.turn || self.means {
             send(comm, (links, mail), |l| &l.slaves_out, |t| slave_loads[t as usize])?;
             receive(comm, (links, mail), |l| &l.slaves_in, |t, load| slave_loads[t as usize] = load)
         } else {

@@ -204,6 +204,7 @@ fn a_prescribed_wall_moves_nodes_in_contact() {
         form: MotionForm::Velocity,
         amount: [2.0, 0.0, 1.0],
         curve: Some(0),
+        window: None,
     };
     let job = ResolvedWall {
         motion: WallMotion::Led(motion),
@@ -382,6 +383,7 @@ fn a_prescribed_sphere_takes_a_mass_along() {
         form: MotionForm::Velocity,
         amount: [0.0, 3.0, 4.0],
         curve: None,
+        window: None,
     };
     let job = ResolvedWall { motion: WallMotion::Led(motion), ..sphere(1.0, 0.3) };
     let mut walls = Walls::new(&[job], &[]);

@@ -18,12 +18,14 @@ pub struct DeckCurve {
     relaxes: bool,
     /// True if a load or motion uses it.
     used: bool,
+    /// Times from which copies of it start.
+    starts: Vec<f64>,
 }
 
 impl DeckCurve {
     /// Creates a curve that is not in use yet.
     pub(super) fn new(points: Vec<[f64; 2]>, place: Place, lines: Vec<Place>) -> Self {
-        Self { points, place, lines, relaxes: false, used: false }
+        Self { points, place, lines, relaxes: false, used: false, starts: Vec::new() }
     }
 }
 
@@ -34,8 +36,10 @@ impl DeckConverter {
             let place = record.place("lcid");
             let (sfa, sfo) = (one(record.real("sfa")), one(record.real("sfo")));
             let (offa, offo) = (record.real("offa"), record.real("offo"));
+            let units = self.curve_units.of(id, place, &mut self.trouble);
             let point = |line: &crate::input::deck::record::CardLine| {
-                [sfa * (line.real("a") + offa), sfo * (line.real("o") + offo)]
+                let (a, o) = (sfa * (line.real("a") + offa), sfo * (line.real("o") + offo));
+                [a * units[0], o * units[1]]
             };
             let points: Vec<[f64; 2]> = record.lines("a").map(point).collect();
             let lines = record.lines("a").map(|line| line.place).collect();
@@ -44,7 +48,7 @@ impl DeckConverter {
                 self.trouble.error(place, format!("*DEFINE_CURVE {id} has no points"), help);
             }
             let relaxes = self.relaxes(&record);
-            let curve = DeckCurve { points, place, lines, relaxes, used: false };
+            let curve = DeckCurve { relaxes, ..DeckCurve::new(points, place, lines) };
             if self.curves.insert(id, curve).is_some() {
                 self.trouble.error(
                     place,
@@ -78,6 +82,29 @@ impl DeckConverter {
             _ => self.unsupported_value(record, "sidr", "use 0 (run), 1 or 2"),
         }
         false
+    }
+
+    /// Returns the name in the job of a copy of a curve whose first point is at a later time: that
+    /// of what begins to act then. Otherwise as [`Self::time_curve`].
+    pub(super) fn time_curve_from(&mut self, id: i64, place: Place, start: f64) -> Option<String> {
+        let curve = self.curve(id, place)?;
+        let first = curve.points.first().map_or(0.0, |p| p[0]);
+        if curve.relaxes || start <= 0.0 || start == first {
+            return self.time_curve(id, place);
+        }
+        let name = format!("curve-{id}-from-{start}");
+        if !curve.starts.contains(&start) {
+            let moved = |p: &[f64; 2]| vec![p[0] - first + start, p[1]];
+            let points: Vec<Vec<f64>> = curve.points.iter().map(moved).collect();
+            let table = JobTable::new(curve.place).with("name", curve.place, name.as_str()).with(
+                "points",
+                curve.place,
+                points,
+            );
+            self.add("curve", table);
+            self.curves.entry(id).and_modify(|c| c.starts.push(start));
+        }
+        Some(name)
     }
 
     /// Returns the name in the job of a curve for a load or a motion. The curve is added to the

@@ -33,7 +33,7 @@ impl DeckConverter {
             }
             for (number, (v, nodes, place)) in equal.into_values().enumerate() {
                 let name = format!("velocity-{}", number + 1);
-                self.rows.add_set(name.clone(), nodes, place);
+                let name = self.rows.add_new_set(&name, nodes, place);
                 self.initial(place, Some(name), v, None);
             }
         }
@@ -226,7 +226,7 @@ fn size(shape: Shape, x: &[[f64; 3]]) -> f64 {
     match shape {
         Shape::Tri3 => 0.5 * length(super::space::cross(from(0, 1), from(0, 2))),
         Shape::Quad4 => 0.5 * length(super::space::cross(from(0, 2), from(1, 3))),
-        Shape::Tet4 => tetrahedron(0, 1, 2, 3),
+        Shape::Tet4 | Shape::Tet10 => tetrahedron(0, 1, 2, 3),
         Shape::Wedge6 => {
             tetrahedron(0, 1, 2, 3) + tetrahedron(1, 2, 3, 4) + tetrahedron(2, 3, 4, 5)
         }

@@ -45,6 +45,59 @@ impl DeckConverter {
     /// Converts `*LOAD_BODY_...`: an acceleration of the frame of reference, so bodies accelerate
     /// in the opposite direction.
     pub(super) fn body_loads(&mut self) {
+        let mut parts: Vec<i64> = Vec::new();
+        for record in self.take_records("LOAD_BODY_PARTS") {
+            parts.extend(self.part_set(record.integer("psid"), record.place("psid")));
+        }
+        parts.sort_unstable();
+        parts.dedup();
+        self.body_loads_of(&parts);
+        self.part_gravity();
+    }
+
+    /// Converts `*LOAD_GRAVITY_PART`, with the sign of `*LOAD_BODY_...`.
+    fn part_gravity(&mut self) {
+        for (keyword, field) in [("LOAD_GRAVITY_PART", "pid"), ("LOAD_GRAVITY_PART_SET", "psid")] {
+            for record in self.take_records(keyword) {
+                let lines: Vec<CardLine> = record.lines(field).cloned().collect();
+                for line in lines {
+                    let (id, place) = (line.integer(field), line.place(field));
+                    let parts = match field {
+                        "psid" => self.part_set(id, place),
+                        _ if self.has_part(id, place) => vec![id],
+                        _ => Vec::new(),
+                    };
+                    let dof = line.integer("dof");
+                    if parts.is_empty() || !(1..=3).contains(&dof) {
+                        if !parts.is_empty() {
+                            let message = format!("{keyword}: `dof` is {dof}");
+                            let help = "give 1, 2 or 3 for x, y or z";
+                            self.trouble.error(line.place("dof"), message, help);
+                        }
+                        continue;
+                    }
+                    let mut acceleration = [0.0; 3];
+                    acceleration[dof as usize - 1] = -line.real("accel");
+                    let mut table = JobTable::new(line.place)
+                        .with("acceleration", line.place("accel"), acceleration)
+                        .with("parts", place, parts);
+                    if line.integer("lc") != 0 {
+                        let at = line.place("lc");
+                        let Some(curve) = self.time_curve(line.integer("lc"), at) else { continue };
+                        table.put("curve", at, curve);
+                    }
+                    self.map(
+                        format!("*{keyword} {id}"),
+                        format!("dof {dof}, accel {}", line.real("accel")),
+                        format!("acceleration {acceleration:?}, as of *LOAD_BODY"),
+                    );
+                    self.add("gravity", table);
+                }
+            }
+        }
+    }
+
+    fn body_loads_of(&mut self, parts: &[i64]) {
         for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate()
         {
             for record in self.take_records(keyword) {
@@ -55,11 +108,14 @@ impl DeckConverter {
                 acceleration[axis] = -record.real("sf");
                 let place = record.place("lcid");
                 let Some(curve) = self.time_curve(record.integer("lcid"), place) else { continue };
-                let table = JobTable::new(record.head).with(
+                let mut table = JobTable::new(record.head).with(
                     "acceleration",
                     record.place("sf"),
                     acceleration,
                 );
+                if !parts.is_empty() {
+                    table.put("parts", record.head, parts.to_vec());
+                }
                 self.add("gravity", table.with("curve", place, curve));
             }
         }

@@ -7,6 +7,7 @@ use crate::input::deck::keywords::KeywordRow;
 use crate::input::deck::number;
 use crate::input::deck::parameters::{Parameter, reference};
 use crate::input::deck::record::{Cards, layout};
+use crate::input::deck::submodel::Submodel;
 use crate::input::deck::table::Card;
 use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
@@ -37,8 +38,6 @@ pub struct Rows {
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
     /// Thicknesses of single shells at their corners [length], by index in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
-    /// Solids of ten nodes, which are not added, with their places.
-    pub ten_nodes: Vec<(ElemId, Place)>,
     /// Shells of more than four nodes, of which only the corners are added, with their places.
     pub curved: Vec<(ElemId, Place)>,
     /// Offsets of shells from their nodes, by index [length].
@@ -65,6 +64,32 @@ pub(super) struct MeshLine<'a, 'c> {
 }
 
 impl MeshLine<'_, '_> {
+    /// Returns the change of the file, if it has one.
+    fn submodel(&self) -> Option<&Submodel> {
+        self.cards.submodel.as_ref().map(|s| s.0)
+    }
+
+    /// Returns ids of an element and its part in the whole deck.
+    fn ids(&self, id: ElemId, part: u64) -> (ElemId, u64) {
+        self.submodel().map_or((id, part), |s| (s.element(id), s.part(part)))
+    }
+
+    /// Returns the id of a node in the whole deck.
+    fn node(&self, id: u64) -> NodeId {
+        self.submodel().map_or(NodeId(id), |s| s.node(NodeId(id)))
+    }
+
+    /// Returns true if the file is reflected.
+    fn reflects(&self) -> bool {
+        self.submodel().is_some_and(|s| s.map.reflects())
+    }
+
+    /// Returns a length in the units of the whole deck, 0 for a blank.
+    fn length(&mut self, index: usize) -> f64 {
+        let given = self.real(index);
+        self.submodel().map_or(given, |s| s.length(given))
+    }
+
     fn text(&self, index: usize) -> &[u8] {
         self.fields.text(self.cards.texts.line(self.block, self.line), index)
     }
@@ -160,8 +185,11 @@ impl Rows {
         self.node_lines.reserve(lines.len());
         for &line in lines.iter().filter(|l| l.0 < l.1) {
             let mut numbers = start(cards, card, block, line);
-            let id = NodeId(numbers.id(0));
-            let x = [numbers.real(1), numbers.real(2), numbers.real(3)];
+            let mut id = NodeId(numbers.id(0));
+            let mut x = [numbers.real(1), numbers.real(2), numbers.real(3)];
+            if let Some(submodel) = numbers.submodel() {
+                (id, x) = (submodel.node(id), submodel.point(x));
+            }
             let held = if numbers.fields.count() > 4 {
                 (numbers.integer(4), numbers.integer(5))
             } else {
@@ -171,6 +199,13 @@ impl Rows {
                 continue;
             }
             if held != (0, 0) {
+                if numbers.submodel().is_some_and(|s| s.map.turns()) {
+                    let message = "*NODE: tc and rc in a file that *INCLUDE_TRANSFORM turns act \
+                                   along the axes of the whole deck";
+                    let help = "check these directions: only points and vectors turn with the file";
+                    let place = block.span(line, 0, (line.1 - line.0) as usize);
+                    numbers.cards.trouble.warn_once("submodel axes NODE", place, message, help);
+                }
                 let entry = self.held.entry(held).or_insert_with(|| {
                     (Vec::new(), block.span(line, 0, (line.1 - line.0) as usize))
                 });
@@ -207,24 +242,28 @@ impl Rows {
             if !numbers.whole {
                 continue;
             }
+            let (id, part) = numbers.ids(id, part);
             if is_curved {
                 self.curved.push((id, block.span(line, 0, (line.1 - line.0) as usize)));
             }
-            let n = n.map(NodeId);
+            let mut n = n.map(|n| numbers.node(n));
             let triangle = n[3] == NodeId(0) || n[3] == n[2];
             let (shape, corners) =
-                if triangle { (Shape::Tri3, &n[..3]) } else { (Shape::Quad4, &n[..]) };
+                if triangle { (Shape::Tri3, &mut n[..3]) } else { (Shape::Quad4, &mut n[..]) };
+            if numbers.reflects() {
+                corners[1..].reverse();
+            }
             let Some(part) = narrow(part, &mut numbers) else { continue };
             if let (Some(&second), true) = (pair.get(1), has_thickness) {
                 let mut numbers = start(cards, &row.cards[1].0, block, second);
-                let t = std::array::from_fn(|c| numbers.real(c));
+                let t = std::array::from_fn(|c| numbers.length(c));
                 if options.contains(&"THICKNESS") && t.iter().any(|&t| t != 0.0) {
                     self.thickness.push((self.shells.len(), t));
                 }
             }
             if let (Some(&last), true) = (pair.get(step - 1), has_offset) {
                 let mut numbers = start(cards, &row.cards[2].0, block, last);
-                self.offsets.push((self.shells.len(), numbers.real(0)));
+                self.offsets.push((self.shells.len(), numbers.length(0)));
             }
             self.shells.push(MeshElement::new(id, part, shape, corners));
             self.shell_lines.push((block.file, line.0, line.1));
@@ -237,6 +276,7 @@ impl Rows {
         while let Some(line) = lines.next() {
             let mut numbers = start(cards, &row.cards[0].0, block, line);
             let (id, part) = (ElemId(numbers.id(0)), numbers.id(1));
+            let (id, part) = numbers.ids(id, part);
             let Some(part) = narrow(part, &mut numbers) else { continue };
             let mut whole = numbers.whole;
             let mut n = [0u64; 10];
@@ -260,15 +300,22 @@ impl Rows {
             if !whole {
                 continue;
             }
-            if n[8..] != [0, 0] {
-                self.ten_nodes.push((id, block.span(line, 0, (line.1 - line.0) as usize)));
-                continue;
-            }
-            for c in 4..8 {
-                n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
-            }
-            let n: [u64; 8] = std::array::from_fn(|c| n[c]);
-            let Some((shape, corners)) = solid_of_eight(&n.map(NodeId)) else {
+            let submodel = cards.submodel.as_ref().map(|s| s.0);
+            let node = |n: u64| match submodel {
+                Some(submodel) => submodel.node(NodeId(n)),
+                None => NodeId(n),
+            };
+            let found = match n[8..] {
+                [0, 0] => {
+                    for c in 4..8 {
+                        n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
+                    }
+                    let n: [u64; 8] = std::array::from_fn(|c| n[c]);
+                    solid_of_eight(&n.map(node))
+                }
+                _ => Some((Shape::Tet10, n.map(node).to_vec())),
+            };
+            let Some((shape, mut corners)) = found else {
                 cards.trouble.error(
                     block.span(line, 0, (line.1 - line.0) as usize),
                     format!("solid {id} has repeated nodes and is no tetrahedron and no wedge"),
@@ -276,6 +323,9 @@ impl Rows {
                 );
                 continue;
             };
+            if submodel.is_some_and(|s| s.map.reflects()) {
+                reflect(shape, &mut corners);
+            }
             self.solids.push(MeshElement::new(id, part, shape, &corners));
             self.solid_lines.push((block.file, line.0, line.1));
         }
@@ -428,6 +478,17 @@ impl Rows {
         self.index.get(&id).map(|&i| self.nodes[i].x)
     }
 
+    /// Moves nodes to new coordinates.
+    pub fn move_nodes(
+        &mut self,
+        nodes: &BTreeSet<NodeId>,
+        place: impl Fn(NodeId, [f64; 3]) -> [f64; 3],
+    ) {
+        for node in self.nodes.iter_mut().filter(|node| nodes.contains(&node.id)) {
+            node.x = place(node.id, node.x);
+        }
+    }
+
     /// Returns the number of elements of each kind, in the order of [`Rows::finish`].
     pub fn lists(&self) -> ListLengths {
         let [shells, solids, springs, beams] =
@@ -463,6 +524,18 @@ pub(super) fn start<'a, 'c>(
 ) -> MeshLine<'a, 'c> {
     let fields = split(cards.texts.line(block, line), card, block.format);
     MeshLine { cards, block, card, line, fields, whole: true }
+}
+
+/// Orders the corners of a solid whose nodes are reflected so that its volume is above 0.
+fn reflect(shape: Shape, corners: &mut [NodeId]) {
+    let pairs: &[(usize, usize)] = match shape {
+        Shape::Hex8 => &[(1, 3), (5, 7)],
+        Shape::Wedge6 => &[(1, 2), (4, 5)],
+        // Nodes on edges go with their corners.
+        Shape::Tet10 => &[(1, 2), (4, 6), (8, 9)],
+        _ => &[(1, 2)],
+    };
+    pairs.iter().for_each(|&(a, b)| corners.swap(a, b));
 }
 
 /// Returns the id of a part, which has 32 bits.

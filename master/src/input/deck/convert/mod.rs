@@ -26,18 +26,22 @@ mod shells;
 mod soft_materials;
 pub(in crate::input::deck) mod space;
 mod springs;
+mod switches;
 mod tables;
 mod ties;
+mod transformation;
 pub mod tree;
 mod units;
 mod unused;
 mod walls;
 mod welds;
 
+use super::affine::Affine;
 use super::diagnostics::Trouble;
 use super::keywords::{self, KeywordRow};
 use super::parameters::DeckParameters;
 use super::record::{CardRecord, Cards};
+use super::submodel::{CurveUnits, Submodel};
 use super::table::Effect;
 use super::text::{KeywordBlock, Texts};
 use super::{Mapping, Unsupported};
@@ -94,6 +98,11 @@ pub struct DeckConverter {
     left_out: left_out::LeftOutCards,
     /// Degrees of freedom that the deck fixes, in its order.
     fixes: Vec<motion::DeckFix>,
+    /// Maps of `*DEFINE_TRANSFORMATION` so far.
+    transformations: BTreeMap<i64, Affine>,
+    /// Changes of files of `*INCLUDE_TRANSFORM`, in the order of the deck.
+    submodels: Vec<Submodel>,
+    curve_units: CurveUnits,
 }
 
 /// Names of keywords of a format, for messages.
@@ -128,12 +137,14 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     let sections = b.sections();
     b.parts(&materials, &sections);
     b.sets();
+    b.node_transforms();
     b.welds();
     b.orient_beams();
     b.segment_sets();
     b.units(&mut materials);
     b.spc();
     b.rigid();
+    b.switches();
     b.joints();
     b.fixes();
     b.motions();
@@ -146,6 +157,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.walls();
     b.contacts(sections.defaults.shifted);
     b.ties();
+    b.interpolations();
     b.node_sets_as_one();
     b.histories();
     b.left_over();
@@ -200,6 +212,9 @@ impl DeckConverter {
             end_time: 0.0,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),
+            transformations: BTreeMap::new(),
+            submodels: Vec::new(),
+            curve_units: CurveUnits::default(),
         }
     }
 
@@ -213,6 +228,9 @@ impl DeckConverter {
             // An entry applies with and without options, and for all names of a keyword.
             if left_out(&block.name) || left_out(keywords::without_options(&block.name)) {
                 self.left_out.note(texts, block);
+                if block.name == "INCLUDE_TRANSFORM" {
+                    self.submodels.push(Submodel::default());
+                }
                 continue;
             }
             match keywords::find(&block.name) {
@@ -247,14 +265,6 @@ impl DeckConverter {
 
     /// Notes elements with nodes between their corners.
     fn second_order(&mut self) {
-        for (id, place) in std::mem::take(&mut self.rows.ten_nodes) {
-            let message = format!(
-                "*ELEMENT_SOLID: element {id} is a tetrahedron of ten nodes, which is not supported"
-            );
-            let what = "*ELEMENT_SOLID of ten nodes".to_string();
-            let lost = "the model lacks these elements and their mass".into();
-            self.unsupported.push(Unsupported { place, message, what, lost });
-        }
         for (id, place) in std::mem::take(&mut self.rows.curved) {
             let message = format!(
                 "*ELEMENT_SHELL: element {id} has nodes n5 to n8 between its corners, which is not \
@@ -309,16 +319,33 @@ impl DeckConverter {
         if name.starts_with("PARAMETER") {
             return parameters.read(block, texts, &mut self.trouble);
         }
-        let mut cards = Cards { texts, parameters, trouble: &mut self.trouble };
+        let submodel = block.submodel.checked_sub(1).map(|k| k as usize);
+        let submodel = submodel.map(|k| self.submodels.get(k).cloned().unwrap_or_default());
+        let mut cards = Cards {
+            texts,
+            parameters,
+            trouble: &mut self.trouble,
+            submodel: submodel.as_ref().map(|s| (s, &mut self.curve_units)),
+        };
         match name {
             "NODE" => self.rows.nodes(&mut cards, &row.cards[0].0, (block, &block.lines)),
             "ELEMENT_SHELL" => self.rows.shells(&mut cards, row, options, block),
             "ELEMENT_SOLID" => self.rows.solids(&mut cards, row, block),
             _ => {
                 let records = cards.records(row, options, block);
-                if row.keyword.effect == Effect::Model {
-                    self.read.extend(records.iter().cloned());
-                    self.records.entry(name).or_default().extend(records);
+                if row.keyword.effect != Effect::Model {
+                    return;
+                }
+                self.read.extend(records.iter().cloned());
+                match name {
+                    "DEFINE_TRANSFORMATION" => {
+                        records.iter().for_each(|r| self.transformation(r, submodel.is_some()));
+                    }
+                    "INCLUDE_TRANSFORM" => {
+                        let outer = submodel.unwrap_or_default();
+                        records.iter().for_each(|r| self.include_transform(r, &outer));
+                    }
+                    _ => self.records.entry(name).or_default().extend(records),
                 }
             }
         }

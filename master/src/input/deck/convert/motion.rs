@@ -169,11 +169,11 @@ impl DeckConverter {
 
     fn motion(&mut self, record: &CardRecord, key: &str, of: String, place: Place) {
         let (dof, vad) = (record.integer("dof"), record.integer("vad"));
-        for (field, plain) in [("death", 1e28), ("birth", 0.0)] {
-            let given = record.real(field);
-            if given != plain && !(field == "death" && (given == 0.0 || given >= self.end_time)) {
-                self.unsupported_value(record, field, "motion that begins or ends within the run");
-            }
+        let (birth, death) = (record.real("birth"), record.real("death"));
+        if death != 0.0 && death <= birth {
+            let message = format!("{}: its death is not after its birth", record.name());
+            let help = "give a death above the birth, or 0 for none";
+            return self.trouble.error(record.place("death"), message, help);
         }
         let (axis, rotation) = match dof {
             1..=3 => (dof as usize - 1, false),
@@ -201,7 +201,12 @@ impl DeckConverter {
                 );
             }
         };
-        let Some(curve) = self.time_curve(record.integer("lcid"), record.place("lcid")) else {
+        if form == "acceleration" && birth > 0.0 {
+            let why = "an acceleration that begins later; give the velocity or the displacement";
+            return self.unsupported_card(record, "birth", why);
+        }
+        let lcid = record.integer("lcid");
+        let Some(curve) = self.time_curve_from(lcid, record.place("lcid"), birth) else {
             return;
         };
         let mut amount = [0.0; 3];
@@ -220,11 +225,23 @@ impl DeckConverter {
             centre[(axis + 2) % 3] = record.real("offset2");
             table.put("centre", record.place("offset1"), centre);
         }
-        let table = table
+        let mut table = table
             .with(key, place, of)
             .with("dofs", record.place("dof"), dofs)
             .with(form, record.place("vad"), amount)
             .with("curve", record.place("lcid"), curve);
+        if birth > 0.0 {
+            table.put("birth", record.place("birth"), birth);
+            let from = if form == "displacement" { ", and counts from the place then" } else { "" };
+            self.map(
+                record.name(),
+                format!("{form} with birth {birth}"),
+                format!("its curve starts at this time{from}"),
+            );
+        }
+        if death != 0.0 && death < self.end_time {
+            table.put("death", record.place("death"), death);
+        }
         self.add("motion", table);
     }
 }

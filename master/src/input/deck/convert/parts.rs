@@ -37,12 +37,18 @@ pub(super) struct Shapes {
     pub(super) solids: bool,
     pub(super) tetrahedra: bool,
     pub(super) wedges: bool,
+    pub(super) quadratic_tetrahedra: bool,
 }
 
 impl Shapes {
+    /// Returns true if all solids are tetrahedra of ten nodes.
+    fn only_quadratic_tetrahedra(self) -> bool {
+        self.quadratic_tetrahedra && !self.solids && !self.tetrahedra && !self.wedges
+    }
+
     /// Returns true if some elements are solids.
     pub(super) fn have_solids(self) -> bool {
-        self.solids || self.tetrahedra || self.wedges
+        self.solids || self.tetrahedra || self.wedges || self.quadratic_tetrahedra
     }
 }
 
@@ -118,6 +124,7 @@ impl DeckConverter {
                 Shape::Tri3 => shapes.triangles = true,
                 Shape::Hex8 => shapes.solids = true,
                 Shape::Tet4 => shapes.tetrahedra = true,
+                Shape::Tet10 => shapes.quadratic_tetrahedra = true,
                 Shape::Wedge6 => shapes.wedges = true,
                 // Their sections have no conditions.
                 Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
@@ -265,8 +272,11 @@ impl DeckConverter {
                 "give the shells a separate part with a *SECTION_SHELL",
             );
         }
-        let has_others = shapes.tetrahedra || shapes.wedges;
+        let has_others = shapes.tetrahedra || shapes.wedges || shapes.quadratic_tetrahedra;
         let became = match (sections::solid(elform), sections::pressure(elform)) {
+            (Some(_), _) if shapes.only_quadratic_tetrahedra() => {
+                "tetrahedra of ten nodes".to_string()
+            }
             (Some(_), _) if has_others && !shapes.solids => "tetrahedra or wedges".to_string(),
             (Some(wanted), _) => {
                 table.put("element", card.place("elform"), "hexahedron");
@@ -279,6 +289,9 @@ impl DeckConverter {
                 };
                 format!("hexahedron; hourglass {form}{origin}")
             }
+            (None, Some(_)) if shapes.only_quadratic_tetrahedra() => {
+                "tetrahedra of ten nodes".to_string()
+            }
             (None, Some(_)) if shapes.wedges && !shapes.tetrahedra && !shapes.solids => {
                 "wedges".to_string()
             }
@@ -288,8 +301,8 @@ impl DeckConverter {
                 format!("tetrahedra or wedges; pressure {pressure}")
             }
             _ => {
-                let help = "use the hexahedron with one point (1), which 2 is converted to; 10 and \
-                            13 are for tetrahedra, 15 is for wedges";
+                let help = "use the hexahedron with one point (1), which 2 is converted to; 10, \
+                            13, 16 and 17 are for tetrahedra, 15 is for wedges";
                 self.unsupported_value(card, "elform", help);
                 return;
             }

@@ -91,7 +91,8 @@ pub fn solid(elform: i64) -> Option<Option<&'static str>> {
 pub fn pressure(elform: i64) -> Option<&'static str> {
     match elform {
         10 => Some("element"),
-        13 | 15 => Some("nodal"),
+        // 16 and 17 have ten nodes; elements with four get the averaged volume strain too.
+        13 | 15 | 16 | 17 => Some("nodal"),
         _ => None,
     }
 }

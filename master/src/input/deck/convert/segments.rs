@@ -6,6 +6,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::Shape;
 use std::collections::{BTreeSet, HashMap};
 
 /// A face given by its nodes in order.
@@ -99,6 +100,7 @@ impl DeckConverter {
             return Vec::new();
         }
         let faces = self.faces(solids_have_sense);
+        let segments = &self.with_triangles(segments)[..];
         let mut found = Vec::new();
         for (along, sign) in [(true, 1.0), (false, -1.0)] {
             let loaded = self.of_sense(segments, &faces, along);
@@ -132,6 +134,34 @@ impl DeckConverter {
             return None;
         }
         groups.pop().map(|(_, nodes)| nodes)
+    }
+
+    /// Replaces segments with the three corners of a side of a ten-node tetrahedron by its four
+    /// triangles.
+    fn with_triangles(&self, segments: &[DeckSegment]) -> Vec<DeckSegment> {
+        let mut sides = HashMap::new();
+        for element in self.rows.elements().filter(|e| e.shape == Shape::Tet10) {
+            for side in element.shape.faces().chunks_exact(4) {
+                // The last triangle is the one between the edges.
+                let triangles = [0, 1, 2, 3].map(|t| [0, 1, 2].map(|c| element.nodes[side[t][c]]));
+                let corners = [0, 1, 2].map(|t| triangles[t][0]);
+                sides.insert(key(&corners), (corners, triangles));
+            }
+        }
+        let split = |segment: &DeckSegment| -> Vec<DeckSegment> {
+            match sides.get(&key(&segment.nodes)) {
+                Some((corners, triangles)) => {
+                    let outwards = same_sense(corners, &segment.nodes);
+                    let of = |&[a, b, c]: &[NodeId; 3]| DeckSegment {
+                        nodes: if outwards { vec![a, b, c] } else { vec![a, c, b] },
+                        place: segment.place,
+                    };
+                    triangles.iter().map(of).collect()
+                }
+                None => vec![segment.clone()],
+            }
+        };
+        segments.iter().flat_map(split).collect()
     }
 
     fn arrival(&mut self, line: &CardLine) {

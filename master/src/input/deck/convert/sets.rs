@@ -129,7 +129,11 @@ impl DeckConverter {
         if let (false, Some((nodes, place))) =
             (title.is_empty(), self.node_sets.get(&record.integer("sid")))
         {
-            self.rows.add_set(title, nodes.clone(), *place);
+            match record.in_submodel {
+                // The file may be included several times.
+                true => drop(self.rows.add_new_set(&title, nodes.clone(), *place)),
+                false => self.rows.add_set(title, nodes.clone(), *place),
+            }
         }
     }
 

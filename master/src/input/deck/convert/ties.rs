@@ -2,9 +2,11 @@
 
 use super::DeckConverter;
 use super::names::names;
+use super::sets::id;
 use super::tree::JobTable;
-use crate::input::deck::record::CardRecord;
+use crate::input::deck::record::{CardLine, CardRecord};
 use crumple_proto::ids::NodeId;
+use std::collections::{BTreeMap, HashSet};
 
 /// Keywords; true if they tie rotations too.
 const KEYWORDS: [(&str, bool); 4] = [
@@ -25,6 +27,75 @@ impl DeckConverter {
         for ((number, name), (record, rotations)) in (1..).zip(names).zip(&found) {
             self.tie(record, (number, name), *rotations);
         }
+    }
+
+    /// Converts `*CONSTRAINED_INTERPOLATION`.
+    pub(super) fn interpolations(&mut self) {
+        for (record, number) in self.take_records("CONSTRAINED_INTERPOLATION").iter().zip(1..) {
+            self.interpolation(record, number);
+        }
+    }
+
+    fn interpolation(&mut self, record: &CardRecord, number: usize) {
+        let ddof = record.integer("ddof");
+        if ![0, 123, 123_456].contains(&ddof) {
+            let why = "give 123 (displacements) or 123456 (and rotations)";
+            return self.unsupported_card(record, "ddof", why);
+        }
+        let mut weights: BTreeMap<NodeId, f64> = BTreeMap::new();
+        let lines: Vec<CardLine> = record.lines("inid").cloned().collect();
+        for line in &lines {
+            let idof = line.integer("idof").to_string();
+            let [x, y, z] = ["twghtx", "twghty", "twghtz"].map(|name| line.real(name));
+            if idof != "0" && !["1", "2", "3"].iter().all(|dof| idof.contains(dof)) {
+                return self.unsupported_card(record, "idof", "give 123 or 123456");
+            }
+            if [y, z].iter().any(|&w| w != 0.0 && w != x) {
+                return self.unsupported_card(record, "twghty", "weights that differ by direction");
+            }
+            let (of, place) = (line.integer("inid"), line.place("inid"));
+            let nodes: Vec<NodeId> = match record.integer("ityp") {
+                0 => id(of).into_iter().collect(),
+                1 if self.node_set(of, place).is_some() => self.node_sets[&of].0.clone(),
+                1 => return,
+                _ => return self.unsupported_card(record, "ityp", "give 0 (nodes) or 1 (sets)"),
+            };
+            let weight = if x == 0.0 { 1.0 } else { x };
+            nodes.into_iter().for_each(|node| *weights.entry(node).or_default() += weight);
+        }
+        let place = record.place("dnid");
+        let (slave, masters) = (format!("mean-{number}-node"), format!("mean-{number}-of"));
+        let node: Vec<NodeId> = id(record.integer("dnid")).into_iter().collect();
+        let slave = self.rows.add_new_set(&slave, node, place);
+        // Only nodes of elements have a motion.
+        let used: HashSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
+        let before = weights.len();
+        weights.retain(|node, _| used.contains(node));
+        if weights.is_empty() || weights.len() < before {
+            let message = format!(
+                "{}: {} of its {before} independent nodes belong to no element",
+                record.name(),
+                before - weights.len()
+            );
+            if weights.is_empty() {
+                let help = "name nodes of elements: only they move";
+                return self.trouble.error(record.place("inid"), message, help);
+            }
+            let help = "they are left out of the mean; name nodes of elements";
+            self.trouble.warning(record.place("inid"), message, help);
+        }
+        let masters = self.rows.add_new_set(&masters, weights.keys().copied().collect(), place);
+        let mut table = JobTable::new(record.head)
+            .with("name", record.head, format!("interpolation {}", record.integer("icid")))
+            .with("nodes", place, slave)
+            .with("mean_of", record.place("inid"), masters)
+            .with("rotations", record.place("ddof"), ddof != 123);
+        let first = weights.values().next().copied().unwrap_or(1.0);
+        if weights.values().any(|w| *w != first) {
+            let weights: Vec<f64> = weights.into_values().collect();
+            table.put("weights", record.place("twghtx"), weights);
+        }
+        self.add("tie", table);
     }
 
     fn tie(&mut self, record: &CardRecord, (number, name): (usize, String), rotations: bool) {

@@ -2,14 +2,19 @@
 
 use super::DeckConverter;
 use super::names::names;
+use super::space::{cross, unit};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::NodeId;
 use std::collections::HashSet;
 
-const KEYWORDS: [&str; 4] = [
+/// Names of the faces of a box, the first one last.
+const FACES: [&str; 5] = ["back", "low edge", "high edge", "low side", "high side"];
+
+const KEYWORDS: [&str; 5] = [
     "RIGIDWALL_PLANAR",
     "RIGIDWALL_GEOMETRIC_FLAT",
+    "RIGIDWALL_GEOMETRIC_PRISM",
     "RIGIDWALL_GEOMETRIC_CYLINDER",
     "RIGIDWALL_GEOMETRIC_SPHERE",
 ];
@@ -89,7 +94,49 @@ impl DeckConverter {
             self.led(record, &name, &mut table);
         }
         self.stopped(record, &name, number, (tail, normal), &mut table);
+        if record.line("lenp").is_some() {
+            self.box_faces(record, &name, &table);
+        }
         self.add("wall", table);
+    }
+
+    /// Adds the faces of a box behind its first face.
+    fn box_faces(&mut self, record: &CardRecord, name: &str, first: &JobTable) {
+        let tail = ["xt", "yt", "zt"].map(|c| record.real(c));
+        let lengths = ["lenl", "lenm", "lenp"].map(|c| record.real(c));
+        let normal = unit(difference(record, ["xh", "yh", "zh"], tail));
+        let edge = difference(record, ["xhev", "yhev", "zhev"], tail);
+        let across = normal.and_then(|n| unit(cross(n, edge)));
+        let (Some(n), Some(m)) = (normal, across) else {
+            let help = "give a head off the tail, and an edge off the normal";
+            return self.trouble.error(record.place("xh"), format!("{name} has no sides"), help);
+        };
+        if lengths.iter().any(|length| *length <= 0.0) {
+            return self.unsupported_card(record, "lenp", "give all three lengths of the box");
+        }
+        let l = cross(m, n);
+        let [long, wide, deep] = lengths;
+        let back = |v: [f64; 3]| v.map(|c| -c);
+        let at = |way: [f64; 3], by: f64| [0, 1, 2].map(|c| tail[c] + by * way[c]);
+        let faces = [
+            (at(n, -deep), back(n), m, [wide, long]),
+            (tail, back(l), m, [wide, deep]),
+            (at(l, long), l, back(n), [deep, wide]),
+            (tail, back(m), back(n), [deep, long]),
+            (at(m, wide), m, l, [long, deep]),
+        ];
+        for (face, (point, normal, edge, sizes)) in FACES.iter().zip(faces) {
+            let place = record.place("lenp");
+            let table = first
+                .copy()
+                .with("name", record.place("heading"), format!("{name} {face}"))
+                .with("point", place, point)
+                .with("normal", place, normal)
+                .with("edge", place, edge)
+                .with("lengths", place, sizes);
+            self.add("wall", table);
+        }
+        self.map(name, "a box", "six rectangles, each with its forces");
     }
 
     /// Converts the prescribed motion of a wall.

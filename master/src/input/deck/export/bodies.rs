@@ -31,7 +31,8 @@ pub fn materials(
     // Decks have bodies of parts in ascending ids, then those of nodes alone.
     let in_order = leads.is_sorted_by_key(|lead| lead.map_or(u64::MAX, u64::from));
     let known = job.rigid.iter().all(|b| b.fixed.iter().all(|d| DOFS.contains(&d.as_str())));
-    if !in_order || !known {
+    let whole_run = job.rigid.iter().all(|b| b.from == 0.0 && b.until.is_none());
+    if !in_order || !known || !whole_run {
         return bodies;
     }
     let mut free = 1 + job.part.iter().map(|p| u64::from(p.id)).max().unwrap_or(0);
@@ -124,7 +125,11 @@ pub fn write(
             .and_then(|r| bodies.parts.get(r))
             .copied()
             .unwrap_or(0)));
-        deck.card(&[of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)]);
+        let mut fields = vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)];
+        if motion.birth > 0.0 || motion.death.is_some() {
+            fields.extend([Blank, motion.death.map_or(Blank, Number), Number(motion.birth)]);
+        }
+        deck.card(&fields);
     }
 }
 

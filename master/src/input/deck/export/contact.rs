@@ -32,14 +32,13 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
         c.law != ContactInput::NO_LAW && c.sides(&ids).iter().all(|side| !side.is_empty())
     };
     let in_order = all.iter().map(|c| !c.against.is_empty()).is_sorted();
-    let mut sets = 0;
     if !(in_order && all.iter().all(touches)) {
         let plain = ContactInput {
             friction: contact.friction,
             parts: contact.parts.clone(),
             ..ContactInput::default()
         };
-        card(deck, &plain, (&ids, job.end_time), None, &mut sets);
+        card(deck, &plain, (&ids, job.end_time), None);
         return differing(
             deck,
             "contact",
@@ -52,7 +51,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
     for (number, (one, name)) in (1..).zip(all.iter().zip(&names)) {
         let heading =
             (!(number == 1 && contact.name.is_empty())).then_some((number, name.as_str()));
-        card(deck, one, (&ids, job.end_time), heading, &mut sets);
+        card(deck, one, (&ids, job.end_time), heading);
     }
     let excluded: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
     differing(deck, "contact", contact, &ContactInput::default(), &excluded);
@@ -111,7 +110,6 @@ fn card(
     c: &ContactInput,
     (ids, end): (&[u32], f64),
     heading: Option<(u64, &str)>,
-    sets: &mut u64,
 ) {
     let single = c.against.is_empty();
     let keyword = if single {
@@ -124,16 +122,9 @@ fn card(
         c.sides(ids).map(|side| side.into_iter().map(|place| ids[place]).collect::<Vec<u32>>());
     let [ahead, behind] = resolved;
     let all = c.parts.is_empty() && c.exclude.is_empty();
-    let side = |deck: &mut DeckWriter, sets: &mut u64, parts: &[u32]| {
-        *sets += 1;
-        deck.keyword("SET_PART_LIST");
-        deck.card(&[Id(*sets)]);
-        let parts: Vec<CardValue> = parts.iter().map(|&p| Id(u64::from(p))).collect();
-        parts.chunks(8).for_each(|eight| deck.card(eight));
-        [Id(*sets), Id(2)]
-    };
-    let [surfa, typea] = if all { [Id(0), Id(5)] } else { side(deck, sets, &ahead) };
-    let [surfb, typeb] = if single { [Blank, Blank] } else { side(deck, sets, &behind) };
+    let mut side = |parts: &[u32]| [Id(deck.part_set(parts)), Id(2)];
+    let [surfa, typea] = if all { [Id(0), Id(5)] } else { side(&ahead) };
+    let [surfb, typeb] = if single { [Blank, Blank] } else { side(&behind) };
     match heading {
         Some((number, name)) => {
             deck.keyword(&format!("{keyword}_ID"));

@@ -7,6 +7,9 @@ use crumple_proto::job::LoadInput;
 /// Writes gravity per axis. Decks accelerate the frame of reference, so bodies accelerate in the
 /// opposite direction.
 pub fn gravity(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
+    if model.job.gravity.iter().any(|g| !g.parts.is_empty()) {
+        return list(deck, "gravity", &model.job.gravity);
+    }
     for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate() {
         for gravity in model.job.gravity.iter().filter(|g| g.acceleration[axis] != 0.0) {
             let curve = curves.id(deck, gravity.curve.as_deref());

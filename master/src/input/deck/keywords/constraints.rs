@@ -1,10 +1,11 @@
 //! Rigid bodies and constraints between nodes.
 
-use super::{id, not_yet};
+use super::id;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
-    UnusedFields, ignored, no_effect,
+    UnusedFields, ignored, no_effect, refused,
 };
 
 const WELD_ID: (&str, Times) = ("wid:i", Count(id));
@@ -50,6 +51,28 @@ pub const KEYWORDS: &[Keyword] = &[
          to the body of that part",
     ),
     Keyword::new(
+        "DEFORMABLE_TO_RIGID_AUTOMATIC",
+        &[
+            ("swset:i! code:i time1:r time2:r=1e20 time3:r entno:i relsw:i paired:i", Once),
+            ("nrbf:i ncsf:i rwf:i dtmax:r d2r:i r2d:i offset:i", Maybe),
+            ("rpid:i! lrb:i ptype:a", AtMost(to_rigid)),
+            ("dpid:i! dptype:a", AtMost(to_deformable)),
+        ],
+        "at time1 the parts of the d2r lines become one rigid body each (`from`; parts with common \
+         nodes or lrb one body), those of the r2d lines deform again (`until`). Only code 0: \
+         conditions of forces are not supported",
+    )
+    .unused(&[
+        no_effect("swset", "a switch is that of its card"),
+        no_effect("time2 time3", "a switch by time acts at time1"),
+        no_effect("entno", "it is for other codes"),
+        ignored("dtmax", "the step is the stable one of the parts that deform"),
+        ignored("offset", "contacts find their thickness themselves"),
+        refused("relsw paired", "switches that activate each other: give their times"),
+        refused("nrbf ncsf rwf", "bodies, contacts or walls that go with a switch"),
+    ])
+    .repeats(),
+    Keyword::new(
         "CONSTRAINED_SPOTWELD",
         &[WELD_ID, ("n1:i! n2:i! sn:r ss:r n:r m:r tf:r=1e20 ep:r=1e20", Once)],
         "`[[rigid]]` body of the two nodes; bodies with common nodes become one. With sn or ss: a \
@@ -80,12 +103,30 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(SPOT_UNUSED)
     .options(&["ID"])
     .repeats(),
-    not_yet(
+    Keyword::new(
         "CONSTRAINED_INTERPOLATION",
         &[
-            ("icid:i! dnid:i! ddof:i cidd:i ityp:i", Once),
-            ("inid:i! idof:i twghtx:r twghty:r twghtz:r rwghtx:r rwghty:r rwghtz:r", Rest),
+            ("icid:i! dnid:i! ddof:i=123456 cidd:i ityp:i idnsw:i fgm:i", Once),
+            ("inid:i! idof:i=123456 twghtx:r=1 twghty:r twghtz:r rwghtx:r rwghty:r rwghtz:r", Rest),
         ],
-        "a node whose motion is a mean of other nodes",
-    ),
+        "`[[tie]]` of the node dnid to the mean motion (`mean_of`) of the nodes inid, or with ityp \
+         1 of sets; twghtx are the `weights`. ddof is 123 or 123456, idof contains 123, and the \
+         weights along x, y and z are equal",
+    )
+    .unused(&[
+        no_effect("cidd", "all displacements follow, in any axes"),
+        refused("idnsw", "a switch between two dependent nodes"),
+        refused("fgm", "forces by mass"),
+        ignored("rwghtx rwghty rwghtz", "the rotation follows from the displacements alone"),
+    ]),
 ];
+
+/// Returns the number of parts that become rigid.
+fn to_rigid(record: &CardRecord) -> usize {
+    usize::try_from(record.integer("d2r")).unwrap_or(0)
+}
+
+/// Returns the number of parts that deform again.
+fn to_deformable(record: &CardRecord) -> usize {
+    usize::try_from(record.integer("r2d")).unwrap_or(0)
+}

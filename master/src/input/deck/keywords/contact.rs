@@ -112,6 +112,14 @@ const FLAT: &[(&str, Times)] = &[
     MOTION,
     DISPLAY,
 ];
+const PRISM: &[(&str, Times)] = &[
+    WALL_ID,
+    SHAPE_NODES,
+    SHAPE_PLACE,
+    ("xhev:r yhev:r zhev:r lenl:r lenm:r lenp:r", Once),
+    MOTION,
+    DISPLAY,
+];
 const WALL_ID: (&str, Times) = ("wid:i heading:a70", Count(id));
 const SHAPE_NODES: (&str, Times) = ("nsid:i nsidex:i boxid:i birth:r death:r=1e20", Once);
 const SHAPE_PLACE: (&str, Times) = ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once);
@@ -173,6 +181,12 @@ pub const KEYWORDS: &[Keyword] = &[
         "RIGIDWALL_GEOMETRIC_FLAT",
         FLAT,
         "the same for a rectangle, as RIGIDWALL_PLANAR_FINITE",
+    ),
+    geometric(
+        "RIGIDWALL_GEOMETRIC_PRISM",
+        PRISM,
+        "six rectangles, the faces of a box: the first one as of RIGIDWALL_GEOMETRIC_FLAT, the \
+         others lenp behind it. The forces are those of each face",
     ),
 ];
 

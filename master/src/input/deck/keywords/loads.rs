@@ -1,8 +1,12 @@
 //! Constraints, motions and loads of the model.
 
-use super::id;
+use super::{id, not_yet};
 use crate::input::deck::record::CardRecord;
-use crate::input::deck::table::{Keyword, Times::*, UnusedFields, ignored, no_effect, refused};
+use crate::input::deck::table::{
+    Keyword,
+    Times::{self, *},
+    UnusedFields, ignored, no_effect, refused,
+};
 
 const SPC_UNUSED: &[UnusedFields] = &[no_effect("id", "constraints have no numbers")];
 const MOTION_UNUSED: &[UnusedFields] = &[
@@ -46,7 +50,9 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[motion]]` along x, y or z (dof 1 to 3) by velocity, acceleration or displacement, or \
          rotation by velocity, of the nodes (dof 5 to 7) or about a parallel axis through the \
-         offsets (dof 9 to 11)",
+         offsets (dof 9 to 11). birth and death are its times of begin and end, and the curve \
+         starts at the birth; outside of them \
+         the degrees of freedom are free",
     )
     .unused(MOTION_UNUSED)
     .options(&["ID"])
@@ -118,6 +124,23 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("LOAD_BODY_Y", GRAVITY, "the same along -y").unused(GRAVITY_UNUSED),
     Keyword::new("LOAD_BODY_Z", GRAVITY, "the same along -z").unused(GRAVITY_UNUSED),
     Keyword::new(
+        "LOAD_BODY_PARTS",
+        &[("psid:i!", Once)],
+        "`parts` of the gravity of all LOAD_BODY_X, _Y and _Z",
+    ),
+    Keyword::new("LOAD_GRAVITY_PART", GRAVITY_PART, "`[[gravity]]` of one of `parts` along -dof")
+        .unused(GRAVITY_PART_UNUSED),
+    Keyword::new("LOAD_GRAVITY_PART_SET", GRAVITY_PART_SET, "the same for a set of parts")
+        .unused(GRAVITY_PART_UNUSED),
+    not_yet(
+        "LOAD_BODY_GENERALIZED",
+        &[
+            ("n1:i! n2:i lcid:i drlcid:i xc:r yc:r zc:r", Once),
+            ("ax:r ay:r az:r omx:r omy:r omz:r cid:i angtyp:a", Maybe),
+        ],
+        "use LOAD_BODY_X, _Y or _Z with LOAD_BODY_PARTS, or LOAD_GRAVITY_PART",
+    ),
+    Keyword::new(
         "LOAD_NODE_SET",
         &[("nsid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
         "`[[load]]` on each node of the set: dof 1 to 3 force, 5 to 7 moment",
@@ -141,8 +164,15 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
 ];
 
-const GRAVITY: &[(&str, crate::input::deck::table::Times)] =
-    &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
+const GRAVITY: &[(&str, Times)] = &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
+
+const GRAVITY_PART: &[(&str, Times)] = &[("pid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];
+const GRAVITY_PART_SET: &[(&str, Times)] =
+    &[("psid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];
+const GRAVITY_PART_UNUSED: &[UnusedFields] = &[
+    no_effect("lcdr", "there is no dynamic relaxation"),
+    refused("stga stgr", "stages of construction"),
+];
 
 const GRAVITY_UNUSED: &[UnusedFields] = &[
     no_effect("lciddr", "there is no dynamic relaxation"),

@@ -27,7 +27,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "ELEMENT_SOLID",
         &[("eid:i8! pid:i8! n:i8*8", Rest), ("n:i8*10", Maybe)],
         "solids of eight nodes, on one line or on two (ids, then nodes); with repeated nodes \
-         tetrahedra and wedges, but no pyramids",
+         tetrahedra and wedges, but no pyramids; with ten nodes quadratic tetrahedra",
     ),
     Keyword::new(
         "ELEMENT_MASS",

@@ -2,7 +2,7 @@
 //! themselves.
 
 use super::title;
-use crate::input::deck::table::{Keyword, Times::*, UnusedFields, no_effect};
+use crate::input::deck::table::{Keyword, Times::*, UnusedFields, ignored, no_effect};
 
 const LIST: &[(&str, crate::input::deck::table::Times)] = &[
     ("heading:l", Count(title)),
@@ -138,6 +138,44 @@ pub const KEYWORDS: &[Keyword] = &[
         "axes for initial velocities and constraints",
     )
     .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_TRANSFORMATION",
+        &[
+            ("heading:l", Count(title)),
+            ("tranid:i!", Once),
+            ("option:a! a1:r a2:r a3:r a4:r a5:r a6:r a7:r", Rest),
+        ],
+        "a chain of maps for INCLUDE_TRANSFORM and NODE_TRANSFORM, the first line first: TRANSL, \
+         SCALE, ROTATE (about a direction through a point, or about the line between two POINT), \
+         MIRROR, POS6P, POS6N, TRANSL2ND. A POINT has to be on a line right before its use",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
+        "INCLUDE_TRANSFORM",
+        &[
+            ("idnoff:i ideoff:i idpoff:i idmoff:i idsoff:i idfoff:i iddoff:i", Maybe),
+            ("idroff:i ilctmf:i prefix:a suffix:a", Maybe),
+            ("fctmas:r=1 fcttim:r=1 fctlen:r=1 fcttem:a incout1:i fctchg:r", Maybe),
+            ("tranid:i", Maybe),
+        ],
+        "the file on the line after the keyword, with offsets of its ids, in other units (factors \
+         on mass, time and length), and moved by a DEFINE_TRANSFORMATION above. Points, vectors \
+         and velocities of its cards move with it, degrees of freedom stay along the axes of the \
+         deck. After a reflection, elements and faces have their nodes in the reverse order. \
+         prefix and suffix are added to headings",
+    )
+    .unused(&[
+        ignored("fcttem", "temperatures of materials stay in their units"),
+        ignored("ilctmf", "coordinate systems of the file move with it"),
+        no_effect("incout1", "no file with the changed cards is written: see `crumple convert`"),
+        no_effect("fctchg", "there are no electric charges"),
+    ]),
+    Keyword::new(
+        "NODE_TRANSFORM",
+        &[("trsid:i! nsid:i! immed:i", Rest)],
+        "moves the nodes of a set by a DEFINE_TRANSFORMATION, once all of the deck is read",
+    )
+    .unused(&[no_effect("immed", "sets are those of the whole deck in any case")]),
     Keyword::new(
         "DEFINE_COORDINATE_NODES",
         &[("heading:l", Count(title)), ("cid:i! n1:i! n2:i! n3:i! flag:i dir:a", Once)],

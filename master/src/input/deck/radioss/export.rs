@@ -101,6 +101,13 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
             "{particles} particles cannot be written as a Radioss deck: remove them from the mesh"
         ));
     }
+    let quadratic = model.mesh.elements.iter().filter(|e| e.shape == Shape::Tet10).count();
+    if quadratic > 0 {
+        return Err(format!(
+            "{quadratic} tetrahedra of ten nodes cannot be written as a Radioss deck yet: mesh \
+             with four nodes"
+        ));
+    }
     let job = &model.job;
     let nodes = model.mesh.nodes.iter().map(|n| n.id.label());
     let mut w = StarterWriter {

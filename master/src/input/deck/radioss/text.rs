@@ -178,7 +178,7 @@ fn begin(line: &[u8], file: u32, head: (u32, u32), format: CardFormat) -> Keywor
         at = part_end + 1;
     }
     let tail = (head.0 + at.min(line.len()) as u32, head.1);
-    KeywordBlock { file, head, name, format, lines: vec![tail] }
+    KeywordBlock { file, head, name, format, lines: vec![tail], submodel: 0 }
 }
 
 #[cfg(test)]

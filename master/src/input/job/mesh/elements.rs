@@ -54,7 +54,9 @@ pub(super) fn check(
             Shape::Point1 => {}
             Shape::Beam2 => beam(element, &x, at, path(), few),
             Shape::Truss2 => truss(element, &x, path(), few),
-            Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 => solid(element, &x, path(), few),
+            Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 | Shape::Tet10 => {
+                solid(element, &x, path(), few)
+            }
             Shape::Quad4 | Shape::Tri3 => match outline(&x) {
                 ShapeOutline::Concave => {
                     let (first, count) = concave.unwrap_or((index, 0));
@@ -228,7 +230,8 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
     } else if figures.min_jacobian.value <= 0.0 {
         let message = format!("solid {id} is inverted or twisted at a corner");
         let help = "give the nodes of one face so that its right-hand normal points into the \
-                    solid, then those of the opposite face, or the fourth node of a tetrahedron";
+                    solid, then those of the opposite face, or the fourth node of a tetrahedron; \
+                    nodes on edges belong near their middles";
         few.error("inverted", path, message, help);
     }
 }

@@ -52,37 +52,59 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) {
     mesh.node_sets.extend(sets);
 }
 
+/// A key of a list of a job that names a node set.
+pub struct SetKey {
+    /// The list, such as `output.node`.
+    pub list: &'static str,
+    /// The key in its entries.
+    pub key: &'static str,
+    /// Returns the names, each with the index of its entry.
+    names: fn(&Job) -> Vec<(usize, &str)>,
+}
+
+/// Returns the names that entries have, with the indices of the entries.
+fn names<T>(entries: &[T], of: fn(&T) -> Option<&String>) -> Vec<(usize, &str)> {
+    entries.iter().enumerate().filter_map(|(i, one)| Some((i, of(one)?.as_str()))).collect()
+}
+
+/// Creates a row of [`SET_KEYS`].
+const fn row(
+    list: &'static str,
+    key: &'static str,
+    names: fn(&Job) -> Vec<(usize, &str)>,
+) -> SetKey {
+    SetKey { list, key, names }
+}
+
+/// All keys outside of `[[set]]` that name a node set.
+pub const SET_KEYS: &[SetKey] = &[
+    row("mass", "nodes", |job| names(&job.mass, |m| Some(&m.nodes))),
+    row("fix", "nodes", |job| names(&job.fix, |f| Some(&f.nodes))),
+    row("initial_velocity", "nodes", |job| names(&job.initial_velocity, |v| v.nodes.as_ref())),
+    row("load", "nodes", |job| names(&job.load, |l| Some(&l.nodes))),
+    row("pressure", "nodes", |job| names(&job.pressure, |p| p.nodes.as_ref())),
+    row("airbag", "nodes", |job| names(&job.airbag, |bag| bag.nodes.as_ref())),
+    row("motion", "nodes", |job| names(&job.motion, |m| m.nodes.as_ref())),
+    row("rigid", "nodes", |job| names(&job.rigid, |r| r.nodes.as_ref())),
+    row("tie", "nodes", |job| names(&job.tie, |t| Some(&t.nodes))),
+    row("tie", "faces", |job| names(&job.tie, |t| t.faces.as_ref())),
+    row("tie", "mean_of", |job| names(&job.tie, |t| t.mean_of.as_ref())),
+    row("wall", "nodes", |job| names(&job.wall, |w| w.nodes.as_ref())),
+    row("wall", "except", |job| names(&job.wall, |w| w.except.as_ref())),
+    row("output.node", "nodes", |job| names(&job.output.node, |n| n.nodes.as_ref())),
+    row("output.section", "nodes", |job| names(&job.output.section, |s| Some(&s.nodes))),
+    row("output.transducer", "nodes", |job| names(&job.output.transducer, |t| t.nodes.as_ref())),
+    row("output.transducer", "from_nodes", |job| {
+        names(&job.output.transducer, |t| t.from_nodes.as_ref())
+    }),
+];
+
 /// Returns the names that keys of a job use as node sets, with the paths of the keys.
 fn references(job: &Job) -> impl Iterator<Item = (String, &str)> {
-    /// Names the entries of a list.
-    fn keys<'j, T>(
-        list: &'static str,
-        entries: &'j [T],
-        key: &'static str,
-        of: fn(&T) -> Option<&String>,
-    ) -> impl Iterator<Item = (String, &'j str)> {
-        let named = entries.iter().enumerate().filter_map(move |(i, one)| Some((i, of(one)?)));
-        named.map(move |(i, name)| (format!("{list}.{i}.{key}"), name.as_str()))
-    }
-    let output = &job.output;
-    keys("mass", &job.mass, "nodes", |m| Some(&m.nodes))
-        .chain(keys("fix", &job.fix, "nodes", |f| Some(&f.nodes)))
-        .chain(keys("initial_velocity", &job.initial_velocity, "nodes", |v| v.nodes.as_ref()))
-        .chain(keys("load", &job.load, "nodes", |l| Some(&l.nodes)))
-        .chain(keys("pressure", &job.pressure, "nodes", |p| p.nodes.as_ref()))
-        .chain(keys("airbag", &job.airbag, "nodes", |bag| bag.nodes.as_ref()))
-        .chain(keys("motion", &job.motion, "nodes", |m| m.nodes.as_ref()))
-        .chain(keys("rigid", &job.rigid, "nodes", |r| r.nodes.as_ref()))
-        .chain(keys("tie", &job.tie, "nodes", |t| Some(&t.nodes)))
-        .chain(keys("tie", &job.tie, "faces", |t| t.faces.as_ref()))
-        .chain(keys("wall", &job.wall, "nodes", |w| w.nodes.as_ref()))
-        .chain(keys("wall", &job.wall, "except", |w| w.except.as_ref()))
-        .chain(keys("output.node", &output.node, "nodes", |n| n.nodes.as_ref()))
-        .chain(keys("output.section", &output.section, "nodes", |s| Some(&s.nodes)))
-        .chain(keys("output.transducer", &output.transducer, "nodes", |t| t.nodes.as_ref()))
-        .chain(keys("output.transducer", &output.transducer, "from_nodes", |t| {
-            t.from_nodes.as_ref()
-        }))
+    SET_KEYS.iter().flat_map(move |row| {
+        let path = move |i| format!("{}.{i}.{}", row.list, row.key);
+        (row.names)(job).into_iter().map(move |(i, name)| (path(i), name))
+    })
 }
 
 /// Progress of a set by rule.

@@ -56,7 +56,7 @@ fn edge_counts<'m>(elements: impl Iterator<Item = &'m MeshElement>) -> HashMap<[
 
 /// Returns the nodes of the free faces of solids, given as one bit per face.
 fn faces<'m>(
-    elements: impl Iterator<Item = (&'m MeshElement, u8)>,
+    elements: impl Iterator<Item = (&'m MeshElement, u16)>,
 ) -> impl Iterator<Item = NodeId> {
     elements.flat_map(|(e, free)| {
         let faces = e.shape.faces().iter().enumerate();

@@ -1,6 +1,8 @@
 //! Tests of sets by rule on a mesh whose sets can be counted by hand.
 
-use super::super::{Model, read_text};
+use super::super::tree::Node;
+use super::super::{Model, inline_sets, read_text};
+use super::SET_KEYS;
 use std::fmt::Write;
 
 /// Returns a job with a sheet of 4 x 3 quads of side 1 in the plane z = 0 (part 1, nodes 1 to 20,
@@ -66,6 +68,55 @@ fn problems(more: &str) -> String {
 fn ids(rule: &str) -> Vec<u64> {
     let model = model(&format!("[[set]]\nname = \"s\"\n{rule}\n"));
     model.mesh.node_sets["s"].iter().map(|id| id.0).collect()
+}
+
+/// A rule in the place of a name selects the nodes of the entry of `[[set]]` with this rule, also
+/// within another rule and by `--set`. Its name is the path of the key, or its own.
+#[test]
+fn a_rule_may_stand_where_a_name_may() {
+    let plane = "{ rule = \"plane\", point = [0.0, 0.0, 6.0], normal = [0.0, 0.0, 1.0] }";
+    let inner = format!(
+        "{{ rule = \"difference\", of = \"block\", sets = [{plane}, {{ rule = \"nodes\", \
+         ids = [110] }}] }}"
+    );
+    let text = format!("[[fix]]\nnodes = {inner}\ndofs = [\"x\"]\n");
+    let sets = model(&text).mesh.node_sets;
+    let ids = |name: &str| sets[name].iter().map(|id| id.0).collect::<Vec<_>>();
+    assert_eq!(ids("fix.0.nodes"), (111..119).collect::<Vec<u64>>());
+    assert_eq!(ids("fix.0.nodes.sets.0"), (110..119).collect::<Vec<u64>>());
+    assert_eq!(ids("fix.0.nodes.sets.1"), [110]);
+
+    let one = format!("[[fix]]\nnodes = {plane}\ndofs = [\"x\"]\n");
+    let moved = ["fix.0.nodes.point=[0.0, 0.0, 5.0]".to_string()];
+    let model_of = |text: &str, sets: &[String]| {
+        read_text("sets.toml".into(), job(text), sets).unwrap_or_else(|report| panic!("{report}"))
+    };
+    assert_eq!(model_of(&one, &moved).mesh.node_sets["fix.0.nodes"][0].0, 101);
+    let named = one.replace("{ rule", "{ name = \"middle\", rule");
+    let used = format!("{named}[[mass]]\nnodes = \"middle\"\nmass = 1.0\n");
+    assert_eq!(model_of(&used, &[]).mesh.node_sets["middle"].len(), 9);
+
+    let wrong = one.replace("plane\"", "plain\"");
+    let report = problems(&wrong);
+    assert!(report.contains("plain") && report.contains("nodes = {"), "{report}");
+    let far = problems(&one.replace("6.0]", "60.0]"));
+    assert!(far.contains("set `fix.0.nodes` has no nodes") && far.contains("nodes = {"), "{far}");
+}
+
+/// All keys that name a set take a rule.
+#[test]
+fn every_key_of_a_set_takes_a_rule() {
+    for row in SET_KEYS {
+        let rule = "{ rule = \"nearest\", point = [0.0, 0.0, 0.0] }";
+        let text = format!("[[{}]]\n{} = {rule}\n", row.list, row.key);
+        let mut tree = Node::parse(&text).unwrap_or_else(|_| panic!("{text}"));
+        inline_sets::hoist(&mut tree);
+        let value = tree.to_value();
+        let path = format!("{}.0.{}", row.list, row.key);
+        let list = row.list.split('.').fold(&value, |at, key| &at[key]);
+        assert_eq!(list[0][row.key].as_str(), Some(path.as_str()), "{text}");
+        assert_eq!(value["set"][0]["name"].as_str(), Some(path.as_str()), "{text}");
+    }
 }
 
 /// Rules by coordinates, on nodes with whole coordinates: counts by hand. Nodes on the surface of

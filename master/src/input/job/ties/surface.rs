@@ -134,6 +134,7 @@ impl<'a> TieSurface<'a> {
                 faces: vec![element.id],
                 rotations: spec.rotations && turns,
                 offset: spec.offset && turns && !is_rigid,
+                mean: false,
             },
             entry,
             node,

@@ -8,7 +8,7 @@ const TYPES: &[(&str, usize, Cell)] = &[
     ("C3D4", 4, Cell::Tetrahedron),
     ("C3D5", 5, Cell::Pyramid),
     ("C3D6", 6, Cell::Wedge),
-    ("C3D10", 10, Cell::SecondOrder("tetrahedron with 10 nodes", 3)),
+    ("C3D10", 10, Cell::Tetrahedron10),
     ("C3D15", 15, Cell::SecondOrder("wedge with 15 nodes", 3)),
     ("C3D20", 20, Cell::SecondOrder("hexahedron with 20 nodes", 3)),
     ("C3D27", 27, Cell::SecondOrder("hexahedron with 27 nodes", 3)),
@@ -74,7 +74,7 @@ pub fn is_rigid(name: &str) -> bool {
     name.starts_with("R3D")
 }
 
-/// Returns the corners of a face of an element; `None` if it has no such face.
+/// Returns the nodes of a face of an element; `None` if it has no such face.
 pub fn face(cell: Cell, name: &str) -> Option<&'static [usize]> {
     let faces: &[(&str, &'static [usize])] = match cell {
         Cell::Hexahedron => &[
@@ -88,6 +88,12 @@ pub fn face(cell: Cell, name: &str) -> Option<&'static [usize]> {
         Cell::Tetrahedron => {
             &[("S1", &[0, 1, 2]), ("S2", &[0, 3, 1]), ("S3", &[1, 3, 2]), ("S4", &[2, 3, 0])]
         }
+        Cell::Tetrahedron10 => &[
+            ("S1", &[0, 1, 2, 4, 5, 6]),
+            ("S2", &[0, 3, 1, 7, 8, 4]),
+            ("S3", &[1, 3, 2, 8, 9, 5]),
+            ("S4", &[2, 3, 0, 9, 7, 6]),
+        ],
         Cell::Wedge => &[
             ("S1", &[0, 1, 2]),
             ("S2", &[3, 5, 4]),

@@ -164,6 +164,15 @@ impl AbaqusModel {
             return;
         }
         let keyword = block.keyword.as_str();
+        // The second number is the duration of the step; the first one is its first increment.
+        let numbers = block.data.first().filter(|_| keyword == "DYNAMIC");
+        let duration = numbers.and_then(|line| line.fields.get(1)?.parse::<f64>().ok());
+        if let Some(duration) = duration.filter(|t| t.is_finite() && *t > 0.0) {
+            let end = reading.mesh.end_time.unwrap_or(0.0) + duration;
+            reading.mesh.end_time = Some(end);
+            reading.row(Fate::Read, "*DYNAMIC", 1, "end_time, the sum of the dynamic steps");
+            return;
+        }
         if MAKE_MESH.contains(&keyword) {
             let message = format!("*{keyword} is not read, and the mesh depends on it");
             let help = "write the nodes and elements that it makes into the file";

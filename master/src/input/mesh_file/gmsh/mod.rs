@@ -68,7 +68,7 @@ const TYPES: &[(i64, usize, Cell)] = &[
     (8, 3, Cell::SecondOrder("line with 3 nodes", 1)),
     (9, 6, Cell::SecondOrder("triangle with 6 nodes", 2)),
     (10, 9, Cell::SecondOrder("quad with 9 nodes", 2)),
-    (11, 10, Cell::SecondOrder("tetrahedron with 10 nodes", 3)),
+    (11, 10, Cell::Tetrahedron10),
     (12, 27, Cell::SecondOrder("hexahedron with 27 nodes", 3)),
     (13, 18, Cell::SecondOrder("wedge with 18 nodes", 3)),
     (14, 14, Cell::SecondOrder("pyramid with 14 nodes", 3)),
@@ -101,7 +101,10 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     let (stream, content) = (MshStream::new(bytes), MshContent::default());
     let mut reader = MshReader { stream, reading, content };
     reader.file();
-    let (content, reading) = (reader.content, reader.reading);
+    let (mut content, reading) = (reader.content, reader.reading);
+    // Gmsh has the last two edges in another order.
+    let quadratic = content.elements.iter_mut().filter(|e| e.cell == Cell::Tetrahedron10);
+    quadratic.for_each(|e| e.corners.swap(8, 9));
     if !reading.has_errors() {
         groups::add(content, reading);
     }

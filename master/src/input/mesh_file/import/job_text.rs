@@ -25,6 +25,8 @@ pub struct ImportedText {
     pub job: String,
     /// Keys.
     pub placeholders: Vec<String>,
+    /// Units of the job, and why; empty with a deck.
+    pub units: String,
 }
 
 /// Name of the material of parts for which the file has none.
@@ -49,14 +51,17 @@ pub fn of_deck(name: &str, file: &str, allowed: bool) -> ImportedText {
     if allowed {
         job += "allow_unsupported = true\n";
     }
-    ImportedText { job, placeholders: Vec::new() }
+    ImportedText { job, placeholders: Vec::new(), units: String::new() }
 }
 
 /// Returns the text of the job.
 pub fn write(job: &ImportedJob) -> ImportedText {
     let mesh = &job.read.mesh;
-    let mut placeholders = vec!["end_time".to_string()];
-    let (units, density, modulus) = units(&mesh.materials);
+    let mut placeholders = Vec::new();
+    if mesh.end_time.is_none() {
+        placeholders.push("end_time".to_string());
+    }
+    let (units, density, modulus, origin) = units(&mesh.materials);
     let body = materials(mesh, (density, modulus), &mut placeholders)
         + &parts(mesh, &mut placeholders)
         + &rigid(mesh)
@@ -67,12 +72,8 @@ pub fn write(job: &ImportedJob) -> ImportedText {
         job.read.format.name
     );
     let _ = writeln!(out, "title = {}", quoted(job.name));
-    let origin = match mesh.materials.is_empty() {
-        true => "the file has none: check that its lengths fit",
-        false => "the materials of the file fit: check them",
-    };
     let _ = writeln!(out, "units = \"{units}\"            # {origin}");
-    let _ = writeln!(out, "end_time = 1.0");
+    let _ = writeln!(out, "end_time = {:?}", mesh.end_time.unwrap_or(1.0));
     let list: Vec<String> =
         placeholders.iter().map(|key| format!("    {},\n", quoted(key))).collect();
     let _ = writeln!(out, "placeholders = [\n{}]\n\n[mesh]", list.concat());
@@ -83,20 +84,28 @@ pub fn write(job: &ImportedJob) -> ImportedText {
     for (name, ids) in &mesh.node_sets {
         let _ = writeln!(out, "# node set {}: {} nodes", quoted(name), ids.len());
     }
-    ImportedText { job: out + &body, placeholders }
+    ImportedText { job: out + &body, placeholders, units: format!("{units}: {origin}") }
 }
 
 fn quoted(text: &str) -> String {
     Value::String(text.into()).to_string()
 }
 
-/// Returns units in which all materials are plausible, with density and modulus of steel.
-fn units(materials: &[FileMaterial]) -> (&'static str, f64, f64) {
+/// Returns units in which all materials are plausible, with density and modulus of steel, and the
+/// reason.
+fn units(materials: &[FileMaterial]) -> (&'static str, f64, f64, &'static str) {
     let fits = |units: &str| {
         let known = materials.iter().filter_map(|m| Some((m.density?, m.youngs_modulus?)));
         known.into_iter().all(|(density, modulus)| units_fit(units, density, modulus))
     };
-    UNITS.into_iter().find(|(units, ..)| fits(units)).unwrap_or(UNITS[0])
+    let found = UNITS.into_iter().find(|(units, ..)| fits(units));
+    let origin = match (found, materials.is_empty()) {
+        (_, true) => "the file has no materials: check that its lengths fit",
+        (Some(_), false) => "the materials of the file fit: check them",
+        (None, false) => "the materials of the file fit no common units: correct them",
+    };
+    let (units, density, modulus) = found.unwrap_or(UNITS[0]);
+    (units, density, modulus, origin)
 }
 
 fn materials(mesh: &FileMesh, steel: (f64, f64), placeholders: &mut Vec<String>) -> String {
@@ -234,18 +243,20 @@ fn rigid(mesh: &FileMesh) -> String {
 
 /// Returns sections that most jobs need, as comments.
 fn hints(mesh: &FileMesh) -> String {
-    let mut sets = mesh.node_sets.keys().map(|name| quoted(name));
-    let first = sets.next().unwrap_or_else(|| quoted("SET"));
-    let second = sets.next().unwrap_or_else(|| first.clone());
+    let sets: Vec<String> = mesh.node_sets.keys().map(|name| quoted(name)).collect();
+    let sets = match &sets[..] {
+        [] => "a rule or the name of a part".to_string(),
+        all => format!("one of {}", all.join(", ")),
+    };
     format!(
         "\n# Sections that most jobs need:\n\
          #\n\
          # [[fix]]\n\
-         # nodes = {first}\n\
+         # nodes = \"SET\"                     # {sets}\n\
          # dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
          #\n\
          # [[initial_velocity]]\n\
-         # nodes = {second}\n\
+         # nodes = \"SET\"\n\
          # velocity = [0.0, 0.0, -1.0]\n\
          #\n\
          # [contact]                       # all parts touch each other and themselves\n\

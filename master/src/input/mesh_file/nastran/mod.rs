@@ -7,7 +7,7 @@ mod cards;
 mod properties;
 
 use super::boundary;
-use super::cells::Cell;
+use super::cells::{Cell, CellUse};
 use super::content::FileNode;
 use super::reading::{Fate, MeshReading};
 use cards::{BulkCard, FieldFault};
@@ -34,7 +34,7 @@ const ELEMENTS: &[(&str, &[(usize, Cell)])] = &[
     ("CTRIAR", &[(3, Cell::Triangle)]),
     ("CHEXA", &[(8, Cell::Hexahedron), (20, Cell::SecondOrder("hexahedron with 20 nodes", 3))]),
     ("CPENTA", &[(6, Cell::Wedge), (15, Cell::SecondOrder("wedge with 15 nodes", 3))]),
-    ("CTETRA", &[(4, Cell::Tetrahedron), (10, Cell::SecondOrder("tetrahedron with 10 nodes", 3))]),
+    ("CTETRA", &[(4, Cell::Tetrahedron), (10, Cell::Tetrahedron10)]),
     ("CPYRAM", &[(5, Cell::Pyramid), (13, Cell::SecondOrder("pyramid with 13 nodes", 3))]),
     ("CPYRA", &[(5, Cell::Pyramid), (13, Cell::SecondOrder("pyramid with 13 nodes", 3))]),
     ("CQUAD8", &[(8, Cell::SecondOrder("quad with 8 nodes", 2))]),
@@ -197,7 +197,14 @@ impl BulkReader<'_> {
             return Ok(());
         };
         // Elements of second order may lack nodes on their sides.
-        let least = if cells.len() > 1 && width == most { cells[0].0 } else { width };
+        let is_read = matches!(cell.usage(), CellUse::Element(_));
+        let least = if cells.len() > 1 && width == most && !is_read { cells[0].0 } else { width };
+        if is_read && corners.len() < least && corners.len() > cells[0].0 {
+            let message = format!("element {id} lacks nodes on its edges");
+            let help = "write all nodes of the element, or its corners alone";
+            self.error("edges", card, message, help);
+            return Ok(());
+        }
         if corners.len() < least {
             let message = format!("element {id} has {} nodes, not {width}", corners.len());
             self.error("width", card, message, "correct its nodes; a line may be missing");

@@ -81,7 +81,7 @@ fn cell_of(kind: u64, corners: &[u64]) -> Option<(Cell, Vec<u64>)> {
         (21, _) => Cell::SecondOrder("line with 3 nodes", 1),
         (22 | 34, _) => Cell::SecondOrder("triangle with 6 nodes", 2),
         (23 | 28, _) => Cell::SecondOrder("quad with 8 or 9 nodes", 2),
-        (24, _) => Cell::SecondOrder("tetrahedron with 10 nodes", 3),
+        (24, _) if corners.len() == 10 => Cell::Tetrahedron10,
         (25 | 29 | 33, _) => Cell::SecondOrder("hexahedron with 20 to 27 nodes", 3),
         (26 | 31 | 32, _) => Cell::SecondOrder("wedge with 15 or 18 nodes", 3),
         (27, _) => Cell::SecondOrder("pyramid with 13 nodes", 3),

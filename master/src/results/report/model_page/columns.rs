@@ -65,6 +65,7 @@ fn shape(shape: Shape) -> CellShape {
         Shape::Hex8 => CellShape::Hexahedron,
         Shape::Tet4 => CellShape::Tetrahedron,
         Shape::Wedge6 => CellShape::Wedge,
+        Shape::Tet10 => CellShape::QuadraticTetrahedron,
         Shape::Line2 | Shape::Beam2 | Shape::Truss2 => CellShape::Line,
         Shape::Point1 => CellShape::Point,
     }

@@ -208,7 +208,14 @@ impl PlacedModel<'_> {
             _ => String::new(),
         };
         let curve = self.curve(motion.curve);
-        (what, format!("{}{about}{curve}, in {}", vector(motion.amount), dofs(motion.dofs)))
+        let until = |[begin, end]: [f64; 2]| match end == f64::MAX {
+            true => format!(", from {begin}"),
+            false => format!(", from {begin} to {end}"),
+        };
+        let window = motion.window.map_or(String::new(), until);
+        let words =
+            format!("{}{about}{curve}{window}, in {}", vector(motion.amount), dofs(motion.dofs));
+        (what, words)
     }
 
     /// Returns the direction of a motion at a place.
@@ -304,7 +311,8 @@ impl PlacedModel<'_> {
         let gravity = loads.gravity.iter().map(|g| {
             let detail = vector(g.acceleration) + &self.curve(g.curve);
             let marks = Marks::Arrows(vec![[middle, g.acceleration]]);
-            Condition::new("gravity", detail, everything.len(), marks)
+            let count = g.shares.as_ref().map_or(everything.len(), Vec::len);
+            Condition::new("gravity", detail, count, marks)
         });
         let forces = loads.forces.iter().flat_map(|force| {
             let nodes = self.places(&force.nodes);

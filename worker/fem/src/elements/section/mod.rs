@@ -32,7 +32,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
-use super::{ElementFields, law_column, parameters, zero_failed};
+use super::{ElementFields, PointFields, law_column, parameters, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -530,6 +530,27 @@ impl Section {
         R::both(direct.le(R::splat(STRAIN_LIMIT)), shear.le(R::splat(STRAIN_LIMIT)))
     }
 
+    /// Returns the points through the thickness of one element, as means over its points in the
+    /// plane; `axes` as in [`Self::fields`].
+    pub fn point_fields(
+        &self,
+        history: ElementState<'_>,
+        axes: &[[f64; 3]; 3],
+    ) -> Vec<PointFields> {
+        let mean = |column: usize| {
+            let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
+            values.sum::<f64>() / self.planar as f64
+        };
+        let of = |k: usize| {
+            let at = |c: usize| mean(POINTS + k * self.stride + c);
+            PointFields {
+                stress: in_global_axes([0, 1, 2].map(at), [SHEAR, SHEAR + 1].map(mean), axes),
+                plastic_strain: self.plastic_strain.map_or(0.0, at),
+            }
+        };
+        (0..self.points).map(of).collect()
+    }
+
     /// Returns the fields of one element. Stress and thickness are means over its points in the
     /// plane; `axes` are its e1, e2 and normal.
     pub fn fields(&self, history: ElementState<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
@@ -547,27 +568,26 @@ impl Section {
         // The middle point, or the mean of the two points nearest to the middle.
         let layer = |k: usize, c: usize| mean(POINTS + k * self.stride + c);
         let (below, above) = ((self.points - 1) / 2, self.points / 2);
-        let [xx, yy, xy] = [0, 1, 2].map(|c| 0.5 * (layer(below, c) + layer(above, c)));
-        let (xz, yz) = (mean(SHEAR), mean(SHEAR + 1));
-        let local = [[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]];
-        let global = |i: usize, j: usize| -> f64 {
-            (0..3).map(|a| (0..3).map(|b| axes[a][i] * local[a][b] * axes[b][j]).sum::<f64>()).sum()
-        };
+        let plane = [0, 1, 2].map(|c| 0.5 * (layer(below, c) + layer(above, c)));
         ElementFields {
             plastic_strain,
-            stress: [
-                global(0, 0),
-                global(1, 1),
-                global(2, 2),
-                global(0, 1),
-                global(1, 2),
-                global(2, 0),
-            ],
+            stress: in_global_axes(plane, [SHEAR, SHEAR + 1].map(mean), axes),
             von_mises,
             thickness: mean(THICKNESS),
             failed: self.has_failed(history),
         }
     }
+}
+
+/// Returns a stress in global axes [force/length^2]: xx, yy, zz, xy, yz, zx. `plane` is its part in
+/// the plane of the shell (xx, yy, xy), `shear` the transverse one (xz, yz).
+fn in_global_axes(plane: [f64; 3], shear: [f64; 2], axes: &[[f64; 3]; 3]) -> [f64; 6] {
+    let ([xx, yy, xy], [xz, yz]) = (plane, shear);
+    let local = [[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]];
+    let global = |i: usize, j: usize| -> f64 {
+        (0..3).map(|a| (0..3).map(|b| axes[a][i] * local[a][b] * axes[b][j]).sum::<f64>()).sum()
+    };
+    [global(0, 0), global(1, 1), global(2, 2), global(0, 1), global(1, 2), global(2, 0)]
 }
 
 /// Returns stress times strain increment at one point.

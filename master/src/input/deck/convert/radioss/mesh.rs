@@ -55,7 +55,7 @@ impl StarterConverter {
             None => return,
         };
         let [(ids, _), (card, _)] = &row.cards[..] else { return };
-        let mut cards = Cards { texts, parameters: &parameters, trouble: &mut self.deck.trouble };
+        let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
         let mut numbers = start(&mut cards, ids, block, header);
         let name = row.keyword.name;
         if name == "/NODE" {
@@ -91,7 +91,7 @@ impl StarterConverter {
         (part, count): (u32, usize),
     ) -> Option<StarterElement> {
         let parameters = DeckParameters::default();
-        let mut cards = Cards { texts, parameters: &parameters, trouble: &mut self.deck.trouble };
+        let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
         let mut numbers = start(&mut cards, card, block, line);
         let id = ElemId(numbers.id(0));
         let mut nodes = Vec::with_capacity(count);

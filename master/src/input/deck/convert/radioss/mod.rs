@@ -200,7 +200,7 @@ impl StarterConverter {
             return self.mesh_block(texts, block, row);
         }
         let parameters = DeckParameters::default();
-        let mut cards = Cards { texts, parameters: &parameters, trouble: &mut self.deck.trouble };
+        let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
         for record in cards.records(row, &[], block) {
             self.note_unit(record.integer("unit"), record.place("unit"));
             self.deck.read.push(record.clone());

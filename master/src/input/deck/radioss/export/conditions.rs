@@ -53,6 +53,14 @@ impl StarterWriter<'_> {
             if let Some(inertia) = body.inertia {
                 own.insert("inertia".into(), Value::from(inertia.to_vec()));
             }
+            if body.from > 0.0 || body.until.is_some() {
+                let name = &body.name;
+                self.lose(format!(
+                    "rigid body {name}: it is rigid in the whole run, not in a part"
+                ));
+                own.insert("from".into(), body.from.into());
+                own.extend(body.until.map(|until| ("until".into(), until.into())));
+            }
             if own.len() > 1 {
                 self.rest("rigid", own);
             }
@@ -187,6 +195,9 @@ impl StarterWriter<'_> {
     pub(super) fn loads(&mut self) {
         let model = self.model;
         let mut id = 0;
+        if model.job.gravity.iter().any(|g| !g.parts.is_empty()) {
+            return list(&mut self.deck, "gravity", &model.job.gravity);
+        }
         for gravity in &model.job.gravity {
             let function = self.function(gravity.curve.as_deref());
             for axis in (0..3).filter(|&axis| gravity.acceleration[axis] != 0.0) {
@@ -387,6 +398,9 @@ fn rectangle(wall: &WallInput) -> Option<[[f64; 3]; 2]> {
 
 /// Returns the card of a motion; `None` if it has none.
 fn row(motion: &MotionInput) -> Option<MotionRow> {
+    if motion.birth > 0.0 || motion.death.is_some() {
+        return None;
+    }
     let [dof] = motion.dofs.as_slice() else { return None };
     let dof = DOFS.iter().position(|d| d == dof)?;
     let (keyword, v, first) =

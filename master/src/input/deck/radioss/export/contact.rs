@@ -2,7 +2,7 @@
 
 use super::{Gap, Real, StarterWriter, Whole, differing, list, named};
 use crate::input::deck::export::contact::{names, rest};
-use crumple_proto::job::ContactInput;
+use crumple_proto::job::{ContactInput, TieInput};
 use toml::{Table, Value};
 
 /// Keys of `[contact]` and of interfaces that cards have.
@@ -98,7 +98,10 @@ impl StarterWriter<'_> {
     /// Writes ties to parts. Those to single faces or to a node have no card.
     pub(super) fn ties(&mut self) {
         let ties = &self.model.job.tie;
-        if ties.iter().any(|t| t.faces.is_some() || t.node.is_some() || t.name.is_empty()) {
+        let has_no_card = |t: &TieInput| {
+            t.faces.is_some() || t.node.is_some() || t.mean_of.is_some() || t.name.is_empty()
+        };
+        if ties.iter().any(has_no_card) {
             return list(&mut self.deck, "tie", ties);
         }
         let first = self.model.job.contact.as_ref().map_or(0, |c| 1 + c.interface.len() as u64);

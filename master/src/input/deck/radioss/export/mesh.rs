@@ -1,8 +1,10 @@
 //! Writes nodes and elements, part by part.
 
 use super::{Gap, Real, StarterWriter, Whole};
+use crate::input::deck::export::beams::third_nodes;
+use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::{MeshElement, Shape};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use toml::{Table, Value};
 
 /// Returns the keyword of a shape.
@@ -16,7 +18,7 @@ fn keyword(shape: Shape) -> Option<&'static str> {
         Shape::Beam2 => "BEAM",
         Shape::Truss2 => "TRUSS",
         Shape::Line2 => "SPRING",
-        Shape::Point1 => return None,
+        Shape::Tet10 | Shape::Point1 => return None,
     })
 }
 
@@ -25,10 +27,14 @@ impl StarterWriter<'_> {
         let model = self.model;
         self.keyword("NODE");
         for node in &model.mesh.nodes {
-            let [x, y, z] = node.x.map(Real);
+            let [x, y, z] = model.given_position(node).map(Real);
             self.card(&[Whole(node.id.label()), x, y, z]);
         }
-        for (id, x) in std::mem::take(&mut self.added) {
+        let third = third_nodes(model, self.last.node);
+        self.last.node += third.len() as u64;
+        let mut shown: Vec<(u64, [f64; 3])> = third.values().copied().collect();
+        shown.sort_by_key(|node| node.0);
+        for (id, x) in std::mem::take(&mut self.added).into_iter().chain(shown) {
             let [x, y, z] = x.map(Real);
             self.card(&[Whole(id), x, y, z]);
         }
@@ -50,19 +56,16 @@ impl StarterWriter<'_> {
         for ((part, at), elements) in groups {
             let Some(name) = keyword(shapes[at]) else { continue };
             self.keyword(&format!("{name}/{part}"));
-            elements.into_iter().for_each(|element| self.element(element));
+            elements.into_iter().for_each(|element| self.element(element, &third));
         }
         self.offsets();
     }
 
-    fn element(&mut self, element: &MeshElement) {
+    fn element(&mut self, element: &MeshElement, third: &HashMap<ElemId, (u64, [f64; 3])>) {
         let mut fields = vec![Whole(element.id.label())];
-        // The third node of a beam shows its second axis.
-        let corners = match element.shape {
-            Shape::Beam2 => &element.nodes[..3],
-            _ => element.corners(),
-        };
+        let corners = element.corners();
         fields.extend(corners.iter().map(|n| Whole(n.label())));
+        fields.extend(third.get(&element.id).map(|node| Whole(node.0)));
         if element.own.thickness > 0.0 {
             fields.resize(8, Gap);
             fields.push(Real(element.own.thickness));

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Builds the files of a release into dist/: a static binary for x86-64 with AVX2 and without MPI,
+# the Python wheel, manual pages, completions, and the checksums of all.
+#
+#   deploy/package.sh                 # optimised, as they are given away
+#   deploy/package.sh --profile dev   # to try the script
+#
+# It needs cargo, a C library for static programs (Debian: libc6-dev) and python3 with pip and venv.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+profile=release
+if [[ ${1:-} == --profile && -n ${2:-} ]]; then
+    profile=$2
+elif [[ $# -gt 0 ]]; then
+    echo "package: ERROR: unknown argument $1; use --profile NAME or none" >&2
+    exit 2
+fi
+
+target=x86_64-unknown-linux-gnu
+# The program has to run on other machines than this one.
+cpu="-C target-cpu=x86-64-v3"
+dist=$PWD/dist
+rm -rf "$dist"
+mkdir -p "$dist"
+
+RUSTFLAGS="$cpu -C target-feature=+crt-static" \
+    cargo build --locked --profile "$profile" --target "$target" -p crumple --features vtkhdf
+folder=$(cargo metadata --format-version 1 --no-deps |
+    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/$target
+[[ $profile == dev ]] && folder=$folder/debug || folder=$folder/$profile
+version=$("$folder/crumple" --version | cut -d ' ' -f 2)
+binary=crumple-$version-$target
+cp "$folder/crumple" "$dist/$binary"
+if ldd "$dist/$binary" >/dev/null 2>&1; then
+    echo "package: ERROR: $dist/$binary needs shared libraries" >&2
+    exit 1
+fi
+
+"$dist/$binary" manual "$dist/man"
+mkdir "$dist/completions"
+for shell in bash zsh fish; do
+    "$dist/$binary" completions "$shell" >"$dist/completions/crumple.$shell"
+done
+
+# Its own environment, so that the build needs nothing of this machine's Python.
+python=$(mktemp -d)
+trap 'rm -rf "$python"' EXIT
+python3 -m venv "$python"
+RUSTFLAGS=$cpu "$python/bin/python" -m pip wheel --quiet --no-deps --wheel-dir "$dist" \
+    --config-settings build-args="--profile $profile" .
+"$python/bin/python" -m pip install --quiet "$dist"/crumple-*.whl
+"$python/bin/python" -c '
+import crumple
+from importlib.metadata import version
+print("package: the wheel has version", version(crumple.__name__))
+'
+
+(cd "$dist" && find . -type f ! -name SHA256SUMS | sort | xargs sha256sum >SHA256SUMS)
+echo "package: $(find "$dist" -type f | wc -l) files in $dist"

@@ -1,0 +1,375 @@
+//! Meaning of the fields of cards for included files with offsets of ids, other units or another
+//! position (`*INCLUDE_TRANSFORM`): ids by kind, lengths, times and masses, points and vectors.
+//!
+//! A role is written as `field=role`:
+//!
+//! | role | meaning |
+//! |---|---|
+//! | `#n` `#e` `#p` `#s` | id of a node, element, part, set |
+//! | `#m` `#f` `#d` `#r` | id of a material, curve (function), definition, or anything else |
+//! | `#f:x:y` | id of a curve with the dimensions x of its abscissa and y of its ordinate |
+//! | `@x` | first of three coordinates of a point |
+//! | `@d` `@v` `@w` | first of three components of a direction, velocity, rotational velocity |
+//! | `l` `t` `m` ... | a number of this dimension, see [`dimension`] |
+//! | `1` | a number without dimension, or a code |
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// Kinds of ids, each with its own offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OffsetKind {
+    /// Nodes.
+    Node,
+    /// Elements.
+    Element,
+    /// Parts and rigid bodies of nodes.
+    Part,
+    /// Sets.
+    Set,
+    /// Materials.
+    Material,
+    /// Curves and tables.
+    Function,
+    /// Other definitions: boxes, coordinate systems, vectors.
+    Definition,
+    /// All others.
+    Other,
+}
+
+/// Exponents of mass, length and time.
+pub type UnitPowers = [i32; 3];
+
+/// Meaning of a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldRole {
+    /// An id.
+    Id(OffsetKind),
+    /// Id of a curve with the dimensions of its abscissa and ordinate.
+    Curve(UnitPowers, UnitPowers),
+    /// First coordinate of a point.
+    Point,
+    /// First component of a direction.
+    Direction,
+    /// First component of a velocity.
+    Velocity,
+    /// First component of a rotational velocity.
+    Spin,
+    /// A number with a dimension.
+    Number(UnitPowers),
+}
+
+/// Returns the exponents of mass, length and time of a dimension by its letter.
+fn dimension(letter: &str) -> Option<UnitPowers> {
+    Some(match letter {
+        "1" => [0, 0, 0],
+        "m" => [1, 0, 0],
+        "l" => [0, 1, 0],
+        "t" => [0, 0, 1],
+        "v" => [0, 1, -1],
+        "a" => [0, 1, -2],
+        "w" => [0, 0, -1],
+        // Density, mass per area and per length, moment of inertia.
+        "d" => [1, -3, 0],
+        "g" => [1, -2, 0],
+        "h" => [1, -1, 0],
+        "i" => [1, 2, 0],
+        // Stress, force, moment.
+        "p" => [1, -1, -2],
+        "f" => [1, 1, -2],
+        "q" => [1, 2, -2],
+        // Force per length and per velocity.
+        "k" => [1, 0, -2],
+        "c" => [1, 0, -1],
+        // Area and its moments.
+        "l2" => [0, 2, 0],
+        "l4" => [0, 4, 0],
+        // Inverse velocity.
+        "1/v" => [0, -1, 1],
+        _ => return None,
+    })
+}
+
+/// Ids with one kind in all keywords.
+const IDS: &str = "nid=#n n=#n n1=#n n2=#n n3=#n n4=#n n5=#n n6=#n nid1=#n nid2=#n node1=#n \
+    node2=#n nodeid=#n dnid=#n inid=#n m1=#n m2=#n m3=#n pnode=#n eid=#e pid=#p pidl=#p pidc=#p \
+    pida=#p pidb=#p lrb=#p sid=#s nsid=#s nsidex=#s psid=#s hsid=#s bsid=#s ssid=#s tsid=#s \
+    dsid=#s drcpsid=#s psetid=#s psidex=#s mid=#m tmid=#m lcid=#f tbid=#f curveid=#f lcss=#f \
+    lcsr=#f \
+    lcd=#f lcr=#f lcdr=#f lcsdg=#f lcregd=#f lcfld=#f lcidph=#f lcidt=#f lcidps=#f dlcidph=#f \
+    dlcidt=#f dlcidps=#f lcidx=#f lcidy=#f lcidz=#f dlcidx=#f dlcidy=#f dlcidz=#f lcidab=#f \
+    lcbckt=#f lciddr=#f lctm=#f lcdt=#f lcur=#f boxid=#d saboxid=#d sbboxid=#d vid=#d cid=#d \
+    icid=#d cida=#d cidb=#d cidl=#d cidd=#d cid_rcf=#d secid=#r hgid=#r eosid=#r wid=#r \
+    jid=#r jsid=#r \
+    csid=#r id=#r tranid=#d trsid=#d";
+
+/// Roles by keyword, the first entry that fits; a name that ends with `*` fits all that begin with
+/// it. Keywords that are listed here can be in files with other units.
+const ROLES: &[(&str, &str)] = &[
+    ("NODE_TRANSFORM", "trsid=#d nsid=#s immed=1"),
+    ("DEFINE_TRANSFORMATION", "tranid=#d a1=1 a2=1 a3=1 a4=1 a5=1 a6=1 a7=1"),
+    (
+        "INCLUDE_TRANSFORM",
+        "idnoff=1 ideoff=1 idpoff=1 idmoff=1 idsoff=1 idfoff=1 iddoff=1 idroff=1 fctmas=1 \
+         fcttim=1 fctlen=1 tranid=#d",
+    ),
+    ("NODE", "x=@x tc=1 rc=1"),
+    ("ELEMENT_SHELL", "thic=l offset=l"),
+    ("ELEMENT_SOLID", ""),
+    ("ELEMENT_MASS", "mass=m"),
+    ("ELEMENT_MASS_NODE_SET", "mass=m"),
+    ("ELEMENT_BEAM", "rt1=1 rr1=1 rt2=1 rr2=1 local=1 vx=@d"),
+    ("ELEMENT_DISCRETE", "s=1 pf=1 offset=l"),
+    (
+        "PART",
+        "grav=1 adpopt=1 xc=@x tm=m ircs=1 vtx=@v vrx=@w ixx=i ixy=i ixz=i iyy=i iyz=i izz=i \
+         xl=1 yl=1 zl=1 xlip=1 ylip=1 zlip=1 fs=1 fd=1 dc=1/v vc=p optt=l sft=1 ssf=1 cparm8=1",
+    ),
+    (
+        "SECTION_SHELL",
+        "elform=1 shrf=1 nip=1 propt=1 qr=1 icomp=1 setyp=1 t1=l t2=l t3=l t4=l nloc=1 marea=g \
+         idof=1 edgset=1 angle=1",
+    ),
+    ("SECTION_SOLID", "elform=1 aet=1 unused=1 cohoff=1 gaskeit=1"),
+    (
+        "SECTION_BEAM",
+        "elform=1 shrf=1 qr=1 cst=1 scoor=1 nsm=h ts1=l ts2=l tt1=l tt2=l nsloc=1 ntloc=1 a=l2 \
+         iss=l4 itt=l4 j=l4 sa=l2 ist=l4 field=1",
+    ),
+    ("HOURGLASS", "ihq=1 qm=1 ibq=1 q1=1 q2=1 qb=1 qw=1"),
+    ("MAT_ELASTIC", "ro=d e=p pr=1 da=1 db=1 k=p"),
+    ("MAT_PLASTIC_KINEMATIC", "ro=d e=p pr=1 sigy=p etan=p beta=1 src=w srp=1 fs=1 vp=1"),
+    (
+        "MAT_PIECEWISE_LINEAR_PLASTICITY",
+        "ro=d e=p pr=1 sigy=p etan=p fail=1 tdel=t c=w p=1 lcss=#f:1:p lcsr=#f:w:1 vp=1 eps=1 es=p",
+    ),
+    ("MAT_NULL", "ro=d pc=p mu=1 terod=1 cerod=1 ym=p pr=1"),
+    (
+        "MAT_RIGID",
+        "ro=d e=p pr=1 n=1 couple=1 m=1 alias=1 cmo=1 con1=1 con2=1 a1=1 a2=1 a3=1 v1=1 v2=1 v3=1",
+    ),
+    ("MAT_SPRING_ELASTIC", "k=k"),
+    ("MAT_DAMPER_VISCOUS", "dc=c"),
+    ("MAT_SPRING_NONLINEAR_ELASTIC", "lcd=#f:l:f lcr=#f:v:1"),
+    ("MAT_DAMPER_NONLINEAR_VISCOUS", "lcdr=#f:v:f"),
+    (
+        "MAT_SPOTWELD",
+        "ro=d e=p pr=1 sigy=p eh=p dt=t tfail=t efail=1 nrr=f nrs=f nrt=f mrr=q mss=q mtt=q nf=1",
+    ),
+    ("MAT_VISCOELASTIC", "ro=d bulk=p g0=p gi=p beta=w"),
+    ("MAT_BLATZ-KO_RUBBER", "ro=d g=p ref=1"),
+    ("MAT_CRUSHABLE_FOAM", "ro=d e=p pr=1 lcid=#f:1:p tsc=p damp=1 model=1"),
+    (
+        "MAT_LOW_DENSITY_FOAM",
+        "ro=d e=p lcid=#f:1:p tc=p hu=1 beta=w damp=1 shape=1 fail=1 bvflag=1 ed=p beta1=w kcon=1 \
+         ref=1",
+    ),
+    ("SET_NODE_LIST", "id=#n"),
+    ("SET_NODE_LIST_GENERATE", "id=#n"),
+    ("SET_NODE_COLUMN", "a=1"),
+    ("SET_NODE_ADD", "id=#s"),
+    ("SET_NODE_GENERAL", "e=1"),
+    ("SET_PART_LIST", "id=#p"),
+    ("SET_PART_LIST_GENERATE", "id=#p"),
+    ("SET_PART_ADD", "id=#s"),
+    ("SET_SEGMENT", "a=1"),
+    ("SET_SHELL*", "id=#e"),
+    ("SET_SOLID*", "id=#e"),
+    ("SET_DISCRETE*", "id=#e"),
+    ("DEFINE_CURVE", "sidr=1 sfa=1 sfo=1 offa=1 offo=1 dattyp=1 lcint=1 a=1 o=1"),
+    ("DEFINE_BOX", "xmn=1 xmx=1 ymn=1 ymx=1 zmn=1 zmx=1"),
+    ("DEFINE_SD_ORIENTATION", "iop=1 xt=@d"),
+    ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
+    ("DEFINE_COORDINATE_NODES", "flag=1"),
+    ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1"),
+    ("BOUNDARY_PRESCRIBED_MOTION*", "dof=1 vad=1 sf=1 death=t birth=t offset1=l offset2=l"),
+    ("INITIAL_VELOCITY_GENERATION", "styp=1 omega=w vx=@v ivatn=1 xc=@x nx=@d phase=1 irigid=1"),
+    ("INITIAL_VELOCITY*", "irigid=1 vx=@v vxr=@w vxe=@v vxre=@w"),
+    ("LOAD_BODY_PARTS", ""),
+    ("LOAD_BODY*", "lcid=#f:t:a sf=1 xc=@x"),
+    ("LOAD_GRAVITY_PART*", "dof=1 lc=#f:t:1 accel=a lcdr=#f stga=1 stgr=1"),
+    ("LOAD_NODE*", "dof=1 sf=1"),
+    ("LOAD_SEGMENT*", "lcid=#f:t:p sf=1 at=t"),
+    ("CONSTRAINED_NODAL_RIGID_BODY", "iprt=1 drflag=1 rrflag=1"),
+    ("CONSTRAINED_EXTRA_NODES*", ""),
+    ("CONSTRAINED_RIGID_BODIES", "iflag=1"),
+    (
+        "CONSTRAINED_RIGID_BODY_STOPPERS",
+        "lcmax=#f:t:l lcmin=#f:t:l psidmx=#s psidmn=#s lcvmnx=#f:t:v dir=1 tb=t td=t stiff=k",
+    ),
+    (
+        "CONSTRAINED_INTERPOLATION",
+        "icid=#r ddof=1 ityp=1 idnsw=1 fgm=1 idof=1 twghtx=1 twghty=1 twghtz=1 rwghtx=1 rwghty=1 \
+         rwghtz=1",
+    ),
+    ("CONSTRAINED_SPOTWELD", "sn=f ss=f n=1 m=1 tf=t ep=1"),
+    (
+        "CONSTRAINED_GENERALIZED_WELD_SPOT",
+        "filter=1 window=1 npr=1 nprt=1 tfail=t epsf=1 sn=f ss=f n=1 m=1",
+    ),
+    ("CONSTRAINED_NODE_SET", "dof=1 tf=t"),
+    ("CONSTRAINED_JOINT_STIFFNESS*", ""),
+    ("CONSTRAINED_JOINT_SCREW", "rps=1 damp=1 parm=l type=1 r1=1 h_angle=1"),
+    ("CONSTRAINED_JOINT*", "rps=1 damp=1"),
+    (
+        "CONTACT_*",
+        "cid=#r surfa=1 surfb=1 surfatyp=1 surfbtyp=1 fs=1 fd=1 dc=1/v vc=p vdc=1 penchk=1 bt=t \
+         dt=t sfsa=1 sfsb=1 sast=l sbst=l sfsat=1 sfsbt=1 fsf=1 vsf=1 tiedid=1 region=1 sldthk=l",
+    ),
+    (
+        "RIGIDWALL_*",
+        "offset=l birth=t death=t rwksf=1 xt=@x xh=@x fric=1 wvel=v xhev=@x lenl=l lenm=l mass=m \
+         v0=v soft=1 ro=d e=p pr=1 radcyl=l lencyl=l radsph=l lenp=l opt=1 vx=@d",
+    ),
+    ("DATABASE_CROSS_SECTION_PLANE", "id=1 itype=1 xct=@x xch=@x radius=l xhev=@x lenl=l lenm=l"),
+    ("DATABASE_CROSS_SECTION_SET", "id=1 itype=1"),
+    ("DATABASE_HISTORY_NODE_SET", "id=#s"),
+    ("DATABASE_HISTORY_NODE*", "id=#n"),
+    ("DEFORMABLE_TO_RIGID", "ptype=1"),
+    (
+        "DEFORMABLE_TO_RIGID_AUTOMATIC",
+        "swset=1 code=1 time1=t time2=t time3=t entno=1 relsw=1 paired=1 nrbf=1 ncsf=1 rwf=1 \
+         dtmax=t d2r=1 r2d=1 offset=1 rpid=#p ptype=1 dpid=#p dptype=1",
+    ),
+    ("TITLE", ""),
+    ("COMMENT", ""),
+    ("PARAMETER*", ""),
+];
+
+/// Keywords of the list above that have ids and vectors only, or numbers that are not listed.
+const NO_UNITS: &[&str] = &["CONSTRAINED_JOINT_STIFFNESS*"];
+
+/// Families with roles of an id, but with numbers without roles.
+const IDS_ONLY: &[(&str, &str)] = &[
+    ("DEFINE_TABLE*", ""),
+    ("SECTION_DISCRETE", ""),
+    ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1 idam=1 pvid=1"),
+    ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1"),
+    ("DAMPING_GLOBAL", ""),
+    ("DATABASE_*", ""),
+];
+
+/// Roles of one keyword by field.
+#[derive(Debug, Default)]
+pub struct KeywordRoles {
+    fields: HashMap<&'static str, FieldRole>,
+    /// True if the roles of all numbers are known.
+    pub has_units: bool,
+}
+
+impl KeywordRoles {
+    /// Returns the role of a field; `None` for numbers and codes without one.
+    pub fn of(&self, field: &str) -> Option<FieldRole> {
+        self.fields.get(field).or_else(|| COMMON.get(field)).copied()
+    }
+}
+
+static COMMON: LazyLock<HashMap<&'static str, FieldRole>> = LazyLock::new(|| parse(IDS));
+
+/// Returns the roles of the fields of a keyword.
+pub fn roles_of(keyword: &str) -> KeywordRoles {
+    let fits = |pattern: &str| match pattern.strip_suffix('*') {
+        Some(start) => keyword.starts_with(start),
+        None => keyword == pattern,
+    };
+    let listed = ROLES.iter().find(|entry| fits(entry.0));
+    let has_units = listed.is_some() && !NO_UNITS.iter().any(|pattern| fits(pattern));
+    let found = listed.or_else(|| IDS_ONLY.iter().find(|entry| fits(entry.0)));
+    let fields = found.map(|(_, roles)| parse(roles)).unwrap_or_default();
+    KeywordRoles { fields, has_units }
+}
+
+/// Parses roles of fields.
+///
+/// # Panics
+/// Panics if one is invalid: an error in the table, which the tests parse completely.
+fn parse(roles: &'static str) -> HashMap<&'static str, FieldRole> {
+    let entry = |text: &'static str| {
+        let (field, role) = text.split_once('=').expect("field=role");
+        (field, one(role).expect("a role"))
+    };
+    roles.split_whitespace().map(entry).collect()
+}
+
+fn one(role: &str) -> Option<FieldRole> {
+    let kind = |letter: &str| {
+        Some(match letter {
+            "n" => OffsetKind::Node,
+            "e" => OffsetKind::Element,
+            "p" => OffsetKind::Part,
+            "s" => OffsetKind::Set,
+            "m" => OffsetKind::Material,
+            "f" => OffsetKind::Function,
+            "d" => OffsetKind::Definition,
+            "r" => OffsetKind::Other,
+            _ => return None,
+        })
+    };
+    if let Some(id) = role.strip_prefix("#f:") {
+        let (x, y) = id.split_once(':')?;
+        return Some(FieldRole::Curve(dimension(x)?, dimension(y)?));
+    }
+    if let Some(id) = role.strip_prefix('#') {
+        return kind(id).map(FieldRole::Id);
+    }
+    match role {
+        "@x" => Some(FieldRole::Point),
+        "@d" => Some(FieldRole::Direction),
+        "@v" => Some(FieldRole::Velocity),
+        "@w" => Some(FieldRole::Spin),
+        _ => dimension(role).map(FieldRole::Number),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::deck::keywords::FAMILIES;
+    use crate::input::deck::table::{Card, Effect, FieldType};
+
+    /// Each role can be read. Each integer of a listed keyword is an id or listed as a code, and
+    /// each number of a keyword that may have other units has a dimension, so that no id and no
+    /// length of an included file stays as it is.
+    #[test]
+    fn every_field_of_a_listed_keyword_has_a_role() {
+        // Codes by condition, and fields that nothing converts.
+        let mut missing = Vec::new();
+        let keywords = FAMILIES.iter().flat_map(|family| family.1);
+        for keyword in keywords.filter(|k| k.effect == Effect::Model) {
+            let roles = roles_of(keyword.name);
+            let unused: Vec<&str> =
+                keyword.unused.iter().flat_map(|u| u.names.split_whitespace()).collect();
+            let cards = keyword.cards.iter().map(|(card, _)| Card::parse(card));
+            for field in cards.flat_map(|card| card.fields) {
+                // The first component of a vector has the role of all three.
+                let is_component = ["y", "z"].iter().any(|c| field.name.contains(c));
+                let needs = match field.kind {
+                    FieldType::Integer => !roles.fields.is_empty(),
+                    FieldType::Real => roles.has_units && !is_component,
+                    _ => false,
+                };
+                let name = field.name.as_str();
+                if needs && roles.of(name).is_none() && !unused.contains(&name) {
+                    missing.push(format!("*{}: {name}", keyword.name));
+                }
+            }
+        }
+        missing.sort();
+        missing.dedup();
+        assert!(missing.is_empty(), "{missing:#?}");
+    }
+
+    /// The first entry that fits decides; common ids apply where it has none.
+    #[test]
+    fn roles_are_those_of_the_keyword() {
+        let of = |keyword: &str, field: &str| roles_of(keyword).of(field);
+        assert_eq!(of("MAT_RIGID", "n"), Some(FieldRole::Number([0, 0, 0])));
+        assert_eq!(of("LOAD_SEGMENT", "n"), Some(FieldRole::Id(OffsetKind::Node)));
+        assert_eq!(of("SET_PART_LIST", "id"), Some(FieldRole::Id(OffsetKind::Part)));
+        assert_eq!(of("CONTACT_SPOTWELD", "cid"), Some(FieldRole::Id(OffsetKind::Other)));
+        assert_eq!(of("BOUNDARY_SPC_SET", "cid"), Some(FieldRole::Id(OffsetKind::Definition)));
+        let stress = FieldRole::Curve([0, 0, 0], [1, -1, -2]);
+        assert_eq!(of("MAT_PIECEWISE_LINEAR_PLASTICITY", "lcss"), Some(stress));
+        assert!(roles_of("MAT_ELASTIC").has_units && !roles_of("MAT_JOHNSON_COOK").has_units);
+    }
+}
