@@ -4,7 +4,7 @@
 //! the phase in its row.
 
 use crate::coupling::ContactCoupling;
-use crate::engine::{Engine, StepConsensus};
+use crate::engine::{Engine, StepConsensus, StepFailure};
 use crate::erosion;
 use crate::fem::blocks::Portion;
 use crate::fem::elements::PassTotals;
@@ -41,8 +41,7 @@ const STAGES: [StepStage; 17] = [
 ];
 
 /// Advances the model by one step, with the same dt on every worker. Returns before positions
-/// change if any worker reports a failure or an airbag has no valid state; the last valid state is
-/// then kept.
+/// change if there is a failure; the last valid state is then kept.
 ///
 /// # Errors
 /// A worker is gone.
@@ -67,16 +66,14 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         if logged {
             tracing::trace!(phase = PHASES[stage.phase as usize], ?took);
         }
-        if engine.airbags.fault().is_some() {
+        if cycle.agreed.failure.is_some() {
             return Ok(cycle.agreed); // all workers know it
         }
     }
-    if cycle.agreed.failure.is_none() {
-        if cycle.agreed.eroded {
-            engine.erode(comm)?; // new surfaces without failed elements
-        }
-        engine.switch_bodies(comm)?;
+    if cycle.agreed.eroded {
+        engine.erode(comm)?; // new surfaces without failed elements
     }
+    engine.switch_bodies(comm)?;
     Ok(cycle.agreed)
 }
 
@@ -178,10 +175,12 @@ fn average_nodal_volumes(
 fn fill_airbags(
     engine: &mut Engine,
     comm: &mut dyn Transport,
-    _: &mut Cycle,
+    cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, loads, airbags, constraints, .. } = engine;
-    airbags.fill(comm, loads, (nodes, constraints), Some(clock))
+    airbags.fill(comm, loads, (nodes, constraints), Some(clock))?;
+    cycle.agreed.failure = airbags.fault().map(|_| StepFailure::Airbag);
+    Ok(())
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements
@@ -370,15 +369,12 @@ fn agree(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Re
 }
 
 /// Writes the history row if one is due, while the velocities before and after t are known, and
-/// moves nodes, rigid bodies, walls and the clock to t + dt. Does nothing after a failure.
+/// moves nodes, rigid bodies, walls and the clock to t + dt.
 fn advance(
     engine: &mut Engine,
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    if cycle.agreed.failure.is_some() {
-        return Ok(());
-    }
     engine.write_history(comm)?;
     let Engine { settings, clock, nodes, constraints, airbags, .. } = engine;
     nodes.advance(cycle.steps.dt);

@@ -58,6 +58,23 @@ fn a_bag_of_wang_and_nefske() {
     assert!(matches!(&gas.vents[2].flow, VentFlow::Rate { points } if points.len() == 2));
     let by_segments = model_of(&card("8,0"));
     assert_eq!(by_segments.settings.loads.airbags[0].faces, bag.faces);
+    assert!(!by_segments.job.airbag[0].normals_inwards);
+    // Segments against all elements; the second bag of a name gets another one.
+    let backwards = CUBE
+        .replace("*SET_SEGMENT\n8\n1,2,3,4\n5,6,7,8\n", "*SET_SEGMENT\n8\n4,3,2,1\n8,7,6,5\n")
+        .replace(
+            "1,2,6,5\n2,3,7,6\n3,4,8,7\n4,1,5,8\n*DEF",
+            "5,6,2,1\n6,7,3,2\n7,8,4,3\n8,5,1,4\n*DEF",
+        );
+    let twice =
+        model_of(&card("8,0").replace(CUBE, &backwards).replace(
+            "*AIRBAG",
+            "*AIRBAG_SIMPLE_PRESSURE_VOLUME_ID\n3,driver bag\n8,0\n2e-4\n*AIRBAG",
+        ));
+    let names: Vec<&str> = twice.job.airbag.iter().map(|bag| bag.name.as_str()).collect();
+    assert_eq!(names, ["driver bag", "driver bag-2"]);
+    assert!(twice.job.airbag.iter().all(|bag| bag.normals_inwards));
+    assert_eq!(twice.settings.loads.airbags[0].faces, bag.faces, "the volume decides");
 }
 
 /// The other bags: by volume, of constant mass, and the simple bag per mass and per mole.
@@ -80,6 +97,15 @@ fn simple_bags() {
     let BagLaw::Gas(gas) = &by_mole.law else { panic!("no gas") };
     assert!((gas.cp - 1040.0).abs() < 1e-9 && (gas.cp - gas.cv - 8.314 / 0.028).abs() < 1e-9);
     assert_eq!((gas.temperature, gas.pressure), (293.0, 1e-4));
+    // The ambient temperature of a gas by mole, and that of the gas at the start, which is first.
+    let by_mole = |iabt: &str| {
+        let start = format!("0.0,0.0,500,0,21,0,0{iabt}\n\n1e-4\n\n293.0,29.12,0.0,0.028,8.314\n");
+        match law(&format!("*AIRBAG_WANG_NEFSKE\n7,1\n{start}")).law {
+            BagLaw::Gas(gas) => gas.temperature,
+            other => panic!("no gas: {other:?}"),
+        }
+    };
+    assert_eq!([by_mole(""), by_mole(",310.0")], [293.0, 310.0]);
     let VentFlow::Orifice { area, .. } = &gas.vents[0].flow else { panic!("no orifice") };
     assert_eq!(area[1], [1e-3, 3.0]);
 }
@@ -108,6 +134,12 @@ fn fields_of_bags_without_a_counterpart() {
         ("*AIRBAG_SIMPLE_AIRBAG_MODEL\n7,1\n1040.0,743.0\n", "cp has to be larger than cv"),
         ("*AIRBAG_SIMPLE_AIRBAG_MODEL\n7,1\n\n", "neither cv nor mw"),
         ("*AIRBAG_WANG_NEFSKE\n7,1\n743.0,1040.0,500,0,21,9.0\n\n1e-4,1e-9\n\n", "`tvol` = 9"),
+        ("*AIRBAG_WANG_NEFSKE\n7,1\n743.0,1040.0,500,0,21\n\n1e-4,1e-9\n\n0.5\n", "`tdp` = 0.5"),
+        (
+            "*AIRBAG_WANG_NEFSKE\n7,1\n743.0,1040.0,0,22,21\n\n1e-4\n\n",
+            "no temperature at the start",
+        ),
+        ("*AIRBAG_ADIABATIC_GAS_MODEL\n7,1\n,,0.9,2e-4\n", "gamma is 0.9"),
         ("*AIRBAG_HYBRID\n7,1\n", "*AIRBAG_HYBRID"),
     ] {
         let report = refused(card);
@@ -158,6 +190,8 @@ fn a_bag_of_a_deck_runs() {
     assert_eq!(last[1], "airbag-7");
     assert!(number(2) > 1000.0 && number(3) > 1e-4, "it grows: {table}");
     assert!((number(7) / 4.5e-7 - 1.0).abs() < 0.05, "mass in: {}", number(7));
+    let said = run(crumple_with(&["export-binout", &path(&out)])).with_code(0).said();
+    assert!(said.contains("abstat in "), "{said}");
     let again = folder.path().join("again.k");
     let args = ["export-deck", &path(&deck), "--out", &path(&again)];
     run(crumple_with(&args)).with_code(0);

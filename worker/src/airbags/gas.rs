@@ -291,7 +291,9 @@ mod tests {
         gas.open = vec![true];
         let tau = gas.mass / model.outflow(&gas, 1.0, 0.0).mass;
         let energy = gas.energy;
-        (0..100).for_each(|i| model.exchange(&mut gas, 1.0, 0.01 * tau * f64::from(i), 0.01 * tau).unwrap());
+        (0..100).for_each(|i| {
+            model.exchange(&mut gas, 1.0, 0.01 * tau * f64::from(i), 0.01 * tau).unwrap()
+        });
         let exact = 50.0 * (1.0 + 0.5 * (g - 1.0)).powf(-2.0 * g / (g - 1.0));
         assert!(exact > 2.0, "still choked: {exact}");
         let error = model.pressure(&gas, 1.0) / exact - 1.0;
@@ -321,10 +323,8 @@ mod tests {
     /// hundredth in one step, are errors.
     #[test]
     fn a_gas_that_a_step_would_use_up_is_an_error() {
-        let rate = GasVent {
-            flow: VentFlow::Rate { points: vec![[0.0, 1e9]] },
-            opening_pressure: 0.0,
-        };
+        let rate =
+            GasVent { flow: VentFlow::Rate { points: vec![[0.0, 1e9]] }, opening_pressure: 0.0 };
         let model = GasModel::new(&GasLaw { vents: vec![rate], ..law(50.0) }, 1.0, &[]);
         let mut gas = model.start(1.0);
         let lost = model.exchange(&mut gas, 1.0, 0.0, 1.0).unwrap_err();

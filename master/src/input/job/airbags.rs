@@ -1,7 +1,7 @@
 //! Airbags: checks of their numbers, and their closed surfaces with normals outwards.
 
 use super::loads::{Curves, part_faces};
-use super::state::NodeSets;
+use super::state::{ElementStart, NodeSets, NodeStart};
 use super::validate::JobProblems;
 use crumple_proto::airbag::{
     BagFace, BagLaw, GasInflow, GasLaw, GasVent, ResolvedAirbag, VentFlow,
@@ -12,11 +12,12 @@ use crumple_proto::mesh::{Mesh, once_each};
 use crumple_proto::problem::Problem;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::PI;
 
 /// Number of open edges that a message names.
 const NAMED: usize = 4;
-/// Volume over area^(3/2) below which the normals of the elements decide what is inside, if they
-/// agree: sheets that cross a little can have a volume of the wrong sign.
+/// Volume over area^(3/2) of a body below which the normals of its elements decide what is inside,
+/// if they agree: sheets that cross a little can have a volume of the wrong sign.
 const THIN: f64 = 1e-3;
 /// The same ratio below which a volume is round-off.
 const FLAT: f64 = 1e-9;
@@ -64,6 +65,40 @@ pub fn resolve(
         }
     }
     bags
+}
+
+/// Reports nodes of airbags without mass of their own, such as tied or rigid ones with massless
+/// elements: the step of a bag follows from the masses of its nodes.
+pub fn check_masses(
+    mesh: &Mesh,
+    airbags: &[ResolvedAirbag],
+    (elements, nodes): (&ElementStart, &NodeStart),
+    findings: &mut JobProblems,
+) {
+    if airbags.is_empty() {
+        return;
+    }
+    let mut masses: HashMap<NodeId, f64> =
+        mesh.nodes.iter().zip(&nodes.added_mass).map(|(n, mass)| (n.id, *mass)).collect();
+    let mut corners = HashMap::new();
+    for (i, e) in mesh.elements.iter().enumerate() {
+        let each = elements.mass_with_scaling(i) / e.shape.corners() as f64;
+        for (c, id) in e.corners().iter().enumerate() {
+            *masses.entry(*id).or_default() += each * e.shape.mass_share(c);
+        }
+        corners.insert(e.id, e);
+    }
+    for (i, bag) in airbags.iter().enumerate() {
+        let nodes = bag.faces.iter().flat_map(|f| {
+            let e = corners[&f.element];
+            e.shape.faces()[usize::from(f.face)].map(|c| e.nodes[c])
+        });
+        if let Some(node) = nodes.into_iter().find(|n| masses[n] == 0.0) {
+            let message = format!("node {node} of airbag `{}` has no mass", bag.name);
+            let help = "give its elements a density, or the node a [[mass]]";
+            findings.add(Problem::error(format!("airbag.{i}"), message, help));
+        }
+    }
 }
 
 /// Resolves the law of a bag and checks its numbers.
@@ -149,9 +184,9 @@ fn gas(
         numbers.need(s.temperature > 0.0, "temperature", s.temperature, "above 0");
         GasInflow {
             rate: s.rate,
-            curve: curves.find(&s.curve, &format!("{path}.curve"), findings),
+            curve: curves.find_positive(&s.curve, &format!("{path}.curve"), findings),
             temperature: s.temperature,
-            temperature_curve: curves.find(
+            temperature_curve: curves.find_positive(
                 &s.temperature_curve,
                 &format!("{path}.temperature_curve"),
                 findings,
@@ -173,7 +208,7 @@ fn vent(
     let opening_pressure = vent.opening_pressure;
     let mut numbers = BagNumbers { path, findings };
     numbers.need(opening_pressure >= 0.0, "opening_pressure", opening_pressure, "0 or above");
-    let curve = curves.find(&vent.curve, &format!("{path}.curve"), findings);
+    let curve = curves.find_positive(&vent.curve, &format!("{path}.curve"), findings);
     let (by_area, by_rate) = (&vent.area_over_pressure, &vent.rate_over_pressure);
     let flow = match (vent.area, by_area.is_empty(), by_rate.is_empty()) {
         (Some(area), true, true) => {
@@ -401,11 +436,11 @@ impl BagSpace<'_> {
         (sum / nodes().count().max(1) as f64).into()
     }
 
-    /// Turns all normals outwards. Returns the volume [length^3].
+    /// Turns all normals out of the gas. Returns its volume [length^3].
     ///
-    /// The volume of a single body shows what is inside. If it is small, or if there are several
-    /// bodies, one perhaps in a hole of another, the normals of the elements decide; with
-    /// `inwards` these point into the bag.
+    /// A body inside another one is a hole, a body in a hole is not, and so on. If the volume of a
+    /// body is small and the normals of its elements agree, these decide; with `inwards` they point
+    /// into the bag.
     fn turn_outwards(
         &self,
         facets: &mut [Facet],
@@ -414,58 +449,70 @@ impl BagSpace<'_> {
         inwards: bool,
     ) -> Result<f64, (String, &'static str)> {
         let origin = Vector3::from(origin);
-        let count = bodies.mixed.len();
-        let (mut volumes, mut area) = (vec![0.0; count], 0.0);
-        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
-        for (facet, &body) in facets.iter().zip(&bodies.of) {
-            let (volume, size) = self.measure(facet, origin);
-            volumes[body] += if facet.face.inwards { -volume } else { volume };
-            area += size;
-            for x in facet.nodes.iter().map(|n| &self.place[n]) {
-                let [low, high] = &mut boxes[body];
-                (0..3).for_each(|c| (low[c], high[c]) = (low[c].min(x[c]), high[c].max(x[c])));
-            }
-        }
-        let total: f64 = volumes.iter().sum();
-        let scale = area.powf(1.5);
-        let mixed = bodies.mixed.iter().filter(|m| **m).count();
-        if mixed > 0 && (count > 1 || total.abs() <= FLAT * scale) {
-            let why = match count {
-                1 => "is flat at the start".to_string(),
-                _ => format!("consists of {count} bodies"),
+        let mut inside = 0.0;
+        let mut turned = vec![false; bodies.mixed.len()];
+        for (body, mixed) in bodies.mixed.iter().enumerate() {
+            let of = |body: usize| {
+                facets.iter().zip(&bodies.of).filter(move |(_, b)| **b == body).map(|f| f.0)
             };
-            let help = "order the nodes of its elements so that all normals point outwards";
-            return Err((format!("{why}, and its elements do not show one side"), help));
+            let (mut volume, mut area) = (0.0, 0.0);
+            for facet in of(body) {
+                let (v, a) = self.measure(facet, origin);
+                (volume, area) = (volume + v, area + a);
+            }
+            let first = of(body).next().map_or(origin, |facet| self.at(facet.nodes[0]));
+            let holds = |other: &usize| {
+                let angle: f64 = of(*other).map(|facet| self.solid_angle(facet, first)).sum();
+                *other != body && angle.abs() > 2.0 * PI
+            };
+            let depth = (0..bodies.mixed.len()).filter(holds).count();
+            let ratio = volume.abs() / area.powf(1.5);
+            turned[body] = if ratio > if *mixed { FLAT } else { THIN } {
+                (volume < 0.0) != (depth % 2 == 1)
+            } else if *mixed {
+                let help = "order the nodes of its elements so that all normals point outwards";
+                let message = "is flat at the start, and its elements do not show one side";
+                return Err((message.into(), help));
+            } else {
+                inwards
+            };
+            inside += if turned[body] { -volume } else { volume };
         }
-        let small = total.abs() <= THIN * scale;
-        let turn = if mixed > 0 || !small { total < 0.0 } else { inwards };
-        let sign = if turn { -1.0 } else { 1.0 };
-        facets.iter_mut().for_each(|facet| facet.face.inwards ^= turn);
-        let holds = |outer: usize, inner: usize| {
-            let ([low, high], [from, to]) = (boxes[outer], boxes[inner]);
-            (0..3).all(|c| low[c] <= from[c] && to[c] <= high[c])
-        };
-        let is_hole = |b: usize| (0..count).any(|o| volumes[o] * sign > 0.0 && holds(o, b));
-        if count > 1 && (0..count).any(|b| volumes[b] * sign < -FLAT * scale && !is_hole(b)) {
-            let message = format!("consists of {count} bodies, one of them with normals inwards");
-            return Err((message, "order the nodes of its elements so that all point outwards"));
+        for (facet, &body) in facets.iter_mut().zip(&bodies.of) {
+            facet.face.inwards ^= turned[body];
         }
-        Ok(total * sign)
+        Ok(inside)
     }
 
-    /// Returns volume between a face and a point, and the area of the face, from the triangles of a
-    /// fan about its centre; for a bilinear face the volume is exact.
-    fn measure(&self, facet: &Facet, origin: Vector3<f64>) -> (f64, f64) {
-        let x: Vec<Vector3<f64>> = facet.nodes.iter().map(|&n| self.at(n) - origin).collect();
-        let centre = x.iter().sum::<Vector3<f64>>() / x.len().max(1) as f64;
-        let (mut volume, mut area) = (0.0, 0.0);
-        for (k, a) in x.iter().enumerate() {
-            let b = &x[(k + 1) % x.len()];
-            let normal = (a - centre).cross(&(b - centre)) * 0.5;
-            volume += normal.dot(&centre) / 3.0;
-            area += normal.norm();
+    /// Returns the triangles of a fan about the centre of a face, relative to a point, in its
+    /// order; for a bilinear face they have its volume.
+    fn fan(&self, facet: &Facet, from: Vector3<f64>) -> Vec<[Vector3<f64>; 3]> {
+        let mut x: Vec<Vector3<f64>> = facet.nodes.iter().map(|&n| self.at(n) - from).collect();
+        if facet.face.inwards {
+            x.reverse();
         }
-        (volume, area)
+        let centre = x.iter().sum::<Vector3<f64>>() / x.len().max(1) as f64;
+        (0..x.len()).map(|k| [centre, x[k], x[(k + 1) % x.len()]]).collect()
+    }
+
+    /// Returns the volume between a face and a point, and the area of the face.
+    fn measure(&self, facet: &Facet, origin: Vector3<f64>) -> (f64, f64) {
+        let of = |[a, b, c]: [Vector3<f64>; 3]| {
+            let normal = (b - a).cross(&(c - a)) * 0.5;
+            (normal.dot(&a) / 3.0, normal.norm())
+        };
+        let each = self.fan(facet, origin).into_iter().map(of);
+        each.fold((0.0, 0.0), |(v, s), (volume, area)| (v + volume, s + area))
+    }
+
+    /// Returns the solid angle of a face at a point (van Oosterom & Strackee 1983, eq. 8).
+    fn solid_angle(&self, facet: &Facet, at: Vector3<f64>) -> f64 {
+        let of = |[a, b, c]: [Vector3<f64>; 3]| {
+            let [la, lb, lc] = [a, b, c].map(|r| r.norm());
+            let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+            2.0 * a.dot(&b.cross(&c)).atan2(below)
+        };
+        self.fan(facet, at).into_iter().map(of).sum()
     }
 }
 

@@ -108,6 +108,8 @@ pub fn resolve(
 pub struct Curves<'j> {
     names: Vec<&'j str>,
     starts: Vec<Option<f64>>,
+    /// First negative factor of each curve.
+    negative: Vec<Option<[f64; 2]>>,
 }
 
 impl<'j> Curves<'j> {
@@ -158,7 +160,28 @@ impl<'j> Curves<'j> {
         Self {
             names: job.curve.iter().map(|c| c.name.as_str()).collect(),
             starts: job.curve.iter().map(|c| start(&c.points)).collect(),
+            negative: job
+                .curve
+                .iter()
+                .map(|c| c.points.iter().copied().find(|p| p[1] < 0.0))
+                .collect(),
         }
+    }
+
+    /// Returns the index of an optional curve, and reports negative factors of it.
+    pub fn find_positive(
+        &self,
+        name: &Option<String>,
+        path: &str,
+        findings: &mut JobProblems,
+    ) -> Option<usize> {
+        let found = self.find(name, path, findings)?;
+        if let Some([time, factor]) = self.negative[found] {
+            let message =
+                format!("curve `{}` has the factor {factor:?} at {time:?}", self.names[found]);
+            findings.add(Problem::error(path, message, "its factors have to be 0 or above"));
+        }
+        Some(found)
     }
 
     /// Returns the index of an optional curve.

@@ -283,6 +283,7 @@ fn build(
     if let Some((_, dt)) = state::smallest(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()) {
         walls::behind(&job, &settings, &mesh, &nodes, dt, findings);
     }
+    airbags::check_masses(&mesh, &settings.loads.airbags, (&elements, &nodes), findings);
     if findings.any_error() {
         return None;
     }

@@ -3,6 +3,7 @@
 use super::DeckConverter;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use std::collections::HashSet;
 
 /// A gas: heat capacities at constant volume and pressure [energy/(mass temperature)].
 #[derive(Clone, Copy)]
@@ -14,42 +15,44 @@ struct DeckGas {
 impl DeckConverter {
     /// Converts all airbags. Parts, sets and curves must have been read.
     pub(super) fn airbags(&mut self) {
-        for record in self.take_records("AIRBAG_SIMPLE_PRESSURE_VOLUME") {
-            if let Some(mut bag) = self.bag(&record) {
-                self.pressure_by_volume(&record, &mut bag);
-                self.add("airbag", bag);
-            }
-        }
-        for record in self.take_records("AIRBAG_ADIABATIC_GAS_MODEL") {
-            if let Some(bag) = self.bag(&record) {
-                let bag = self.closed_gas(&record, bag);
-                self.add("airbag", bag);
-            }
-        }
-        for keyword in ["AIRBAG_SIMPLE_AIRBAG_MODEL", "AIRBAG_WANG_NEFSKE"] {
+        let mut names = HashSet::new();
+        for keyword in [
+            "AIRBAG_SIMPLE_PRESSURE_VOLUME",
+            "AIRBAG_ADIABATIC_GAS_MODEL",
+            "AIRBAG_SIMPLE_AIRBAG_MODEL",
+            "AIRBAG_WANG_NEFSKE",
+        ] {
             for record in self.take_records(keyword) {
-                let Some(bag) = self.bag(&record) else { continue };
-                let Some(gas) = self.heat_capacities(&record) else { continue };
+                let Some(bag) = self.bag(&record, &mut names) else { continue };
                 let bag = match keyword {
-                    "AIRBAG_WANG_NEFSKE" => self.wang_nefske(&record, gas, bag),
-                    _ => self.simple_gas(&record, gas, bag),
+                    "AIRBAG_SIMPLE_PRESSURE_VOLUME" => Some(self.pressure_by_volume(&record, bag)),
+                    "AIRBAG_ADIABATIC_GAS_MODEL" => self.closed_gas(&record, bag),
+                    "AIRBAG_WANG_NEFSKE" => self.wang_nefske(&record, bag),
+                    _ => self.simple_gas(&record, bag),
                 };
-                self.add("airbag", bag);
+                if let Some(bag) = bag {
+                    self.add("airbag", bag);
+                }
             }
         }
     }
 
-    /// Returns the table of a bag with its name and surface.
-    fn bag(&mut self, record: &CardRecord) -> Option<JobTable> {
+    /// Returns the table of a bag with its name, which none of `names` is, and its surface.
+    fn bag(&mut self, record: &CardRecord, names: &mut HashSet<String>) -> Option<JobTable> {
         let (sid, place) = (record.integer("sid"), record.place("sid"));
         let number = match record.integer("id") {
             0 => sid,
             id => id,
         };
-        let name = match record.word("heading").trim() {
+        let first = match record.word("heading").trim() {
             "" => format!("airbag-{number}"),
             heading => heading.to_string(),
         };
+        let mut others = (2..).map(|count| format!("{first}-{count}"));
+        let mut name = first.clone();
+        while !names.insert(name.clone()) {
+            name = others.next()?;
+        }
         let bag = JobTable::new(record.head).with("name", record.head, name);
         if record.integer("sidtyp") != 0 {
             let parts = self.part_set(sid, place);
@@ -60,20 +63,24 @@ impl DeckConverter {
             self.missing(place, "*SET_SEGMENT", sid, &known);
             return None;
         };
-        let nodes = self.nodes_of_surface(&segments, place, &record.name())?;
+        let (nodes, inwards) = self.nodes_of_surface(&segments, place, &record.name())?;
         let set = format!("airbag-surface-{sid}");
         if !self.rows.has_set(&set) {
             self.rows.add_set(set.clone(), nodes, place);
         }
-        Some(bag.with("nodes", place, set))
+        let mut bag = bag.with("nodes", place, set);
+        if inwards {
+            bag.put("normals_inwards", place, true);
+        }
+        Some(bag)
     }
 
-    fn pressure_by_volume(&mut self, record: &CardRecord, bag: &mut JobTable) {
+    fn pressure_by_volume(&mut self, record: &CardRecord, mut bag: JobTable) -> JobTable {
         let (cn, lcid) = (record.real("cn"), record.integer("lcid"));
         let beta = super::curves::one(record.real("beta"));
         let place = record.place("cn");
         if lcid != 0 {
-            self.points_of(bag, "pressure_over_volume", record, "lcid", lcid);
+            self.points_of(&mut bag, "pressure_over_volume", record, "lcid", lcid);
         } else if cn < 0.0 {
             bag.put("inverse_pressure", place, beta);
             if let Some(curve) = self.time_curve(-cn as i64, place) {
@@ -82,24 +89,27 @@ impl DeckConverter {
         } else {
             bag.put("inverse_pressure", place, beta * cn);
         }
+        bag
     }
 
-    /// Completes a bag with a gas of constant mass. Its gas constant is 1, which has no effect on
-    /// the pressure.
-    fn closed_gas(&mut self, record: &CardRecord, bag: JobTable) -> JobTable {
+    /// Completes a bag with a gas of constant mass. Its gas constant is 1 and, without a density,
+    /// its temperature too. Both have no effect on the pressure.
+    fn closed_gas(&mut self, record: &CardRecord, bag: JobTable) -> Option<JobTable> {
         let (gamma, p0, ro) = (record.real("gamma"), record.real("p0"), record.real("ro"));
         if gamma <= 1.0 {
             let help = "give the ratio of heat capacities, such as 1.4";
             self.trouble.error(record.place("gamma"), format!("gamma is {gamma}"), help);
-            return bag;
+            return None;
         }
         let cv = 1.0 / (gamma - 1.0);
         let temperature = if ro > 0.0 && p0 > 0.0 { p0 / ro } else { 1.0 };
-        bag.with("cv", record.place("gamma"), cv)
+        let bag = bag
+            .with("cv", record.place("gamma"), cv)
             .with("cp", record.place("gamma"), gamma * cv)
             .with("pressure", record.place("p0"), p0)
             .with("ambient_pressure", record.place("pe"), record.real("pe"))
-            .with("temperature", record.place("ro"), temperature)
+            .with("temperature", record.place("ro"), temperature);
+        Some(bag)
     }
 
     /// Returns the heat capacities per mass, and reports values that are not possible.
@@ -133,18 +143,26 @@ impl DeckConverter {
     fn put_gas(
         &mut self,
         record: &CardRecord,
-        gas: DeckGas,
         (over, initial): (f64, f64),
         bag: JobTable,
-    ) -> JobTable {
-        let (pe, ro) = (record.real("pe"), record.real("ro"));
+    ) -> Option<JobTable> {
+        let gas = self.heat_capacities(record)?;
+        let (pe, ro, ambient) = (record.real("pe"), record.real("ro"), record.real("text"));
         let temperature = if initial > 0.0 {
             initial
+        } else if record.real("cv") == 0.0 && ambient > 0.0 {
+            ambient
         } else if pe > 0.0 && ro > 0.0 {
             pe / ((gas.cp - gas.cv) * ro)
         } else {
-            super::curves::one(record.real("t"))
+            record.real("t")
         };
+        if temperature <= 0.0 {
+            let message = "the gas has no temperature at the start";
+            let help = "give the ambient pressure pe and density ro, or the temperature t";
+            self.trouble.error(record.place("ro"), message, help);
+            return None;
+        }
         let mut bag = bag
             .with("cv", record.place("cv"), gas.cv)
             .with("cp", record.place("cp"), gas.cp)
@@ -153,12 +171,11 @@ impl DeckConverter {
         if over != 0.0 {
             bag.put("pressure", record.place("pover"), pe + over);
         }
-        bag
+        Some(bag)
     }
 
-    fn simple_gas(&mut self, record: &CardRecord, gas: DeckGas, bag: JobTable) -> JobTable {
-        let ambient = if record.real("cv") == 0.0 { record.real("text") } else { 0.0 };
-        let mut bag = self.put_gas(record, gas, (0.0, ambient), bag);
+    fn simple_gas(&mut self, record: &CardRecord, bag: JobTable) -> Option<JobTable> {
+        let mut bag = self.put_gas(record, (0.0, 0.0), bag)?;
         let place = record.place("lcid");
         let mut inflow = Vec::new();
         if record.integer("lcid") != 0
@@ -189,16 +206,16 @@ impl DeckConverter {
         vents.extend(self.vent_by_rate(record, "lou"));
         put_tables(&mut bag, "inflow", inflow);
         put_tables(&mut bag, "vent", vents);
-        bag
+        Some(bag)
     }
 
-    fn wang_nefske(&mut self, record: &CardRecord, gas: DeckGas, bag: JobTable) -> JobTable {
+    fn wang_nefske(&mut self, record: &CardRecord, bag: JobTable) -> Option<JobTable> {
         let gc = record.real("gc");
         if gc != 0.0 && gc != 1.0 {
             self.unsupported_value(record, "gc", "units that are not consistent: convert the deck");
         }
         let state = (record.real("pover"), record.real("iabt"));
-        let mut bag = self.put_gas(record, gas, state, bag);
+        let mut bag = self.put_gas(record, state, bag)?;
         let place = record.place("lcmt");
         let mut inflow = Vec::new();
         if let Some(curve) = self.time_curve(record.integer("lcmt"), place) {
@@ -222,7 +239,7 @@ impl DeckConverter {
         let vents = vents.collect();
         put_tables(&mut bag, "inflow", inflow);
         put_tables(&mut bag, "vent", vents);
-        bag
+        Some(bag)
     }
 
     /// Returns a vent from the fields of its coefficient, the curve of that, its area, and the

@@ -31,7 +31,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("cv:r cp:r t:r lcid:i mu:r area:r pe:r ro:r", Once),
             ("lou:i text:r a:r b:r mw:r gasc:r", Maybe),
         ],
-        "`[[airbag]]` with a gas. It starts with the ambient pressure pe and density ro. Inflow \
+        "`[[airbag]]` with a gas. It starts with the ambient pressure pe, and the temperature text \
+         (with cv 0), that of the ambient density ro, or t. Inflow \
          lcid with the temperature t. Vents: an orifice with the coefficient mu and the area (if \
          negative, a curve over absolute pressure), and the rate lou over gauge pressure. With cv \
          0 the heat capacity is a/mw and the gas constant gasc/mw",
@@ -63,13 +64,14 @@ pub const KEYWORDS: &[Keyword] = &[
             ("pe:r ro:r gc:r=1 lcefr:i pover:r ppop:r opt:i knkdn:i", Once),
             ("ioc:r ioa:r ivol:r iro:r it:r lcbf:i", Maybe),
             ("text:r a:r b:r mw:r gasc:r hconv:r", AtMost(molar)),
+            ("tdp:r axp:r ayp:r azp:r amagp:r tdurp:r tda:r rbidp:i", Maybe),
         ],
         "`[[airbag]]` with a gas. It starts with the pressure pe + pover and the temperature iabt, \
-         or that of the ambient density ro. Inflow lcmt with the temperature t or lct. Vents: an \
-         orifice (coefficient c23 or lcc23 over time, area a23 or lca23 over absolute pressure) \
-         that opens at ppop, the leakage of the fabric (cp23, lccp23, ap23, lcap23), and the rate \
-         lcefr over gauge pressure. With cv 0 the heat capacity is a/mw and the gas constant \
-         gasc/mw",
+         text (with cv 0), that of the ambient density ro, or t. Inflow lcmt with the temperature \
+         t or lct. Vents: an orifice (coefficient c23 or lcc23 over time, area a23 or lca23 over \
+         absolute pressure) that opens at ppop, the leakage of the fabric (cp23, lccp23, ap23, \
+         lcap23), and the rate lcefr over gauge pressure. With cv 0 the heat capacity is a/mw and \
+         the gas constant gasc/mw",
     )
     .unused(&[
         RBID,
@@ -81,6 +83,7 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("opt", "porosity by the material of the fabric: give cp23 and ap23"),
         no_effect("knkdn", "it is for jets"),
         refused("hconv", "loss of heat through the fabric"),
+        refused("tdp axp ayp azp amagp tdurp tda rbidp", "vents that open by time or acceleration"),
     ])
     .options(&["ID"]),
 ];
