@@ -68,8 +68,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let inner = rows(&mut |i, j| point(i, j, -1.0));
     let outer = rows(&mut |i, j| if is_rim(i, j) { inner[i][j] } else { point(i, j, 1.0) });
     for i in 0..count {
-        mesh.strip(1, &inner[i], &inner[i + 1], false);
-        mesh.strip(2, &outer[i + 1], &outer[i], false);
+        mesh.strip(1, &inner[i + 1], &inner[i], false);
+        mesh.strip(2, &outer[i], &outer[i + 1], false);
     }
     for i in 0..=count {
         for j in 0..=across {

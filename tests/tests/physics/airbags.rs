@@ -155,28 +155,35 @@ fn a_rigid_tank_empties_through_a_choked_vent() {
 }
 
 /// A lid that moves into a tank compresses its gas along p V^g, with an error of second order in
-/// the step. The gas keeps its work as energy; the ledger has this work, less that of the air
-/// outside.
+/// the step. The gas keeps its work as energy, and the energies of lid, walls and gas balance. The
+/// walls are soft; a shell of steel beside the tank sets the step.
 #[test]
 fn a_piston_compresses_along_the_isentrope() {
-    let motion = "[[motion]]\nnodes = \"top\"\nvelocity = [0.0, 0.0, -100.0]\n\
-                  [[fix]]\nnodes = \"rest\"\n\
-                  dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+    let rest = "[[motion]]\nnodes = \"top\"\nvelocity = [0.0, 0.0, -100.0]\n\
+                [[fix]]\nnodes = \"rest\"\n\
+                dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+    let soft = "[[material]]\nname = \"soft\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+                youngs_modulus = 1e-5\npoisson = 0.3\n";
     let errors = [0.8, 0.4].map(|safety: f64| {
-        let time = format!("[time]\nsafety = {safety:?}\n");
+        let mut surfaces = Surfaces::default();
+        surfaces.add(1, 4, &SIDES, false, |x| x.map(|c| 50.0 * (c + 1.0)));
+        surfaces.add(2, 1, &SIDES[..1], false, |x| x.map(|c| 5.0 * c - 50.0));
+        let keys = format!("{}{rest}{soft}[time]\nsafety = {safety:?}\n", gas(""));
+        let text =
+            surfaces.text(0.2, 2, &keys).replacen("material = \"steel\"", "material = \"soft\"", 1);
         let (mut worst, mut left) = (0.0f64, 0.0f64);
-        let end = run_alone(&cube(0.2, &gas(&format!("{motion}{time}"))), |e| {
+        let end = run_alone(&model_of(&text, &[]), |e| {
             let now = bag(e);
             let exact = AMBIENT * (1e6 / now.volume).powf(CP / CV);
             worst = worst.max((now.pressure / exact - 1.0).abs());
             let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
-            left = left.max(energies.balance(0.0).abs() / energies.external.abs().max(1.0));
+            left = left.max(energies.balance(0.0).abs());
         });
         let now = bag(&end);
         assert!((8e5..8.1e5).contains(&now.volume), "the last step is one before: {now:?}");
         let before = AMBIENT * 1e6 / (CP / CV - 1.0);
         assert!((now.energy - before + now.work).abs() < 1e-10 * before, "the first law");
-        assert!(left < 1e-3, "{left}");
+        assert!(left < 1e-3 * now.work.abs(), "{left} {now:?}");
         worst
     });
     assert!(errors[0] < 1e-4, "{errors:?}");
@@ -192,7 +199,7 @@ fn a_rigid_lid_on_a_gas_swings_as_its_closed_form_says() {
                 youngs_modulus = 1e-8\npoisson = 0.0\n[[part]]\nid = 2\nmaterial = \"soft\"\n\
                 thickness = 1.0\n[[rigid]]\nname = \"lid\"\nparts = [1]\n\
                 fixed = [\"x\", \"y\", \"rx\", \"ry\", \"rz\"]\n\
-                [[initial_velocity]]\nparts = [1]\nvelocity = [0.0, 0.0, 0.5]\n\
+                [[initial_velocity]]\nnodes = \"top\"\nvelocity = [0.0, 0.0, 0.5]\n\
                 [[fix]]\nnodes = \"rest\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
     let tank = gas("").replace("[1]", "[1, 2]").replace(&format!("{AMBIENT:?}"), "0.01");
     let model = |end_time: f64, safety: f64| {
@@ -254,13 +261,13 @@ fn a_sphere_inflates_as_its_elastic_closed_form_says() {
 /// Half a tank on a plane of symmetry has half the volume, although its surface is open there.
 #[test]
 fn a_plane_of_symmetry_closes_a_bag() {
-    let mut surfaces = Surfaces::default();
     // The sides and the lid z = 50; open at z = 10.
     let sides = [SIDES[0], SIDES[1], SIDES[2], SIDES[3], SIDES[5]];
-    surfaces.add(1, 2, &sides, false, |[x, y, z]| {
-        [50.0 * (x + 1.0), 50.0 * (y + 1.0), 10.0 + 20.0 * (z + 1.0)]
-    });
-    let mut job = |at: &str| {
+    let job = |at: &str| {
+        let mut surfaces = Surfaces::default();
+        surfaces.add(1, 2, &sides, false, |[x, y, z]| {
+            [50.0 * (x + 1.0), 50.0 * (y + 1.0), 10.0 + 20.0 * (z + 1.0)]
+        });
         let plane = format!("[[symmetry]]\npoint = [0.0, 0.0, {at}]\nnormal = [0.0, 0.0, 1.0]\n");
         surfaces.text(0.01, 1, &format!("{}{plane}", gas("")))
     };
@@ -290,7 +297,7 @@ fn bodies_inside_a_bag_are_holes() {
 /// the gas presses them apart. If they do not agree, the bag is refused.
 #[test]
 fn a_flat_bag_fills_along_its_normals() {
-    let mut job = |aligned: bool, keys: &str| {
+    let job = |aligned: bool, keys: &str| {
         let mut surfaces = Surfaces::default();
         for (side, end) in [(&SIDES[4..5], -1.0), (&SIDES[5..], 1.0)] {
             // The inner nodes of the two sheets differ in the last digits only.
@@ -322,8 +329,8 @@ fn a_flat_bag_fills_along_its_normals() {
 fn a_free_bag_keeps_momentum_and_energy_on_any_number_of_workers() {
     let mut surfaces = Surfaces::default();
     surfaces.add(1, 4, &SIDES, false, |x| on_sphere(x, 100.0));
-    let inflow = "[[airbag.inflow]]\nrate = 2e-4\ncurve = \"pulse\"\ntemperature = 500.0\n\
-                  [[airbag.vent]]\narea = 300.0\nopening_pressure = 1e-6\n\
+    let inflow = "[[airbag.inflow]]\nrate = 2e-3\ncurve = \"pulse\"\ntemperature = 500.0\n\
+                  [[airbag.vent]]\narea = 1000.0\nopening_pressure = 1e-6\n\
                   [[curve]]\nname = \"pulse\"\npoints = [[0.0, 0.0], [0.5, 1.0], [4.0, 0.0]]\n";
     let fabric = "[[material]]\nname = \"cloth\"\nlaw = \"fabric\"\ndensity = 0.9e-6\n\
                   youngs_modulus = 0.3\npoisson = 0.3\n";
@@ -340,7 +347,7 @@ fn a_free_bag_keeps_momentum_and_energy_on_any_number_of_workers() {
     });
     let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
     let (first, now) = (first.unwrap(), bag(&end));
-    assert!(now.mass_out > 0.0 && now.volume > 1.05 * first.volume, "{now:?}");
+    assert!(now.mass_out > 0.0 && now.volume > 1.01 * first.volume, "{now:?}");
     let passed = now.enthalpy_in - now.enthalpy_out;
     let lost = first.energy + passed - now.energy;
     assert!((lost - now.work).abs() < 1e-10 * passed, "the first law: {lost} {}", now.work);
@@ -358,7 +365,14 @@ fn a_free_bag_keeps_momentum_and_energy_on_any_number_of_workers() {
 /// The folded bag of `cases/airbag` touches itself: energy, and the same bits on 1 and 2 workers.
 #[test]
 fn a_folded_bag_keeps_its_energy() {
-    let sets = ["end_time=1.5", "scene.along=6", "scene.across=6", "output.field_interval=-1.0"];
+    let sets = [
+        "end_time=1.5",
+        "scene.along=6",
+        "scene.across=6",
+        "scene.radius=1.0",
+        "scene.gap=0.5",
+        "output.field_interval=-1.0",
+    ];
     let model = read(&crumple_tests::case("airbag"), &sets);
     let (mut left, mut pairs) = (0.0f64, 0);
     let end = run_alone(&model, |e| {

@@ -240,7 +240,7 @@ mod tests {
         let mut gas = model.start(3.0);
         (0..50).for_each(|i| model.exchange(&mut gas, 3.0, 0.1 * f64::from(i), 0.1).unwrap());
         assert!((model.temperature(&gas) / (400.0 * CP / CV) - 1.0).abs() < 1e-12);
-        assert!((gas.mass - 10.0).abs() < 1e-12 && gas.exchanged[0] == gas.mass);
+        assert!((gas.mass - 10.0).abs() < 1e-11 && (gas.exchanged[0] - 10.0).abs() < 1e-11);
         let pressure = 10.0 * (CP - CV) * 400.0 * CP / CV / 3.0;
         assert!((model.pressure(&gas, 3.0) / pressure - 1.0).abs() < 1e-12);
     }
@@ -263,7 +263,9 @@ mod tests {
         assert!((errors[0] / errors[1] - 4.0).abs() < 0.1, "second order: {errors:?}");
     }
 
-    /// Choked flow has the mass rate C A p sqrt(g/(R T)) (2/(g+1))^((g+1)/(2(g-1))). A small
+    /// Choked flow has the mass rate C A p sqrt(g/(R T)) (2/(g+1))^((g+1)/(2(g-1))). Subsonic flow
+    /// has density times velocity at the Mach number M in the orifice, where temperature and
+    /// pressure are below those of the gas at rest by k = 1 + (g-1)/2 M^2 and k^(g/(g-1)). A small
     /// difference of pressure gives C A sqrt(2 rho dp).
     #[test]
     fn an_orifice_passes_what_its_closed_forms_say() {
@@ -272,6 +274,13 @@ mod tests {
         let choked =
             5.0 * (g / (r * 300.0)).sqrt() * (2.0 / (g + 1.0)).powf((g + 1.0) / (2.0 * (g - 1.0)));
         assert!((model.flux(5.0, 300.0) / choked - 1.0).abs() < 1e-12);
+        for mach in [0.1, 0.5, 0.9, 1.0f64] {
+            let colder = 1.0 + 0.5 * (g - 1.0) * mach * mach;
+            let pressure = colder.powf(g / (g - 1.0));
+            let density = 1.0 / (r * 300.0 / colder);
+            let exact = density * mach * (g * r * 300.0 / colder).sqrt();
+            assert!((model.flux(pressure, 300.0) / exact - 1.0).abs() < 1e-12, "{mach}");
+        }
         let density = 1.001 / (r * 300.0);
         let slow = (2.0 * density * 0.001f64).sqrt();
         assert!(
