@@ -88,6 +88,11 @@ impl GasModel {
         self.law.cp / self.law.cv
     }
 
+    /// Returns the absolute pressure at the start [force/length^2].
+    pub fn start_pressure(&self) -> f64 {
+        self.law.pressure
+    }
+
     /// Returns the gas at the start in a volume [length^3].
     pub fn start(&self, volume: f64) -> Gas {
         let GasLaw { cv, cp, pressure, temperature, .. } = self.law;

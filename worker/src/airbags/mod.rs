@@ -216,6 +216,9 @@ impl Bag {
         }
         let mut memory = self.memory.clone();
         let started = memory.start_volume > 0.0;
+        if started && dt == 0.0 {
+            return Ok(memory); // the first step begins with the state of the start
+        }
         if !started {
             (memory.start_volume, memory.volume) = (volume, volume);
             if let BagModel::Gas(model) = &self.model {
@@ -229,12 +232,11 @@ impl Bag {
         let ambient = self.job.ambient_pressure;
         let work;
         (memory.pressure, work) = match &self.model {
+            // Without round-off, so that a bag with the ambient pressure is at rest.
+            BagModel::Gas(model) if !started => (model.start_pressure(), 0.0),
             BagModel::Gas(model) => {
-                let mut work = 0.0;
-                if started {
-                    model.exchange(&mut memory.gas, volumes[0], from, dt)?;
-                    work = model.expand(&mut memory.gas, before, volumes)?;
-                }
+                model.exchange(&mut memory.gas, volumes[0], from, dt)?;
+                let work = model.expand(&mut memory.gas, before, volumes)?;
                 (model.pressure(&memory.gas, volume), work)
             }
             BagModel::Inverse(pressure, factor) => {
