@@ -5,7 +5,6 @@
 //! it in ascending element id with all other forces. Work is force times the mean of the
 //! velocities before and after, as in the ledger.
 
-use crate::airbags::BagSums;
 use crate::curve::Curve;
 use crate::fem::blocks::{Blocks, Portion};
 use crate::math::row::{Row, row};
@@ -15,6 +14,7 @@ use crate::time::ElementSet;
 use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
 use crumple_proto::airbag::ResolvedAirbag;
+use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::loads::{Gravity, Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 
@@ -76,6 +76,15 @@ struct LocalForce {
     nodes: Vec<u32>,
     /// Factor at the present time.
     factor: f64,
+}
+
+/// Sums over the faces of a bag.
+#[derive(Clone, Debug, Default)]
+pub struct BagSums {
+    /// Terms of the volume [length^3].
+    pub volume: ExactSum,
+    /// Sum of `k |g_a|^2/M_a` over faces and corners [length^4/mass].
+    pub softness: ExactSum,
 }
 
 /// Source of a pressure.

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 /// Airbag: a volume inside a closed surface, with one pressure that acts on the surface. The
 /// surface consists of the shells of some parts; edges in planes of symmetry may be open. Its
-/// normals point outwards: they are turned if the volume shows what is inside. An ideal gas (`cv`, `cp`) has inflows and vents;
-/// instead of it, `inverse_pressure` or `pressure_over_volume` gives the pressure.
+/// normals point outwards: they are turned if the volume shows what is inside. An ideal gas (`cv`,
+/// `cp`) has inflows and vents; instead of it, `inverse_pressure` or `pressure_over_volume` gives
+/// the pressure.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AirbagInput {

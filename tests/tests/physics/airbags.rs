@@ -156,7 +156,7 @@ fn a_rigid_tank_empties_through_a_choked_vent() {
 
 /// A lid that moves into a tank compresses its gas along p V^g, with an error of second order in
 /// the step. The gas keeps its work as energy, and the energies of lid, walls and gas balance. The
-/// walls are soft; a shell of steel beside the tank sets the step.
+/// walls are soft; a shell of steel outside of the tank sets the step.
 #[test]
 fn a_piston_compresses_along_the_isentrope() {
     let rest = "[[motion]]\nnodes = \"top\"\nvelocity = [0.0, 0.0, -100.0]\n\
@@ -278,7 +278,7 @@ fn a_plane_of_symmetry_closes_a_bag() {
     assert!(report.contains("not closed: 8 of its edges are open"), "{report}");
 }
 
-/// A body inside a bag is a hole in it, and a body beside it adds to its volume, whichever way
+/// A body inside a bag is a hole in it, and a body next to it adds to its volume, whichever way
 /// their elements are turned.
 #[test]
 fn bodies_inside_a_bag_are_holes() {

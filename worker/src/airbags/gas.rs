@@ -39,7 +39,7 @@ pub struct Gas {
 
 /// Mass and enthalpy, or their rates.
 #[derive(Clone, Copy, Debug, Default)]
-struct Flow {
+struct GasFlow {
     mass: f64,
     enthalpy: f64,
 }
@@ -179,21 +179,21 @@ impl GasModel {
     }
 
     /// Returns the mass and enthalpy that the sources add from `time` to `time + dt`.
-    fn sources(&self, time: f64, dt: f64) -> Flow {
-        let mut sum = Flow::default();
+    fn sources(&self, time: f64, dt: f64) -> GasFlow {
+        let mut sum = GasFlow::default();
         for (source, [rate, temperature]) in self.law.inflows.iter().zip(&self.sources) {
             let mass = source.rate * (rate.integral(time + dt) - rate.integral(time));
             let heat = self.law.cp * source.temperature * temperature.value(time + 0.5 * dt);
-            sum = Flow { mass: sum.mass + mass, enthalpy: sum.enthalpy + mass * heat };
+            sum = GasFlow { mass: sum.mass + mass, enthalpy: sum.enthalpy + mass * heat };
         }
         sum
     }
 
     /// Returns the rates at which gas leaves.
-    fn outflow(&self, gas: &Gas, volume: f64, time: f64) -> Flow {
+    fn outflow(&self, gas: &Gas, volume: f64, time: f64) -> GasFlow {
         let (pressure, temperature) = (self.pressure(gas, volume), self.temperature(gas));
         if temperature <= 0.0 || pressure <= self.ambient {
-            return Flow::default();
+            return GasFlow::default();
         }
         let open = self.vents.iter().zip(&gas.open).filter(|(_, open)| **open);
         let mass = open.map(|(vent, _)| match vent {
@@ -204,7 +204,7 @@ impl GasModel {
             VentModel::Rate(rate) => rate.value(pressure - self.ambient),
         });
         let mass = mass.sum::<f64>();
-        Flow { mass, enthalpy: mass * self.law.cp * temperature }
+        GasFlow { mass, enthalpy: mass * self.law.cp * temperature }
     }
 
     /// Returns the flow through an orifice per area, from a pressure above the ambient one

@@ -16,7 +16,7 @@ mod gas;
 
 use crate::constraints::Constraints;
 use crate::curve::Curve;
-use crate::loads::Loads;
+use crate::loads::{BagSums, Loads};
 use crate::nodes::Nodes;
 use crate::time::Clock;
 use crumple_proto::airbag::{BagLaw, ResolvedAirbag};
@@ -26,15 +26,6 @@ use crumple_proto::loads::ResolvedLoads;
 use crumple_proto::transport::{RankLost, Tag, Transport, sum_all};
 use gas::{Gas, GasModel};
 use serde::{Deserialize, Serialize};
-
-/// Sums over the faces of a bag.
-#[derive(Clone, Debug, Default)]
-pub struct BagSums {
-    /// Terms of the volume [length^3].
-    pub volume: ExactSum,
-    /// Sum of `k |g_a|^2/M_a` over faces and corners [length^4/mass].
-    pub softness: ExactSum,
-}
 
 /// State of an airbag between steps, equal on all workers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -75,7 +66,7 @@ pub struct Airbags {
     words: Vec<i64>,
     /// Upper bound of the squared frequency due to all bags [1/time^2].
     frequency2: f64,
-    /// What is wrong with the first bag that has no valid next state; equal on all workers.
+    /// The fault of the first bag that has no valid next state; equal on all workers.
     fault: Option<String>,
 }
 

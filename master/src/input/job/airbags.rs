@@ -367,7 +367,7 @@ impl BagSpace<'_> {
     /// coordinate of the planes that close the surface.
     fn check_edges(
         &self,
-        edges: &Edges,
+        edges: &EdgeFaces,
         bag: &AirbagInput,
         path: &str,
         findings: &mut JobProblems,
@@ -444,7 +444,7 @@ impl BagSpace<'_> {
     fn turn_outwards(
         &self,
         facets: &mut [Facet],
-        bodies: &Bodies,
+        bodies: &SurfaceBodies,
         origin: [f64; 3],
         inwards: bool,
     ) -> Result<f64, (String, &'static str)> {
@@ -518,10 +518,10 @@ impl BagSpace<'_> {
 
 /// For each edge, as two nodes in ascending order, its faces and whether they run from the first to
 /// the second node.
-type Edges = BTreeMap<[NodeId; 2], Vec<(usize, bool)>>;
+type EdgeFaces = BTreeMap<[NodeId; 2], Vec<(usize, bool)>>;
 
-fn edges(facets: &[Facet]) -> Edges {
-    let mut edges = Edges::new();
+fn edges(facets: &[Facet]) -> EdgeFaces {
+    let mut edges = EdgeFaces::new();
     for (i, facet) in facets.iter().enumerate() {
         for (k, &a) in facet.nodes.iter().enumerate() {
             let b = facet.nodes[(k + 1) % facet.nodes.len()];
@@ -533,7 +533,7 @@ fn edges(facets: &[Facet]) -> Edges {
 
 /// Connected bodies of a surface.
 #[derive(Debug, PartialEq)]
-struct Bodies {
+struct SurfaceBodies {
     /// Number of the body of each face.
     of: Vec<usize>,
     /// For each body, true if the normals of its elements do not show one side.
@@ -542,7 +542,7 @@ struct Bodies {
 
 /// Orients all faces of each connected body as its first one; returns `None` if that is
 /// impossible.
-fn orient(facets: &mut [Facet], edges: &Edges) -> Option<Bodies> {
+fn orient(facets: &mut [Facet], edges: &EdgeFaces) -> Option<SurfaceBodies> {
     let mut neighbours: Vec<Vec<(usize, bool)>> = vec![Vec::new(); facets.len()];
     for of in edges.values() {
         if let [(a, a_along), (b, b_along)] = of[..] {
@@ -551,7 +551,7 @@ fn orient(facets: &mut [Facet], edges: &Edges) -> Option<Bodies> {
             neighbours[b].push((a, a_along == b_along));
         }
     }
-    let mut bodies = Bodies { of: vec![usize::MAX; facets.len()], mixed: Vec::new() };
+    let mut bodies = SurfaceBodies { of: vec![usize::MAX; facets.len()], mixed: Vec::new() };
     for start in 0..facets.len() {
         if bodies.of[start] != usize::MAX {
             continue;
@@ -612,7 +612,7 @@ mod tests {
         let edges = edges(&facets);
         assert!(edges.values().all(|of| of.len() == 2));
         let bodies = orient(&mut facets, &edges).expect("two sides");
-        assert_eq!(bodies, Bodies { of: vec![0; 4], mixed: vec![true] });
+        assert_eq!(bodies, SurfaceBodies { of: vec![0; 4], mixed: vec![true] });
         let turned: Vec<bool> = facets.iter().map(|f| f.face.inwards).collect();
         assert_eq!(turned, [false, false, true, false]);
         count_meeting(&mut facets);

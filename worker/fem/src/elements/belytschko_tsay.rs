@@ -95,7 +95,7 @@ fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> Element
     let section = Section::new(part, values, law)?;
     let membrane = values.flag("membrane");
     Ok(Box::new(Shell(Quad(BelytschkoTsay {
-        section: if membrane { section.as_membrane() } else { section },
+        section: if membrane { section.of_membrane() } else { section },
         membrane,
         hourglass: HourglassForm::from_word(&values.word("hourglass")),
         hourglass_coefficient: values.number("hourglass_coefficient"),

@@ -83,7 +83,7 @@ fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> Element
     let membrane = values.flag("membrane");
     let unless_membrane = |key: &str| if membrane { 0.0 } else { values.number(key) };
     Ok(Box::new(Shell(C0Triangle {
-        section: if membrane { section.as_membrane() } else { section },
+        section: if membrane { section.of_membrane() } else { section },
         hourglass_coefficient: unless_membrane("hourglass_coefficient"),
         drilling: unless_membrane("drilling"),
     })))

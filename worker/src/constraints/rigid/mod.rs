@@ -311,10 +311,9 @@ impl Bodies {
     /// Returns an inverse mass of local node `n` with which forces on all members of a body at once
     /// move them no less than the body does [1/mass].
     ///
-    /// Members that were free would move more than the body, whose mass is the sum of theirs. An
-    /// inertia that the job prescribes can be smaller than that of the nodal masses. The response to
-    /// a moment is then at most the product of the largest inertia of the latter and the inverse of
-    /// the smallest of the former times larger.
+    /// Free members would move more than the body, whose mass is the sum of theirs. An inertia that
+    /// the job prescribes can be smaller than that of the nodal masses. The response to a moment is
+    /// then larger by at most the ratio of the largest nodal to the smallest prescribed inertia.
     pub fn largest_inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
         let Some(b) = self.body_of(n) else { return nodes.inv_mass[n as usize] };
         let (body, mass) = (&self.bodies[b], nodes.mass[n as usize]);

@@ -193,7 +193,7 @@ impl Section {
 
     /// Returns the section of a membrane, which has one point, and neither moments nor transverse
     /// shear.
-    pub fn as_membrane(self) -> Self {
+    pub fn of_membrane(self) -> Self {
         let (zeta, weight) = gauss_legendre(1);
         Self { points: 1, zeta, weight, shear: 0.0, ..self }
     }
