@@ -47,6 +47,17 @@ OF_OBJECTS = {
         {f"{axis}_{kind}": f"{kind} {axis}" for axis in AXES for kind in ("force", "moment")}
         | {f"{axis}_centroid": f"middle {axis}" for axis in AXES},
     ),
+    "abstat": (
+        "airbags",
+        ["airbag"],
+        {
+            "volume": "volume",
+            "pressure": "pressure",
+            "internal_energy": "energy",
+            "total_mass": "mass",
+            "gas_temp": "temperature",
+        },
+    ),
     "rwforc": ("walls", ["wall"], {f"{axis}_force": f"mean force {axis}" for axis in AXES}),
 }
 

@@ -6,6 +6,8 @@
 mod builder;
 mod options;
 
+#[path = "../airbag/mesh.rs"]
+mod airbag;
 #[path = "../bars/mesh.rs"]
 mod bars;
 #[path = "../beam/mesh.rs"]
@@ -78,6 +80,7 @@ pub struct Generator {
 /// All generators.
 pub const GENERATORS: &[Generator] = &[
     jeep_frame::GENERATOR,
+    airbag::GENERATOR,
     bars::GENERATOR,
     beam::GENERATOR,
     block::GENERATOR,

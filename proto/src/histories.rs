@@ -82,6 +82,8 @@ pub struct HistoryShares<N = f64> {
     pub sections: Vec<SectionShare<N>>,
     /// Contact force on the surface of each transducer [force].
     pub transducers: Vec<[N; 3]>,
+    /// State of each airbag, equal on all workers.
+    pub airbags: Vec<BagState>,
 }
 
 /// Sums over the elements of a part.
@@ -134,6 +136,31 @@ pub struct SectionShare<N = f64> {
     pub places: [N; 3],
     /// Number of owned nodes.
     pub nodes: u64,
+}
+
+/// State of an airbag. Without a gas, only volume, pressure and work are not zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BagState {
+    /// Volume [length^3].
+    pub volume: f64,
+    /// Absolute pressure [force/length^2].
+    pub pressure: f64,
+    /// Mass of the gas [mass].
+    pub mass: f64,
+    /// Temperature of the gas [temperature].
+    pub temperature: f64,
+    /// Internal energy of the gas [energy].
+    pub energy: f64,
+    /// Mass that has come in [mass].
+    pub mass_in: f64,
+    /// Mass that has left [mass].
+    pub mass_out: f64,
+    /// Enthalpy of the gas that has come in [energy].
+    pub enthalpy_in: f64,
+    /// Enthalpy of the gas that has left [energy].
+    pub enthalpy_out: f64,
+    /// Work on the surface, including that against the ambient pressure [energy].
+    pub work: f64,
 }
 
 /// Adds the sums `b` of another worker to the sums `a`.
@@ -200,6 +227,7 @@ impl HistoryShares<ExactSum> {
             nodes: self.nodes.clone(),
             sections: self.sections.iter().map(section).collect(),
             transducers: self.transducers.iter().map(each_value).collect(),
+            airbags: self.airbags.clone(),
         }
     }
 }

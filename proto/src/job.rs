@@ -1,5 +1,6 @@
 //! The job as it is written in `job.toml`: plain data. The master reads and checks it.
 
+mod airbag;
 mod beam;
 mod checkpoint;
 mod contact;
@@ -17,6 +18,7 @@ mod tie;
 mod truss;
 mod wall;
 
+pub use airbag::{AirbagInput, InflowInput, VentInput};
 pub use beam::{BeamInput, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
@@ -120,6 +122,9 @@ pub struct Job {
     /// Pressures on faces; all entries are added.
     #[serde(default)]
     pub pressure: Vec<PressureInput>,
+    /// Airbags.
+    #[serde(default)]
+    pub airbag: Vec<AirbagInput>,
     /// Rigid bodies.
     #[serde(default)]
     pub rigid: Vec<Rigid>,

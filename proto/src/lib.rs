@@ -3,8 +3,8 @@
 //! - [`ids`], [`mesh`], [`job`], [`problem`]: input of the user, and problems in it
 //! - [`quality`]: shape quality of the elements of a mesh
 //! - [`partition`]: data that one worker receives
-//! - [`loads`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions, rigid bodies, ties,
-//!   walls
+//! - [`loads`], [`airbag`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions, airbags,
+//!   rigid bodies, ties, walls
 //! - [`boxes`]: boxes that tile space
 //! - [`exact_sum`]: sums that do not depend on the order of their terms
 //! - [`histories`]: requested histories, and the contributions of workers
@@ -13,6 +13,7 @@
 //! - [`exit_code`]: exit codes of the program
 //! - [`transport`]: transport of messages, by threads or MPI
 
+pub mod airbag;
 pub mod boxes;
 pub mod checkpoint;
 pub mod disk;

@@ -1,5 +1,6 @@
 //! Loads and prescribed motion for workers, with names resolved to indices and sets to ids.
 
+use crate::airbag::ResolvedAirbag;
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,8 @@ pub struct ResolvedLoads {
     pub forces: Vec<NodalForce>,
     /// Pressures.
     pub pressures: Vec<Pressure>,
+    /// Airbags.
+    pub airbags: Vec<ResolvedAirbag>,
     /// Prescribed motions; no two have a degree of freedom in common.
     pub motions: Vec<PrescribedMotion>,
     /// Mass-proportional damping [1/time], 0 for none.
@@ -105,11 +108,18 @@ pub enum MotionForm {
 }
 
 impl ResolvedLoads {
+    /// Returns true if a pressure or an airbag acts on a face of an element.
+    pub fn presses(&self, element: ElemId) -> bool {
+        self.pressures.iter().any(|p| p.faces_of(element).next().is_some())
+            || self.airbags.iter().any(|bag| bag.faces_of(element).next().is_some())
+    }
+
     /// Returns true if there is any load or prescribed motion.
     pub fn act(&self) -> bool {
         !(self.gravity.is_empty()
             && self.forces.is_empty()
             && self.pressures.is_empty()
+            && self.airbags.is_empty()
             && self.motions.is_empty())
     }
 }

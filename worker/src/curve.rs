@@ -35,6 +35,11 @@ impl Curve {
         }
     }
 
+    /// Returns the slope at `time`, that after it at a point [1/time].
+    pub fn slope(&self, time: f64) -> f64 {
+        self.piece(time).1
+    }
+
     /// Returns the integral of the factor from 0 to `time` [time].
     pub fn integral(&self, time: f64) -> f64 {
         self.since_first(time)[0] - self.since_first(0.0)[0]

@@ -4,6 +4,7 @@
 mod changes;
 pub mod checkpoint;
 
+use crate::airbags::Airbags;
 use crate::constraints::Constraints;
 use crate::contact::Contact;
 use crate::contact::beams::with_edges;
@@ -22,8 +23,8 @@ use crate::parallel::history_message::Memories;
 use crate::parallel::migrate::{centre, gather_memories, migrate, stay};
 use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{Cuts, LocalMesh, PartitionData, build_local_mesh};
-pub use crate::parallel::reduction::StepConsensus;
 use crate::parallel::reduction::StepReduction;
+pub use crate::parallel::reduction::{StepConsensus, StepFailure};
 use crate::parallel::surface_update::{Failures, update};
 use crate::time::Clock;
 use crate::timer::Timer;
@@ -64,6 +65,8 @@ pub struct Engine {
     pub pair_exchange: PairExchange,
     /// Loads.
     pub loads: Loads,
+    /// Airbags.
+    pub airbags: Airbags,
     /// Prescribed motion, rigid bodies, rigid walls and ties.
     pub constraints: Constraints,
     /// Energies.
@@ -110,10 +113,18 @@ impl Engine {
         let surface = local.surface.as_ref();
         let velocities = surface.map_or([f64::NEG_INFINITY; 6], |s| s.velocities(&local.nodes));
         let thinnest = surface.map_or(f64::INFINITY, |s| s.thinnest);
-        let stable_dt = agreement.first_step(comm, own, velocities, thinnest)?;
+        let mut stable_dt = agreement.first_step(comm, own, velocities, thinnest)?;
+        let mut loads = Loads::new(&settings.loads);
+        let mut airbags = Airbags::new(&settings.loads);
+        if !airbags.is_empty() {
+            loads.bind_local(&local.nodes, &local.blocks, settings.subcycles);
+            airbags.fill(comm, &mut loads, (&local.nodes, &constraints), None)?;
+            stable_dt = airbags.limit(stable_dt);
+        }
         let mut engine = Self {
             clock: Clock::new(&settings, stable_dt),
-            loads: Loads::new(&settings.loads),
+            loads,
+            airbags,
             constraints,
             particles: Particles::new(&settings),
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
@@ -388,6 +399,7 @@ impl Engine {
             nodes: &self.nodes,
             blocks: &self.blocks,
             loads: &self.loads,
+            airbags: &self.airbags,
             contact: self.contact.as_ref(),
         }
     }

@@ -2,6 +2,7 @@
 //! parts, nodes and sections. They are computed from the state only when a row is due. They do
 //! not change the state.
 
+use crate::airbags::Airbags;
 use crate::contact::Contact;
 use crate::fem::blocks::Blocks;
 use crate::loads::Loads;
@@ -31,6 +32,8 @@ pub struct HistoryState<'a> {
     pub blocks: &'a Blocks,
     /// Loads.
     pub loads: &'a Loads,
+    /// Airbags.
+    pub airbags: &'a Airbags,
     /// Contact, if the job has any.
     pub contact: Option<&'a Contact>,
 }
@@ -215,6 +218,7 @@ impl Histories {
             nodes: self.nodes.iter().map(|&n| self.node(state, n as usize, ended)).collect(),
             sections: self.sections(state),
             transducers,
+            airbags: state.airbags.records(),
         }
     }
 

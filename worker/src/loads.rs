@@ -1,4 +1,5 @@
-//! Loads: body forces, nodal forces, pressure on faces, and damping proportional to mass.
+//! Loads: body forces, nodal forces, pressure on faces and of airbags, and damping proportional to
+//! mass.
 //!
 //! Pressure is added to the element nodal forces of the loaded element, so that the assembly sums
 //! it in ascending element id with all other forces. Work is force times the mean of the
@@ -12,6 +13,8 @@ use crate::stateless;
 use crate::time::ElementSet;
 use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
+use crumple_proto::airbag::ResolvedAirbag;
+use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::loads::{Gravity, Pressure, ResolvedLoads};
 use nalgebra::Vector3;
 
@@ -25,6 +28,9 @@ pub struct Loads {
     of_parts: Vec<PartGravity>,
     forces: Vec<LocalForce>,
     pressures: Vec<Pressure>,
+    airbags: Vec<ResolvedAirbag>,
+    /// Gauge pressure of each airbag at the present time [force/length^2].
+    pub airbag_pressures: Vec<f64>,
     faces: Vec<LoadedFace>,
     /// Damping coefficient [1/time].
     pub damping: f64,
@@ -36,10 +42,22 @@ pub struct Loads {
     cycles: Vec<f64>,
 }
 
-stateless!(Loads { curves, gravity, of_parts, forces, pressures, faces, damping, falling, cycles });
+stateless!(Loads {
+    curves,
+    gravity,
+    of_parts,
+    forces,
+    pressures,
+    airbags,
+    airbag_pressures,
+    faces,
+    damping,
+    falling,
+    cycles
+});
 stateless!(PartGravity { job, shares, falling });
 stateless!(LocalForce { job, nodes, factor });
-stateless!(LoadedFace { pressure, slots, nodes, portion, rigid, cycles, shares, force });
+stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, force });
 
 /// A body force on a fraction of the masses of some local nodes.
 #[derive(Debug)]
@@ -60,10 +78,28 @@ struct LocalForce {
     factor: f64,
 }
 
+/// Sums over the faces of a bag.
+#[derive(Clone, Debug, Default)]
+pub struct BagSums {
+    /// Terms of the volume [length^3].
+    pub volume: ExactSum,
+    /// Sum of `k |g_a|^2/M_a` over faces and corners [length^4/mass].
+    pub softness: ExactSum,
+}
+
+/// Source of a pressure.
+#[derive(Clone, Copy, Debug)]
+enum PressureSource {
+    /// Index of a pressure.
+    Pressure(usize),
+    /// Index of an airbag, and how many of its faces meet at a corner at most.
+    Airbag { bag: usize, meeting: u32 },
+}
+
 /// A face of an own element under pressure.
 #[derive(Debug)]
 struct LoadedFace {
-    pressure: usize,
+    source: PressureSource,
     /// Slots of the element nodal forces, and local nodes, in order around the normal.
     slots: [usize; 4],
     nodes: [u32; 4],
@@ -82,6 +118,15 @@ struct LoadedFace {
 impl LoadedFace {
     fn is_in(&self, set: ElementSet) -> bool {
         set == ElementSet::All || self.cycles == 1.0
+    }
+
+    /// Returns the forces of a pressure on its corners, which are at `x` [force].
+    fn of_pressure(&self, pressure: f64, x: &[Row; 4]) -> [Row; 4] {
+        let mut forces = on_corners(pressure, x, self.nodes);
+        for (force, share) in forces.iter_mut().zip(self.shares) {
+            (0..3).for_each(|c| force[c] *= share);
+        }
+        forces
     }
 }
 
@@ -108,6 +153,8 @@ impl Loads {
                 .map(|f| LocalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 })
                 .collect(),
             pressures: job.pressures.clone(),
+            airbags: job.airbags.clone(),
+            airbag_pressures: Vec::new(),
             faces: Vec::new(),
             damping: job.damping,
             falling: [0.0; 4],
@@ -131,29 +178,71 @@ impl Loads {
             self.cycles.extend((0..nodes.local_count).map(of));
         }
         self.faces.clear();
-        if self.pressures.is_empty() {
+        if self.pressures.is_empty() && self.airbags.is_empty() {
             return;
         }
         let slots = blocks.first_slots();
         for b in &blocks.blocks {
             for i in 0..b.count {
                 let (e, slot) = (&blocks.elements[b.first + i], slots[b.first + i]);
+                let face = |source, number: u8, inwards: bool| {
+                    let (shape, number) = (e.record.shape, usize::from(number));
+                    let corners = shape.faces()[number];
+                    let order = match inwards {
+                        false => [0, 1, 2, 3],
+                        true if e.nodes[corners[2]] == e.nodes[corners[3]] => [0, 2, 1, 1],
+                        true => [0, 3, 2, 1],
+                    };
+                    let corners = order.map(|c| corners[c]);
+                    let shares = shape.load_shares(number);
+                    LoadedFace {
+                        source,
+                        slots: corners.map(|c| slot + c),
+                        nodes: corners.map(|c| e.nodes[c]),
+                        portion: b.portion_of(i),
+                        rigid: b.idle,
+                        cycles: if b.slow { subcycles as f64 } else { 1.0 },
+                        shares: order.map(|c| shares[c]),
+                        force: [[0.0; 4]; 4],
+                    }
+                };
                 for (p, pressure) in self.pressures.iter().enumerate() {
-                    self.faces.extend(pressure.faces_of(e.record.id).map(|face| {
-                        let corners = e.record.shape.faces()[usize::from(face)];
-                        LoadedFace {
-                            pressure: p,
-                            slots: corners.map(|c| slot + c),
-                            nodes: corners.map(|c| e.nodes[c]),
-                            portion: b.portion_of(i),
-                            rigid: b.idle,
-                            cycles: if b.slow { subcycles as f64 } else { 1.0 },
-                            shares: e.record.shape.load_shares(usize::from(face)),
-                            force: [[0.0; 4]; 4],
-                        }
+                    let source = PressureSource::Pressure(p);
+                    let faces = pressure.faces_of(e.record.id);
+                    self.faces.extend(faces.map(|number| face(source, number, false)));
+                }
+                for (bag, airbag) in self.airbags.iter().enumerate() {
+                    self.faces.extend(airbag.faces_of(e.record.id).map(|f| {
+                        let source = PressureSource::Airbag { bag, meeting: f.meeting };
+                        face(source, f.face, f.inwards)
                     }));
                 }
             }
+        }
+    }
+
+    /// Adds the terms of the own faces of each airbag to its sums. `inv_mass` gives the inverse
+    /// masses of a local node [1/mass].
+    pub fn measure_airbags(
+        &self,
+        nodes: &Nodes,
+        inv_mass: impl Fn(u32) -> Row,
+        sums: &mut [BagSums],
+    ) {
+        for face in &self.faces {
+            let PressureSource::Airbag { bag, meeting } = face.source else { continue };
+            let x = face.nodes.map(|n| nodes.x[n as usize]);
+            let gradients = face.of_pressure(-1.0, &x);
+            let (mut volume, mut softness) = (0.0, 0.0);
+            for ((g, x), &n) in gradients.iter().zip(&x).zip(&face.nodes) {
+                let inverse = inv_mass(n);
+                for c in 0..3 {
+                    volume += g[c] * (x[c] - self.airbags[bag].origin[c]) / 3.0;
+                    softness += f64::from(meeting) * g[c] * g[c] * inverse[c];
+                }
+            }
+            sums[bag].volume.add(volume);
+            sums[bag].softness.add(softness);
         }
     }
 
@@ -172,12 +261,16 @@ impl Loads {
             face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
         }
         for face in self.faces.iter_mut().filter(due) {
-            let p = &self.pressures[face.pressure];
-            let pressure = p.pressure * factor(&self.curves, p.curve, time) * face.cycles;
-            face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
-            for (force, share) in face.force.iter_mut().zip(face.shares) {
-                (0..3).for_each(|c| force[c] *= share);
-            }
+            let pressure = match face.source {
+                PressureSource::Pressure(p) => {
+                    let p = &self.pressures[p];
+                    p.pressure * factor(&self.curves, p.curve, time)
+                }
+                // Along the normals, which point outwards.
+                PressureSource::Airbag { bag, .. } => -self.airbag_pressures[bag],
+            };
+            face.force =
+                face.of_pressure(pressure * face.cycles, &face.nodes.map(|n| nodes.x[n as usize]));
             for (&slot, f) in face.slots.iter().zip(&face.force) {
                 (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
             }

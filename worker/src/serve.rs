@@ -9,7 +9,7 @@ use crate::checkpoint::{
     self,
     writer::{CheckpointWriter, Task},
 };
-use crate::engine::{Engine, StepConsensus};
+use crate::engine::{Engine, StepConsensus, StepFailure};
 use crate::fem::blocks::Blocks;
 use crate::parallel::partition::PartitionData;
 use crate::time::Clock;
@@ -17,7 +17,6 @@ use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::FileRecord;
 use crumple_proto::disk;
-use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, Changes, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
@@ -255,8 +254,8 @@ impl RunningWorker {
                 self.warn_of_caps(comm)?;
             }
             self.warn_of_inverted(comm)?;
-            if let Some(elem) = agreed.failure {
-                self.report_failure(comm, elem)?;
+            if let Some(failure) = agreed.failure {
+                self.report_failure(comm, failure)?;
                 self.failed = true;
                 break;
             }
@@ -328,14 +327,25 @@ impl RunningWorker {
         Ok(())
     }
 
-    /// Sends the cause of a failure to the master, if this worker owns the element.
-    fn report_failure(&mut self, comm: &mut dyn Transport, elem: ElemId) -> Result<(), RankLost> {
+    /// Sends the cause of a failure to the master: the owner of the element, or for an airbag the
+    /// first worker.
+    fn report_failure(
+        &mut self,
+        comm: &mut dyn Transport,
+        failure: StepFailure,
+    ) -> Result<(), RankLost> {
         let e = &self.engine;
-        let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt)
-        else {
-            return Ok(());
+        let (elem, why) = match failure {
+            StepFailure::Element(elem) => {
+                (Some(elem), e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt))
+            }
+            StepFailure::Airbag => {
+                let first = comm.rank() == 1;
+                (None, e.airbags.fault().filter(|_| first).map(str::to_string))
+            }
         };
-        let trouble = Failure { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
+        let Some(why) = why else { return Ok(()) };
+        let trouble = Failure { elem, cycle: e.clock.cycle, time: e.clock.time, why };
         post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))
     }
 

@@ -4,7 +4,7 @@
 //! the phase in its row.
 
 use crate::coupling::ContactCoupling;
-use crate::engine::{Engine, StepConsensus};
+use crate::engine::{Engine, StepConsensus, StepFailure};
 use crate::erosion;
 use crate::fem::blocks::Portion;
 use crate::fem::elements::PassTotals;
@@ -20,9 +20,10 @@ use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
-const STAGES: [StepStage; 16] = [
+const STAGES: [StepStage; 17] = [
     with_particles(Phase::Elements, sum_over_particles),
     with_nodal_volumes(Phase::Elements, average_nodal_volumes),
+    with_airbags(Phase::Elements, fill_airbags),
     always(Phase::Elements, element_forces),
     always(Phase::Halo, exchange_element_forces),
     always(Phase::Assemble, accelerate),
@@ -40,7 +41,7 @@ const STAGES: [StepStage; 16] = [
 ];
 
 /// Advances the model by one step, with the same dt on every worker. Returns before positions
-/// change if any worker reports a failure; the last valid state is then kept.
+/// change if there is a failure; the last valid state is then kept.
 ///
 /// # Errors
 /// A worker is gone.
@@ -54,6 +55,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         Needs::Contact => engine.contact.is_some(),
         Needs::Particles => engine.particles.is_some(),
         Needs::NodalVolumes => engine.blocks.volumes.is_some(),
+        Needs::Airbags => !engine.airbags.is_empty(),
     };
     let due: [bool; STAGES.len()] = std::array::from_fn(|i| has(STAGES[i].needs));
     let logged = tracing::enabled!(Level::TRACE);
@@ -64,13 +66,14 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         if logged {
             tracing::trace!(phase = PHASES[stage.phase as usize], ?took);
         }
-    }
-    if cycle.agreed.failure.is_none() {
-        if cycle.agreed.eroded {
-            engine.erode(comm)?; // new surfaces without failed elements
+        if cycle.agreed.failure.is_some() {
+            return Ok(cycle.agreed); // all workers know it
         }
-        engine.switch_bodies(comm)?;
     }
+    if cycle.agreed.eroded {
+        engine.erode(comm)?; // new surfaces without failed elements
+    }
+    engine.switch_bodies(comm)?;
     Ok(cycle.agreed)
 }
 
@@ -81,6 +84,7 @@ enum Needs {
     Contact,
     Particles,
     NodalVolumes,
+    Airbags,
 }
 
 /// A stage of the step.
@@ -108,6 +112,10 @@ const fn with_particles(phase: Phase, run: StageFunction) -> StepStage {
 
 const fn with_nodal_volumes(phase: Phase, run: StageFunction) -> StepStage {
     StepStage { phase, needs: Needs::NodalVolumes, run }
+}
+
+const fn with_airbags(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs: Needs::Airbags, run }
 }
 
 /// Values that one stage hands to a later one.
@@ -161,6 +169,18 @@ fn average_nodal_volumes(
 ) -> Result<(), RankLost> {
     let Engine { clock, nodes, blocks, halo, .. } = engine;
     average_volumes(comm, nodes, blocks, halo, clock.last_dt)
+}
+
+/// Computes the volumes of airbags, and their gas at the present time.
+fn fill_airbags(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    cycle: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { clock, nodes, loads, airbags, constraints, .. } = engine;
+    airbags.fill(comm, loads, (nodes, constraints), Some(clock))?;
+    cycle.agreed.failure = airbags.fault().map(|_| StepFailure::Airbag);
+    Ok(())
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements
@@ -349,23 +369,20 @@ fn agree(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Re
 }
 
 /// Writes the history row if one is due, while the velocities before and after t are known, and
-/// moves nodes, rigid bodies, walls and the clock to t + dt. Does nothing after a failure.
+/// moves nodes, rigid bodies, walls and the clock to t + dt.
 fn advance(
     engine: &mut Engine,
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    if cycle.agreed.failure.is_some() {
-        return Ok(());
-    }
     engine.write_history(comm)?;
-    let Engine { settings, clock, nodes, constraints, .. } = engine;
+    let Engine { settings, clock, nodes, constraints, airbags, .. } = engine;
     nodes.advance(cycle.steps.dt);
     if settings.subcycles > 1 {
         nodes.accumulate_outer_means(settings.subcycles, cycle.set);
     }
     constraints.advance(nodes, cycle.steps.dt);
     clock.advance();
-    clock.select_dt(settings, cycle.agreed.stable_dt);
+    clock.select_dt(settings, airbags.limit(cycle.agreed.stable_dt));
     Ok(())
 }

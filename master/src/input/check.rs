@@ -304,6 +304,15 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
              {motions} motions"
         )?;
     }
+    for bag in &l.airbags {
+        let turned = bag.faces.iter().filter(|face| face.inwards).count();
+        writeln!(
+            out,
+            "airbag       {}: {} faces, {turned} with their normal turned outwards",
+            bag.name,
+            bag.faces.len()
+        )?;
+    }
     let ties = &model.settings.ties;
     if !ties.is_empty() {
         let turning = ties.iter().filter(|t| t.rotations).count();

@@ -1,7 +1,7 @@
 //! Histories by kind in addition to `history.csv`: `parts.csv`, `walls.csv`, `contacts.csv` and
-//! `contact_pairs.csv`, `nodes.csv`, `sections.csv`, `transducers.csv`. Each row holds one object
-//! at one time, so that files of many parts stay readable and programs can filter. Rows have the
-//! times of `history.csv` and refer to the same instants.
+//! `contact_pairs.csv`, `nodes.csv`, `sections.csv`, `transducers.csv`, `airbags.csv`. Each row
+//! holds one object at one time, so that files of many parts stay readable and programs can filter.
+//! Rows have the times of `history.csv` and refer to the same instants.
 
 use crate::input::job::Model;
 use crate::results::history::{self, Labels};
@@ -20,19 +20,21 @@ pub struct HistoryFiles {
     groups: Vec<(String, Vec<NodeId>)>,
     sections: Vec<String>,
     transducers: Vec<String>,
+    airbags: Vec<String>,
     of_parts: Option<CsvTable>,
     of_walls: Option<CsvTable>,
     of_contacts: Option<(CsvTable, CsvTable)>,
     of_nodes: Option<CsvTable>,
     of_sections: Option<CsvTable>,
     of_transducers: Option<CsvTable>,
+    of_airbags: Option<CsvTable>,
     /// Indices of the parts in contact.
     touching: Vec<u32>,
     last_walls: (f64, Vec<[f64; 3]>),
 }
 
 /// Names of all files.
-pub const NAMES: [&str; 7] = [
+pub const NAMES: [&str; 8] = [
     "parts.csv",
     "walls.csv",
     "contacts.csv",
@@ -40,6 +42,7 @@ pub const NAMES: [&str; 7] = [
     "nodes.csv",
     "sections.csv",
     "transducers.csv",
+    "airbags.csv",
 ];
 
 impl HistoryFiles {
@@ -66,6 +69,7 @@ impl HistoryFiles {
             groups: asked.nodes.iter().map(|g| (g.name.clone(), by_label(&g.nodes))).collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
+            airbags: settings.loads.airbags.iter().map(|bag| bag.name.clone()).collect(),
             of_parts: model.job.output.parts.then(|| files.parts()).transpose()?,
             of_walls: with_walls.then(|| files.walls()).transpose()?,
             of_contacts: asked.contacts.then(|| files.contacts()).transpose()?,
@@ -73,6 +77,9 @@ impl HistoryFiles {
             of_sections: (!asked.sections.is_empty()).then(|| files.sections()).transpose()?,
             of_transducers: (!asked.transducers.is_empty())
                 .then(|| files.transducers())
+                .transpose()?,
+            of_airbags: (!settings.loads.airbags.is_empty())
+                .then(|| files.airbags())
                 .transpose()?,
             touching,
             last_walls: {
@@ -93,6 +100,7 @@ impl HistoryFiles {
             &mut self.of_nodes,
             &mut self.of_sections,
             &mut self.of_transducers,
+            &mut self.of_airbags,
         ];
         single.into_iter().flatten().chain(contacts)
     }
@@ -178,6 +186,15 @@ impl HistoryFiles {
             }
             table.flush()?;
         }
+        if let Some(table) = &mut self.of_airbags {
+            for (name, bag) in self.airbags.iter().zip(&shares.airbags) {
+                let numbers = [bag.volume, bag.pressure, bag.temperature, bag.mass, bag.energy];
+                let moved = [bag.mass_in, bag.mass_out, bag.enthalpy_in, bag.enthalpy_out];
+                let numbers = numbers.into_iter().chain(moved).chain([bag.work]);
+                put(table, [time.clone(), name.clone()], numbers)?;
+            }
+            table.flush()?;
+        }
         Ok(())
     }
 }
@@ -250,6 +267,26 @@ impl FileOpener<'_> {
             ..FileColumns::default()
         };
         self.open(NAMES[6], columns)
+    }
+
+    fn airbags(&self) -> Result<CsvTable, Unwritten> {
+        let Labels { length, force, mass, energy, .. } = &self.units;
+        let (volume, pressure) = (format!("{length}^3"), format!("{force}/{length}^2"));
+        let scalars = [
+            ("volume", volume.as_str()),
+            ("pressure", pressure.as_str()),
+            ("temperature", "K"),
+            ("mass", mass.as_str()),
+            ("energy", energy.as_str()),
+            ("mass in", mass.as_str()),
+            ("mass out", mass.as_str()),
+            ("enthalpy in", energy.as_str()),
+            ("enthalpy out", energy.as_str()),
+            ("work", energy.as_str()),
+        ];
+        let columns =
+            FileColumns { words: &["airbag"], scalars: &scalars, ..FileColumns::default() };
+        self.open(NAMES[7], columns)
     }
 }
 

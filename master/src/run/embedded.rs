@@ -5,12 +5,12 @@ use crate::input::job::Model;
 use crate::results::summary::state_digest;
 use crate::run::decompose::{Centres, bisect};
 use crumple_proto::boxes::{Cut, CutTree};
-use crumple_proto::ids::{ElemId, NodeId, SegmentId};
+use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::PhaseSeconds;
 use crumple_proto::transport::{RankLost, Traffic, Transport, thread_cpu, threads};
-use crumple_worker::engine::Engine;
+use crumple_worker::engine::{Engine, StepFailure};
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
 use std::collections::HashMap;
@@ -27,8 +27,8 @@ pub type PairIds = (NodeId, SegmentId);
 pub struct Ended {
     /// The engine at the end.
     pub engine: Engine,
-    /// Failed element, if the run had to end.
-    pub trouble: Option<ElemId>,
+    /// Failure, if the run had to end.
+    pub trouble: Option<StepFailure>,
 }
 
 /// Runs a job on one engine in this thread. `look` is called at every time from 0 to the end. It
@@ -85,10 +85,9 @@ impl Alone {
     pub fn forward(&mut self) -> Result<(), String> {
         let agreed = step(&mut self.engine, &mut self.comm).map_err(|lost| lost.to_string())?;
         match agreed.failure {
-            Some(element) => Err(format!(
-                "the run failed in element {element} at time {}",
-                self.engine.clock.time
-            )),
+            Some(failure) => {
+                Err(format!("the run failed {failure} at time {}", self.engine.clock.time))
+            }
             None => Ok(()),
         }
     }
@@ -102,8 +101,8 @@ pub struct Trace {
     pub nodes: Vec<NodeRecord>,
     /// Number of redecompositions.
     pub renewals: u64,
-    /// Failed element, if the run had to end.
-    pub trouble: Option<ElemId>,
+    /// Failure, if the run had to end.
+    pub trouble: Option<StepFailure>,
 }
 
 impl Trace {
@@ -256,11 +255,8 @@ pub fn time_side_by_side(
                 before = (cpu(comm), Instant::now(), engine.timer.seconds, comm.traffic());
             }
             let agreed = step(&mut engine, comm).map_err(|lost| lost.to_string())?;
-            if let Some(element) = agreed.failure {
-                return Err(format!(
-                    "the run failed in element {element} in cycle {}",
-                    engine.clock.cycle
-                ));
+            if let Some(failure) = agreed.failure {
+                return Err(format!("the run failed {failure} in cycle {}", engine.clock.cycle));
             }
             if engine.clock.is_over(&engine.settings) {
                 return Err(format!("the run ends too early: {} cycles", engine.clock.cycle));

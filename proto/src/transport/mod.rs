@@ -57,6 +57,8 @@ pub enum Tag {
     Settled,
     /// Volumes of elements at shared nodes.
     Volumes,
+    /// Volumes of airbags.
+    Airbags,
 }
 
 /// Messages and bytes sent so far.

@@ -262,7 +262,7 @@ fn what_is_left_out_has_a_name() {
         "{report}"
     );
     assert!(!report.contains("there is no *MAT_"), "{report}");
-    let bag = based("*AIRBAG_SIMPLE_AIRBAG_MODEL\n1\n*CONTROL_TIMESTEP\n0,0,0,0,0,7\n");
+    let bag = based("*AIRBAG_HYBRID\n1\n*CONTROL_TIMESTEP\n0,0,0,0,0,7\n");
     let model = reading(&bag, &["mesh.allow_unsupported=true"]).unwrap_or_else(|r| panic!("{r}"));
     assert!(said(&model).contains("bags have no pressure"), "{}", said(&model));
     assert!(said(&model).contains("acts as if `lctm` were blank"), "{}", said(&model));

@@ -141,10 +141,10 @@ fn unsupported_keywords_are_reported() {
         .unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(allowed.unsupported.len(), 3);
     assert!(
-        allowed.unsupported[0].starts_with("*AIRBAG_SIMPLE_PRESSURE_VOLUME (")
+        allowed.unsupported[0].starts_with("*AIRBAG_HYBRID (")
             && allowed.unsupported[0].contains("unsupported.k:")
     );
-    let named = "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \
+    let named = "mesh.leave_out=[\"AIRBAG_HYBRID\", \"*load_thermal_constant\", \
                  \"LOAD_BODY_GENERALIZED\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());

@@ -1,6 +1,7 @@
 //! Keyword decks of LS-DYNA and Radioss: formats and problems, models, contacts, joints, arbitrary
 //! bytes, runs. Mesh files of other programs.
 
+mod airbags;
 mod bars;
 mod base;
 mod broken_meshes;

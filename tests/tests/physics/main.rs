@@ -1,5 +1,6 @@
 //! Scenes with known outcome: waves, beams, loads and constraints.
 
+mod airbags;
 mod bars;
 mod beams;
 mod free_rotation;

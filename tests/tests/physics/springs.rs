@@ -217,8 +217,8 @@ fn bits_do_not_depend_on_workers() {
     }
 }
 
-/// Two plates of five nodes, the second at z = 1, with a spring between their middles; the first one
-/// is a body of inertia 4, or held.
+/// Two plates of five nodes, the second at z = 1, with a spring between their middles; the first
+/// one is a body of inertia 4, or held.
 fn plates(numbers: &str, held: bool, spin: f64, end_time: f64, time: &str) -> Model {
     let mut scene = Scene::new(end_time);
     let places = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [2.0, 2.0], [1.0, 1.0]];

@@ -52,6 +52,16 @@ pub struct Constraints {
 }
 
 impl Constraints {
+    /// Returns an inverse mass of local node `n` with which forces on many nodes at once move them
+    /// no less than they do with the constraints [1/mass].
+    ///
+    /// The masters of ties have the masses m of their slaves besides their own M, and their forces
+    /// g besides their own G: `|G + g|^2/(M + m) <= 2 |G|^2/(M + m) + 2 |g|^2/m`.
+    pub fn largest_inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
+        let times = if self.ties.is_empty() { 1.0 } else { 2.0 };
+        self.bodies.largest_inv_mass(n, nodes).map(|inverse| times * inverse)
+    }
+
     /// Builds the constraints of a new run, and adds the masses of tied slaves to their masters.
     /// Collective.
     ///

@@ -7,6 +7,7 @@
 //! worker did ([`WorkerState`]), which may go to any worker.
 
 use super::Engine;
+use crate::airbags::{Airbags, BagMemory};
 use crate::constraints::{ConstraintState, Constraints};
 use crate::contact::Contact;
 use crate::contact::state::ContactState;
@@ -21,6 +22,7 @@ use crate::parallel::partition::{Cuts, PartitionData, build_local_mesh};
 use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::timer::Timer;
+use crumple_proto::airbag::ResolvedAirbag;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::MOST;
 use crumple_proto::exact_sum::ExactSum;
@@ -46,6 +48,7 @@ pub struct CommonState {
     contact_pairs: u64,
     /// Number of updates of the contact surface because elements have failed.
     erosions: u64,
+    airbags: Vec<BagMemory>,
 }
 
 impl CommonState {
@@ -59,6 +62,14 @@ impl CommonState {
         if self.started.len() != interfaces {
             let count = self.started.len();
             return Err(format!("it has {count} contact interfaces, and the job has {interfaces}"));
+        }
+        let (bags, jobs) = (self.airbags.len(), settings.loads.airbags.len());
+        if bags != jobs {
+            return Err(format!("it has {bags} airbags, and the job has {jobs}"));
+        }
+        let is_other = |(bag, job): (&BagMemory, &ResolvedAirbag)| !bag.fits(job);
+        if let Some(bag) = self.airbags.iter().zip(&settings.loads.airbags).position(is_other) {
+            return Err(format!("airbag {bag} differs from that of the job"));
         }
         if self.limits.iter().chain([&self.slow_dt]).any(|dt| dt.is_nan() || *dt < 0.0) {
             return Err("its limit of the step is not a valid time".into());
@@ -157,6 +168,7 @@ impl Engine {
             histories,
             timer,
             erosions,
+            airbags,
             // Saved with elements and nodes.
             nodes: _,
             // From the job, or computed for each partition.
@@ -183,6 +195,7 @@ impl Engine {
             started: &'a [bool],
             contact_pairs: u64,
             erosions: u64,
+            airbags: Vec<BagMemory>,
         }
         let (started, contact_pairs) = contact.as_ref().map_or((&[][..], 0), Contact::common);
         let view = CheckpointView {
@@ -193,6 +206,7 @@ impl Engine {
             started,
             contact_pairs,
             erosions: *erosions,
+            airbags: airbags.state(),
         };
         let traffic = comm.traffic();
         Ok(Copied {
@@ -247,9 +261,12 @@ impl Engine {
         let mut histories = Histories::default();
         histories.restore(own.contact_sums);
         let contact = settings.contact.as_ref();
+        let mut airbags = Airbags::new(&settings.loads);
+        airbags.restore(common.airbags);
         let mut engine = Self {
             clock: common.clock,
             loads: Loads::new(&settings.loads),
+            airbags,
             constraints,
             particles: Particles::new(&settings),
             contact: contact.map(|c| Contact::new(c, &super::elasticity(&settings))),

@@ -363,9 +363,7 @@ fn link_element_forces(
     if let Some(surface) = surface {
         links.iter().for_each(|link| include_widths(surface, link));
     }
-    blocks.build_assembly(nodes.local_count, &foreign, |id| {
-        settings.loads.pressures.iter().any(|p| p.faces_of(id).next().is_some())
-    });
+    blocks.build_assembly(nodes.local_count, &foreign, |id| settings.loads.presses(id));
     links.retain(|l| l.worker != me);
     let mut ghosts = Ghosts::new(links);
     ghosts.volumes = volumes.finish(blocks);

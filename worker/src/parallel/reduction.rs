@@ -14,6 +14,7 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Displacement;
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
+use std::fmt;
 use std::ops::Range;
 
 /// Result of the reduction of a cycle, equal on all workers.
@@ -25,9 +26,8 @@ pub struct StepConsensus {
     /// Limit of the step due to contact, infinite without contact surfaces in relative motion
     /// [time].
     pub contact_dt: f64,
-    /// Element that has failed numerically, the lowest id of several; ids with a place compare
-    /// by it.
-    pub failure: Option<ElemId>,
+    /// Cause for which the step is not made.
+    pub failure: Option<StepFailure>,
     /// Last order that has arrived at any worker.
     pub order: u64,
     /// Largest relative motion as a fraction of the motion that the ghosts allow.
@@ -39,6 +39,25 @@ pub struct StepConsensus {
     /// Upper bound of the velocity difference of any two nodes of contact surfaces in the last
     /// step [length/time].
     pub spread: f64,
+}
+
+/// Cause for which a step is not made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepFailure {
+    /// Element that has failed numerically, the lowest id of several; ids with a place compare by
+    /// it.
+    Element(ElemId),
+    /// An airbag has no valid state, see [`crate::airbags::Airbags::fault`].
+    Airbag,
+}
+
+impl fmt::Display for StepFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Element(element) => write!(f, "in element {element}"),
+            Self::Airbag => write!(f, "in an airbag"),
+        }
+    }
 }
 
 /// Contribution of one worker, known after its element forces.
@@ -171,7 +190,7 @@ impl StepReduction {
         limits: Limits,
     ) -> Result<StepConsensus, RankLost> {
         let max = self.reduction.finish(comm)?;
-        let trouble = (max[1] > 0.0).then(|| of_float(max[1]));
+        let trouble = (max[1] > 0.0).then(|| StepFailure::Element(of_float(max[1])));
         let spread = spread(&max[VELOCITIES]);
         (self.elements_dt, self.contact_dt) = (-max[0], contact_dt(spread, max[APPROACH], limits));
         Ok(StepConsensus {

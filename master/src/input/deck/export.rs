@@ -273,7 +273,9 @@ fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
         return deck.card(&[Id(id), Id(1)]);
     }
     let warping = part.parameters.get("warping") == Some(&Setting::Flag(true));
+    let membrane = is_membrane(part);
     let elform = match (part.element.as_deref(), warping) {
+        (Some("belytschko_tsay"), _) if membrane => 5,
         (Some("belytschko_tsay"), true) => 10,
         (Some("belytschko_tsay"), false) => 2,
         _ => 16,
@@ -285,6 +287,11 @@ fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
         return deck.card(&[t]);
     }
     deck.card(&[t, t, t, t, Number(-part.offset)]);
+}
+
+/// Returns true for a part of membranes.
+fn is_membrane(part: &Part) -> bool {
+    part.parameters.get("membrane") == Some(&Setting::Flag(true))
 }
 
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
@@ -316,7 +323,7 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     };
     let on_card = |key: &str| match key {
         "points" => shells,
-        "hourglass" | "warping" => by_card,
+        "hourglass" | "warping" | "membrane" => by_card,
         "hourglass_coefficient" => coefficient.is_some(),
         "bulk_viscosity" => !viscosity.is_empty(),
         _ => false,
@@ -326,7 +333,8 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
         own.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
     }
     // A deck has no drilling stiffness for this formulation.
-    if let (Some("belytschko_tsay"), None) = (part.element.as_deref(), given("drilling"))
+    if let (Some("belytschko_tsay"), None, false) =
+        (part.element.as_deref(), given("drilling"), is_membrane(part))
         && let Some(row) = formulation(part, Shape::Quad4)
     {
         own.insert("drilling".into(), row.values(part).number("drilling").into());
@@ -491,8 +499,9 @@ fn left_over(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         }
     }
     list(deck, "symmetry", &job.symmetry);
+    list(deck, "airbag", &job.airbag);
     // Entries without cards refer to curves by their names.
-    let referring = ["gravity", "pressure", "load", "motion", "wall"];
+    let referring = ["gravity", "pressure", "airbag", "load", "motion", "wall"];
     if referring.iter().any(|key| deck.rest.contains_key(*key)) {
         for curve in &job.curve {
             curves.write_table(deck, Some(&curve.name));

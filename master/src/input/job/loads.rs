@@ -1,9 +1,10 @@
 //! Loads, prescribed motion and planes of symmetry: checks, and conversion to numbers and ids.
 
+use super::airbags;
 use super::state::{ElementStart, NodeSets, NodeStart};
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, MotionInput, PressureInput};
+use crumple_proto::job::{Job, MotionInput, PressureInput, Symmetry};
 use crumple_proto::loads::{
     Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
 };
@@ -96,6 +97,7 @@ pub fn resolve(
             loads.pressures.push(Pressure { faces, pressure: p.pressure, curve });
         }
     }
+    loads.airbags = airbags::resolve(job, mesh, sets, &curves, smallest, findings);
     for (i, m) in job.motion.iter().enumerate().filter(|(_, m)| m.rigid.is_none()) {
         loads.motions.extend(motion(m, i, &curves, mesh, sets, start, findings));
     }
@@ -106,6 +108,8 @@ pub fn resolve(
 pub struct Curves<'j> {
     names: Vec<&'j str>,
     starts: Vec<Option<f64>>,
+    /// First negative factor of each curve.
+    negative: Vec<Option<[f64; 2]>>,
 }
 
 impl<'j> Curves<'j> {
@@ -156,7 +160,28 @@ impl<'j> Curves<'j> {
         Self {
             names: job.curve.iter().map(|c| c.name.as_str()).collect(),
             starts: job.curve.iter().map(|c| start(&c.points)).collect(),
+            negative: job
+                .curve
+                .iter()
+                .map(|c| c.points.iter().copied().find(|p| p[1] < 0.0))
+                .collect(),
         }
+    }
+
+    /// Returns the index of an optional curve, and reports negative factors of it.
+    pub fn find_positive(
+        &self,
+        name: &Option<String>,
+        path: &str,
+        findings: &mut JobProblems,
+    ) -> Option<usize> {
+        let found = self.find(name, path, findings)?;
+        if let Some([time, factor]) = self.negative[found] {
+            let message =
+                format!("curve `{}` has the factor {factor:?} at {time:?}", self.names[found]);
+            findings.add(Problem::error(path, message, "its factors have to be 0 or above"));
+        }
+        Some(found)
     }
 
     /// Returns the index of an optional curve.
@@ -189,32 +214,43 @@ fn loaded_faces(
     sets: &NodeSets<'_>,
     findings: &mut JobProblems,
 ) -> Option<Vec<(ElemId, u8)>> {
-    if p.parts.is_empty() && p.nodes.is_none() {
+    let path = format!("pressure.{i}");
+    let faces = part_faces((&p.parts, &p.nodes), &path, "pressure", (job, mesh, sets), findings)?;
+    Some(faces.into_iter().map(|(e, f)| (mesh.elements[e].id, f as u8)).collect())
+}
+
+/// Returns the faces of some parts, of a node set, or of both, as index of the element and number
+/// of the face. `what` names the entry of the job. Reports an error and returns `None` if there
+/// are none.
+pub fn part_faces(
+    (parts, nodes): (&[u32], &Option<String>),
+    path: &str,
+    what: &str,
+    (job, mesh, sets): (&Job, &Mesh, &NodeSets<'_>),
+    findings: &mut JobProblems,
+) -> Option<Vec<(usize, usize)>> {
+    let article = if what.starts_with('a') { "an" } else { "a" };
+    if parts.is_empty() && nodes.is_none() {
         let help = "name `parts`, a node set as `nodes`, or both";
-        findings.add(Problem::error(
-            format!("pressure.{i}"),
-            "a pressure has neither parts nor nodes",
-            help,
-        ));
+        let message = format!("{article} {what} has neither parts nor nodes");
+        findings.add(Problem::error(path, message, help));
         return None;
     }
-    let known = known_parts(&p.parts, &format!("pressure.{i}"), "pressure", job, findings);
-    let within = match &p.nodes {
+    let known = known_parts(parts, path, what, job, findings);
+    let within = match nodes {
         None => None,
-        Some(name) => Some(sets.ids(name, format!("pressure.{i}.nodes"), findings)?),
+        Some(name) => Some(sets.ids(name, format!("{path}.nodes"), findings)?),
     };
     if !known {
         return None;
     }
-    let of_part = |part: u32| p.parts.is_empty() || p.parts.contains(&part);
-    let faces: Vec<(ElemId, u8)> = faces(mesh, of_part, within.as_deref())
-        .into_iter()
-        .map(|(e, f)| (mesh.elements[e].id, f as u8))
-        .collect();
+    let of_part = |part: u32| parts.is_empty() || parts.contains(&part);
+    let faces = faces(mesh, of_part, within.as_deref());
     if faces.is_empty() {
-        let message = "a pressure acts on no face: no element face has all its nodes there";
+        let message =
+            format!("{article} {what} acts on no face: no element face has all its nodes there");
         let help = "name a part that has elements, or a set that holds all nodes of each face";
-        findings.add(Problem::error(format!("pressure.{i}"), message, help));
+        findings.add(Problem::error(path, message, help));
         return None;
     }
     Some(faces)
@@ -423,6 +459,11 @@ fn motion(
     })
 }
 
+/// Returns the distance from a plane of symmetry within which a node lies on it [length].
+pub fn reach_of_plane(plane: &Symmetry, smallest: f64) -> f64 {
+    if plane.tolerance > 0.0 { plane.tolerance } else { ON_PLANE * smallest }
+}
+
 /// Fixes the degrees of freedom that planes of symmetry constrain.
 fn symmetry(
     job: &Job,
@@ -450,7 +491,7 @@ fn symmetry(
             let help = "it has to be 0 (a thousandth of the smallest side) or above";
             findings.add(Problem::error(format!("symmetry.{i}.tolerance"), message, help));
         }
-        let tolerance = if plane.tolerance > 0.0 { plane.tolerance } else { ON_PLANE * smallest };
+        let tolerance = reach_of_plane(plane, smallest);
         let off = |n: usize| (mesh.nodes[n].x[axis] - plane.point[axis]).abs();
         let on: Vec<usize> = (0..mesh.nodes.len()).filter(|&n| off(n) <= tolerance).collect();
         if on.is_empty() {

@@ -11,12 +11,14 @@
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: materials and elements of the worker;
 //!    `units.rs`
 //! 5. `state.rs`: initial state of nodes and elements, `springs.rs`: stable step of springs;
-//!    `loads.rs`, `walls.rs`: loads and walls; `histories.rs`: recorded quantities
+//!    `loads.rs`, `airbags.rs`, `walls.rs`: loads, airbags and walls; `histories.rs`: recorded
+//!    quantities
 //!
 //! A stage that finds errors repairs the data as well as possible, so that the next stage can
 //! continue. `report.rs` shows all errors at once. No input may cause a panic here; a panic is a
 //! defect of the program.
 
+mod airbags;
 mod contact;
 mod files;
 mod histories;
@@ -281,6 +283,7 @@ fn build(
     if let Some((_, dt)) = state::smallest(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()) {
         walls::behind(&job, &settings, &mesh, &nodes, dt, findings);
     }
+    airbags::check_masses(&mesh, &settings.loads.airbags, (&elements, &nodes), findings);
     if findings.any_error() {
         return None;
     }

@@ -64,6 +64,13 @@ const SECFORC: &[Channel] = &[
 ];
 const RWFORC: &[Channel] =
     &[("x_force", "mean force x"), ("y_force", "mean force y"), ("z_force", "mean force z")];
+const ABSTAT: &[Channel] = &[
+    ("volume", "volume"),
+    ("pressure", "pressure"),
+    ("internal_energy", "energy"),
+    ("total_mass", "mass"),
+    ("gas_temp", "temperature"),
+];
 const FORCES: &[Channel] =
     &[("x_force", "force x"), ("y_force", "force y"), ("z_force", "force z")];
 
@@ -88,6 +95,7 @@ pub fn export(dir: &Path) -> Result<String, String> {
     export.contacts(dir)?;
     export.sections(dir)?;
     export.walls(dir)?;
+    export.airbags(dir)?;
     let file = dir.join(NAME);
     let BinoutExport { out, branches, .. } = export;
     write_whole(&file, |to| out.write(to)).map_err(|error| error.to_string())?;
@@ -317,6 +325,19 @@ impl BinoutExport {
                 ("total_force", lengths(AXES.map(|axis| &known[&*format!("{axis}_force")][..]))),
                 ("total_moment", lengths(AXES.map(|axis| &known[&*format!("{axis}_moment")][..]))),
             ]
+        })
+    }
+
+    /// Volume and gas of airbags; the pressure is absolute.
+    fn airbags(&mut self, dir: &Path) -> Result<(), String> {
+        let Some(history) = ObjectHistory::read(&dir.join("airbags.csv"), &["airbag"])? else {
+            return Ok(());
+        };
+        let objects = BranchObjects::numbered(&history, |words| words.concat());
+        self.begin("abstat", Some(&objects));
+        self.branch(("abstat", ABSTAT), &history, (&objects, f64::NAN), |known| {
+            let density = known["total_mass"].iter().zip(&known["volume"]).map(|(m, v)| m / v);
+            vec![("density", density.collect())]
         })
     }
 

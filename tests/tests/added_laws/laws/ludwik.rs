@@ -21,7 +21,7 @@ pub static LAW: Law = Law {
     constants: ELASTIC,
     parameters: PARAMETERS,
     build: Some(build),
-    solid,
+    solid: Some(solid),
 };
 
 const PARAMETERS: &[ParameterRow] = &[

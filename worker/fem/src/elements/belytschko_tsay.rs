@@ -12,6 +12,10 @@
 //!   curvature, with `Bc1 = (2 z0/A^2) [x13, x42, x31, x24]`, Bc2 likewise with y, z0 = h z/4; here
 //!   the contribution of in-plane spin is subtracted.
 //!
+//! A membrane has one point, no transverse shear, no drilling and no hourglass stiffness of tx and
+//! ty, so that it has no moments. The stiffness of vz stays: the twist of a quad out of its plane
+//! would have none.
+//!
 //! Not included: a shear projection, so bending patches of distorted quads fail;
 //! `stabilised_quad.rs` has one. Thin twisted strips do not lock, as the hourglass rates exclude
 //! rigid rotation; coarse ones are stiff (`shell_benchmarks.rs`).
@@ -50,6 +54,7 @@ pub const ROW: ElementEntry = ElementEntry {
                  damping. Hourglass forces of shells with a plastic law are bounded with every \
                  form of control. See `cases/studies/README.md`, hourglass.",
             ),
+            parameters::MEMBRANE,
             ParameterRow {
                 key: "warping",
                 form: Form::Flag,
@@ -61,7 +66,7 @@ pub const ROW: ElementEntry = ElementEntry {
             },
         ],
     ],
-    idle: |_| &[],
+    idle: parameters::idle_in_membranes,
     build: Constructor::Shell(build),
 };
 
@@ -81,17 +86,21 @@ pub struct BelytschkoTsay {
     /// r.
     hourglass_coefficient: f64,
     warping: bool,
+    membrane: bool,
     /// alpha.
     drilling: f64,
 }
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
+    let section = Section::new(part, values, law)?;
+    let membrane = values.flag("membrane");
     Ok(Box::new(Shell(Quad(BelytschkoTsay {
-        section: Section::new(part, values, law)?,
+        section: if membrane { section.of_membrane() } else { section },
+        membrane,
         hourglass: HourglassForm::from_word(&values.word("hourglass")),
         hourglass_coefficient: values.number("hourglass_coefficient"),
         warping: values.flag("warping"),
-        drilling: values.number("drilling"),
+        drilling: if membrane { 0.0 } else { values.number("drilling") },
     }))))
 }
 
@@ -247,7 +256,8 @@ impl BelytschkoTsay {
         let sq = |v: R| v * v;
         let bb = R::splat(2.0) * (sq(g.b1[0]) + sq(g.b1[1]) + sq(g.b2[0]) + sq(g.b2[1]));
         let (t2, tbb) = (t * t, t * bb);
-        let theta = R::splat(e / 192.0) * t2 * tbb * g.area;
+        let bends = if self.membrane { 0.0 } else { e / 192.0 };
+        let theta = R::splat(bends) * t2 * tbb * g.area;
         let w = R::splat(SHEAR_CORRECTION * elastic.shear_modulus() / 12.0) * t2 * tbb;
         let membrane = R::splat(e / 8.0) * tbb * g.area;
         let r = self.hourglass_coefficient;

@@ -84,6 +84,66 @@ fn hourglass_forces_vanish_in_linear_fields() {
     }
 }
 
+/// A membrane resists stretching as the shell does. Curvature, transverse shear and drilling meet
+/// no force at all.
+#[test]
+fn a_membrane_has_no_moments() {
+    let (t, l, size) = (0.1, 2.0, 1e-9);
+    let square = [[0.0, 0.0, 0.0], [l, 0.0, 0.0], [l, l, 0.0], [0.0, l, 0.0]];
+    for membrane in [false, true] {
+        let new = || quad(part(t).with("membrane", membrane), elastic(E, NU, 1.0), square);
+        let largest =
+            |rows: &[[f64; 4]]| rows.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
+        let mut patch = new();
+        for (w, x) in patch.w.iter_mut().zip(&patch.x) {
+            *w = [size * x[1], size * (x[0] + 1.0), size * x[0], 0.0];
+        }
+        patch.forces(1.0);
+        let resistance = largest(&patch.moment).max(largest(&patch.force));
+        if membrane {
+            assert!(resistance < 1e-12 * E * size, "{resistance}");
+        } else {
+            assert!(resistance > 1e-3 * E * size, "the shell bends: {resistance}");
+        }
+        let mut patch = new();
+        patch.v.iter_mut().zip(&patch.x).for_each(|(v, x)| v[0] = size * x[0]);
+        patch.forces(1.0);
+        let wanted = E / (1.0 - NU * NU) * size * t * 0.5 * l;
+        assert_close(patch.corner(0, 1).0[0], wanted, 1e-6 * wanted, "squared strains of 1e-9");
+    }
+}
+
+/// The yarns of a fabric follow the vector that its material names, in any element, or the side of
+/// the nodes 1 and 2 with an angle.
+#[test]
+fn yarns_of_a_fabric_follow_their_direction() {
+    let (stiff, soft, t, l, size) = (100.0, 1.0, 0.1, 2.0, 1e-9);
+    let square = [[0.0, 0.0, 0.0], [l, 0.0, 0.0], [l, l, 0.0], [0.0, l, 0.0]];
+    let force = |first: usize, key: &str, value: Param| {
+        let mut fabric = material(
+            "fabric",
+            1.0,
+            &[("youngs_modulus", stiff), ("poisson", 0.0), ("youngs_modulus_b", soft)],
+        );
+        fabric.parameters.insert(key.into(), value);
+        // The same square, numbered from another corner.
+        let cell: [u32; 4] = std::array::from_fn(|c| ((c + first) % 4) as u32);
+        let mut patch = Patch::new(part(t).with("membrane", true), fabric, &square, &[cell]);
+        patch.v.iter_mut().zip(&patch.x).for_each(|(v, x)| v[0] = size * x[0]);
+        patch.forces(1.0);
+        let corner = (0..4).find(|c| cell[*c] == 1).unwrap();
+        patch.corner(0, corner).0[0] / (size * t * 0.5 * l)
+    };
+    for first in 0..4 {
+        let along = |x: f64, y: f64| force(first, "direction", Param::List(vec![x, y, 0.3]));
+        assert_close(along(1.0, 0.0), stiff, 1e-6 * stiff, "pulled along the yarns a");
+        assert_close(along(0.0, 2.0), soft, 1e-6 * stiff, "pulled along the yarns b");
+        let turned = force(first, "angle", Param::Number(90.0));
+        let wanted = if first % 2 == 0 { soft } else { stiff };
+        assert_close(turned, wanted, 1e-6 * stiff, "at 90 degrees to the first side");
+    }
+}
+
 /// Each of the five modes alone has its stiffness.
 #[test]
 fn hourglass_modes_have_their_stiffness() {
@@ -190,6 +250,7 @@ fn lanes_are_the_scalar_kernel() {
             Section::new(&part, &ROW.values(&part), law()).map_err(|p| format!("{p:?}")).unwrap()
         };
         let shell = Shell(Quad(BelytschkoTsay {
+            membrane: false,
             section: section(),
             hourglass,
             hourglass_coefficient: 0.05,

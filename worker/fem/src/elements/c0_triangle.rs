@@ -53,12 +53,15 @@ pub const ROW: ElementEntry = ElementEntry {
     shape: Shape::Tri3,
     parameters: [
         parameters::OF_SHELLS,
-        &[parameters::coefficient_of_shell(
-            "Fraction of the stiffness of the mode that its penalty has. See \
-             `cases/studies/README.md`, hourglass.",
-        )],
+        &[
+            parameters::coefficient_of_shell(
+                "Fraction of the stiffness of the mode that its penalty has. See \
+                 `cases/studies/README.md`, hourglass.",
+            ),
+            parameters::MEMBRANE,
+        ],
     ],
-    idle: |_| &[],
+    idle: parameters::idle_in_membranes,
     build: Constructor::Shell(build),
 };
 
@@ -76,10 +79,13 @@ pub struct C0Triangle {
 }
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
+    let section = Section::new(part, values, law)?;
+    let membrane = values.flag("membrane");
+    let unless_membrane = |key: &str| if membrane { 0.0 } else { values.number(key) };
     Ok(Box::new(Shell(C0Triangle {
-        section: Section::new(part, values, law)?,
-        hourglass_coefficient: values.number("hourglass_coefficient"),
-        drilling: values.number("drilling"),
+        section: if membrane { section.of_membrane() } else { section },
+        hourglass_coefficient: unless_membrane("hourglass_coefficient"),
+        drilling: unless_membrane("drilling"),
     })))
 }
 

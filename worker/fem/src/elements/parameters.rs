@@ -96,6 +96,26 @@ pub(super) const OF_SHELLS: &[ParameterRow] = &[
     },
 ];
 
+/// Key of shells without bending.
+pub(super) const MEMBRANE: ParameterRow = ParameterRow {
+    key: "membrane",
+    form: Form::Flag,
+    otherwise: DefaultValue::Flag(false),
+    range: None,
+    meaning: "Membrane: one point, and neither bending nor transverse shear nor drilling \
+              stiffness. In quads, hourglass control keeps a small stiffness of the twist out of \
+              the plane.",
+};
+
+/// Returns the keys that have no effect in membranes, with the reason.
+pub(super) fn idle_in_membranes(values: &Values<'_>) -> &'static [(&'static str, &'static str)] {
+    if values.flag("membrane") {
+        &[("points", "a membrane has one point"), ("drilling", "a membrane has none")]
+    } else {
+        &[]
+    }
+}
+
 const DELETE: &str = "delete";
 
 /// Returns true if inverted shells fail instead of ending the run.

@@ -121,6 +121,8 @@ impl<F: Formulation> Element for Shell<F> {
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], own: OwnSection) {
         let [area, floor] = self.0.size(four(x));
         self.section().measure(history, own, area, floor);
+        let side = [0, 1, 2].map(|c| x[1][c] - x[0][c]);
+        self.section().orient(history, &F::axes(four(x)), side);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64) {

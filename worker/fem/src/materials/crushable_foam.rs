@@ -46,7 +46,7 @@ pub const LAW: Law = Law {
         },
     ],
     build: None,
-    solid,
+    solid: Some(solid),
 };
 
 struct CrushableFoam {

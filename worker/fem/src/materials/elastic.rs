@@ -20,7 +20,7 @@ pub const LAW: Law = Law {
     constants: ELASTIC,
     parameters: &[],
     build: Some(build),
-    solid,
+    solid: Some(solid),
 };
 
 struct LinearElastic {

@@ -14,8 +14,8 @@
 
 use super::tensor::{deviator, inner, trace};
 use super::{
-    DefaultValue, Elastic, Form, LawResult, ParameterRow, PlaneStress, PointReal, Points, Solid,
-    SolidLawResult, SolidPoint,
+    DefaultValue, Elastic, Form, LawResult, Orientation, ParameterRow, PlaneStress, PointReal,
+    Points, Solid, SolidLawResult, SolidPoint,
 };
 use crate::materials::plasticity::Plasticity;
 use crate::materials::tensor::Principal;
@@ -262,6 +262,9 @@ impl PlaneStress for Eroding<dyn PlaneStress> {
     }
     fn initial_yield_stress(&self) -> f64 {
         self.law.initial_yield_stress()
+    }
+    fn orientation(&self) -> Option<Orientation> {
+        self.law.orientation()
     }
     fn rate_dependent(&self) -> Option<&Plasticity> {
         self.law.rate_dependent()

@@ -48,7 +48,7 @@ pub const LAW: Law = Law {
     constants: ELASTIC,
     parameters: PARAMETERS,
     build: Some(build),
-    solid,
+    solid: Some(solid),
 };
 
 const PARAMETERS: &[ParameterRow] = &[

@@ -28,7 +28,7 @@ pub const LAW: Law = Law {
     constants: ELASTIC,
     parameters: PARAMETERS,
     build: Some(build),
-    solid,
+    solid: Some(solid),
 };
 
 const PARAMETERS: &[ParameterRow] = &[

@@ -82,7 +82,7 @@ pub const LAW: Law = Law {
     constants: &[YOUNGS_MODULUS],
     parameters: PARAMETERS,
     build: None,
-    solid,
+    solid: Some(solid),
 };
 
 const PARAMETERS: &[ParameterRow] = &[

@@ -8,6 +8,7 @@ mod crushable_foam;
 mod elastic;
 mod equation_of_state;
 mod erosion;
+mod fabric;
 mod j2;
 mod johnson_cook;
 mod low_density_foam;
@@ -21,6 +22,7 @@ mod viscoelastic;
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
+pub use fabric::Orientation;
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
@@ -113,6 +115,12 @@ pub trait PlaneStress: Send + Sync {
     /// no plastic flow.
     fn initial_yield_stress(&self) -> f64 {
         f64::INFINITY
+    }
+
+    /// Returns the directions of the law at the start, if it has any. Its columns `direction cosine
+    /// - 1` and `direction sine` then hold them in the axes of each element.
+    fn orientation(&self) -> Option<Orientation> {
+        None
     }
 
     /// Returns the law itself if its yield stress depends on the strain rate.
@@ -271,8 +279,8 @@ pub struct Law {
     pub parameters: &'static [ParameterRow],
     /// Builds the law for shells; `None` if it is for solids only.
     pub build: Option<fn(&Material) -> LawResult>,
-    /// Builds the law for solids.
-    pub solid: fn(&Material) -> SolidLawResult,
+    /// Builds the law for solids; `None` if it is for shells only.
+    pub solid: Option<fn(&Material) -> SolidLawResult>,
 }
 
 impl Named for Law {
@@ -293,6 +301,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     rubber::blatz_ko::LAW,
     low_density_foam::LAW,
     crushable_foam::LAW,
+    fabric::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,
@@ -300,11 +309,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
 pub fn build(material: &Material) -> LawResult {
     let row = row_of(material)?;
     let Some(build) = row.build else {
-        let Material { name, law, .. } = material;
-        let message = format!("material '{name}': the law '{law}' is for solids only");
-        let with_shells = LAWS.iter().filter(|law| law.build.is_some()).map(|law| law.name);
-        let help = format!("use one of {}", with_shells.collect::<Vec<_>>().join(", "));
-        return Err(vec![Problem::error("law", message, help)]);
+        return Err(vec![not_for(material, "solids", |law| law.build.is_some())]);
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
@@ -322,12 +327,13 @@ pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
     let row = row_of(material)?;
     let (rest, _) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
-    match row.build.filter(|_| equation.is_none()) {
-        Some(build) => build(&rest).map(|law| law.elastic()),
-        None => {
-            let law = (row.solid)(&rest)?;
-            equation_of_state::solid(material, law, equation).map(|law| law.elastic())
+    match (row.build.filter(|_| equation.is_none()), row.solid) {
+        (Some(build), _) => build(&rest).map(|law| law.elastic()),
+        (None, Some(solid)) => {
+            let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
+            Ok(law.elastic())
         }
+        (None, None) => Err(vec![not_for(material, "shells", |law| law.solid.is_some())]),
     }
 }
 
@@ -335,10 +341,23 @@ pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
 /// with paths relative to it.
 pub fn build_solid(material: &Material) -> SolidLawResult {
     let row = row_of(material)?;
+    let Some(solid) = row.solid else {
+        return Err(vec![not_for(material, "shells", |law| law.solid.is_some())]);
+    };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
-    let law = equation_of_state::solid(material, (row.solid)(&rest)?, equation)?;
+    let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
     erosion::solid(material, law, limits)
+}
+
+/// Returns the problem of a law that is only for other elements. `fits` selects the laws that
+/// could replace it.
+fn not_for(material: &Material, only: &str, fits: fn(&Law) -> bool) -> Problem {
+    let Material { name, law, .. } = material;
+    let message = format!("material '{name}': the law '{law}' is for {only} only");
+    let others = LAWS.iter().filter(|law| fits(law)).map(|law| law.name);
+    let help = format!("use one of {}", others.collect::<Vec<_>>().join(", "));
+    Problem::error("law", message, help)
 }
 
 fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {

@@ -61,12 +61,14 @@ fn the_tables_name_what_laws_read() {
         if has_shells(law) {
             assert_eq!(listed, read_by(law, |m| last_help(build(m).err())), "{}", law.name);
         }
-        assert_eq!(
-            listed,
-            read_by(law, |m| last_help(build_solid(m).err())),
-            "{} of solids",
-            law.name
-        );
+        if law.solid.is_some() {
+            assert_eq!(
+                listed,
+                read_by(law, |m| last_help(build_solid(m).err())),
+                "{} of solids",
+                law.name
+            );
+        }
         assert!(
             law.parameters.iter().all(|r| r.meaning.ends_with('.')) && law.meaning.ends_with('.')
         );
@@ -96,8 +98,8 @@ fn the_tables_say_what_may_be_left_out() {
 fn stress(material: &Material) -> [f64; 9] {
     let law = build(material).ok();
     let mut state = vec![0.0; 3 + law.as_ref().map_or(0, |law| law.history().len())];
-    let solid = build_solid(material).expect("a valid material");
-    let mut solid_state = vec![0.0; 6 + solid.history().len()];
+    let solid = build_solid(material).ok();
+    let mut solid_state = vec![0.0; 6 + solid.as_ref().map_or(0, |law| law.history().len())];
     let mut sums = [0.0; 9];
     for step in 0..20 {
         let sign = if step < 14 { 1.0 } else { -1.0 };
@@ -109,7 +111,9 @@ fn stress(material: &Material) -> [f64; 9] {
             );
         }
         let strain = [1e-3, -3e-4, -2e-4, 2e-4, 0.0, 1e-4].map(|e| sign * e);
-        solid.update_one(SolidPoint { state: &mut solid_state, strain: &strain }, 1e-3);
+        if let Some(law) = &solid {
+            law.update_one(SolidPoint { state: &mut solid_state, strain: &strain }, 1e-3);
+        }
         for (sum, now) in sums.iter_mut().zip(state[..3].iter().chain(&solid_state[..6])) {
             *sum += now;
         }

@@ -45,7 +45,7 @@ pub const LAW: Law = Law {
         },
     ],
     build: Some(build),
-    solid,
+    solid: Some(solid),
 };
 
 struct Viscoelastic {

@@ -308,6 +308,25 @@ impl Bodies {
         }
     }
 
+    /// Returns an inverse mass of local node `n` with which forces on all members of a body at once
+    /// move them no less than the body does [1/mass].
+    ///
+    /// Free members would move more than the body, whose mass is the sum of theirs. An inertia that
+    /// the job prescribes can be smaller than that of the nodal masses. The response to a moment is
+    /// then larger by at most the ratio of the largest nodal to the smallest prescribed inertia.
+    pub fn largest_inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
+        let Some(b) = self.body_of(n) else { return nodes.inv_mass[n as usize] };
+        let (body, mass) = (&self.bodies[b], nodes.mass[n as usize]);
+        if body.is_prescribed() || mass == 0.0 {
+            return [0.0; 4];
+        }
+        let times = match self.beyond[b] == Matrix3::zeros() {
+            true => 1.0,
+            false => ((body.inertia - self.beyond[b]).norm() * body.softest).max(1.0),
+        };
+        [times / mass, times / mass, times / mass, 0.0]
+    }
+
     /// Returns the inverse rotational inertia that contact uses at local node `n` [1/(mass
     /// length^2)].
     pub fn inv_inertia(&self, n: u32, nodes: &Nodes) -> Row {

@@ -1,10 +1,12 @@
 //! Converts the cards of a deck to a job: a tree of values as from a job file, and a mesh.
 
+mod airbags;
 mod beams;
 mod contact;
 mod control;
 mod curves;
 mod equations;
+mod fabric;
 mod histories;
 mod inertia;
 mod initial;
@@ -159,6 +161,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.body_loads();
     b.nodal_loads();
     b.pressures();
+    b.airbags();
     b.walls();
     b.contacts(sections.defaults.shifted);
     b.ties();

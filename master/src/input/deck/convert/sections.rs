@@ -57,21 +57,23 @@ pub struct Sections {
     pub hourglass: HashMap<i64, (DeckHourglass, Option<[f64; 2]>, Place)>,
 }
 
-/// A formulation of shells: name in the job, and true if it includes warping.
+/// A formulation of shells: name in the job, and true if it includes warping or is a membrane.
 pub struct DeckFormulation {
     pub element: &'static str,
     pub warping: bool,
+    pub membrane: bool,
 }
 
 /// Returns the formulation of the engine nearest to one of the deck; `None` if there is none.
 pub fn shell(elform: i64) -> Option<DeckFormulation> {
     let (element, warping) = match elform {
         1 | 2 | 3 | 4 | 11 | 17 => ("belytschko_tsay", false),
+        5 | 9 => ("belytschko_tsay", false),
         10 => ("belytschko_tsay", true),
         6 | 7 | 8 | 16 | -16 | 18 | 20 | 21 | 25 | 26 => ("stabilised_quad", false),
         _ => return None,
     };
-    Some(DeckFormulation { element, warping })
+    Some(DeckFormulation { element, warping, membrane: matches!(elform, 5 | 9) })
 }
 
 /// Returns the hourglass form for a solid formulation that the engine's hexahedron can replace.

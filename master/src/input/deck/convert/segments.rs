@@ -169,6 +169,34 @@ impl DeckConverter {
         found
     }
 
+    /// Returns the nodes of faces that have no other face between them, and true if the normals of
+    /// all segments are opposite to those of their elements. Reports segments that are no face, and
+    /// other faces.
+    pub(super) fn nodes_of_surface(
+        &mut self,
+        segments: &[DeckSegment],
+        place: Place,
+        keyword: &str,
+    ) -> Option<(Vec<NodeId>, bool)> {
+        let faces = self.faces(true);
+        let segments = &self.with_triangles(segments)[..];
+        let along = self.of_sense(segments, &faces, true);
+        let against = self.of_sense(segments, &faces, false);
+        if along.len() + against.len() < segments.len() {
+            return None;
+        }
+        let mut groups = whole_groups(segments, &faces);
+        if groups.len() != 1 {
+            let message = format!(
+                "{keyword}: the nodes of the segments have other faces between them, or a segment \
+                 is there twice"
+            );
+            self.unsupported(place, message, format!("{keyword} with such segments"));
+            return None;
+        }
+        groups.pop().map(|(_, nodes)| (nodes, along.is_empty()))
+    }
+
     /// Replaces segments with the three corners of a side of a ten-node tetrahedron by its four
     /// triangles.
     fn with_triangles(&self, segments: &[DeckSegment]) -> Vec<DeckSegment> {

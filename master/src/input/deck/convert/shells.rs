@@ -168,7 +168,10 @@ impl DeckConverter {
         if bt && warping {
             table.put("warping", sections.defaults.warping.unwrap_or(card.place("elform")), true);
         }
-        if bt {
+        if form.membrane {
+            table.put("membrane", card.place("elform"), true);
+            table.put("points", card.place("nip"), 1);
+        } else if bt {
             self.drilling(record, sections, table);
         }
         if let Some(place) = sections.defaults.thinning {
@@ -176,7 +179,11 @@ impl DeckConverter {
         }
         let mut used = Vec::new();
         if elements.shapes.quads || !elements.shapes.triangles {
-            let terms = if bt && warping { " with warping terms" } else { "" };
+            let terms = match (form.membrane, bt && warping) {
+                (true, _) => " as a membrane, one point in the plane",
+                (_, true) => " with warping terms",
+                _ => "",
+            };
             used.push(format!("{}{terms}", form.element));
         }
         if elements.shapes.triangles {

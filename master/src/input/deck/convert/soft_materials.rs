@@ -7,7 +7,8 @@ use crate::input::deck::record::CardRecord;
 use std::collections::HashMap;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 8] = [
+pub const KEYWORDS: [&str; 9] = [
+    "MAT_FABRIC",
     "MAT_VISCOELASTIC",
     "MAT_BLATZ-KO_RUBBER",
     "MAT_MOONEY-RIVLIN_RUBBER",
@@ -40,6 +41,7 @@ impl DeckConverter {
         table: &mut JobTable,
     ) -> f64 {
         match keyword {
+            "MAT_FABRIC" => self.fabric(record, table),
             "MAT_VISCOELASTIC" => viscoelastic(record, table),
             "MAT_BLATZ-KO_RUBBER" => {
                 table.put("law", record.head, "blatz_ko");

@@ -1,6 +1,7 @@
 //! The table of keywords. A keyword is an entry of one of the lists in this folder. The folder
 //! `convert` builds the model from it.
 
+mod airbags;
 mod constraints;
 mod contact;
 mod control;
@@ -26,6 +27,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Rubber and foam", soft_materials::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
+    ("Airbags", airbags::KEYWORDS),
     ("Rigid bodies and constraints", constraints::KEYWORDS),
     ("Joints", joints::KEYWORDS),
     ("Contact and rigid walls", contact::KEYWORDS),

@@ -46,7 +46,7 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[
         no_effect("propt", "results have all points"),
-        no_effect("icomp angle", "laws have no direction"),
+        ignored("icomp angle", "the yarns of a fabric have the angle beta of its material"),
         refused("setyp", "two-dimensional solids"),
         ignored("idof", "the strain through the thickness is that of the formulation"),
         refused("edgset", "edges of membranes"),

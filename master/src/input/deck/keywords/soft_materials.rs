@@ -1,10 +1,11 @@
 //! Materials of rubber and foam, and failure that is added to any material.
 
 use super::title;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
-    UnusedFields, ignored, no_effect,
+    UnusedFields, ignored, no_effect, refused,
 };
 
 const TITLE: (&str, Times) = ("heading:l", Count(title));
@@ -34,6 +35,30 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("dmgtyp lcsdg ecrit dmgexp dcrit fadexp lcregd", "they are for damage (idam)"),
         no_effect("nsff", "it is for lcfld"),
     ])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_FABRIC",
+        &[
+            TITLE,
+            ("mid:i! ro:r! ea:r! eb:r ec:r prba:r prab:r prcb:r", Once),
+            ("gab:r gbc:r gca:r cse:r el:r prl:r lratio:r damp:r", Once),
+            ("aopt:r flc:r fac:r ela:r lnrc:r form:i fvopt:i tsrfac:r", Maybe),
+            ("blank:r rgbrth:r a0ref:i a1:r a2:r a3:r x0:r x1:r", Maybe),
+            ("v1:r v2:r v3:r d1:r d2:r d3:r beta:r isrefg:i", Maybe),
+            ("lca:i lcb:i lcab:i lcua:i lcub:i lcuab:i rl:r", AtMost(curves)),
+        ],
+        "law `fabric`: isotropic with ea and prba, or with yarns (eb, gab) along aopt 0 or 2 and \
+         beta; cse 1 is without compression, damp the damping, and lratio, el, prl the liner",
+    )
+    .unused(&[
+        no_effect("ec prcb gbc gca blank", "the format has no such constants any more"),
+        refused("flc fac ela fvopt x0 x1", "porosity of the fabric: give cp23 and ap23 of the bag"),
+        refused("lnrc tsrfac", "changes of liner and tension over time"),
+        ignored("rgbrth a0ref isrefg", "the stress is zero in the mesh as given"),
+        no_effect("v1 v2 v3 d1 d2 d3", "the yarns a follow from the vector a alone"),
+        refused("lca lcb lcab lcua lcub lcuab rl", "curves of stress: give ea, eb, gab"),
+    ])
+    .aliases(&["MAT_034", "MAT_34"])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_VISCOELASTIC",
@@ -148,3 +173,8 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_083", "MAT_83"])
     .options(&["TITLE"]),
 ];
+
+/// Returns 1 if a form of fabric has curves.
+fn curves(record: &CardRecord) -> usize {
+    usize::from(matches!(record.integer("form"), 4 | 14 | -14 | 24))
+}

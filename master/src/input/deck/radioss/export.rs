@@ -354,8 +354,9 @@ impl StarterWriter<'_> {
         differing(deck, "elements", &job.elements, &Elements::default(), &[]);
         differing(deck, "checkpoint", &job.checkpoint, &Checkpoint::default(), &[]);
         list(deck, "symmetry", &job.symmetry);
+        list(deck, "airbag", &job.airbag);
         list(deck, "require", &job.require);
-        let referring = ["pressure", "load", "motion", "wall"];
+        let referring = ["pressure", "airbag", "load", "motion", "wall"];
         if referring.iter().any(|key| deck.rest.contains_key(*key)) {
             list(deck, "curve", &job.curve);
         }

@@ -9,6 +9,7 @@ use super::UnitNames;
 use super::columns::in_scene;
 use crate::input::check::figure;
 use crate::input::job::Model;
+use crumple_proto::airbag::BagFace;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::JointInput;
 use crumple_proto::joint::ResolvedJoint;
@@ -302,7 +303,7 @@ impl PlacedModel<'_> {
         (!moving.is_empty()).then(condition)
     }
 
-    /// Gravity, nodal forces and moments, pressures.
+    /// Gravity, nodal forces and moments, pressures, airbags.
     fn loads(&self) -> Vec<Condition> {
         let loads = &self.model.settings.loads;
         let everything: Vec<u32> = (0..self.model.mesh.nodes.len() as u32).collect();
@@ -337,7 +338,16 @@ impl PlacedModel<'_> {
             let detail = figure(p.pressure) + &self.curve(p.curve);
             Condition::new("pressure", detail, p.faces.len(), Marks::Arrows(arrows))
         });
-        gravity.chain(forces).chain(pressures).collect()
+        let airbags = loads.airbags.iter().map(|bag| {
+            let arrow = |f: &BagFace| {
+                let (middle, normal) = self.face(*elements.get(&f.element)?, f.face);
+                let sign = if f.inwards { -1.0 } else { 1.0 };
+                Some([middle, normal.map(|c| sign * c)])
+            };
+            let arrows = bag.faces.iter().filter_map(arrow).collect();
+            Condition::new("airbag", &bag.name, bag.faces.len(), Marks::Arrows(arrows))
+        });
+        gravity.chain(forces).chain(pressures).chain(airbags).collect()
     }
 
     /// Returns the middle of a face of an element, and its unit normal.

@@ -73,6 +73,10 @@ pub struct Section {
     /// Columns of a point: stress xx, yy, xy and those of the law.
     stride: usize,
     thinning: bool,
+    /// Columns of a point with the direction of the law: cosine less 1, sine.
+    direction: Option<[usize; 2]>,
+    /// Factor on the transverse shear: 0 in membranes, which have none.
+    shear: f64,
     /// True if inverted elements are deleted instead of ending the run. Such a part has one more
     /// column, the last one: 1 if the element was deleted.
     pub deletes: bool,
@@ -170,6 +174,10 @@ impl Section {
             weight,
             stride: 3 + history.len(),
             thinning: values.flag("thinning"),
+            direction: law_column(history, "direction cosine - 1", 3)
+                .zip(law_column(history, "direction sine", 3))
+                .map(|(cosine, sine)| [cosine, sine]),
+            shear: 1.0,
             deletes: parameters::deletes_inverted(values),
             plastic_strain: law_column(history, "plastic_strain", 3),
             initial_yield_stress: law.initial_yield_stress(),
@@ -181,6 +189,13 @@ impl Section {
     /// Returns the same section with `planar` points in the plane of an element.
     pub fn at_points(self, planar: usize) -> Self {
         Self { planar, ..self }
+    }
+
+    /// Returns the section of a membrane, which has one point, and neither moments nor transverse
+    /// shear.
+    pub fn of_membrane(self) -> Self {
+        let (zeta, weight) = gauss_legendre(1);
+        Self { points: 1, zeta, weight, shear: 0.0, ..self }
     }
 
     /// Makes each element store its offset in a column of the section.
@@ -246,6 +261,31 @@ impl Section {
     pub fn measure(&self, history: &mut [f64], own: OwnSection, area: f64, floor: f64) {
         (history[VOLUME], history[INERTIA]) =
             (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
+    }
+
+    /// Stores the direction of the law in the axes e1, e2 and normal of an element with the first
+    /// side `side`.
+    pub fn orient(&self, history: &mut [f64], axes: &[[f64; 3]; 3], side: [f64; 3]) {
+        let (Some(of), Some([cosine, sine])) = (self.law.orientation(), self.direction) else {
+            return;
+        };
+        let along = of.direction.unwrap_or(side);
+        let on = |axis: &[f64; 3]| (0..3).map(|c| axis[c] * along[c]).sum::<f64>();
+        let (x, y) = (on(&axes[0]), on(&axes[1]));
+        // A direction along the normal has no projection: then that of the first side.
+        let (x, y) = if x.hypot(y) > 1e-6 * along.iter().fold(0.0, |m: f64, c| m.max(c.abs())) {
+            (x, y)
+        } else {
+            let on = |axis: &[f64; 3]| (0..3).map(|c| axis[c] * side[c]).sum::<f64>();
+            (on(&axes[0]), on(&axes[1]))
+        };
+        let (size, (s, c)) = (x.hypot(y), of.angle.sin_cos());
+        let (x, y) = ((c * x - s * y) / size, (s * x + c * y) / size);
+        for k in 0..self.planar * self.points {
+            let (plane, layer) = (k / self.points, k % self.points);
+            let point = &mut history[plane * self.each() + POINTS + layer * self.stride..];
+            (point[cosine], point[sine]) = (x - 1.0, y);
+        }
     }
 
     /// Returns true if the middle surface of some elements is not in the nodal plane.
@@ -361,7 +401,7 @@ impl Section {
         work = half * half_t * work;
         let to_moment = half_t * half_t;
 
-        let shear = R::splat(SHEAR_CORRECTION * self.elastic.shear_modulus());
+        let shear = R::splat(self.shear * SHEAR_CORRECTION * self.elastic.shear_modulus());
         let mut q = [R::zero(); 2];
         for c in 0..2 {
             let old = front[SHEAR + c];

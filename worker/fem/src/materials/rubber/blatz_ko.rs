@@ -30,7 +30,7 @@ pub const LAW: Law = Law {
         meaning: "Shear modulus at small strain [force/length^2].",
     }],
     build: None,
-    solid,
+    solid: Some(solid),
 };
 
 struct BlatzKo {

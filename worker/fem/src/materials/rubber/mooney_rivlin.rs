@@ -25,7 +25,7 @@ pub const LAW: Law = Law {
     constants: &[POISSON],
     parameters: PARAMETERS,
     build: None,
-    solid,
+    solid: Some(solid),
 };
 
 const PARAMETERS: &[ParameterRow] = &[

@@ -29,7 +29,7 @@ pub const LAW: Law = Law {
                   half the sum of mu alpha [force/length^2].",
     }],
     build: None,
-    solid,
+    solid: Some(solid),
 };
 
 struct Ogden {

@@ -32,7 +32,7 @@ pub const LAW: Law = Law {
                   modulus is 2 (c10 + c01) [force/length^2].",
     }],
     build: None,
-    solid,
+    solid: Some(solid),
 };
 
 struct Polynomial {
