@@ -148,7 +148,8 @@ impl WatchedRow<'_> {
 
     /// Returns the warnings of a run that is complete: what it had, and never used. `has_contact`
     /// is true if the job asks for contact.
-    pub fn unused(&self, has_contact: bool) -> Vec<EngineeringWarning> {
+    /// `walls` are the names of its walls.
+    pub fn unused(&self, has_contact: bool, walls: &[String]) -> Vec<EngineeringWarning> {
         let Some(row) = &self.course.last else { return Vec::new() };
         let whole = ModelPlace::default();
         let mut found = Vec::new();
@@ -158,13 +159,14 @@ impl WatchedRow<'_> {
             let what = "contact has never acted: no node has touched a segment".into();
             found.push(self.warn(row, (WarningKind::UnusedContact, 0.0), what, &whole, cure));
         }
-        let untouched = row.sum.wall_impulse.iter().enumerate().filter(|(_, i)| **i == [0.0; 3]);
-        let walls: Vec<String> = untouched.map(|(wall, _)| wall.to_string()).collect();
+        let walls: Vec<&str> = walls
+            .iter()
+            .zip(&row.sum.wall_impulse)
+            .filter(|(_, impulse)| **impulse == [0.0; 3])
+            .map(|(name, _)| name.as_str())
+            .collect();
         if !walls.is_empty() {
-            let what = format!(
-                "no node has touched these walls (numbers as in history.csv): {}",
-                walls.join(", ")
-            );
+            let what = format!("no node has touched these walls: {}", walls.join(", "));
             found.push(self.warn(row, (WarningKind::UnusedWall, 0.0), what, &whole, cure));
         }
         found
@@ -489,14 +491,18 @@ mod tests {
             let mut row = HistoryRow::default();
             row.sum.wall_impulse = vec![[0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]];
             change(&mut row);
+            let names = ["floor", "side", "roof"].map(String::from);
             let mut course = Course::default();
             (course.last, course.pairs) = (Some(row), pairs);
-            let found = WatchedRow { parts: &[], course: &course }.unused(has_contact);
+            let found = WatchedRow { parts: &[], course: &course }.unused(has_contact, &names);
             found.iter().map(EngineeringWarning::line).collect::<Vec<_>>()
         };
         let found = of(|_| (), 0, true);
         assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found[0].contains("never acted") && found[1].contains("csv): 1, 2."), "{found:?}");
+        assert!(
+            found[0].contains("never acted") && found[1].contains("walls: side, roof."),
+            "{found:?}"
+        );
         let all_walls = |row: &mut HistoryRow| row.sum.wall_impulse = vec![[0.0, -1.0, 0.0]];
         assert_eq!(of(all_walls, 1, true), Vec::<String>::new());
         assert_eq!(of(all_walls, 0, false), Vec::<String>::new());

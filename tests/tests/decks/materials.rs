@@ -102,6 +102,7 @@ fn fields_of_metals_without_a_law_are_refused() {
     for (cards, words) in [
         ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5,0.1\n", "give eppfr, above eppf"),
         ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5,0.1\n,,,,0.2,,7\n", "`lcdm` = 7"),
+        ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5\n,,,,0.2\n", "`eppfr` = 0.2"),
         ("*MAT_123\n1,7.85e-6,200.0,0.3,0.25\n,,,,,-0.3\n", "`epsthin` = -0.3"),
         ("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,,0.9\n", "`sigmax` = 0.9"),
         ("*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,-1.5\n", "`r` = -1.5"),
@@ -118,7 +119,8 @@ fn fields_of_metals_without_a_law_are_refused() {
 #[test]
 fn equations_of_state() {
     // Part 2 of the base is of solids, part 1 of shells.
-    let metal = "*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n*MAT_003\n7,8.93e-6,120.0,0.34,0.1\n";
+    let metal = "*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n*MAT_015\n7,8.93e-6,46.0,124.0,0.34\n\
+                 0.09,0.292,0.31,0.025,1.09,1356.0,293.0,0.001\n383.0,-1.5,1.0\n";
     let with = |card: &str, eosid: i64| {
         let deck = format!("{BASE}{MOVES}{metal}{card}");
         deck.replace("2,2,1\n", &format!("2,2,7,{eosid}\n"))
@@ -137,6 +139,15 @@ fn equations_of_state() {
         };
         assert_eq!(of("mat-7"), list);
         assert_eq!(of("mat-1"), "");
+        let cut = model.job.material.iter().find_map(|m| m.parameters.get("eos_min_pressure"));
+        assert_eq!(cut.map(|value| value.to_string()), Some("-1.5".into()));
+    }
+    // Other laws have a pressure of their own, and so have shells.
+    let other =
+        with(gruneisen, 3).replace("2,2,7,3\n", "2,2,1,3\n").replace("1,1,1\n", "1,1,1,3\n");
+    let said = crumple::input::check::describe(&model_of(&other));
+    for words in ["only *MAT_JOHNSON_COOK takes", "only solids have a pressure"] {
+        assert!(said.contains(words), "{words}: {said}");
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");

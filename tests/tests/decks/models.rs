@@ -175,6 +175,9 @@ fn rotational_springs() {
     let part = model.job.part.iter().find(|part| part.id == 3).expect("part 3");
     let spring = part.spring.as_ref().expect("a spring");
     assert_eq!((spring.rotational, spring.stiffness), (true, 4.0));
+    // To the ground, about a direction: the node of the ground does not turn.
+    let grounded = link.replace("101,3,5,11", "101,3,5,0,7");
+    model_of(&format!("{BASE}{rigid}{MOVES}{grounded}*DEFINE_SD_ORIENTATION\n7,0,0,0,1\n"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
     fs::write(&path, format!("{BASE}{STEEL}{MOVES}{link}*END\n")).unwrap();

@@ -1,7 +1,7 @@
 //! Beams compared with closed forms, and the same bits on any number of workers. Units mm, ms,
 //! kg.
 
-use crumple::input::job::Model;
+use crumple::input::job::{Model, read_text};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
 use crumple_worker::energy::momentum;
@@ -274,5 +274,21 @@ fn bits_do_not_depend_on_workers() {
     for (workers, force) in [(2, 0), (4, 0), (2, 7), (4, 11)] {
         let parallel = run_side_by_side(&model, workers, 700, force);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
+    }
+}
+
+/// Anisotropy and strains of failure of sheets have no meaning in beams: each key is refused.
+#[test]
+fn parameters_of_sheets_are_refused_in_beams() {
+    for key in ["lankford", "erosion_thinning", "erosion_major_strain"] {
+        let text = format!(
+            "title = \"beam\"\nunits = \"mm, ms, kg\"\nend_time = 1.0\n[mesh]\n\
+             nodes = [[1, 0, 0, 0], [2, 10, 0, 0], [3, 0, 10, 0]]\nbeams = [[1, 1, 1, 2, 3]]\n\
+             [[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = {RHO:?}\n\
+             youngs_modulus = {E:?}\npoisson = 0.3\nyield_stress = 0.2\n{key} = 1.5\n\
+             [[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\n{RECTANGLE}\n"
+        );
+        let report = read_text("job.toml".into(), text, &[]).err().expect(key).to_string();
+        assert!(report.contains(&format!("{key} is for shells, and part 1 has beams")), "{report}");
     }
 }

@@ -162,6 +162,11 @@ const ROLES: &[(&str, &str)] = &[
         "ro=d e=p pr=1 sigy=p etan=p r=1 hlcid=#f:1:p idy=#f:1:1 ea=p coe=1 icfld=#f:1:1 \
          strainlt=1",
     ),
+    (
+        "MAT_FABRIC",
+        "ro=d ea=p eb=p prba=1 prab=1 gab=p cse=1 el=p prl=1 lratio=1 damp=1 aopt=1 form=1 a1=@d \
+         a2=1 a3=1 beta=1",
+    ),
     ("EOS_GRUNEISEN", "c=v s1=1 s2=1 s3=1 gamao=1 a=1 e0=p v0=1 lcid=#f:t:1"),
     ("EOS_LINEAR_POLYNOMIAL", "c0=p c1=p c2=p c3=p c4=1 c5=1 c6=1 e0=p v0=1"),
     ("MAT_NULL", "ro=d pc=p mu=1 terod=1 cerod=1 ym=p pr=1"),
@@ -265,6 +270,11 @@ const NO_UNITS: &[&str] = &["CONSTRAINED_JOINT_STIFFNESS*"];
 const IDS_ONLY: &[(&str, &str)] = &[
     ("DEFINE_TABLE*", ""),
     ("SECTION_DISCRETE", ""),
+    (
+        "AIRBAG_*",
+        "sidtyp=1 lct=#f lcmt=#f lcc23=#f lca23=#f lccp23=#f lcap23=#f lcefr=#f lou=#f rbid=1 \
+         opt=1 knkdn=1 lcbf=#f rbidp=1",
+    ),
     ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1 idam=1 pvid=1"),
     ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1"),
     ("DAMPING_GLOBAL", ""),

@@ -234,6 +234,16 @@ impl Submodel {
                 trouble.warning(record.place("parm"), message, help);
             }
             "SET_SEGMENT" | "LOAD_SEGMENT" if self.map.reflects() => reverse_faces(record),
+            name if name.starts_with("AIRBAG_") => {
+                // A negative number is the id of a curve.
+                for field in ["cn", "area"] {
+                    let given = record.real(field);
+                    if given < 0.0 {
+                        let curve = self.id(OffsetKind::Function, -given as i64);
+                        record.put(field, -(curve as f64));
+                    }
+                }
+            }
             "PART" if record.line("ixx").is_some() => self.inertia(record),
             "INITIAL_VELOCITY_GENERATION" if record.real("nx") == -999.0 => {
                 for name in ["ny", "nz"] {

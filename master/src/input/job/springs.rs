@@ -84,12 +84,12 @@ pub fn steps(
     let springs = find_springs(mesh, blocks, start, &place, findings);
     let ends = of_nodes(mesh, settings, nodes, start, &place);
     massless(mesh, &ends, findings);
-    without_inertia(mesh, &springs, &ends, findings);
     if springs.is_empty() && !ends.iter().any(|e| e.arm > 0.0) {
         return;
     }
     let bodies = settings.rigid.iter().map(|b| BodyMass::new(b, mesh, &ends, &place)).collect();
     let mut masses = Masses { mesh, ends, bodies };
+    masses.without_inertia(&springs, findings);
     let needs = masses.needs(&springs, start);
     masses.add_needs(&springs, &needs);
     for (spring, &need) in springs.iter().zip(&needs).filter(|(_, need)| **need > 0.0) {
@@ -187,6 +187,29 @@ impl Masses<'_> {
         }
     }
 
+    /// Reports rotational springs at nodes without a rotational inertia of their own: rotations of
+    /// other nodes belong to the elements there, which the step of the spring does not consider.
+    fn without_inertia(&self, springs: &[MeshSpring], findings: &mut JobProblems) {
+        let loose = |n: &usize| {
+            let end = &self.ends[*n];
+            let turns = end.body.is_some_and(|b| self.bodies[b].inertia > 0.0);
+            !turns && !end.turn_held
+        };
+        let all = springs.iter().filter(|s| s.discrete.rotational).flat_map(|s| s.nodes);
+        let found: Vec<usize> = all.filter(loose).collect();
+        if let Some(&first) = found.first() {
+            let message = format!(
+                "{} ends of rotational springs are not nodes of rigid bodies with an inertia; the \
+                 first is node {}",
+                found.len(),
+                self.mesh.nodes[first].id
+            );
+            let help = "put the node into a [[rigid]] body for the whole run, with `inertia` if \
+                        its nodes lie on a line, or fix its rotations";
+            findings.add(Problem::error("mesh", message, help));
+        }
+    }
+
     /// Returns the fraction of the mass of a node that springs and ties leave to other elements.
     fn left(&self, n: usize) -> f64 {
         let end = &self.ends[n];
@@ -281,28 +304,6 @@ fn massless(mesh: &Mesh, ends: &[SpringNode], findings: &mut JobProblems) {
         );
         let help =
             "springs have no mass: add a [[mass]], or fix the node in x, y and z by a [[fix]]";
-        findings.add(Problem::error("mesh", message, help));
-    }
-}
-
-/// Reports rotational springs at nodes without a rotational inertia of their own: rotations of
-/// other nodes belong to the elements there, which the step of the spring does not consider.
-fn without_inertia(
-    mesh: &Mesh,
-    springs: &[MeshSpring],
-    ends: &[SpringNode],
-    findings: &mut JobProblems,
-) {
-    let loose = |n: &usize| ends[*n].body.is_none() && !ends[*n].turn_held;
-    let all = springs.iter().filter(|s| s.discrete.rotational).flat_map(|s| s.nodes);
-    let found: Vec<usize> = all.filter(loose).collect();
-    if let Some(&first) = found.first() {
-        let message = format!(
-            "{} ends of rotational springs are not nodes of rigid bodies; the first is node {}",
-            found.len(),
-            mesh.nodes[first].id
-        );
-        let help = "put the node into a [[rigid]] body for the whole run, or fix its rotations";
         findings.add(Problem::error("mesh", message, help));
     }
 }

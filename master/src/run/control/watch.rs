@@ -1,6 +1,7 @@
 //! Warnings and failures that the master finds in the rows of the history.
 
 use super::Control;
+use crate::results::history::wall_names;
 use crate::results::warnings::{self, CREATED_CURE, EngineeringWarning, WatchedRow};
 use crumple_proto::message::Action;
 use crumple_proto::report::Failure;
@@ -36,7 +37,7 @@ impl Control<'_> {
     pub(super) fn watch_end(&mut self) {
         let settings = &self.model.settings;
         let row = WatchedRow { parts: &settings.parts, course: &self.history.course };
-        let found = row.unused(settings.contact.is_some());
+        let found = row.unused(settings.contact.is_some(), &wall_names(&settings.walls));
         self.add_warnings(found);
     }
 

@@ -61,7 +61,7 @@ pub const ROW: ElementEntry = ElementEntry {
             parameters::MEMBRANE,
         ],
     ],
-    idle: parameters::idle_in_membranes,
+    idle: parameters::idle_in_membrane_triangles,
     build: Constructor::Shell(build),
 };
 

@@ -348,6 +348,17 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
         note(format!("material.{}", index.unwrap_or(0)), found);
     };
     let material = index.map(|index| &materials[index]);
+    if let Some(material) = material.filter(|_| matches!(shape, Shape::Beam2 | Shape::Truss2)) {
+        let given = |key: &&str| material.parameters.contains_key(*key);
+        for key in materials::OF_SHEETS.into_iter().filter(given) {
+            let message = format!(
+                "material '{}': {key} is for shells, and part {} has beams or trusses",
+                material.name,
+                section::label(part)
+            );
+            law_problems(vec![Problem::error(key, message, "give them a material without it")]);
+        }
+    }
     let built = match row {
         Ok(row) => with_values(row, part, |values| match row.build {
             Constructor::Discrete(build) => build(part),

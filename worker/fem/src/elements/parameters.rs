@@ -116,6 +116,21 @@ pub(super) fn idle_in_membranes(values: &Values<'_>) -> &'static [(&'static str,
     }
 }
 
+/// The same for triangles, which have no mode of the hourglass control either.
+pub(super) fn idle_in_membrane_triangles(
+    values: &Values<'_>,
+) -> &'static [(&'static str, &'static str)] {
+    if values.flag("membrane") {
+        &[
+            ("points", "a membrane has one point"),
+            ("drilling", "a membrane has none"),
+            ("hourglass_coefficient", "a membrane has no mode that it controls"),
+        ]
+    } else {
+        &[]
+    }
+}
+
 const DELETE: &str = "delete";
 
 /// Returns true if inverted shells fail instead of ending the run.

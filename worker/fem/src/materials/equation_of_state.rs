@@ -163,14 +163,11 @@ impl Equation {
                 let d_d = -(s1
                     + ratio * (R::splat(2.0) - ratio) * s2
                     + ratio * ratio * (R::splat(3.0) - (ratio + ratio)) * s3);
-                let per_d = R::select(
-                    d.gt(zero),
-                    one / R::select(d.gt(zero), d, one),
-                    R::splat(f64::INFINITY),
-                );
+                let valid = d.gt(zero);
+                let per_d = one / R::select(valid, d, one);
                 let over = bulk * per_d * per_d;
                 Terms {
-                    a: over * n * mu,
+                    a: R::select(valid, over * n * mu, R::splat(f64::INFINITY)),
                     b: a.mul_add(mu, gamma),
                     d_a: over * ((n * mu_c * d_d) * (per_d + per_d)).neg_mul_add(one, d_n),
                     d_b: a,

@@ -146,9 +146,13 @@ fn tension_is_cut_off() {
 /// Compression beyond the pole of the Hugoniot has no finite pressure, so that the run stops.
 #[test]
 fn beyond_the_pole_there_is_no_pressure() {
-    let mut cube = Cube::new(&gruneisen());
-    cube.step([(0.3f64).ln(), 0.0, 0.0, 0.0, 0.0, 0.0], 1.0);
-    assert!(!cube.state[0].is_finite(), "{:?}", cube.state);
+    // A cut-off must not hide it, nor the sign of the numerator, negative here with gamma 3.
+    for (gamma, more) in [(GAMMA, None), (3.0, Some(("eos_min_pressure", Param::Number(-1.0))))] {
+        let more: Vec<_> = more.into_iter().collect();
+        let mut cube = Cube::new(&copper("eos_gruneisen", [C, S, 0.0, 0.0, gamma, A], &more));
+        cube.step([(0.2f64).ln(), 0.0, 0.0, 0.0, 0.0, 0.0], 1.0);
+        assert!(!cube.state[0].is_finite(), "{:?}", cube.state);
+    }
 }
 
 #[test]

@@ -139,6 +139,8 @@ impl<L: ?Sized> Eroding<L> {
             names.iter().position(|name| *name == "plastic_strain").map(|at| stress + at);
         let missing = if limits[4].is_some() && plastic_strain.is_none() {
             Some((EROSION[4].key, "the law has no plastic strain"))
+        } else if limits[6].is_some() && material.law == "fabric" {
+            Some((EROSION[6].key, "the law has no change of thickness"))
         } else if limits[5].is_some() && stress != 6 {
             Some((EROSION[5].key, "shells have no change of volume of their own"))
         } else {

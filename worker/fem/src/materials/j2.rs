@@ -136,7 +136,7 @@ const PARAMETERS: &[ParameterRow] = &[
 ];
 
 /// The key of Lankford's coefficient.
-const LANKFORD: &str = "lankford";
+pub const LANKFORD: &str = "lankford";
 
 fn build(material: &Material) -> LawResult {
     let mut parameters = Parameters::new(material);

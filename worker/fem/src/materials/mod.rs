@@ -321,6 +321,9 @@ pub fn build(material: &Material) -> LawResult {
     erosion::shell(material, build(&rest)?, limits)
 }
 
+/// Parameters that describe a sheet: beams and trusses cannot have them.
+pub const OF_SHEETS: [&str; 3] = [j2::LANKFORD, "erosion_thinning", "erosion_major_strain"];
+
 /// Returns the elastic constants of a material for any element, or all its problems, with paths
 /// relative to it.
 pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {

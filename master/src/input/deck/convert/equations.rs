@@ -58,8 +58,19 @@ impl DeckConverter {
                 self.missing(place, "*EOS_...", eosid, &known);
                 continue;
             };
-            if let Some(table) = materials.get_mut(&mid).and_then(|m| m.table.as_mut()) {
+            let Some(material) = materials.get_mut(&mid) else { continue };
+            if !material.takes_equation {
+                let why = "not used: only *MAT_JOHNSON_COOK takes an equation of state";
+                self.map(format!("part {part}"), format!("eosid {eosid}"), why);
+                continue;
+            }
+            if let Some(table) = &mut material.table {
                 table.put(key, at, constants);
+                if let Some((pressure, at)) = material.least_pressure {
+                    table.put("eos_min_pressure", at, pressure);
+                }
+                let used = format!("{key} of material {}", material.name);
+                self.map(format!("part {part}"), format!("eosid {eosid}"), used);
             }
         }
     }

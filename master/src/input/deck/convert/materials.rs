@@ -27,6 +27,10 @@ pub struct DeckMaterial {
     pub density: f64,
     /// Young's modulus [force/length^2].
     pub youngs_modulus: f64,
+    /// True if it has the pressure of an equation of state.
+    pub takes_equation: bool,
+    /// Least pressure that it has with an equation of state, if any [force/length^2].
+    pub least_pressure: Option<(f64, Place)>,
     /// Place of the keyword.
     pub place: Place,
 }
@@ -97,6 +101,8 @@ impl DeckConverter {
                     weld,
                     density,
                     youngs_modulus: e,
+                    takes_equation: keyword == "MAT_JOHNSON_COOK",
+                    least_pressure: least_pressure(&record),
                     place,
                 };
                 if materials.insert(id, material).is_some() {
@@ -370,6 +376,12 @@ impl DeckConverter {
             }
         }
     }
+}
+
+/// Returns the cut-off of pressure of a material with spall 1; other kinds of spall are ignored.
+fn least_pressure(record: &CardRecord) -> Option<(f64, Place)> {
+    let cuts = record.real("spall") == 1.0 && record.real("pc") < 0.0;
+    cuts.then(|| (record.real("pc"), record.place("pc")))
 }
 
 /// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].

@@ -49,8 +49,8 @@ pub struct Rows {
     pub raised: [u64; 3],
 }
 
-/// Codes `tc` and `rc` of a node that does not move.
-const HELD_IN_PLACE: (i64, i64) = (7, 0);
+/// Codes `tc` and `rc` of a node that neither moves nor turns.
+const HELD_IN_PLACE: (i64, i64) = (7, 7);
 
 /// One line of a keyword for mesh data during reading.
 pub(super) struct MeshLine<'a, 'c> {

@@ -40,6 +40,9 @@ impl DeckConverter {
         };
         let (start, rupture) = (or_none("eppf"), or_none("eppfr"));
         if start >= NO_LIMIT {
+            if rupture < NO_LIMIT {
+                self.unsupported_value(record, "eppfr", "rupture without a start of damage (eppf)");
+            }
             return;
         }
         if rupture >= NO_LIMIT || rupture <= start {

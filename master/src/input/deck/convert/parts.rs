@@ -196,7 +196,6 @@ impl DeckConverter {
         }
     }
 
-    /// Makes a part of a null material a skin, and reports materials that its elements cannot have.
     /// Notes the equation of state of a part; only solids that deform have one.
     fn equation_of(&mut self, record: &CardRecord, material: &DeckMaterial, kind: SectionKind) {
         let [pid, mid, eosid] = ["pid", "mid", "eosid"].map(|field| record.integer(field));
@@ -214,6 +213,7 @@ impl DeckConverter {
         }
     }
 
+    /// Makes a part of a null material a skin, and reports materials that its elements cannot have.
     fn check_material(
         &mut self,
         record: &CardRecord,

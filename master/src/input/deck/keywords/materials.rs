@@ -75,12 +75,12 @@ pub const KEYWORDS: &[Keyword] = &[
             ("cp:r pc:r spall:r it:r d1:r d2:r d3:r d4:r", Maybe),
             ("d5:r c2:r erod:r efmin:r numint:r", Maybe),
         ],
-        "law `johnson_cook`; the volumetric response is elastic with e and pr (or g), no equation \
-         of state is read",
+        "law `johnson_cook`; the volumetric response is elastic with e and pr (or g), or that of \
+         the equation of state of the part (eosid), with pc as `eos_min_pressure` if spall is 1",
     )
     .unused(&[
         RATE_OF_STRAIN,
-        ignored("pc spall", "tension does not cut off the pressure"),
+        ignored("pc spall", "only spall 1, with an equation of state, cuts off tension"),
         no_effect("it", "plasticity is iterated until it converges"),
         ignored("c2 erod efmin numint", "rates act by c alone; elements fail by d1 to d5 as given"),
     ])
@@ -151,8 +151,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eosid:i! c:r! s1:r s2:r s3:r gamao:r a:r e0:r", Once),
             ("v0:r unused:r lcid:i", Maybe),
         ],
-        "`eos_gruneisen` of the material of parts of solids with this eosid; the volume at the \
-         start is 1, the energy 0",
+        "`eos_gruneisen` of the MAT_JOHNSON_COOK of parts of solids with this eosid; the volume at \
+         the start is 1, the energy 0",
     )
     .unused(&[no_effect("unused lcid", "they are for energy that is deposited")])
     .aliases(&["EOS_004", "EOS_4"])
@@ -164,8 +164,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eosid:i! c0:r c1:r! c2:r c3:r c4:r c5:r c6:r", Once),
             ("e0:r v0:r", Maybe),
         ],
-        "`eos_polynomial` of the material of parts of solids with this eosid; pressure and energy \
-         at the start (c0, e0) are 0, the volume is 1",
+        "`eos_polynomial` of the MAT_JOHNSON_COOK of parts of solids with this eosid; pressure and \
+         energy at the start (c0, e0) are 0, the volume is 1",
     )
     .aliases(&["EOS_001", "EOS_1"])
     .options(&["TITLE"]),

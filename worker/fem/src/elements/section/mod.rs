@@ -329,7 +329,16 @@ impl Section {
     /// Returns true if all columns are zero except those that are set at the start.
     pub fn is_unstrained(&self, history: ElementState<'_>) -> bool {
         let (each, all, own) = (self.each(), self.point_columns(), self.columns());
-        history.is_zero_where(|column| column >= own || column < all && column % each >= SHEAR)
+        // Directions of the law are set at the start and say nothing of strain.
+        let is_direction = |column: usize| {
+            self.direction.is_some_and(|directions| {
+                let within = column % each;
+                within >= POINTS && directions.contains(&((within - POINTS) % self.stride))
+            })
+        };
+        history.is_zero_where(|column| {
+            column >= own || column < all && column % each >= SHEAR && !is_direction(column)
+        })
     }
 
     /// Returns the smallest rotational inertia of a corner of a quad per mass and area for which

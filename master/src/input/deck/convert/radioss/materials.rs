@@ -58,6 +58,8 @@ impl StarterConverter {
                 weld: None,
                 density,
                 youngs_modulus,
+                takes_equation: false,
+                least_pressure: None,
                 place,
             };
             if found.insert(id, material).is_some() {
