@@ -377,7 +377,8 @@ fn springs_go_along_their_vectors_and_to_the_ground() {
     let node = |id: u64| model.mesh.nodes.iter().position(|n| n.id.0 == id).unwrap();
     assert_eq!(
         (model.mesh.nodes[node(17)].x, model.nodes.fixed[node(17)]),
-        ([0.0, 0.0, 10.0], 0b111)
+        ([0.0, 0.0, 10.0], 0b11_1111),
+        "it neither moves nor turns"
     );
 }
 

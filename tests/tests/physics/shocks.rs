@@ -56,7 +56,7 @@ fn bar(cut: Cut, yield_stress: f64, u: f64, end_time: f64) -> String {
 
 /// Behind a shock that jumps the velocity by u the pressure is `rho (c + s u) u` (Rankine and
 /// Hugoniot). It is the rate at which the held end takes momentum from the bar. Only with the heat
-/// of the bulk viscosity it is: on the adiabat the pressure at 1 km/s is 2 % lower.
+/// of the bulk viscosity it is: on the adiabat the pressure at 1 km/s is 1.5 % lower.
 ///
 /// Ten-node tetrahedra need strength: their bulk viscosity is that of the mean rate, and without
 /// strength nothing damps the modes inside an element (-2.9 % with the yield stress of the others).

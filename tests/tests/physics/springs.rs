@@ -240,7 +240,8 @@ fn plates(numbers: &str, held: bool, spin: f64, end_time: f64, time: &str) -> Mo
         "[[part]]\nid = 1\n[part.spring]\nrotational = true\n{numbers}\n[[rigid]]\nname = \"a\"\n\
          parts = [2]\ninertia = [4.0, 4.0, 4.0, 0.0, 0.0, 0.0]\n{fixed}[[rigid]]\nname = \"b\"\n\
          parts = [3]\ninertia = [6.0, 6.0, 6.0, 0.0, 0.0, 0.0]\n[[initial_velocity]]\n\
-         nodes = \"b\"\nspin = [0.0, 0.0, {spin:?}]\ncentre = [1.0, 1.0, 100.0]\n"
+         nodes = \"b\"\nvelocity = [0.0, 0.0, 0.0]\nspin = [0.0, 0.0, {spin:?}]\n\
+         centre = [1.0, 1.0, 100.0]\n"
     ));
     model(&scene)
 }

@@ -274,7 +274,11 @@ impl WithEquation {
         // 3. Pressure.
         let mu = one / volume - one;
         let Terms { a, b, d_a, d_b } = self.equation.terms(mu);
-        let pressure = b.mul_add(energy, a) / (half * b).mul_add(d_v, one);
+        let below = (half * b).mul_add(d_v, one);
+        let valid = below.gt(zero);
+        // Too large a step has no solution either.
+        let solution = b.mul_add(energy, a) / R::select(valid, below, one);
+        let pressure = R::select(valid, solution, R::splat(f64::INFINITY));
         let pressure = Real::max(pressure, R::splat(self.equation.cutoff));
         let energy = (half * pressure).neg_mul_add(d_v, energy);
         state[self.energy] = R::select(alive, energy, state[self.energy]);
