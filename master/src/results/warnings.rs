@@ -147,8 +147,7 @@ impl WatchedRow<'_> {
     }
 
     /// Returns the warnings of a run that is complete: what it had, and never used. `has_contact`
-    /// is true if the job asks for contact.
-    /// `walls` are the names of its walls.
+    /// is true if the job asks for contact, `walls` are the names of its walls.
     pub fn unused(&self, has_contact: bool, walls: &[String]) -> Vec<EngineeringWarning> {
         let Some(row) = &self.course.last else { return Vec::new() };
         let whole = ModelPlace::default();

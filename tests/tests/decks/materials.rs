@@ -156,6 +156,11 @@ fn equations_of_state() {
         (polynomial.replace("3,0.0", "3,0.1"), 3, "`c0` = 0.1"),
         (polynomial.replace("0.0,1.0", "0.0,0.9"), 3, "`v0` = 0.9"),
         (gruneisen.to_string(), 4, "no *EOS_... with the id 4"),
+        (
+            format!("{gruneisen}*PART\nsecond\n9,2,7\n"),
+            3,
+            "part 9: its material 7 has the equation of state 3 in part 2, and 0 here",
+        ),
     ] {
         fs::write(&path, format!("{}*END\n", with(&card, eosid))).unwrap();
         let text = crumple::input::job::read(&path, &[]).err().expect(words).to_string();

@@ -82,6 +82,7 @@ fn the_pressure_behind_a_shock_is_that_of_the_hugoniot() {
         let pressure = (seen[1][1] - seen[0][1]) / (seen[1][0] - seen[0][0]);
         let exact = RHO * (C + S * u) * u;
         let error = pressure / exact - 1.0;
+        // Ringing behind the front leaves 0.2 % (ten nodes: 0.3 %); without heat it is 1.5 %.
         assert!(error.abs() < 5e-3, "{} {u}: {pressure} for {exact}", cut.name());
     }
 }

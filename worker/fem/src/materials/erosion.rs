@@ -139,8 +139,6 @@ impl<L: ?Sized> Eroding<L> {
             names.iter().position(|name| *name == "plastic_strain").map(|at| stress + at);
         let missing = if limits[4].is_some() && plastic_strain.is_none() {
             Some((EROSION[4].key, "the law has no plastic strain"))
-        } else if limits[6].is_some() && material.law == "fabric" {
-            Some((EROSION[6].key, "the law has no change of thickness"))
         } else if limits[5].is_some() && stress != 6 {
             Some((EROSION[5].key, "shells have no change of volume of their own"))
         } else {
@@ -241,6 +239,12 @@ impl Eroding<dyn Solid> {
 pub fn shell(material: &Material, law: Box<dyn PlaneStress>, limits: ErosionLimits) -> LawResult {
     if limits.iter().all(Option::is_none) {
         return Ok(law);
+    }
+    if limits[6].is_some() && !law.thins() {
+        let (name, key) = (&material.name, EROSION[6].key);
+        let message =
+            format!("material '{name}': {key} is given, but the law has no change of thickness");
+        return Err(vec![Problem::error(key, message, "remove it")]);
     }
     let columns = (3, law.history().to_vec());
     Ok(Box::new(Eroding::new(material, law, limits, columns)?))
@@ -413,6 +417,9 @@ mod tests {
         }
         let text = problems(&glass(&[("erosion_volume_strain", 0.1)]));
         assert!(text.contains("shells have no change of volume"), "{text}");
+        let moduli = [("youngs_modulus", E), ("poisson", 0.25), ("erosion_thinning", 0.1)];
+        let text = problems(&material("fabric", &moduli, &[]));
+        assert!(text.contains("no change of thickness"), "{text}");
         for key in ["erosion_thinning", "erosion_major_strain"] {
             let text = problems(&glass(&[(key, 0.1)]));
             assert!(text.contains("it is for shells") && text.contains(key), "{text}");

@@ -315,6 +315,9 @@ impl PlaneStress for Fabric {
     fn elastic(&self) -> Elastic {
         self.bound
     }
+    fn thins(&self) -> bool {
+        false
+    }
     fn orientation(&self) -> Option<Orientation> {
         self.yarns.map(|_| self.orientation)
     }

@@ -117,6 +117,11 @@ pub trait PlaneStress: Send + Sync {
         f64::INFINITY
     }
 
+    /// Returns false if the law has no strain through the thickness.
+    fn thins(&self) -> bool {
+        true
+    }
+
     /// Returns the directions of the law at the start, if it has any. Its columns `direction cosine
     /// - 1` and `direction sine` then hold them in the axes of each element.
     fn orientation(&self) -> Option<Orientation> {

@@ -41,6 +41,14 @@ impl DeckConverter {
         }
         let mut first: BTreeMap<i64, [i64; 2]> = BTreeMap::new();
         for PartEquation { ids: [part, mid, eosid], place } in std::mem::take(&mut self.equations) {
+            let Some(material) = materials.get_mut(&mid) else { continue };
+            if !material.takes_equation {
+                if eosid != 0 {
+                    let why = "not used: only *MAT_JOHNSON_COOK takes an equation of state";
+                    self.map(format!("part {part}"), format!("eosid {eosid}"), why);
+                }
+                continue;
+            }
             let &mut [other, before] = first.entry(mid).or_insert([part, eosid]);
             if before != eosid {
                 let message = format!(
@@ -58,12 +66,6 @@ impl DeckConverter {
                 self.missing(place, "*EOS_...", eosid, &known);
                 continue;
             };
-            let Some(material) = materials.get_mut(&mid) else { continue };
-            if !material.takes_equation {
-                let why = "not used: only *MAT_JOHNSON_COOK takes an equation of state";
-                self.map(format!("part {part}"), format!("eosid {eosid}"), why);
-                continue;
-            }
             if let Some(table) = &mut material.table {
                 table.put(key, at, constants);
                 if let Some((pressure, at)) = material.least_pressure {

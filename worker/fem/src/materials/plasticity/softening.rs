@@ -259,6 +259,7 @@ mod tests {
                 assert!(steps < 7000, "it must fail");
             }
             let exact = YIELD * (0.5 * (START + RUPTURE) + 0.5 * YIELD / E);
+            // Yield and rupture fall within a step of 1e-5.
             assert!((work - exact).abs() < 1e-5 * exact, "{work} for {exact}");
             let reached = cube.at("plastic_strain");
             for strain in [[1e-3, 0.0, 0.0, 1e-3, 0.0, 0.0], [-0.1; 6]] {
