@@ -65,19 +65,28 @@ else
     command -v cargo >/dev/null || exit 1
     missing "no MPI"
 fi
-if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
-    if CRUMPLE_PYTHON=$(python_with_vtk); then
-        export CRUMPLE_PYTHON
-    else
-        unset CRUMPLE_PYTHON
-        missing "no Python with pyvista"
-    fi
-fi
-has_chromium || crumple_install chromium || missing "no Chromium"
 
+# The programs of the tests are installed while the workspace is built. Their paths and faults are
+# in this folder.
+found=$(mktemp -d)
+trap 'rm -rf "$found"' EXIT
+{
+    if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
+        python_with_vtk >"$found/python" || echo "no Python with pyvista" >>"$found/missing"
+    fi
+    has_chromium || crumple_install chromium || echo "no Chromium" >>"$found/missing"
+} &
 # Compiles the binary too, with the features of the tests: `cargo build` would compile the libraries
 # a second time.
 cargo test --workspace --features "$features" --no-run
+wait $!
+if [[ -s $found/missing ]]; then
+    while read -r what; do missing "$what"; done <"$found/missing"
+fi
+if [[ -s $found/python ]]; then
+    CRUMPLE_PYTHON=$(<"$found/python")
+    export CRUMPLE_PYTHON
+fi
 target=$(cargo metadata --format-version 1 --no-deps |
     sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 export CRUMPLE_BIN=$target/debug/crumple

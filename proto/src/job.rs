@@ -222,6 +222,11 @@ pub struct MeshSource {
     /// deck. A mesh file has its own list.
     #[serde(default)]
     pub offsets: Vec<[f64; 2]>,
+    /// Angles of single shells as `[id, angle]`, about the normal [degrees], by which the axis a of
+    /// their material is turned at the start, in addition to that of the material and the layer.
+    /// This also applies to shells of a generator or a deck. A mesh file has its own list.
+    #[serde(default)]
+    pub angles: Vec<[f64; 2]>,
     /// Named sets of node ids. With a deck or a mesh file of another program, they are added to its
     /// sets.
     #[serde(default)]
@@ -370,9 +375,19 @@ pub struct Part {
     /// Makes this a part of particles of a fluid.
     #[serde(default)]
     pub particles: Option<ParticlesInput>,
-    /// Shell thickness [length]. A part of solids has none.
+    /// Shell thickness [length]. A part of solids has none; that of a part with layers follows from
+    /// them.
     #[serde(default)]
     pub thickness: f64,
+    /// Layers of its shells, from the inner surface to the outer one, to which the normal points.
+    /// A part with layers has no `thickness` of its own.
+    #[serde(default)]
+    pub layer: Vec<LayerInput>,
+    /// Angles of the axis a of the material at the points through the thickness, from the inner
+    /// surface to the outer one, in addition to that of the material [degrees]. Their number is
+    /// `points`. Layers have angles of their own.
+    #[serde(default)]
+    pub angles: Vec<f64>,
     /// Shell offset: distance from the nodes to the middle surface along the normal, as a fraction
     /// of half the thickness. 1 if the nodes are on the bottom face, from which the normal points
     /// into the shell; -1 if they are on the top face; 0 if they are on the middle surface. An
@@ -409,11 +424,51 @@ pub struct Part {
     pub parameters: BTreeMap<String, Setting>,
 }
 
+/// Layer of a part of shells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LayerInput {
+    /// Thickness of the layer [length].
+    pub thickness: f64,
+    /// Name of its material; without it that of the part.
+    #[serde(default)]
+    pub material: String,
+    /// Angle about the normal by which the axis a of its material is turned from that of the
+    /// material [degrees].
+    #[serde(default)]
+    pub angle: f64,
+    /// Number of Gauss points through the layer, 1 to 10. Two give linear bending exactly. All
+    /// layers together have at most 40.
+    #[serde(default = "two")]
+    pub points: usize,
+}
+
 fn one() -> f64 {
     1.0
 }
 
+fn two() -> usize {
+    2
+}
+
 impl Part {
+    /// Returns the names of the materials of its elements, each once: that of the part, or those of
+    /// its layers.
+    pub fn materials(&self) -> Vec<&str> {
+        let own = std::iter::once(self.material.as_str()).filter(|_| self.layer.is_empty());
+        let of_layers = self.layer.iter().map(|layer| match layer.material.as_str() {
+            "" => self.material.as_str(),
+            of_layer => of_layer,
+        });
+        let mut names: Vec<&str> = Vec::new();
+        for name in own.chain(of_layers) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
     /// Returns the same part with a key of its elements set to `value`.
     #[must_use]
     pub fn with(mut self, key: &str, value: impl Into<Setting>) -> Self {

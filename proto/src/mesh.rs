@@ -210,6 +210,9 @@ pub struct OwnSection {
     /// Distance from the nodes to the middle surface, over half the thickness; `None` for that of
     /// its part.
     pub offset: Option<f64>,
+    /// Angle about the normal by which the axis a of its material is turned at the start, in
+    /// addition to that of its part [degrees].
+    pub angle: f64,
 }
 
 /// Element: id, part, shape, corner nodes.

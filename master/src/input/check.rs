@@ -139,7 +139,7 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
             part.id.to_string(),
             part.name.clone(),
             model.blocks.names(part, index).join(", "),
-            part.material.clone(),
+            part.materials().join(", "),
             figures.thickness(part),
             figures.elements.to_string(),
             figure(figures.mass),

@@ -6,6 +6,7 @@ mod bars;
 mod base;
 mod broken_meshes;
 mod bytes;
+mod composites;
 mod contacts;
 mod fates;
 mod formats;

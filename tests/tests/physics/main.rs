@@ -3,6 +3,7 @@
 mod airbags;
 mod bars;
 mod beams;
+mod composites;
 mod free_rotation;
 mod joints;
 mod loads;

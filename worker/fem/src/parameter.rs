@@ -149,6 +149,11 @@ impl<'a> Values<'a> {
         self.value(key).number().unwrap_or_else(|| panic!("{key} is not a number"))
     }
 
+    /// Returns true if the tables have this key.
+    pub fn has(&self, key: &str) -> bool {
+        self.tables.into_iter().flatten().any(|row| row.key == key)
+    }
+
     /// Returns a whole number. Panics if it is not one, 0 or above; the master checks types.
     pub fn whole(&self, key: &str) -> usize {
         match self.value(key) {

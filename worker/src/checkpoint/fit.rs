@@ -153,13 +153,15 @@ impl<'a> Fit<'a> {
         let Some(known) = self.element(e.id) else {
             return Err(format!("the job has no element {}", e.id));
         };
-        let bits = |own: OwnSection| (own.thickness.to_bits(), own.offset.map(f64::to_bits));
+        let bits = |OwnSection { thickness, offset, angle }: OwnSection| {
+            (thickness.to_bits(), offset.map(f64::to_bits), angle.to_bits())
+        };
         let differs = if (e.part, e.shape) != (known.part, known.shape) {
             "another part or shape"
         } else if e.nodes != known.nodes {
             "other nodes"
         } else if bits(e.own) != bits(known.own) {
-            "another thickness or offset"
+            "another thickness, offset or angle"
         } else if u32::from(e.free_faces & !known.free_faces) >> e.shape.faces().len() != 0 {
             "faces that do not exist"
         } else if e.slow != known.slow {

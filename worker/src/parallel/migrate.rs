@@ -31,6 +31,7 @@ struct WireElement {
     thickness: f64,
     /// Not a number for the offset of the part.
     offset: f64,
+    angle: f64,
     mass_factor: f64,
     share: f64,
     stable_dt: f64,
@@ -65,8 +66,8 @@ pub fn layout() -> [(&'static str, Vec<String>); 4] {
     [
         (
             "element",
-            fields!(WireElement: id part shape marks free_faces nodes thickness offset mass_factor
-                share stable_dt columns),
+            fields!(WireElement: id part shape marks free_faces nodes thickness offset angle
+                mass_factor share stable_dt columns),
         ),
         ("node", fields!(NodeRecord: id fixed x0 x seen v w mass inertia)),
         (
@@ -350,7 +351,7 @@ fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
         nodes,
         free_faces,
         failed,
-        own: OwnSection { thickness, offset },
+        own: OwnSection { thickness, offset, angle },
         mass_factor,
         share,
         slow,
@@ -365,6 +366,7 @@ fn put_element(mail: &mut Mailbox, e: &ElementRecord, columns: &[f64]) {
         nodes,
         thickness,
         offset: offset.unwrap_or(f64::NAN),
+        angle,
         mass_factor,
         share,
         stable_dt,
@@ -386,6 +388,7 @@ fn take_element(mail: &mut Mailbox) -> Option<(ElementRecord, Vec<f64>)> {
         own: OwnSection {
             thickness: e.thickness,
             offset: Some(e.offset).filter(|offset| !offset.is_nan()),
+            angle: e.angle,
         },
         mass_factor: e.mass_factor,
         share: e.share,
@@ -417,6 +420,7 @@ mod tests {
             own: OwnSection {
                 thickness: 0.3 * (id % 4) as f64,
                 offset: (id % 2 == 0).then_some(-0.7),
+                angle: 10.0 * (id % 5) as f64,
             },
             mass_factor: 1.0 + 0.1 * id as f64,
             share: 1.0 / (1.0 + 0.1 * id as f64),

@@ -6,6 +6,7 @@
 
 pub(in crate::input::deck) mod beams;
 mod bodies;
+mod composites;
 pub(in crate::input::deck) mod contact;
 mod curves;
 mod faces;
@@ -257,6 +258,11 @@ fn parts(
         }
         let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
         let id = u64::from(part.id);
+        if !part.layer.is_empty() {
+            let hourglass = hourglass(deck, part, shells);
+            composites::part(deck, part, materials, hourglass);
+            continue;
+        }
         section(deck, part, shells);
         let hourglass = hourglass(deck, part, shells);
         deck.keyword("PART");
@@ -272,21 +278,31 @@ fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
         deck.keyword("SECTION_SOLID");
         return deck.card(&[Id(id), Id(1)]);
     }
+    deck.keyword("SECTION_SHELL");
+    let mut first = vec![Id(id), Id(elform(part)), Number(1.0), Id(points_of(part) as u64)];
+    if !part.angles.is_empty() {
+        first.extend([Blank, Blank, Id(1)]);
+    }
+    deck.card(&first);
+    let t = Number(part.thickness);
+    if part.offset == 0.0 {
+        deck.card(&[t]);
+    } else {
+        deck.card(&[t, t, t, t, Number(-part.offset)]);
+    }
+    let angles: Vec<CardValue> = part.angles.iter().map(|&angle| Number(angle)).collect();
+    angles.chunks(8).for_each(|eight| deck.card(eight));
+}
+
+/// Returns the formulation of a part of shells in the format.
+fn elform(part: &Part) -> u64 {
     let warping = part.parameters.get("warping") == Some(&Setting::Flag(true));
-    let membrane = is_membrane(part);
-    let elform = match (part.element.as_deref(), warping) {
-        (Some("belytschko_tsay"), _) if membrane => 5,
+    match (part.element.as_deref(), warping) {
+        (Some("belytschko_tsay"), _) if is_membrane(part) => 5,
         (Some("belytschko_tsay"), true) => 10,
         (Some("belytschko_tsay"), false) => 2,
         _ => 16,
-    };
-    deck.keyword("SECTION_SHELL");
-    deck.card(&[Id(id), Id(elform), Number(1.0), Id(points_of(part) as u64)]);
-    let t = Number(part.thickness);
-    if part.offset == 0.0 {
-        return deck.card(&[t]);
     }
-    deck.card(&[t, t, t, t, Number(-part.offset)]);
 }
 
 /// Returns true for a part of membranes.
@@ -427,13 +443,16 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }
-        for (option, thick, shifted) in [
-            ("", false, false),
-            ("_THICKNESS", true, false),
-            ("_OFFSET", false, true),
-            ("_THICKNESS_OFFSET", true, true),
-        ] {
-            let has = |e: &OwnSection| (e.thickness > 0.0, e.offset.is_some()) == (thick, shifted);
+        // The card of THICKNESS has the angle, too.
+        for option in ["", "_THICKNESS", "_BETA", "_OFFSET", "_THICKNESS_OFFSET", "_BETA_OFFSET"] {
+            let has = |e: &OwnSection| {
+                let card = match (e.thickness > 0.0, e.angle != 0.0) {
+                    (true, _) => "_THICKNESS",
+                    (false, true) => "_BETA",
+                    (false, false) => "",
+                };
+                option.strip_prefix(card) == Some(if e.offset.is_some() { "_OFFSET" } else { "" })
+            };
             let mut some = model.mesh.elements.iter().filter(|e| of(e.shape) && has(&e.own));
             let mut elements = some.by_ref().peekable();
             if elements.peek().is_some() {
@@ -461,8 +480,10 @@ fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
     fields.extend(corners.iter().map(|&c| Id(element.nodes[c].label())));
     deck.card(&fields);
     let own = element.own;
-    if own.thickness > 0.0 {
-        deck.card(&[own.thickness; 4].map(Number));
+    if own.thickness > 0.0 || own.angle != 0.0 {
+        let t = if own.thickness > 0.0 { Number(own.thickness) } else { Blank };
+        let angle = if own.angle != 0.0 { Number(own.angle) } else { Blank };
+        deck.card(&[t, t, t, t, angle]);
     }
     if let Some(offset) = own.offset {
         let of_part = || parts.iter().find(|p| p.id == element.part).map_or(0.0, |p| p.thickness);

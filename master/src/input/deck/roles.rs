@@ -114,7 +114,7 @@ const ROLES: &[(&str, &str)] = &[
          fcttim=1 fctlen=1 tranid=#d",
     ),
     ("NODE", "x=@x tc=1 rc=1"),
-    ("ELEMENT_SHELL", "thic=l offset=l"),
+    ("ELEMENT_SHELL", "thic=l beta=1 offset=l"),
     ("ELEMENT_SOLID", ""),
     ("ELEMENT_MASS", "mass=m"),
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
@@ -124,6 +124,11 @@ const ROLES: &[(&str, &str)] = &[
         "PART",
         "grav=1 adpopt=1 xc=@x tm=m ircs=1 vtx=@v vrx=@w ixx=i ixy=i ixz=i iyy=i iyz=i izz=i \
          xl=1 yl=1 zl=1 xlip=1 ylip=1 zlip=1 fs=1 fd=1 dc=1/v vc=p optt=l sft=1 ssf=1 cparm8=1",
+    ),
+    (
+        "PART_COMPOSITE",
+        "elform=1 shrf=1 nloc=1 marea=g adpopt=1 thshel=1 fs=1 fd=1 dc=1/v vc=p optt=l sft=1 ssf=1 \
+         cparm8=1 mid1=#m thick1=l b1=1 tmid1=1 plyid1=1 shrfac1=1 mid2=#m thick2=l b2=1 tmid2=1",
     ),
     (
         "SECTION_SHELL",
@@ -166,6 +171,19 @@ const ROLES: &[(&str, &str)] = &[
         "MAT_FABRIC",
         "ro=d ea=p eb=p prba=1 prab=1 gab=p cse=1 el=p prl=1 lratio=1 damp=1 aopt=1 form=1 a1=@d \
          a2=1 a3=1 beta=1",
+    ),
+    (
+        "MAT_ORTHOTROPIC_ELASTIC",
+        "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p aopt=1 g=1 sigf=1 xp=@x a1=@d \
+         macf=1 ihis=1 v1=@d d1=@d beta=1 ref=1",
+    ),
+    (
+        "MAT_ENHANCED_COMPOSITE_DAMAGE",
+        "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p kf=1 aopt=1 2way=1 ti=1 xp=@x \
+         a1=@d mangle=1 v1=@d d1=@d dfailm=1 dfails=1 tfail=1 soft=1 fbrt=1 ycfac=1 dfailt=1 \
+         dfailc=1 efs=1 xc=p xt=p yc=p yt=p sc=p crit=1 beta=1 pfl=1 epsf=1 epsr=1 tsmd=1 soft2=1 \
+         slimt1=1 slimc1=1 slimt2=1 slimc2=1 slims=1 ncyred=1 softg=1 lcxc=#f:w:p lcxt=#f:w:p \
+         lcyc=#f:w:p lcyt=#f:w:p lcsc=#f:w:p dt=1",
     ),
     ("EOS_GRUNEISEN", "c=v s1=1 s2=1 s3=1 gamao=1 a=1 e0=p v0=1 lcid=#f:t:1"),
     ("EOS_LINEAR_POLYNOMIAL", "c0=p c1=p c2=p c3=p c4=1 c5=1 c6=1 e0=p v0=1"),

@@ -67,7 +67,8 @@ pub(super) fn read_mesh(
     } else {
         return mesh::from_rows(given, findings);
     };
-    Some(mesh::with_own_sections(read, [&given.thicknesses, &given.offsets], findings))
+    let own = [&given.thicknesses[..], &given.offsets, &given.angles];
+    Some(mesh::with_own_sections(read, own, findings))
 }
 
 /// Returns the number of meshes that the job gives without a deck.
@@ -142,12 +143,13 @@ fn read_toml_mesh(
     sources: &mut SourceFiles,
     findings: &mut JobProblems,
 ) -> Option<mesh::PlacedMesh> {
-    let MeshSource { thicknesses, offsets, .. } = given;
+    let MeshSource { thicknesses, offsets, angles, .. } = given;
     if !check_own_sets(given, findings) {
         return None;
     }
-    if !(thicknesses.is_empty() && offsets.is_empty()) {
-        let key = if thicknesses.is_empty() { "mesh.offsets" } else { "mesh.thicknesses" };
+    let lists =
+        [("mesh.thicknesses", thicknesses), ("mesh.offsets", offsets), ("mesh.angles", angles)];
+    if let Some((key, _)) = lists.into_iter().find(|(_, list)| !list.is_empty()) {
         let message = format!("{key} is not for a mesh file in TOML");
         findings.add(Problem::error(key, message, "write them in the mesh file"));
         return None;

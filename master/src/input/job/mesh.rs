@@ -158,6 +158,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     }
     assign(&mut mesh, &THICKNESS, &source.thicknesses, &mut few);
     assign(&mut mesh, &OFFSET, &source.offsets, &mut few);
+    assign(&mut mesh, &ANGLE, &source.angles, &mut few);
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
@@ -175,16 +176,16 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     whole.then_some(PlacedMesh { mesh, written: Written::Rows(lists) })
 }
 
-/// Assigns thicknesses and offsets of their own to shells, from the `thicknesses` and `offsets`
-/// of a job.
+/// Assigns thicknesses, offsets and angles of their own to shells, from the lists of a job.
 pub fn with_own_sections(
     mut read: PlacedMesh,
-    [thicknesses, offsets]: [&[[f64; 2]]; 2],
+    [thicknesses, offsets, angles]: [&[[f64; 2]]; 3],
     findings: &mut JobProblems,
 ) -> PlacedMesh {
     let mut few = Few::new(findings);
     assign(&mut read.mesh, &THICKNESS, thicknesses, &mut few);
     assign(&mut read.mesh, &OFFSET, offsets, &mut few);
+    assign(&mut read.mesh, &ANGLE, angles, &mut few);
     read
 }
 
@@ -212,6 +213,13 @@ const OFFSET: OwnValue = OwnValue {
     fits: |offset| offset.abs() <= LARGEST_OFFSET,
     wanted: "from -10 to 10 (-1 to 1 is usual)",
     set: |own, offset| own.offset = Some(offset),
+};
+const ANGLE: OwnValue = OwnValue {
+    list: "angles",
+    called: "angle",
+    fits: f64::is_finite,
+    wanted: "a number of degrees",
+    set: |own, angle| own.angle = angle,
 };
 
 fn assign(mesh: &mut Mesh, value: &OwnValue, rows: &[[f64; 2]], few: &mut Few<'_>) {

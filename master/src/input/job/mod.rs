@@ -26,6 +26,7 @@ mod include;
 pub mod inline_sets;
 mod joints;
 pub mod laws;
+mod layers;
 pub mod library;
 mod loads;
 mod mesh;
@@ -328,6 +329,7 @@ fn read_keys(
             return None;
         }
     };
+    layers::resolve(&mut job, findings);
     restart::add(&mut job, findings);
     Some((tree, job))
 }

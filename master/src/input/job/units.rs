@@ -35,7 +35,7 @@ impl Units {
 pub fn check(job: &Job) -> Vec<Problem> {
     // A material that carries no load may have any numbers.
     let bears = |name: &str| {
-        let mut own = job.part.iter().filter(|p| p.material == name).peekable();
+        let mut own = job.part.iter().filter(|p| p.materials().contains(&name)).peekable();
         own.peek().is_none() || own.any(|p| !p.skin)
     };
     let mut problems = yields(job, bears);

@@ -93,7 +93,7 @@ pub struct BelytschkoTsay {
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     let section = Section::new(part, values, law)?;
-    let membrane = values.flag("membrane");
+    let membrane = parameters::is_membrane(part, values)?;
     Ok(Box::new(Shell(Quad(BelytschkoTsay {
         section: if membrane { section.of_membrane() } else { section },
         membrane,
@@ -251,14 +251,13 @@ impl BelytschkoTsay {
     /// Returns the coefficients of tx, ty, vz, vx, vy.
     #[inline(always)]
     fn hourglass_stiffness<R: Real>(&self, g: &QuadGeometry<R>, t: R) -> [R; HOURGLASS] {
-        let elastic = &self.section.elastic;
-        let e = elastic.youngs_modulus;
+        let e = self.section.stabilising.youngs_modulus;
         let sq = |v: R| v * v;
         let bb = R::splat(2.0) * (sq(g.b1[0]) + sq(g.b1[1]) + sq(g.b2[0]) + sq(g.b2[1]));
         let (t2, tbb) = (t * t, t * bb);
         let bends = if self.membrane { 0.0 } else { e / 192.0 };
         let theta = R::splat(bends) * t2 * tbb * g.area;
-        let w = R::splat(SHEAR_CORRECTION * elastic.shear_modulus() / 12.0) * t2 * tbb;
+        let w = R::splat(SHEAR_CORRECTION * self.section.transverse_modulus / 12.0) * t2 * tbb;
         let membrane = R::splat(e / 8.0) * tbb * g.area;
         let r = self.hourglass_coefficient;
         let [theta, w, membrane] = if self.hourglass == HourglassForm::Viscous {

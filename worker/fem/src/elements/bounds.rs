@@ -163,5 +163,5 @@ pub fn work<R: Real>(forces: &[R], increments: &[R], energy: R) -> R {
 /// Returns the coefficient of [`drill`] for a stiffness of `alpha G t A/4` per node.
 #[inline(always)]
 pub fn drilling_stiffness<R: Real>(section: &Section, alpha: f64, thickness: R, area: R) -> R {
-    R::splat(0.125 * alpha * section.elastic.shear_modulus()) * thickness * area
+    R::splat(0.125 * alpha * section.stabilising.shear_modulus()) * thickness * area
 }

@@ -80,7 +80,7 @@ pub struct C0Triangle {
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     let section = Section::new(part, values, law)?;
-    let membrane = values.flag("membrane");
+    let membrane = parameters::is_membrane(part, values)?;
     let unless_membrane = |key: &str| if membrane { 0.0 } else { values.number(key) };
     Ok(Box::new(Shell(C0Triangle {
         section: if membrane { section.of_membrane() } else { section },
@@ -324,7 +324,7 @@ impl C0Triangle {
             energy = (old + *column).mul_add(rate, energy);
             *column
         };
-        let shear_modulus = self.section.elastic.shear_modulus();
+        let shear_modulus = self.section.stabilising.shear_modulus();
         let stiff = R::splat(self.drilling * shear_modulus / 3.0) * thickness * g.area;
         let first = third * (t[2][2] - t[0][2] - t[1][2]) - angle * sine[2];
         let drill = [
@@ -332,7 +332,8 @@ impl C0Triangle {
             advance(&mut own[1], stiff, first + t[0][2]),
             advance(&mut own[2], stiff, first + t[1][2]),
         ];
-        let fraction = self.hourglass_coefficient * SHEAR_CORRECTION * shear_modulus / 72.0;
+        let fraction =
+            self.hourglass_coefficient * SHEAR_CORRECTION * self.section.transverse_modulus / 72.0;
         let stiff = R::splat(fraction) * thickness * g.half_sides2() / g.area;
         let free =
             half * advance(&mut own[3], stiff, half * (plane_dot(b31, x21) - plane_dot(b21, x31)));

@@ -113,7 +113,7 @@ impl Kernel for FullyIntegratedQuad {
 
         // 3. Strains that are added at the points (1, 1) and (-1, 1) over sqrt 3, and subtracted at
         //    the opposite points.
-        let nu = R::splat(self.section.elastic.poisson);
+        let nu = R::splat(self.section.stabilising.poisson);
         let along: [[R; 2]; 2] = [
             std::array::from_fn(|c| gauss * (s.to_xi[c] + s.to_eta[c])),
             std::array::from_fn(|c| gauss * (s.to_xi[c] - s.to_eta[c])),
@@ -127,8 +127,8 @@ impl Kernel for FullyIntegratedQuad {
         for columns in section.chunks_exact(each) {
             thickness = quarter.mul_add(self.section.current_thickness(columns), thickness);
         }
-        let bends = R::splat(SHEAR_CORRECTION / 8.0 * (1.0 - self.section.elastic.poisson))
-            / (thickness * thickness);
+        let bends =
+            R::splat(SHEAR_CORRECTION / 8.0 * self.section.shear_ratio) / (thickness * thickness);
         let soft = |along: [R; 2]| gauss / bends.mul_add(dot2(along, along), R::splat(1.0)).sqrt();
         let (soft_xi, soft_eta) = (soft(s.p), soft(s.q));
         let (shear_xi, shear_eta) = (soft_xi * rate_xi, soft_eta * rate_eta);

@@ -57,12 +57,12 @@ pub use section::LARGEST_OFFSET;
 pub use tetrahedron::volume_change;
 
 use crate::columns::ElementState;
-use crate::materials::{self, PlaneStress, Solid, unknown_name};
+use crate::materials::{self, LayerPoint, PlaneStress, Solid, unknown_name};
 use crate::parameter::{ParameterRow, Values};
 use crumple_math::lanes::Real;
-use crumple_proto::job::Part;
+use crumple_proto::job::{LayerInput, Part};
 use crumple_proto::mesh::{OwnSection, Shape};
-use crumple_proto::partition::Settings;
+use crumple_proto::partition::{Material, Settings};
 use crumple_proto::problem::Problem;
 use particle::Fluid;
 use pass::{GroupCorners, ShellGroups, SingleElement, SolidGroups, Totals};
@@ -341,14 +341,39 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
             vec![unknown_name("material", what, &part.material, &names)],
         );
     }
+    let of_shells = [("layer", part.layer.is_empty()), ("angles", part.angles.is_empty())];
+    let is_shell = matches!(shape, Shape::Quad4 | Shape::Tri3);
+    for (key, _) in of_shells.into_iter().filter(|(_, empty)| !empty && !is_shell) {
+        let message = format!(
+            "part {}: `{key}` is for shells, and it has other elements",
+            section::label(part)
+        );
+        let help = format!("remove `{key}`, or move the other elements to another part");
+        note(format!("part.{part_index}"), vec![Problem::error(key, message, help)]);
+    }
+    for (k, layer) in part.layer.iter().enumerate().filter(|(_, layer)| {
+        !layer.material.is_empty() && materials.iter().all(|m| m.name != layer.material)
+    }) {
+        let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
+        let label = section::label(part);
+        let what =
+            format!("part {label}, layer {}: there is no material '{}'", k + 1, layer.material);
+        let path = format!("layer.{k}.material");
+        note(
+            format!("part.{part_index}"),
+            vec![unknown_name(&path, what, &layer.material, &names)],
+        );
+    }
     // The part is checked even if its material is wrong, so that one check reports all problems.
     let mut stand_in = index.is_none() && !lawless;
-    let mut law_problems = |found: Vec<Problem>| {
+    let mut law_problems = |index: usize, found: Vec<Problem>| {
         stand_in = true;
-        note(format!("material.{}", index.unwrap_or(0)), found);
+        note(format!("material.{index}"), found);
     };
-    let material = index.map(|index| &materials[index]);
-    if let Some(material) = material.filter(|_| matches!(shape, Shape::Beam2 | Shape::Truss2)) {
+    let material = index.map(|index| (index, &materials[index]));
+    if let Some((index, material)) =
+        material.filter(|_| matches!(shape, Shape::Beam2 | Shape::Truss2))
+    {
         let given = |key: &&str| material.parameters.contains_key(*key);
         for key in materials::OF_SHEETS.into_iter().filter(given) {
             let message = format!(
@@ -356,32 +381,46 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
                 material.name,
                 section::label(part)
             );
-            law_problems(vec![Problem::error(key, message, "give them a material without it")]);
+            let found = vec![Problem::error(key, message, "give them a material without it")];
+            law_problems(index, found);
         }
     }
     let built = match row {
         Ok(row) => with_values(row, part, |values| match row.build {
             Constructor::Discrete(build) => build(part),
             Constructor::Shell(build) => {
-                let law =
-                    material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
-                build(part, values, law.unwrap_or_else(materials::placeholder_law))
+                let law_of = |(index, material): (usize, &Material)| {
+                    materials::build(material).map_err(|found| law_problems(index, found)).ok()
+                };
+                let law = match &part.layer[..] {
+                    [] => material.and_then(law_of).map(|law| with_angles(part, values, law)),
+                    layers => layered_law(part, layers, materials, law_of),
+                };
+                let built = build(part, values, law.unwrap_or_else(materials::placeholder_law));
+                match (built, section::fault_of_angles(part, values)) {
+                    (built, None) => built,
+                    (Ok(_), Some(fault)) => Err(vec![fault]),
+                    (Err(found), Some(fault)) => Err([found, vec![fault]].concat()),
+                }
             }
             Constructor::Solid(build) => {
-                let law = material
-                    .and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
+                let law = material.and_then(|(index, m)| {
+                    materials::build_solid(m).map_err(|found| law_problems(index, found)).ok()
+                });
                 build(part, values, law.unwrap_or_else(materials::solid_placeholder_law))
             }
         }),
         Err(problem) => {
-            if let Some(found) = material.and_then(|m| materials::elastic_of(m).err()) {
-                law_problems(found);
+            if let Some((index, material)) = material
+                && let Err(found) = materials::elastic_of(material)
+            {
+                law_problems(index, found);
             }
             Err(vec![problem])
         }
     };
     match built.map_err(|found| note(format!("part.{part_index}"), found)) {
-        Ok(mut element) if !stand_in => {
+        Ok(mut element) if !stand_in && problems.is_empty() => {
             if settings.with_own_offsets.contains(&(part_index as u32)) {
                 element.store_offsets();
             }
@@ -389,6 +428,58 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
         }
         _ => Err(problems),
     }
+}
+
+/// Returns the law of a part whose points have these angles.
+fn with_angles(
+    part: &Part,
+    values: &Values<'_>,
+    law: Box<dyn PlaneStress>,
+) -> Box<dyn PlaneStress> {
+    // Others are reported by the section.
+    if part.angles.is_empty() || section::fault_of_angles(part, values).is_some() {
+        return law;
+    }
+    let (_, weights) = section::gauss_legendre(part.angles.len());
+    let points = part.angles.iter().zip(weights).map(|(angle, weight)| LayerPoint {
+        law: 0,
+        weight,
+        angle: angle.to_radians(),
+    });
+    materials::layered(vec![law], points.collect())
+}
+
+/// Returns the law of a part with layers; `None` if that of a layer cannot be built. `law_of`
+/// builds the law of a material.
+fn layered_law<'a>(
+    part: &Part,
+    layers: &[LayerInput],
+    materials: &'a [Material],
+    mut law_of: impl FnMut((usize, &'a Material)) -> Option<Box<dyn PlaneStress>>,
+) -> Option<Box<dyn PlaneStress>> {
+    let name_of = |layer: &LayerInput| match layer.material.as_str() {
+        "" => part.material.clone(),
+        own => own.to_string(),
+    };
+    let mut names: Vec<String> = layers.iter().map(name_of).collect();
+    names.sort_unstable();
+    names.dedup();
+    let laws: Vec<Option<_>> = names
+        .iter()
+        .map(|name| law_of(materials.iter().enumerate().find(|(_, m)| m.name == *name)?))
+        .collect();
+    let laws = laws.into_iter().collect::<Option<Vec<_>>>()?;
+    let mut points = Vec::new();
+    for layer in layers {
+        let law = names.binary_search(&name_of(layer)).expect("a law of each layer");
+        let (_, weights) = section::gauss_legendre(layer.points);
+        points.extend(weights[..layer.points].iter().map(|weight| LayerPoint {
+            law,
+            weight: layer.thickness * weight,
+            angle: layer.angle.to_radians(),
+        }));
+    }
+    Some(materials::layered(laws, points))
 }
 
 /// Checks the values of a part by the table of its formulation, and builds the element. Defaults
@@ -428,7 +519,8 @@ pub fn formulation(part: &Part, shape: Shape) -> Option<&'static ElementEntry> {
 /// shells.
 pub fn points_of(part: &Part) -> usize {
     let shells = formulation(part, Shape::Quad4).filter(|_| part.thickness > 0.0);
-    shells.map_or(1, |row| row.values(part).whole("points"))
+    let of_layers = part.layer.iter().map(|layer| layer.points).sum();
+    shells.map_or(1, |row| if of_layers > 0 { of_layers } else { row.values(part).whole("points") })
 }
 
 /// The formulation that a part wants for a shape: the first of the shape if it does not say.
@@ -482,7 +574,8 @@ fn zero_failed<R: Real>(failed: R::Mask, values: &mut [R]) {
 }
 
 /// Runs `$call` with the constant `$n` set to the number of points, so that the compiler unrolls
-/// loops over the thickness.
+/// loops over the thickness. Shells with layers may have more points: then the constant is the
+/// largest number.
 macro_rules! with_points {
     ($points:expr, $n:ident => $call:expr) => {
         with_points!($points, $n => $call; 1 2 3 4 5 6 7 8 9 10)
@@ -490,7 +583,7 @@ macro_rules! with_points {
     ($points:expr, $n:ident => $call:expr; $($value:literal)*) => {
         match $points {
             $($value => { const $n: usize = $value; $call })*
-            points => unreachable!("a section of {points} points was built"),
+            _ => { const $n: usize = crate::materials::MAX_LAYER_POINTS; $call }
         }
     };
 }

@@ -1,8 +1,11 @@
 //! Keys of `[[part]]` that several formulations use. A formulation publishes its keys in its row
 //! of `ELEMENTS`.
 
+use super::section::label;
 use crate::materials::MAX_POINTS;
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
+use crumple_proto::job::Part;
+use crumple_proto::problem::Problem;
 
 /// Hourglass control of one-point elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +109,21 @@ pub(super) const MEMBRANE: ParameterRow = ParameterRow {
               stiffness. In quads, hourglass control keeps a small stiffness of the twist out of \
               the plane.",
 };
+
+/// Returns true for a membrane.
+///
+/// # Errors
+/// If the part also has layers or angles, which a single point does not have.
+pub(super) fn is_membrane(part: &Part, values: &Values<'_>) -> Result<bool, Vec<Problem>> {
+    let membrane = values.flag("membrane");
+    if membrane && !(part.layer.is_empty() && part.angles.is_empty()) {
+        let key = if part.layer.is_empty() { "angles" } else { "layer" };
+        let message = format!("part {}: a membrane has one point and no layers", label(part));
+        let help = format!("remove `membrane`, or `{key}` and give the part a thickness");
+        return Err(vec![Problem::error(key, message, help)]);
+    }
+    Ok(membrane)
+}
 
 /// Returns the keys that have no effect in membranes, with the reason.
 pub(super) fn idle_in_membranes(values: &Values<'_>) -> &'static [(&'static str, &'static str)] {

@@ -122,7 +122,7 @@ impl<F: Formulation> Element for Shell<F> {
         let [area, floor] = self.0.size(four(x));
         self.section().measure(history, own, area, floor);
         let side = [0, 1, 2].map(|c| x[1][c] - x[0][c]);
-        self.section().orient(history, &F::axes(four(x)), side);
+        self.section().orient(history, own, &F::axes(four(x)), side);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64) {

@@ -152,18 +152,19 @@ impl Kernel for StabilisedQuad {
         let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
         // 4. Stabilising and drilling forces.
-        let elastic = &self.section.elastic;
+        let elastic = &self.section.stabilising;
         let third = R::splat(1.0 / 3.0) * s.inv_a;
         let membrane = R::splat(elastic.youngs_modulus / 16.0) * thickness * third;
         // A single point through the thickness has no bending stiffness.
         let bending =
             R::splat(if N > 1 { 1.0 / 12.0 } else { 0.0 }) * thickness * thickness * membrane;
-        let shear = R::splat(SHEAR_CORRECTION * elastic.shear_modulus()) * thickness * third;
+        let shear =
+            R::splat(SHEAR_CORRECTION * self.section.transverse_modulus) * thickness * third;
         let one = R::splat(1.0);
         // 5/6 G t L^2 over 12 times the bending stiffness, with L = p/2 or q/2 the length along xi
         // or eta.
         let bends =
-            R::splat(SHEAR_CORRECTION / 8.0 * (1.0 - elastic.poisson)) / (thickness * thickness);
+            R::splat(SHEAR_CORRECTION / 8.0 * self.section.shear_ratio) / (thickness * thickness);
         let (p2, q2) = (dot2(s.p, s.p), dot2(s.q, s.q));
         let nu_xy = R::splat(elastic.poisson) * s.j[2];
         let [jxx, jyy, _] = s.j;

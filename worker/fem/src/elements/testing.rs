@@ -23,6 +23,8 @@ pub fn part(thickness: f64) -> Part {
         truss: None,
         particles: None,
         thickness,
+        layer: Vec::new(),
+        angles: Vec::new(),
         offset: 0.0,
         contact_thickness: None,
         contact_thickness_scale: 1.0,
@@ -108,7 +110,8 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("compression", table(&curve))],
         ),
     ];
-    all.extend(laws().into_iter().filter(|m| m.law != "fabric"));
+    let of_shells = |m: &Material| LAWS.iter().any(|row| row.name == m.law && row.solid.is_none());
+    all.extend(laws().into_iter().filter(|m| !of_shells(m)));
     assert!(
         LAWS.iter()
             .filter(|row| row.solid.is_some())
@@ -138,6 +141,19 @@ pub fn laws() -> Vec<Material> {
         ("reference_temperature", number(293.0)),
         ("specific_heat", number(477.0)),
         ("damage", damage),
+    ];
+    let ply = [
+        ("youngs_modulus_b", number(100.0)),
+        ("shear_modulus", number(30.0)),
+        ("direction", Param::List(vec![1.0, 2.0, 0.0])),
+        ("strength_tension_a", number(1.0)),
+        ("strength_compression_a", number(0.8)),
+        ("strength_tension_b", number(0.5)),
+        ("strength_compression_b", number(0.7)),
+        ("strength_shear", number(0.4)),
+        ("shear_weight", number(0.5)),
+        ("shear_nonlinearity", number(1e-3)),
+        ("failure_strain_tension_a", number(0.3)),
     ];
     let all = vec![
         steel("elastic", &[]),
@@ -172,6 +188,11 @@ pub fn laws() -> Vec<Material> {
             "fabric",
             &[("youngs_modulus_b", number(100.0)), ("direction", Param::List(vec![1.0, 2.0, 0.0]))],
         ),
+        steel(
+            "orthotropic",
+            &[("youngs_modulus_b", number(100.0)), ("shear_modulus", number(30.0))],
+        ),
+        steel("orthotropic", &ply),
     ];
     assert!(
         LAWS.iter()

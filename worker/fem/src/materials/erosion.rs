@@ -269,8 +269,14 @@ impl PlaneStress for Eroding<dyn PlaneStress> {
     fn initial_yield_stress(&self) -> f64 {
         self.law.initial_yield_stress()
     }
-    fn orientation(&self) -> Option<Orientation> {
-        self.law.orientation()
+    fn orientation(&self, point: usize) -> Option<Orientation> {
+        self.law.orientation(point)
+    }
+    fn transverse_shear(&self, point: usize) -> Option<[f64; 2]> {
+        self.law.transverse_shear(point)
+    }
+    fn stabilising(&self) -> Elastic {
+        self.law.stabilising()
     }
     fn rate_dependent(&self) -> Option<&Plasticity> {
         self.law.rate_dependent()

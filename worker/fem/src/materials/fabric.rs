@@ -18,12 +18,16 @@
 //! `d C` times the strain increment of the step, d of critical damping at the highest frequency;
 //! the stable step is shorter by `sqrt(1 + d^2) - d`.
 
+use super::axes::{
+    self, ANGLE, DIRECTION, DIRECTION_COLUMNS, Orientation, Orthotropic, linear, strain_along,
+    stress_across,
+};
 use super::parameters::Parameters;
 use super::{
     DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, PlaneStress, Points,
 };
 use crumple_math::lanes::{Lane, Lane32, Real};
-use crumple_proto::partition::{Material, Param};
+use crumple_proto::partition::Material;
 
 /// The row of this law.
 pub const LAW: Law = Law {
@@ -42,19 +46,8 @@ pub const LAW: Law = Law {
             "Shear modulus of the yarns; isotropic if not given \
                                  [force/length^2].",
         ),
-        ParameterRow {
-            key: "direction",
-            form: Form::List("[x, y, z]"),
-            otherwise: DefaultValue::Absent,
-            range: None,
-            meaning: "Direction whose projection on an element is that of the yarns a at the \
-                      start. Without it they are along the side of its nodes 1 and 2.",
-        },
-        number(
-            "angle",
-            "Angle by which the yarns are turned from there about the normal \
-                         [degrees].",
-        ),
+        DIRECTION,
+        ANGLE,
         ParameterRow {
             key: "compression",
             form: Form::Flag,
@@ -86,7 +79,7 @@ const fn number(key: &'static str, meaning: &'static str) -> ParameterRow {
 /// History columns: the total strain, and the direction of the yarns a in the axes of the element,
 /// its cosine less 1.
 const HISTORY: &[&str] =
-    &["strain xx", "strain yy", "strain xy", "direction cosine - 1", "direction sine"];
+    &["strain xx", "strain yy", "strain xy", DIRECTION_COLUMNS[0], DIRECTION_COLUMNS[1]];
 
 /// Columns of a point.
 const COLUMNS: usize = 8;
@@ -94,7 +87,7 @@ const COLUMNS: usize = 8;
 struct Fabric {
     /// Constants that bound the stiffness, for the stable step.
     bound: Elastic,
-    yarns: Option<Yarns>,
+    yarns: Option<Orthotropic>,
     /// Isotropic constants: modulus and Poisson's ratio.
     isotropic: [f64; 2],
     compression: bool,
@@ -103,26 +96,6 @@ struct Fabric {
     /// Fraction of the liner, its C11, C12 and G [force/length^2].
     liner: [f64; 4],
     orientation: Orientation,
-}
-
-/// Constants of yarns: C_aa, C_ab, C_bb, E_a, E_b, G [force/length^2].
-#[derive(Clone, Copy)]
-struct Yarns {
-    caa: f64,
-    cab: f64,
-    cbb: f64,
-    ea: f64,
-    eb: f64,
-    g: f64,
-}
-
-/// Directions of the yarns of a fabric at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orientation {
-    /// Direction whose projection the yarns a have; the side of the nodes 1 and 2 if `None`.
-    pub direction: Option<[f64; 3]>,
-    /// Angle from there about the normal [rad].
-    pub angle: f64,
 }
 
 fn build(material: &Material) -> LawResult {
@@ -136,8 +109,7 @@ fn read(
     let positive = |value: f64| value > 0.0;
     let eb = parameters.optional("youngs_modulus_b", "above 0", positive);
     let g = parameters.optional("shear_modulus", "above 0", positive);
-    let direction = direction(&mut parameters);
-    let angle = parameters.optional("angle", "a number", |_| true).unwrap_or(0.0);
+    let orientation = Orientation::read(&mut parameters);
     let compression = parameters.flag("compression");
     let damping = parameters.optional("damping", "from 0 to 0.5", |d| (0.0..=0.5).contains(&d));
     let damping = damping.unwrap_or(0.0);
@@ -162,49 +134,27 @@ fn read(
     let isotropic = [elastic.youngs_modulus, elastic.poisson];
     let yarns = (eb.is_some() || g.is_some()).then(|| {
         let (ea, eb) = (elastic.youngs_modulus, eb.unwrap_or(elastic.youngs_modulus));
-        // nu_ab nu_ba
-        let product = elastic.poisson * elastic.poisson * ea / eb;
-        let caa = ea / (1.0 - product);
         let g = g.unwrap_or(elastic.shear_modulus());
-        Yarns { caa, cab: elastic.poisson * caa, cbb: eb / (1.0 - product), ea, eb, g }
+        Orthotropic::new(&mut parameters, [ea, eb, g], elastic.poisson, "fabric")
     });
-    if let Some(yarns) = yarns.filter(|y| !(y.caa > 0.0 && y.caa.is_finite())) {
-        let what = format!("gives no stable fabric with E_a/E_b = {}", yarns.ea / yarns.eb);
-        parameters.wrong("poisson", what, "its square times E_a/E_b has to be below 1");
-    }
     parameters.finish()?;
     let [l11, l12, lg] = of_liner.plane_stress();
     let liner = [fraction, l11, l12, lg];
     let bound = bound(elastic, yarns, liner, damping);
-    let orientation = Orientation { direction, angle: angle.to_radians() };
     Ok(Fabric { bound, yarns, isotropic, compression, damping, liner, orientation })
-}
-
-fn direction(parameters: &mut Parameters<'_>) -> Option<[f64; 3]> {
-    let vector = match parameters.get("direction")? {
-        Param::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok(),
-        _ => None,
-    };
-    let vector = vector.filter(|v| v.iter().all(|c| c.is_finite()) && *v != [0.0; 3]);
-    if vector.is_none() {
-        parameters.wrong("direction", "is no direction", "give [x, y, z], not all of them 0");
-    }
-    vector
 }
 
 /// Returns isotropic constants with a stiffness that is nowhere below that of the fabric, damping
 /// included.
-fn bound(elastic: Elastic, yarns: Option<Yarns>, liner: [f64; 4], damping: f64) -> Elastic {
+fn bound(elastic: Elastic, yarns: Option<Orthotropic>, liner: [f64; 4], damping: f64) -> Elastic {
     let [c11, c12, g] = elastic.plane_stress();
     let [caa, cab, cbb, g] = yarns.map_or([c11, c12, c11, g], |y| [y.caa, y.cab, y.cbb, y.g]);
     let [fraction, l11, l12, lg] = liner;
     let mix = |fabric: f64, liner: f64| (1.0 - fraction) * fabric + fraction * liner;
-    let (cab, g) = (mix(cab, l12), mix(g, lg));
-    let largest = mix(caa, l11).max(mix(cbb, l11)).max(2.0 * g + cab);
-    let poisson = cab / largest;
+    let mixed = [mix(caa, l11), mix(cab, l12), mix(cbb, l11), mix(g, lg)];
+    let undamped = axes::bound(mixed, elastic.density);
     let shorter = (1.0 + damping * damping).sqrt() - damping;
-    let youngs_modulus = largest * (1.0 - poisson * poisson) / (shorter * shorter);
-    Elastic { youngs_modulus, poisson, density: elastic.density }
+    Elastic { youngs_modulus: undamped.youngs_modulus / (shorter * shorter), ..undamped }
 }
 
 impl Fabric {
@@ -220,7 +170,7 @@ impl Fabric {
                 self.linear(total, c, s)
             } else {
                 match &self.yarns {
-                    Some(yarns) => along_yarns(total, c, s, |e| yarns.tension(e)),
+                    Some(yarns) => along_yarns(total, c, s, |e| tension(yarns, e)),
                     None => self.tension_field(total),
                 }
             };
@@ -270,42 +220,24 @@ impl Fabric {
     }
 }
 
-impl Yarns {
-    /// Returns the stress in the axes of the yarns, which carry no compression.
-    fn tension<R: Real>(&self, [a, b, ab]: [R; 3]) -> [R; 3] {
-        let zero = R::zero();
-        let [caa, cab, cbb, ea, eb, g] =
-            [self.caa, self.cab, self.cbb, self.ea, self.eb, self.g].map(R::splat);
-        let (sa, sb) = (caa.mul_add(a, cab * b), cab.mul_add(a, cbb * b));
-        let both = R::both(sa.gt(zero), sb.gt(zero));
-        // With one of them slack the other has its own modulus.
-        let (alone_a, alone_b) = (Real::max(ea * a, zero), Real::max(eb * b, zero));
-        let only_a = R::select(sb.le(zero), alone_a, zero);
-        let only_b = R::select(sa.le(zero), alone_b, zero);
-        [R::select(both, sa, only_a), R::select(both, sb, only_b), g * ab]
-    }
-}
-
-/// Returns the stress of the constants C11, C12, C22, G.
-fn linear<R: Real>(e: [R; 3], [c11, c12, c22, g]: [R; 4]) -> [R; 3] {
-    [c11.mul_add(e[0], c12 * e[1]), c12.mul_add(e[0], c22 * e[1]), g * e[2]]
+/// Returns the stress in the axes of the yarns, which carry no compression.
+fn tension<R: Real>(yarns: &Orthotropic, [a, b, ab]: [R; 3]) -> [R; 3] {
+    let zero = R::zero();
+    let Orthotropic { caa, cab, cbb, ea, eb, g } = *yarns;
+    let [caa, cab, cbb, ea, eb, g] = [caa, cab, cbb, ea, eb, g].map(R::splat);
+    let (sa, sb) = (caa.mul_add(a, cab * b), cab.mul_add(a, cbb * b));
+    let both = R::both(sa.gt(zero), sb.gt(zero));
+    // With one of them slack the other has its own modulus.
+    let (alone_a, alone_b) = (Real::max(ea * a, zero), Real::max(eb * b, zero));
+    let only_a = R::select(sb.le(zero), alone_a, zero);
+    let only_b = R::select(sa.le(zero), alone_b, zero);
+    [R::select(both, sa, only_a), R::select(both, sb, only_b), g * ab]
 }
 
 /// Returns the stress in the axes of the element by a law in the axes of the yarns, whose axis a
 /// has the direction (c, s).
-fn along_yarns<R: Real>([x, y, xy]: [R; 3], c: R, s: R, law: impl Fn([R; 3]) -> [R; 3]) -> [R; 3] {
-    let two = R::splat(2.0);
-    let (cc, ss, cs) = (c * c, s * s, c * s);
-    let [a, b, ab] = law([
-        cc * x + ss * y + cs * xy,
-        ss * x + cc * y - cs * xy,
-        two * cs * (y - x) + (cc - ss) * xy,
-    ]);
-    [
-        cc * a + ss * b - two * cs * ab,
-        ss * a + cc * b + two * cs * ab,
-        cs * (a - b) + (cc - ss) * ab,
-    ]
+fn along_yarns<R: Real>(strain: [R; 3], c: R, s: R, law: impl Fn([R; 3]) -> [R; 3]) -> [R; 3] {
+    stress_across(law(strain_along(strain, c, s)), c, s)
 }
 
 impl PlaneStress for Fabric {
@@ -318,7 +250,7 @@ impl PlaneStress for Fabric {
     fn thins(&self) -> bool {
         false
     }
-    fn orientation(&self) -> Option<Orientation> {
+    fn orientation(&self, _point: usize) -> Option<Orientation> {
         self.yarns.map(|_| self.orientation)
     }
     fn update(&self, points: Points<'_, Lane>, _dt: f64) {

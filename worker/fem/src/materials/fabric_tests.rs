@@ -3,6 +3,7 @@
 use super::super::build;
 use super::super::testing::material;
 use super::*;
+use crumple_proto::partition::Param;
 
 const E: f64 = 0.3;
 const NU: f64 = 0.3;
@@ -163,8 +164,8 @@ fn build_again(eb: f64, g: f64) -> Box<dyn PlaneStress> {
 #[test]
 fn a_fabric_that_fails_keeps_its_directions() {
     let yarns = [("youngs_modulus_b", 0.2), ("shear_modulus", 0.01), ("angle", 30.0)];
-    let plain = law(&yarns, false).orientation();
+    let plain = law(&yarns, false).orientation(0);
     let failing = [&yarns[..], &[("erosion_principal_stress", 0.01)]].concat();
     assert!(plain.is_some());
-    assert_eq!(law(&failing, false).orientation(), plain);
+    assert_eq!(law(&failing, false).orientation(0), plain);
 }

@@ -4,6 +4,7 @@
 //! history out; all in axes that rotate with the material. Rotation, thickness and integration
 //! belong to the element.
 
+mod axes;
 mod crushable_foam;
 mod elastic;
 mod equation_of_state;
@@ -11,7 +12,9 @@ mod erosion;
 mod fabric;
 mod j2;
 mod johnson_cook;
+mod layered;
 mod low_density_foam;
+mod orthotropic;
 mod parameters;
 pub mod plasticity;
 mod polyline;
@@ -20,9 +23,10 @@ mod tensor;
 mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
+pub use axes::{DIRECTION_COLUMNS, Orientation};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
-pub use fabric::Orientation;
+pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
@@ -122,10 +126,22 @@ pub trait PlaneStress: Send + Sync {
         true
     }
 
-    /// Returns the directions of the law at the start, if it has any. Its columns `direction cosine
-    /// - 1` and `direction sine` then hold them in the axes of each element.
-    fn orientation(&self) -> Option<Orientation> {
+    /// Returns the axes of the material of a point at the start, if it has any. Its columns
+    /// [`DIRECTION_COLUMNS`] then hold the axis a in the axes of each element.
+    fn orientation(&self, _point: usize) -> Option<Orientation> {
         None
+    }
+
+    /// Returns the transverse shear moduli G_ca and G_bc of a point [force/length^2], if they are
+    /// not the shear modulus of [`Self::elastic`].
+    fn transverse_shear(&self, _point: usize) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Returns the constants for forces that only stabilise an element (hourglass and drilling).
+    /// In laws with axes those of [`Self::elastic`] would be too stiff: they bound the step.
+    fn stabilising(&self) -> Elastic {
+        self.elastic()
     }
 
     /// Returns the law itself if its yield stress depends on the strain rate.
@@ -307,6 +323,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     low_density_foam::LAW,
     crushable_foam::LAW,
     fabric::LAW,
+    orthotropic::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,

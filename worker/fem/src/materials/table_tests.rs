@@ -15,6 +15,7 @@ fn sample(law: &Law) -> Material {
         "reference_rate" | "m" => 1.0,
         "specific_heat" => 1e4,
         "long_term_shear_modulus" | "decay_rate" | "shear_modulus" => 10.0,
+        "youngs_modulus_b" => 100.0,
         "shape" => 2.0,
         other => panic!("{}: add a value of {other} to the sample", law.name),
     };

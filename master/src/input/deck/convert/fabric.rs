@@ -22,7 +22,7 @@ impl DeckConverter {
         put(table, "eb", "youngs_modulus_b");
         put(table, "gab", "shear_modulus");
         if eb != 0.0 || record.real("gab") != 0.0 {
-            self.yarns(record, table);
+            self.material_axes(record, "beta", table);
         }
         match record.real("cse") {
             0.0 => table.put("compression", record.place("cse"), true),
@@ -63,23 +63,5 @@ impl DeckConverter {
             self.trouble.warning(record.place("prab"), message, help);
         }
         prba
-    }
-
-    /// Converts the directions of the yarns.
-    fn yarns(&mut self, record: &CardRecord, table: &mut JobTable) {
-        let beta = record.real("beta");
-        if beta != 0.0 {
-            table.put("angle", record.place("beta"), beta);
-        }
-        let vector = ["a1", "a2", "a3"].map(|a| record.real(a));
-        match record.real("aopt") {
-            0.0 => {}
-            2.0 if vector != [0.0; 3] => table.put("direction", record.place("a1"), vector),
-            2.0 => {
-                let help = "give a1, a2, a3, or aopt 0 for the side of the nodes 1 and 2";
-                self.trouble.error(record.place("aopt"), "aopt 2 without a vector a", help);
-            }
-            _ => self.unsupported_value(record, "aopt", "use aopt 0 or 2"),
-        }
     }
 }

@@ -85,17 +85,24 @@ impl DeckConverter {
         record: &CardRecord,
         (family, field): (&'static str, &str),
     ) -> bool {
-        let id = record.integer(field);
+        let card = (record.integer(field), record.place(field));
+        self.part_lacks(record.integer("pid"), (family, field), card)
+    }
+
+    /// Reports that part `pid` needs a card of this id that was left out; false if none was.
+    pub(super) fn part_lacks(
+        &mut self,
+        pid: i64,
+        (family, field): (&'static str, &str),
+        (id, place): (i64, Place),
+    ) -> bool {
         let Some(name) = self.left_out.names.get(&(family, id)) else { return false };
-        let message = format!(
-            "part {} needs {field} {id}, a *{name}, which is not supported",
-            record.integer("pid")
-        );
+        let message = format!("part {pid} needs {field} {id}, a *{name}, which is not supported");
         let help = format!(
             "give the part another *{family}... (cases/DECKS.md lists them), or remove the part \
              and its elements"
         );
-        self.trouble.error(record.place(field), message, help);
+        self.trouble.error(place, message, help);
         true
     }
 

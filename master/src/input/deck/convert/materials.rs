@@ -2,7 +2,7 @@
 
 use super::DeckConverter;
 use super::tree::JobTable;
-use super::{metals, soft_materials};
+use super::{composites, metals, soft_materials};
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
@@ -20,6 +20,8 @@ pub struct DeckMaterial {
     pub skin: bool,
     /// True if it is elastic.
     pub elastic: bool,
+    /// True if it has axes in the plane of a shell.
+    pub has_axes: bool,
     /// Limits of beams that are welds: normal and shear force [force], bending and torsional
     /// moment [force length]; with their place.
     pub weld: Option<([f64; 4], Place)>,
@@ -51,7 +53,10 @@ const KEYWORDS: [&str; 7] = [
 impl DeckConverter {
     pub(super) fn materials(&mut self) -> HashMap<i64, DeckMaterial> {
         let mut materials: HashMap<i64, DeckMaterial> = HashMap::new();
-        let others = metals::KEYWORDS.into_iter().chain(soft_materials::KEYWORDS);
+        let others = metals::KEYWORDS
+            .into_iter()
+            .chain(soft_materials::KEYWORDS)
+            .chain(composites::KEYWORDS);
         for keyword in KEYWORDS.into_iter().chain(others) {
             for record in self.take_records(keyword) {
                 let id = record.integer("mid");
@@ -60,7 +65,8 @@ impl DeckConverter {
                 let name = if taken { format!("mat-{id}") } else { title };
                 let place = record.place("mid");
                 let is_soft = soft_materials::KEYWORDS.contains(&keyword);
-                let (mut table, mut e) = if is_soft {
+                let is_ply = composites::KEYWORDS.contains(&keyword);
+                let (mut table, mut e) = if is_soft || is_ply {
                     (without_constants(&record, &name), 0.0)
                 } else {
                     elastic(&record, &name)
@@ -81,6 +87,7 @@ impl DeckConverter {
                         table.put("youngs_modulus", record.place("ym"), e);
                     }
                     "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    _ if is_ply => e = self.ply(keyword, &record, &mut table),
                     _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
                     _ if metals::KEYWORDS.contains(&keyword) => {
                         self.metal(keyword, &record, &mut table);
@@ -98,6 +105,7 @@ impl DeckConverter {
                     table,
                     rigid,
                     elastic,
+                    has_axes: is_ply || keyword == "MAT_FABRIC",
                     weld,
                     density,
                     youngs_modulus: e,

@@ -254,18 +254,22 @@ impl Rows {
                 corners[1..].reverse();
             }
             let Some(part) = narrow(part, &mut numbers) else { continue };
+            let mut angle = 0.0;
             if let (Some(&second), true) = (pair.get(1), has_thickness) {
                 let mut numbers = start(cards, &row.cards[1].0, block, second);
                 let t = std::array::from_fn(|c| numbers.length(c));
                 if options.contains(&"THICKNESS") && t.iter().any(|&t| t != 0.0) {
                     self.thickness.push((self.shells.len(), t));
                 }
+                angle = numbers.real(4);
             }
             if let (Some(&last), true) = (pair.get(step - 1), has_offset) {
                 let mut numbers = start(cards, &row.cards[2].0, block, last);
                 self.offsets.push((self.shells.len(), numbers.length(0)));
             }
-            self.shells.push(MeshElement::new(id, part, shape, corners));
+            let mut shell = MeshElement::new(id, part, shape, corners);
+            shell.own.angle = angle;
+            self.shells.push(shell);
             self.shell_lines.push((block.file, line.0, line.1));
         }
     }

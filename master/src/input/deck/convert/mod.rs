@@ -2,6 +2,7 @@
 
 mod airbags;
 mod beams;
+mod composites;
 mod contact;
 mod control;
 mod curves;

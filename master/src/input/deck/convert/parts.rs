@@ -67,17 +67,8 @@ impl DeckConverter {
         let own_thickness = self.thickness_of_elements();
         let mut names: Vec<String> = Vec::new();
         for record in self.take_records("PART") {
-            let (id, place) = (record.integer("pid"), record.place("pid"));
-            if self.parts.contains_key(&id) {
-                self.trouble.error(
-                    place,
-                    format!("there are two *PART with the id {id}"),
-                    "give each a different id",
-                );
-                continue;
-            }
-            let name = part_name(&record, id, &names);
-            names.push(name.clone());
+            let Some((id, name)) = self.new_part(&record, &mut names) else { continue };
+            let place = record.place("pid");
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             if let Some(section) = section.filter(|s| s.kind == SectionKind::Discrete) {
@@ -114,6 +105,24 @@ impl DeckConverter {
             }
             self.add("part", table);
         }
+        self.parts_with_layers(materials, sections, &mut names);
+    }
+
+    /// Returns id and name of a part, and adds the name to those taken; `None` after an error.
+    pub(super) fn new_part(
+        &mut self,
+        record: &CardRecord,
+        names: &mut Vec<String>,
+    ) -> Option<(i64, String)> {
+        let id = record.integer("pid");
+        if self.parts.contains_key(&id) {
+            let message = format!("there are two *PART with the id {id}");
+            self.trouble.error(record.place("pid"), message, "give each a different id");
+            return None;
+        }
+        let name = part_name(record, id, names);
+        names.push(name.clone());
+        Some((id, name))
     }
 
     pub(super) fn shapes_of_parts(&self) -> HashMap<i64, Shapes> {
@@ -244,7 +253,7 @@ impl DeckConverter {
     }
 
     /// Converts the card of `*PART_CONTACT`: individual friction and contact thickness.
-    fn contact_card(
+    pub(super) fn contact_card(
         &mut self,
         record: &CardRecord,
         id: i64,

@@ -46,6 +46,7 @@ impl DeckConverter {
         }
         self.shell_offset(record, card, thickness, table);
         self.shell_formulation(record, section, sections, elements, table);
+        self.angles_of_points(record, card, material, table);
     }
 
     /// Gives a part its own material, whose density includes the mass per area of the section.
@@ -113,7 +114,7 @@ impl DeckConverter {
     }
 
     /// Converts the offset of the middle surface, and notes parts of shells that have one.
-    fn shell_offset(
+    pub(super) fn shell_offset(
         &mut self,
         record: &CardRecord,
         card: &CardRecord,
@@ -137,7 +138,7 @@ impl DeckConverter {
     }
 
     /// Converts the formulation of shells with its hourglass control, and lists what differs.
-    fn shell_formulation(
+    pub(super) fn shell_formulation(
         &mut self,
         record: &CardRecord,
         section: &DeckSection,

@@ -1,7 +1,8 @@
 //! Writes materials as cards.
 
-use super::{Blank, DeckWriter, Id, Number, line, named, points};
+use super::{Blank, DeckWriter, Id, Number, composites, line, named, points};
 use crate::input::job::Model;
+use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
 use crumple_worker::fem::materials::{EQUATION_OF_STATE, EROSION};
 use std::collections::BTreeMap;
@@ -22,7 +23,8 @@ fn terms(material: &Material) -> usize {
 /// body.
 pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
     let deforms = |m: &Material| {
-        model.job.part.iter().any(|p| p.material == m.name && !rigid.contains_key(&p.id))
+        let has = |p: &Part| p.materials().contains(&m.name.as_str());
+        model.job.part.iter().any(|p| has(p) && !rigid.contains_key(&p.id))
     };
     for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
         let number = |key: &str| match material.parameters.get(key) {
@@ -83,6 +85,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
             {
                 rubber(deck, material, mid, &title);
             }
+            "orthotropic" => composites::ply(deck, material, mid, &title),
             "low_density_foam" => low_density_foam(deck, material, mid, &title),
             "j2" | "viscoelastic" | "crushable_foam" | "fabric" => {
                 deck.keyword("MAT_ELASTIC_TITLE");

@@ -17,11 +17,11 @@ pub const KEYWORDS: &[Keyword] = &[
             ("offset:r16", Count(offset)),
         ],
         "shells of three or four nodes. THICKNESS and BETA add a second line; with THICKNESS a \
-         shell gets the mean of its corner thicknesses, and a zero means that of the section. \
+         shell gets the mean of its corner thicknesses, and a zero means that of the section. beta \
+         is its angle in `mesh.angles`, for materials with axes. \
          OFFSET adds another line and overrides nloc: it becomes `offset` of the part if it is the \
          same for all its shells, over their thickness, else the offset of each shell",
     )
-    .unused(&[no_effect("beta", "laws have no direction")])
     .options(&["THICKNESS", "BETA", "OFFSET"]),
     Keyword::new(
         "ELEMENT_SOLID",

@@ -2,6 +2,7 @@
 //! `convert` builds the model from it.
 
 mod airbags;
+mod composites;
 mod constraints;
 mod contact;
 mod control;
@@ -24,6 +25,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Mesh", mesh::KEYWORDS),
     ("Parts and sections", parts::KEYWORDS),
     ("Materials", materials::KEYWORDS),
+    ("Composites", composites::KEYWORDS),
     ("Rubber and foam", soft_materials::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
@@ -177,8 +179,8 @@ mod tests {
             let fields: Vec<&str> =
                 row.cards.iter().flat_map(|c| &c.0.fields).map(|f| f.name.as_str()).collect();
             for field in &fields {
-                let converted = code.contains(&format!("\"{field}\""))
-                    || BY_POSITION.contains(&name) && *field != "beta";
+                let converted =
+                    code.contains(&format!("\"{field}\"")) || BY_POSITION.contains(&name);
                 // A card that is one line has no fields.
                 let is_line = matches!(*field, "card" | "text" | "heading");
                 if row.unused(field).is_none() && !converted && !is_line {

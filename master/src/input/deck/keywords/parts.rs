@@ -41,12 +41,12 @@ pub const KEYWORDS: &[Keyword] = &[
             ("angle:r*8", Count(angles)),
         ],
         "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts \
-         that refer to it; nip 0 is 2. marea, mass per area, is added to the density of the \
-         material of these parts",
+         that refer to it; nip 0 is 2. With icomp 1 the angles of the points are `angles`, for \
+         materials with axes. marea, mass per area, is added to the density of the material of \
+         these parts",
     )
     .unused(&[
         no_effect("propt", "results have all points"),
-        ignored("icomp angle", "the yarns of a fabric have the angle beta of its material"),
         refused("setyp", "two-dimensional solids"),
         ignored("idof", "the strain through the thickness is that of the formulation"),
         refused("edgset", "edges of membranes"),

@@ -47,15 +47,15 @@ pub const KEYWORDS: &[Keyword] = &[
             ("v1:r v2:r v3:r d1:r d2:r d3:r beta:r isrefg:i", Maybe),
             ("lca:i lcb:i lcab:i lcua:i lcub:i lcuab:i rl:r", AtMost(curves)),
         ],
-        "law `fabric`: isotropic with ea and prba, or with yarns (eb, gab) along aopt 0 or 2 and \
-         beta; cse 1 is without compression, damp the damping, and lratio, el, prl the liner",
+        "law `fabric`: isotropic with ea and prba, or with yarns (eb, gab) along aopt 0, 2 or 3 \
+         and beta; cse 1 is without compression, damp the damping, and lratio, el, prl the liner",
     )
     .unused(&[
         no_effect("ec prcb gbc gca blank", "the format has no such constants any more"),
         refused("flc fac ela fvopt x0 x1", "porosity of the fabric: give cp23 and ap23 of the bag"),
         refused("lnrc tsrfac", "changes of liner and tension over time"),
         ignored("rgbrth a0ref isrefg", "the stress is zero in the mesh as given"),
-        no_effect("v1 v2 v3 d1 d2 d3", "the yarns a follow from the vector a alone"),
+        no_effect("d1 d2 d3", "the yarns a follow from the vectors a or v"),
         refused("lca lcb lcab lcua lcub lcuab rl", "curves of stress: give ea, eb, gab"),
     ])
     .aliases(&["MAT_034", "MAT_34"])

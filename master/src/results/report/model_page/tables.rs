@@ -53,7 +53,7 @@ fn parts(model: &Model, units: &UnitNames) -> Vec<Value> {
             "id": part.id,
             "name": part.name,
             "formulation": model.blocks.names(part, index).join(", "),
-            "material": part.material,
+            "material": part.materials().join(", "),
             with_unit("thickness", &units.length): f.thickness(part),
             "number of elements": f.elements,
             with_unit("mass", &units.mass): f.mass,
@@ -65,7 +65,9 @@ fn parts(model: &Model, units: &UnitNames) -> Vec<Value> {
 }
 
 fn materials(model: &Model) -> Vec<Value> {
-    let used = |m: &&Material| model.settings.parts.iter().any(|part| part.material == m.name);
+    let used = |m: &&Material| {
+        model.settings.parts.iter().any(|part| part.materials().contains(&&*m.name))
+    };
     let row = |m: &Material| {
         let parameters: Vec<String> =
             m.parameters.iter().map(|(key, value)| format!("{key} {}", words(value))).collect();

@@ -40,7 +40,7 @@ impl Section {
         let mut mean_square = R::zero();
         let share = 0.5 / self.planar as f64;
         for section in columns.chunks_exact(self.each()) {
-            for k in 0..N {
+            for k in 0..self.count::<N>() {
                 let square = von_mises_squared(&section[POINTS + k * self.stride..]);
                 mean_square = R::splat(share * self.weight[k]).mul_add(square, mean_square);
             }
@@ -59,7 +59,7 @@ impl Section {
         if self.plastic_strain.is_none() {
             return;
         }
-        for (k, point) in before.iter_mut().enumerate() {
+        for (k, point) in before.iter_mut().take(self.count::<N>()).enumerate() {
             let columns = &columns[POINTS + k * self.stride..];
             // With a constant number of columns the copy stays in registers.
             point[..SAVED - 1].copy_from_slice(&columns[..SAVED - 1]);
@@ -77,7 +77,7 @@ impl Section {
         point: impl Fn(usize) -> &'a [R],
     ) -> Yielded<R> {
         let mut plastic_strain = [R::zero(); 2];
-        for k in 0..N {
+        for k in 0..self.count::<N>() {
             let weights = self.weights_of_means(k);
             for c in 0..2 {
                 let weight = R::splat(weights[c]);
@@ -109,7 +109,7 @@ impl Section {
         of: impl Fn(&[R], R) -> R,
     ) -> [R; 2] {
         let mut squares = [R::zero(); 2];
-        for k in 0..N {
+        for k in 0..self.count::<N>() {
             let square = of(point(k), von_mises_squared(point(k)));
             let weights = self.weights_of_means(k);
             for c in 0..2 {
@@ -132,7 +132,7 @@ impl Section {
         let none = Flow { keep: [one; 2], tangent: [one; 2] };
         let Some(column) = self.plastic_strain else { return none };
         let mut increase = R::zero();
-        for (k, point) in before.iter().enumerate() {
+        for (k, point) in before.iter().take(self.count::<N>()).enumerate() {
             increase += columns[POINTS + k * self.stride + column] - point[column];
         }
         if R::any(increase.gt(R::zero())) {

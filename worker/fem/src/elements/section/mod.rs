@@ -25,10 +25,12 @@ pub use flow::{Flow, SAVED};
 pub use step::StepQuantities;
 
 use crate::columns::ElementState;
-use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
+use crate::materials::{
+    DIRECTION_COLUMNS, Elastic, MAX_LAYER_POINTS, MAX_POINTS, PlaneStress, PointReal, Points,
+};
 use crate::parameter::Values;
 use crumple_math::lanes::{Each, Real};
-use crumple_proto::job::Part;
+use crumple_proto::job::{LayerInput, Part};
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
@@ -55,8 +57,10 @@ const POINTS: usize = 5;
 /// Section of a part: material and points through the thickness.
 pub struct Section {
     law: Box<dyn PlaneStress>,
-    /// Elastic constants of the law.
+    /// Elastic constants of the law, which bound its stiffness.
     pub elastic: Elastic,
+    /// Constants for forces that only stabilise an element.
+    pub stabilising: Elastic,
     /// Initial thickness of elements that do not have their own [length].
     pub thickness: f64,
     /// Distance from the nodal plane to the middle surface along the normal, over half the
@@ -68,8 +72,15 @@ pub struct Section {
     pub points: usize,
     /// Number of points in the plane of an element; each has its own columns.
     planar: usize,
-    zeta: [f64; MAX_POINTS],
-    weight: [f64; MAX_POINTS],
+    zeta: [f64; MAX_LAYER_POINTS],
+    weight: [f64; MAX_LAYER_POINTS],
+    /// Transverse shear moduli of the points along and across their direction [force/length^2], if
+    /// they are not that of the constants.
+    transverse: Option<Box<[[f64; 2]]>>,
+    /// Transverse shear modulus, a mean over thickness and directions [force/length^2].
+    pub transverse_modulus: f64,
+    /// `2 G (1 - nu^2)/E` of transverse shear and bending: `1 - nu` in isotropic shells.
+    pub shear_ratio: f64,
     /// Columns of a point: stress xx, yy, xy and those of the law.
     stride: usize,
     thinning: bool,
@@ -159,12 +170,30 @@ impl Section {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let points = values.whole("points");
-        let (zeta, weight) = gauss_legendre(points);
-        let elastic = law.elastic();
+        let rule = if part.layer.is_empty() {
+            let points = values.whole("points");
+            let (zeta, weight) = gauss_legendre(points);
+            IntegrationRule { points, zeta, weight }
+        } else {
+            IntegrationRule::of_layers(&part.layer)
+        };
+        let IntegrationRule { points, zeta, weight } = rule;
         let history = law.history();
+        let (elastic, stabilising) = (law.elastic(), law.stabilising());
+        let transverse: Option<Box<[[f64; 2]]>> =
+            (0..points).map(|point| law.transverse_shear(point)).collect();
+        let mean = |moduli: &[[f64; 2]]| {
+            moduli.iter().zip(weight).map(|([ca, bc], w)| 0.25 * w * (ca + bc)).sum()
+        };
+        let transverse_modulus = transverse.as_deref().map_or(elastic.shear_modulus(), mean);
+        let nu = stabilising.poisson;
+        let shear_ratio = match transverse {
+            None => 1.0 - nu,
+            Some(_) => 2.0 * transverse_modulus * (1.0 - nu * nu) / stabilising.youngs_modulus,
+        };
         Ok(Self {
             elastic,
+            stabilising,
             thickness: part.thickness,
             offset: part.offset,
             stores_offsets: false,
@@ -174,9 +203,12 @@ impl Section {
             weight,
             stride: 3 + history.len(),
             thinning: values.flag("thinning"),
-            direction: law_column(history, "direction cosine - 1", 3)
-                .zip(law_column(history, "direction sine", 3))
+            direction: law_column(history, DIRECTION_COLUMNS[0], 3)
+                .zip(law_column(history, DIRECTION_COLUMNS[1], 3))
                 .map(|(cosine, sine)| [cosine, sine]),
+            transverse,
+            transverse_modulus,
+            shear_ratio,
             shear: 1.0,
             deletes: parameters::deletes_inverted(values),
             plastic_strain: law_column(history, "plastic_strain", 3),
@@ -263,26 +295,29 @@ impl Section {
             (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
     }
 
-    /// Stores the direction of the law in the axes e1, e2 and normal of an element with the first
-    /// side `side`.
-    pub fn orient(&self, history: &mut [f64], axes: &[[f64; 3]; 3], side: [f64; 3]) {
-        let (Some(of), Some([cosine, sine])) = (self.law.orientation(), self.direction) else {
-            return;
-        };
-        let along = of.direction.unwrap_or(side);
-        let on = |axis: &[f64; 3]| (0..3).map(|c| axis[c] * along[c]).sum::<f64>();
-        let (x, y) = (on(&axes[0]), on(&axes[1]));
-        // A direction along the normal has no projection: then that of the first side.
-        let (x, y) = if x.hypot(y) > 1e-6 * along.iter().fold(0.0, |m: f64, c| m.max(c.abs())) {
-            (x, y)
-        } else {
-            let on = |axis: &[f64; 3]| (0..3).map(|c| axis[c] * side[c]).sum::<f64>();
-            (on(&axes[0]), on(&axes[1]))
-        };
-        let (size, (s, c)) = (x.hypot(y), of.angle.sin_cos());
-        let (x, y) = ((c * x - s * y) / size, (s * x + c * y) / size);
+    /// Stores the direction of the law at each point in the axes e1, e2 and normal of an element
+    /// with the first side `side`.
+    pub fn orient(
+        &self,
+        history: &mut [f64],
+        own: OwnSection,
+        axes: &[[f64; 3]; 3],
+        side: [f64; 3],
+    ) {
+        let Some([cosine, sine]) = self.direction else { return };
         for k in 0..self.planar * self.points {
             let (plane, layer) = (k / self.points, k % self.points);
+            let Some(of) = self.law.orientation(layer) else { continue };
+            let along = of.direction.unwrap_or(side);
+            let on = |axis: &[f64; 3], v: [f64; 3]| (0..3).map(|c| axis[c] * v[c]).sum::<f64>();
+            let projection = |v: [f64; 3]| (on(&axes[0], v), on(&axes[1], v));
+            let (x, y) = projection(along);
+            // A direction along the normal has no projection: then that of the first side.
+            let seen = x.hypot(y) > 1e-6 * along.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+            let (x, y) = if seen { (x, y) } else { projection(side) };
+            let angle = of.angle + own.angle.to_radians();
+            let (size, (s, c)) = (x.hypot(y), angle.sin_cos());
+            let (x, y) = ((c * x - s * y) / size, (s * x + c * y) / size);
             let point = &mut history[plane * self.each() + POINTS + layer * self.stride..];
             (point[cosine], point[sine]) = (x - 1.0, y);
         }
@@ -371,13 +406,14 @@ impl Section {
         let half = R::splat(0.5);
         let failed = self.failed_lanes(history);
         let (front, points) = history.split_at_mut(POINTS);
-        let points = &mut points[..N * self.stride];
+        let count = self.count::<N>();
+        let points = &mut points[..count * self.stride];
         let thickness = front[THICKNESS];
         let half_t = half * thickness;
 
         let mut eps = [[R::zero(); 3]; N];
         let mut work = R::zero();
-        for k in 0..N {
+        for k in 0..count {
             let z = R::splat(self.zeta[k]) * half_t;
             for (c, e) in eps[k].iter_mut().enumerate() {
                 *e = z.mul_add(strains.kappa[c], strains.eps[c]);
@@ -389,13 +425,13 @@ impl Section {
         let mut eps_z = [R::zero(); N];
         R::update(
             &*self.law,
-            Points { state: points, strain: &eps, thickness_strain: &mut eps_z },
+            Points { state: points, strain: &eps[..count], thickness_strain: &mut eps_z[..count] },
             dt,
         );
 
         let mut n = [R::zero(); 3];
         let mut m = [R::zero(); 3];
-        for k in 0..N {
+        for k in 0..count {
             let sig = &points[k * self.stride..];
             let weight = R::splat(self.weight[k]);
             let moment = R::splat(self.weight[k] * self.zeta[k]);
@@ -410,11 +446,18 @@ impl Section {
         work = half * half_t * work;
         let to_moment = half_t * half_t;
 
-        let shear = R::splat(self.shear * SHEAR_CORRECTION * self.elastic.shear_modulus());
+        let more = match &self.transverse {
+            None => {
+                let modulus = self.shear * SHEAR_CORRECTION * self.elastic.shear_modulus();
+                strains.gamma.map(|gamma| [R::splat(modulus), gamma])
+            }
+            Some(moduli) => self.transverse_shear(moduli, points, strains.gamma),
+        };
         let mut q = [R::zero(); 2];
         for c in 0..2 {
             let old = front[SHEAR + c];
-            let new = shear.mul_add(strains.gamma[c], old);
+            let [modulus, gamma] = more[c];
+            let new = modulus.mul_add(gamma, old);
             let new = failed.map_or(new, |failed| R::select(failed, R::zero(), new));
             front[SHEAR + c] = new;
             work = (half_t * (old + new)).mul_add(strains.gamma[c], work);
@@ -424,13 +467,50 @@ impl Section {
         if self.thinning {
             // Mean over the thickness (weights sum to two), and exp() to second order.
             let mut mean = R::zero();
-            for (eps_z, weight) in eps_z.iter().zip(&self.weight) {
+            for (eps_z, weight) in eps_z[..count].iter().zip(&self.weight) {
                 mean = R::splat(0.5 * weight).mul_add(*eps_z, mean);
             }
             front[THICKNESS] = thickness.mul_add(mean.mul_add(half * mean, mean), thickness);
         }
         let (n, m) = (n.each(|n| n * half_t), m.each(|m| m * to_moment));
         Resultants { n, m, q, work, thickness }
+    }
+
+    /// Returns the number of points: N, except in shells with layers, which have at most N.
+    #[inline(always)]
+    pub(super) fn count<const N: usize>(&self) -> usize {
+        if N > MAX_POINTS { self.points.min(N) } else { N }
+    }
+
+    /// Returns increments of the transverse shear stress as products: of a modulus, the mean over
+    /// the thickness in the axes of the points, and a strain.
+    #[cold]
+    #[inline(never)]
+    fn transverse_shear<R: Real>(
+        &self,
+        moduli: &[[f64; 2]],
+        points: &[R],
+        gamma: [R; 2],
+    ) -> [[R; 2]; 2] {
+        // Mean of G_ca c^2 + G_bc s^2, G_ca s^2 + G_bc c^2 and (G_ca - G_bc) c s.
+        let (mut xx, mut yy, mut xy) = (R::zero(), R::zero(), R::zero());
+        for (k, [ca, bc]) in moduli.iter().enumerate() {
+            let (c, s) = match self.direction {
+                None => (R::splat(1.0), R::zero()),
+                Some([cosine, sine]) => {
+                    let point = &points[k * self.stride..];
+                    (point[cosine] + R::splat(1.0), point[sine])
+                }
+            };
+            let share = 0.5 * self.weight[k] * self.shear * SHEAR_CORRECTION;
+            let [ca, bc] = [ca, bc].map(|modulus| R::splat(share * modulus));
+            let (cc, ss) = (c * c, s * s);
+            xx += cc * ca + ss * bc;
+            yy += ss * ca + cc * bc;
+            xy += c * s * (ca - bc);
+        }
+        let [x, y] = gamma;
+        [[R::splat(1.0), xx * x + xy * y], [R::splat(1.0), yy * y + xy * x]]
     }
 
     /// Returns the yield stress at zero plastic strain [force/length^2]; `None` if the law has no
@@ -615,10 +695,57 @@ pub fn label(part: &Part) -> String {
     if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
 }
 
+/// Returns the problem of angles that are not one for each point.
+pub fn fault_of_angles(part: &Part, values: &Values<'_>) -> Option<Problem> {
+    let angles = part.angles.len();
+    if angles == 0 {
+        return None;
+    }
+    // Only shells have points; others are reported elsewhere.
+    let points = if values.has("points") { values.whole("points") } else { angles };
+    if part.layer.is_empty() && angles == points {
+        return None;
+    }
+    let (what, help) = if part.layer.is_empty() {
+        (format!("{angles} angles and {points} points"), "give one angle for each of its `points`")
+    } else {
+        ("both layers and `angles`".to_string(), "give each layer its `angle`")
+    };
+    let message = format!("part {}: it has {what}", label(part));
+    Some(Problem::error("angles", message, help))
+}
+
+/// Points through the thickness with weights on (-1, 1), from the inner surface to the outer one.
+struct IntegrationRule {
+    points: usize,
+    zeta: [f64; MAX_LAYER_POINTS],
+    weight: [f64; MAX_LAYER_POINTS],
+}
+
+impl IntegrationRule {
+    /// Returns the rule of layers with Gauss-Legendre points each.
+    fn of_layers(layers: &[LayerInput]) -> Self {
+        let (mut zeta, mut weight) = ([0.0; MAX_LAYER_POINTS], [0.0; MAX_LAYER_POINTS]);
+        let whole: f64 = layers.iter().map(|layer| layer.thickness).sum();
+        let (mut points, mut below) = (0, 0.0);
+        for layer in layers {
+            let share = layer.thickness / whole;
+            let (own, weights) = gauss_legendre(layer.points);
+            for (z, w) in own.iter().zip(weights).take(layer.points) {
+                zeta[points] = 2.0 * (below + 0.5 * (z + 1.0) * share) - 1.0;
+                weight[points] = w * share;
+                points += 1;
+            }
+            below += share;
+        }
+        Self { points, zeta, weight }
+    }
+}
+
 /// Computes points and weights on (-1, 1), ascending, by Newton's method on the Legendre
 /// polynomial.
-fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
-    let (mut zeta, mut weight) = ([0.0; MAX_POINTS], [0.0; MAX_POINTS]);
+pub fn gauss_legendre(n: usize) -> ([f64; MAX_LAYER_POINTS], [f64; MAX_LAYER_POINTS]) {
+    let (mut zeta, mut weight) = ([0.0; MAX_LAYER_POINTS], [0.0; MAX_LAYER_POINTS]);
     for k in 0..n {
         let mut z = -(std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
         let mut slope = 0.0;

@@ -54,6 +54,7 @@ impl StarterConverter {
                 table: Some(table),
                 rigid: None,
                 skin,
+                has_axes: false,
                 elastic: matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1"),
                 weld: None,
                 density,

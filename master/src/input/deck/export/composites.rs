@@ -1,0 +1,101 @@
+//! Writes parts with layers and plies as cards.
+
+use super::{Blank, CardValue, DeckWriter, Id, Number, elform, line, named};
+use crumple_proto::job::Part;
+use crumple_proto::partition::{Material, Param};
+use toml::{Table, Value};
+
+/// Writes a part with layers; layers of several points follow after `$crumple:`.
+pub fn part(deck: &mut DeckWriter, part: &Part, materials: &[Material], hourglass: bool) {
+    let id = u64::from(part.id);
+    deck.keyword("PART_COMPOSITE_LONG");
+    deck.text(&line(&part.name));
+    deck.card(&[
+        Id(id),
+        Id(elform(part)),
+        Blank,
+        if part.offset == 0.0 { Blank } else { Number(-part.offset) },
+        Blank,
+        if hourglass { Id(id) } else { Blank },
+    ]);
+    for layer in &part.layer {
+        let name = if layer.material.is_empty() { &part.material } else { &layer.material };
+        let mid = materials.iter().position(|m| m.name == *name).map_or(0, |i| i as u64 + 1);
+        deck.card(&[Id(mid), Number(layer.thickness), Number(layer.angle)]);
+    }
+    if part.layer.iter().any(|layer| layer.points != 1)
+        && let Ok(layers) = Value::try_from(&part.layer)
+    {
+        deck.entry(
+            "part",
+            Table::from_iter([("id".into(), part.id.into()), ("layer".into(), layers)]),
+        );
+    }
+}
+
+/// Writes a ply as a card, and after `$crumple:` what the card cannot hold to the last bit.
+pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
+    let given = |key: &str| match material.parameters.get(key) {
+        Some(Param::Number(x)) => *x,
+        _ => 0.0,
+    };
+    let number = |key: &str| match given(key) {
+        0.0 => Blank,
+        x => Number(x),
+    };
+    let list = |key: &str| match material.parameters.get(key) {
+        Some(Param::List(list)) => list.clone(),
+        _ => Vec::new(),
+    };
+    let direction = list("direction");
+    let [a1, a2, a3] = std::array::from_fn(|c| direction.get(c).map_or(Blank, |&x| Number(x)));
+    let aopt = if direction.is_empty() { Blank } else { Number(2.0) };
+    let tsai_wu = material.parameters.get("tsai_wu") == Some(&Param::Flag(true));
+    let negative = |key: &str| match given(key) {
+        0.0 => Blank,
+        x => Number(-x),
+    };
+    deck.keyword("MAT_ENHANCED_COMPOSITE_DAMAGE_TITLE");
+    deck.text(title);
+    let (ea, eb, nu) = (number("youngs_modulus"), number("youngs_modulus_b"), number("poisson"));
+    deck.card(&[Id(mid), Number(material.density), ea, eb, Blank, nu]);
+    let shear = ["shear_modulus", "shear_modulus_bc", "shear_modulus_ca"].map(number);
+    deck.card(&[shear[0], shear[1], shear[2], Blank, aopt]);
+    deck.card(&[Blank, Blank, Blank, a1, a2, a3, number("angle")]);
+    let matrix: CardValue = number("failure_strain_b");
+    deck.card(&[Blank, Blank, Blank, Blank, Blank, Blank, matrix]);
+    deck.card(&[
+        Blank,
+        number("shear_nonlinearity"),
+        Blank,
+        Blank,
+        Blank,
+        number("failure_strain_tension_a"),
+        negative("failure_strain_compression_a"),
+        number("failure_strain_effective"),
+    ]);
+    deck.card(&[
+        number("strength_compression_a"),
+        number("strength_tension_a"),
+        number("strength_compression_b"),
+        number("strength_tension_b"),
+        number("strength_shear"),
+        Number(if tsai_wu { 55.0 } else { 54.0 }),
+        number("shear_weight"),
+    ]);
+    let residual = list("residual_strengths");
+    if !residual.is_empty() {
+        deck.card(&[]);
+        deck.card(&residual.iter().map(|&share| Number(share)).collect::<Vec<_>>());
+    }
+    // Fields that depend on others here, or that are half of the value.
+    let others: Vec<(String, Value)> =
+        ["failure_strain_b", "failure_strain_shear", "crushed_tension_a", "crushed_compression_a"]
+            .iter()
+            .filter(|key| given(key) != 0.0)
+            .map(|key| (key.to_string(), given(key).into()))
+            .collect();
+    if !others.is_empty() {
+        deck.entry("material", std::iter::once(named(&material.name)).chain(others).collect());
+    }
+}
