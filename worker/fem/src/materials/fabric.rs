@@ -23,7 +23,7 @@ use super::{
     DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, PlaneStress, Points,
 };
 use crumple_math::lanes::{Lane, Lane32, Real};
-use crumple_proto::partition::{Material, Param};
+use crumple_proto::partition::Material;
 
 /// The row of this law.
 pub const LAW: Law = Law {
@@ -136,7 +136,7 @@ fn read(
     let positive = |value: f64| value > 0.0;
     let eb = parameters.optional("youngs_modulus_b", "above 0", positive);
     let g = parameters.optional("shear_modulus", "above 0", positive);
-    let direction = direction(&mut parameters);
+    let direction = parameters.direction("direction");
     let angle = parameters.optional("angle", "a number", |_| true).unwrap_or(0.0);
     let compression = parameters.flag("compression");
     let damping = parameters.optional("damping", "from 0 to 0.5", |d| (0.0..=0.5).contains(&d));
@@ -178,18 +178,6 @@ fn read(
     let bound = bound(elastic, yarns, liner, damping);
     let orientation = Orientation { direction, angle: angle.to_radians() };
     Ok(Fabric { bound, yarns, isotropic, compression, damping, liner, orientation })
-}
-
-fn direction(parameters: &mut Parameters<'_>) -> Option<[f64; 3]> {
-    let vector = match parameters.get("direction")? {
-        Param::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok(),
-        _ => None,
-    };
-    let vector = vector.filter(|v| v.iter().all(|c| c.is_finite()) && *v != [0.0; 3]);
-    if vector.is_none() {
-        parameters.wrong("direction", "is no direction", "give [x, y, z], not all of them 0");
-    }
-    vector
 }
 
 /// Returns isotropic constants with a stiffness that is nowhere below that of the fabric, damping

@@ -3,6 +3,7 @@
 use super::super::build;
 use super::super::testing::material;
 use super::*;
+use crumple_proto::partition::Param;
 
 const E: f64 = 0.3;
 const NU: f64 = 0.3;
