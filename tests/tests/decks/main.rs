@@ -9,6 +9,7 @@ mod bytes;
 mod contacts;
 mod fates;
 mod formats;
+mod honeycomb;
 mod joints;
 mod materials;
 mod mesh_details;

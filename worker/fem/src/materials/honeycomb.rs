@@ -202,14 +202,15 @@ fn read(mut parameters: Parameters<'_>, solid: Elastic) -> Result<Honeycomb, Vec
     .map(|points| RampCurve::new(&points, 1.0, Beyond::Straight));
     let g = solid.shear_modulus();
     let full = [solid.youngs_modulus, solid.youngs_modulus, solid.youngs_modulus, g, g, g];
-    let largest = (0..6).map(|i| if i < 3 { moduli[i] } else { 2.0 * moduli[i] });
-    let bound = largest.fold(0.0, f64::max);
+    let bound = (0..6).map(|i| if i < 3 { 1.0 } else { 2.0 } * moduli[i]).fold(0.0, f64::max);
     let mut names = vec!["volume strain", "compaction", "stiffening", AXES_COLUMN];
     names.extend(["axis a y", "axis a z", "axis b x", "axis b y - 1", "axis b z"]);
     let mut column = |needed: bool, own: &[&'static str]| {
         let first = 6 + names.len();
-        names.extend(own.iter().filter(|_| needed));
-        needed.then_some(first)
+        needed.then(|| {
+            names.extend(own);
+            first
+        })
     };
     let fails = tension.is_some() || sheared.is_some();
     let of_axes = ["strain aa", "strain bb", "strain cc", "strain ab", "strain bc", "strain ca"];
@@ -328,7 +329,7 @@ impl Honeycomb {
 
         // 3. Stress of the honeycomb, and of the solid where it is compacted.
         let Crushed { trial, stress, slope } = self.crush(state, &before, &increment, dt);
-        let mut sum = stress;
+        let mut result = stress;
         let norm = |s: &Symmetric<R>| inner(s, s).sqrt();
         let limited = (0..6)
             .fold(zero.gt(zero), |any, c| R::either(any, (trial[c] - stress[c]).abs().gt(zero)));
@@ -337,7 +338,7 @@ impl Honeycomb {
         let is_solid = volume.le(R::splat(self.compacted));
         if R::any(is_solid) {
             let (of_solid, flow) = self.compact(&before, &increment);
-            sum = std::array::from_fn(|c| R::select(is_solid, of_solid[c], stress[c]));
+            result = std::array::from_fn(|c| R::select(is_solid, of_solid[c], stress[c]));
             left = R::select(is_solid, flow, left);
         }
 
@@ -354,7 +355,7 @@ impl Honeycomb {
 
         // 5. Global stress; none in a failed point.
         let back = std::array::from_fn(|i| std::array::from_fn(|k| axes[k][i]));
-        let global = rotated(&back, &sum);
+        let global = rotated(&back, &result);
         state[..6].copy_from_slice(&global);
         if let (Some(failed), Some(first)) = (self.failed, self.strain) {
             let [pulled, sheared] = self.failure.map(|x| R::splat(x.min(f64::from(f32::MAX))));

@@ -8,6 +8,7 @@ mod curves;
 mod equations;
 mod fabric;
 mod histories;
+mod honeycomb;
 mod inertia;
 mod initial;
 mod joints;

@@ -24,7 +24,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Mesh", mesh::KEYWORDS),
     ("Parts and sections", parts::KEYWORDS),
     ("Materials", materials::KEYWORDS),
-    ("Rubber and foam", soft_materials::KEYWORDS),
+    ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Airbags", airbags::KEYWORDS),
