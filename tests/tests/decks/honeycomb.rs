@@ -53,8 +53,7 @@ fn fields_become_parameters() {
     ] {
         assert_eq!(parameter(&volume, key), value, "{key}");
     }
-    let noted = |entry: &crumple::input::job::Mapping| entry.of == "material 1, lcb";
-    assert!(volume.mapping.iter().any(noted));
+    assert!(volume.mapping.iter().any(|entry| entry.of == "material 1, lcb"));
     let own = model(&format!(
         "*MAT_126\n1,8e-8,70.0,0.25,0.2,0.2\n22\n1.0,0.1,0.1,0.3,0.3,0.2\n{CURVES}"
     ));
