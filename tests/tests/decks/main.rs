@@ -10,6 +10,7 @@ mod composites;
 mod contacts;
 mod fates;
 mod formats;
+mod honeycomb;
 mod joints;
 mod materials;
 mod mesh_details;

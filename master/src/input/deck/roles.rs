@@ -208,6 +208,22 @@ const ROLES: &[(&str, &str)] = &[
         "ro=d e=p lcid=#f:1:p tc=p hu=1 beta=w damp=1 shape=1 fail=1 bvflag=1 ed=p beta1=w kcon=1 \
          ref=1",
     ),
+    (
+        "MAT_HONEYCOMB",
+        "ro=d e=p pr=1 sigy=p vf=1 mu=1 bulk=1 lca=#f:1:p lcb=#f:1:p lcc=#f:1:p lcs=#f:1:p \
+         lcab=#f:1:p lcbc=#f:1:p lcca=#f:1:p lcsr=#f:w:1 eaau=p ebbu=p eccu=p gabu=p gbcu=p gcau=p \
+         aopt=1 macf=1 xp=@x yp=1 zp=1 a1=@d a2=1 a3=1 d1=@d d2=1 d3=1 tsef=1 ssef=1 v1=@d v2=1 \
+         v3=1",
+    ),
+    (
+        "MAT_MODIFIED_HONEYCOMB",
+        "ro=d e=p pr=1 sigy=p vf=1 mu=1 bulk=1 lca=#f:1:p lcb=#f:1:p lcc=#f:1:p lcs=#f:1:p \
+         lcab=#f:1:p lcbc=#f:1:p lcca=#f:1:p lcsr=#f:w:1 eaau=p ebbu=p eccu=p gabu=p gbcu=p gcau=p \
+         aopt=1 macf=1 xp=@x yp=1 zp=1 a1=@d a2=1 a3=1 d1=@d d2=1 d3=1 tsef=1 ssef=1 v1=@d v2=1 \
+         v3=1 \
+         vref=1 tref=t shdflg=1 lcsra=#f:w:1 lcsrb=#f:w:1 lcsrc=#f:w:1 lcsrab=#f:w:1 \
+         lcsrbc=#f:w:1 lcsca=#f:w:1",
+    ),
     ("SET_NODE_LIST", "id=#n"),
     ("SET_NODE_LIST_GENERATE", "id=#n"),
     ("SET_NODE_COLUMN", "a=1"),

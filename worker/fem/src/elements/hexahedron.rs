@@ -332,6 +332,10 @@ impl Element for Hexahedron {
         self.material.any_precision()
     }
 
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
+        self.material.orient(history, x, 1);
+    }
+
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         (
             0.125
@@ -368,7 +372,7 @@ impl Element for Hexahedron {
     }
 
     fn is_unstrained(&self, history: ElementState<'_>) -> bool {
-        history.is_zero_where(|column| column != self.first_volume())
+        self.material.is_unstrained(history, 1)
     }
 
     fn failed(&self, history: ElementState<'_>) -> bool {

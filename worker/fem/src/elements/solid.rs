@@ -6,11 +6,13 @@
 use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
+use crate::materials::tensor::rotated;
 use crate::materials::{
-    Elastic, HEAT_COLUMN, PointLanes, PointReal, STRETCH_COLUMN, Solid, SolidPoint,
+    AXES_COLUMN, Elastic, HEAT_COLUMN, MaterialAxes, PointLanes, PointReal, STRETCH_COLUMN, Solid,
+    SolidPoint,
 };
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
-use crumple_math::lanes::{Lane, Real, dot};
+use crumple_math::lanes::{Lane, Real, cross, dot};
 
 /// Keys of all solids.
 pub const SOLID_KEYS: &[ParameterRow] = &[ParameterRow {
@@ -45,6 +47,8 @@ pub struct SolidMaterial {
     pub failed: Option<usize>,
     /// See [`Solid::tensors`].
     tensors: usize,
+    /// First column of the law with the axes of the material, if it has any; see [`AXES_COLUMN`].
+    axes: Option<usize>,
     /// Column of the law with its stiffening, if it stiffens; see [`Solid::history`].
     stiffening: Option<usize>,
     /// Column of the law with its internal energy, if the pressure depends on it; see
@@ -77,6 +81,7 @@ impl SolidMaterial {
             plastic_strain: law_column(history, "plastic_strain", STRESS),
             failed: law_column(history, "failed", STRESS),
             tensors: law.tensors(),
+            axes: law_column(history, AXES_COLUMN, STRESS),
             stiffening: law_column(history, "stiffening", STRESS),
             heat: law_column(history, HEAT_COLUMN, STRESS),
             law,
@@ -95,22 +100,68 @@ impl SolidMaterial {
     ) -> StressStep<R> {
         let before = rotated(turn, state);
         state[..STRESS].copy_from_slice(&before);
-        self.turn_tensors(state, turn);
+        self.turn_history(state, turn);
         let left = R::update_solid(&*self.law, SolidPoint { state, strain: eps }, dt);
         let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
         let stress = rotated(turn, state);
         state[..STRESS].copy_from_slice(&stress);
-        self.turn_tensors(state, turn);
+        self.turn_history(state, turn);
         StressStep { before, after, stress, left }
     }
 
-    /// Rotates the tensors of the history.
+    /// Rotates the tensors and the axes of the history.
     #[inline(always)]
-    fn turn_tensors<R: PointReal>(&self, state: &mut [R], turn: &[[R; 3]; 3]) {
+    fn turn_history<R: PointReal>(&self, state: &mut [R], turn: &[[R; 3]; 3]) {
+        if let Some(at) = self.axes {
+            let (axes, _) = state[at..].as_chunks_mut::<3>();
+            for (k, axis) in axes.iter_mut().take(2).enumerate() {
+                // `R (n + s) - n` with the unit vector n: without a rotation s keeps its bits.
+                let old = *axis;
+                for i in 0..3 {
+                    let unit = R::splat(if i == k { 1.0 } else { 0.0 });
+                    axis[i] = dot(turn[i], old) + (turn[i][k] - unit);
+                }
+            }
+        }
         let (tensors, _) = state.as_chunks_mut::<STRESS>();
         for tensor in tensors.iter_mut().skip(1).take(self.tensors) {
             *tensor = rotated(turn, tensor);
         }
+    }
+
+    /// Stores the axes of the material in the history of a new element with so many points, which
+    /// begins with them. `x` are the coordinates of its slots.
+    pub fn orient(&self, history: &mut [f64], x: &[[f64; 3]], points: usize) {
+        let (Some(axes), Some(at)) = (self.law.axes(), self.axes) else { return };
+        let side = |to: usize| each(|i| x[to][i] - x[0][i]);
+        let [a, d] = match axes {
+            MaterialAxes::Nodes => [side(1), side(3)],
+            MaterialAxes::Vectors(vectors) => vectors,
+        };
+        let b = cross(cross(a, d), a);
+        let [a, b] = [a, b].map(|v| v.map(|c| c / dot(v, v).sqrt()));
+        for p in 0..points {
+            let first = p * self.state + at;
+            history[first..first + 6].copy_from_slice(&[
+                a[0] - 1.0,
+                a[1],
+                a[2],
+                b[0],
+                b[1] - 1.0,
+                b[2],
+            ]);
+        }
+    }
+
+    /// Returns true if all columns are zero, except the axes of the material in each of so many
+    /// points and the volume at the start, which follows the points.
+    pub fn is_unstrained(&self, history: ElementState<'_>, points: usize) -> bool {
+        let volume = points * self.state;
+        let is_axis = |column: usize| {
+            self.axes
+                .is_some_and(|at| column < volume && (at..at + 6).contains(&(column % self.state)))
+        };
+        history.is_zero_where(|column| column != volume && !is_axis(column))
     }
 
     /// Returns the slowness of waves [time/length] with the stiffening of the law.
@@ -277,19 +328,6 @@ fn half_turn<R: Real>(twice: [R; 3]) -> [[R; 3]; 3] {
         [xy + spin[2], r[1].mul_add(w[1], cos), yz - spin[0]],
         [zx - spin[1], yz + spin[0], r[2].mul_add(w[2], cos)],
     ]
-}
-
-/// Returns `R sig R'` of the stress at the start of `state`.
-#[inline(always)]
-fn rotated<R: Real>(turn: &[[R; 3]; 3], state: &[R]) -> [R; STRESS] {
-    let [xx, yy, zz, xy, yz, zx]: [R; STRESS] = std::array::from_fn(|c| state[c]);
-    let columns = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
-    let half: [[R; 3]; 3] =
-        std::array::from_fn(|i| std::array::from_fn(|j| dot(turn[i], columns[j])));
-    // Written out, because a loop over pairs of indices becomes a call, which moves all registers
-    // to memory.
-    let at = |i: usize, j: usize| dot(half[i], turn[j]);
-    [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
 }
 
 /// Returns two nodal columns at a corner of a group; in single precision, their values relative to

@@ -96,6 +96,25 @@ pub fn laws_of_solids() -> Vec<Material> {
         material
     };
     let nu = ("poisson", 0.3);
+    let compacted = [
+        ("youngs_modulus", 200.0),
+        ("poisson", 0.3),
+        ("yield_stress", 0.8),
+        ("compacted_volume", 0.6),
+    ];
+    let failure = [("tension_failure_strain", 2.0), ("shear_failure_strain", 3.0)];
+    let honeycomb = [
+        ("moduli", Param::List(vec![80.0, 30.0, 20.0, 25.0, 15.0, 10.0])),
+        ("crush_a", table(&[[0.0, 0.5], [0.02, 1.0], [0.3, 3.0]])),
+        ("crush_shear", table(&[[-0.1, 0.1], [0.1, 0.4]])),
+    ];
+    let more = [
+        ("crush_b", table(&[[-0.1, 0.2], [0.2, 0.5]])),
+        ("directional", Param::Flag(true)),
+        ("rate_factors", table(&[[0.0, 1.0], [2.0, 1.5]])),
+        ("direction", Param::List(vec![1.0, 2.0, 0.5])),
+        ("direction_2", Param::List(vec![-1.0, 0.3, 0.0])),
+    ];
     let hysteresis = [("youngs_modulus", 80.0), ("hysteresis", 0.2), ("shape", 2.0)];
     let mut all = vec![
         of("mooney_rivlin", &[("a", 30.0), ("b", 10.0), ("poisson", 0.45)], &[]),
@@ -109,6 +128,8 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("youngs_modulus", 80.0), ("poisson", 0.1), ("tension_cutoff", 0.5)],
             &[("compression", table(&curve))],
         ),
+        of("honeycomb", &compacted, &honeycomb),
+        of("honeycomb", &[&compacted[..], &failure].concat(), &[&honeycomb[..], &more].concat()),
     ];
     let of_shells = |m: &Material| LAWS.iter().any(|row| row.name == m.law && row.solid.is_none());
     all.extend(laws().into_iter().filter(|m| !of_shells(m)));

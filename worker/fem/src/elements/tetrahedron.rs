@@ -332,6 +332,10 @@ impl Element for Tetrahedron {
         self.material.any_precision()
     }
 
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
+        self.material.orient(history, x, 1);
+    }
+
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         let volume = TetrahedronGradient::new(&edges(x)).volume();
         (0.25 * self.material.elastic.density * volume, 0.0)
@@ -365,7 +369,7 @@ impl Element for Tetrahedron {
     }
 
     fn is_unstrained(&self, history: ElementState<'_>) -> bool {
-        history.is_zero_where(|column| column != self.material.state)
+        self.material.is_unstrained(history, 1)
     }
 
     fn failed(&self, history: ElementState<'_>) -> bool {

@@ -463,6 +463,10 @@ impl Element for Wedge {
         self.material.any_precision()
     }
 
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
+        self.material.orient(history, x, POINTS);
+    }
+
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
         let volume = WedgeGradient::new(&relative(x)).volume;
         (self.material.elastic.density * volume / NODES as f64, 0.0)
@@ -495,7 +499,7 @@ impl Element for Wedge {
     }
 
     fn is_unstrained(&self, history: ElementState<'_>) -> bool {
-        history.is_zero_where(|column| column != POINTS * self.material.state)
+        self.material.is_unstrained(history, POINTS)
     }
 
     fn failed(&self, history: ElementState<'_>) -> bool {

@@ -10,7 +10,6 @@
 use super::parameters::Parameters;
 use super::{DefaultValue, Elastic, Form, ParameterRow};
 use crumple_math::lanes::Real;
-use crumple_proto::partition::Param;
 
 /// History columns of the axis a in the axes of the element: its cosine less 1, and its sine.
 pub const DIRECTION_COLUMNS: [&str; 2] = ["direction cosine - 1", "direction sine"];
@@ -46,22 +45,10 @@ pub struct Orientation {
 impl Orientation {
     /// Reads [`DIRECTION`] and [`ANGLE`].
     pub fn read(parameters: &mut Parameters<'_>) -> Self {
-        let direction = direction(parameters);
+        let direction = parameters.direction("direction");
         let angle = parameters.optional("angle", "a number", |_| true).unwrap_or(0.0);
         Self { direction, angle: angle.to_radians() }
     }
-}
-
-fn direction(parameters: &mut Parameters<'_>) -> Option<[f64; 3]> {
-    let vector = match parameters.get("direction")? {
-        Param::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok(),
-        _ => None,
-    };
-    let vector = vector.filter(|v| v.iter().all(|c| c.is_finite()) && *v != [0.0; 3]);
-    if vector.is_none() {
-        parameters.wrong("direction", "is no direction", "give [x, y, z], not all of them 0");
-    }
-    vector
 }
 
 /// Elastic constants along the axes [force/length^2].

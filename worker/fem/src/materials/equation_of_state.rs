@@ -18,7 +18,10 @@
 //! value the pressure is infinite, and the run stops.
 
 use super::tensor::{deviator, inner, trace};
-use super::{DefaultValue, Elastic, Form, HEAT_COLUMN, ParameterRow, PointReal, Solid, SolidPoint};
+use super::{
+    DefaultValue, Elastic, Form, HEAT_COLUMN, MaterialAxes, ParameterRow, PointReal, Solid,
+    SolidPoint,
+};
 use crumple_math::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
@@ -302,6 +305,9 @@ impl Solid for WithEquation {
     }
     fn tensors(&self) -> usize {
         self.law.tensors()
+    }
+    fn axes(&self) -> Option<MaterialAxes> {
+        self.law.axes()
     }
     fn elastic(&self) -> Elastic {
         self.elastic

@@ -14,8 +14,8 @@
 
 use super::tensor::{deviator, inner, trace};
 use super::{
-    DefaultValue, Elastic, Form, LawResult, Orientation, ParameterRow, PlaneStress, PointReal,
-    Points, Solid, SolidLawResult, SolidPoint,
+    DefaultValue, Elastic, Form, LawResult, MaterialAxes, Orientation, ParameterRow, PlaneStress,
+    PointReal, Points, Solid, SolidLawResult, SolidPoint,
 };
 use crate::materials::plasticity::Plasticity;
 use crate::materials::tensor::Principal;
@@ -298,6 +298,9 @@ impl Solid for Eroding<dyn Solid> {
     }
     fn tensors(&self) -> usize {
         self.law.tensors()
+    }
+    fn axes(&self) -> Option<MaterialAxes> {
+        self.law.axes()
     }
     fn elastic(&self) -> Elastic {
         self.law.elastic()

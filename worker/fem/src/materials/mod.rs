@@ -10,6 +10,7 @@ mod elastic;
 mod equation_of_state;
 mod erosion;
 mod fabric;
+mod honeycomb;
 mod j2;
 mod johnson_cook;
 mod layered;
@@ -19,7 +20,7 @@ mod parameters;
 pub mod plasticity;
 mod polyline;
 mod rubber;
-mod tensor;
+pub(crate) mod tensor;
 mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
@@ -177,6 +178,20 @@ pub const STRETCH_COLUMN: &str = "B-1 xx";
 /// element adds the work of its bulk viscosity.
 pub const HEAT_COLUMN: &str = "eos energy";
 
+/// First column of the axes of the material in laws with [`Solid::axes`]: the unit vectors a and b,
+/// each less the one that it is in a material without a rotation, x and y. So zeros are the global
+/// axes.
+pub const AXES_COLUMN: &str = "axis a x - 1";
+
+/// Axes of the material of a solid at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaterialAxes {
+    /// a from node 1 to node 2 of the element, b in the plane of the nodes 1, 2 and 4.
+    Nodes,
+    /// a along the first vector, b in the plane of both.
+    Vectors([[f64; 3]; 2]),
+}
+
 /// A law in three dimensions.
 ///
 /// The result of each lane must not depend on other lanes, bit for bit. With zero state and zero
@@ -192,6 +207,12 @@ pub trait Solid: Send + Sync {
     /// the history. The element rotates them with the stress.
     fn tensors(&self) -> usize {
         0
+    }
+
+    /// Returns the axes of the material at the start, if it has any. The columns from
+    /// [`AXES_COLUMN`] on hold them; the element stores them and rotates them with the stress.
+    fn axes(&self) -> Option<MaterialAxes> {
+        None
     }
 
     /// Returns the elastic constants and the density.
@@ -324,6 +345,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     crushable_foam::LAW,
     fabric::LAW,
     orthotropic::LAW,
+    honeycomb::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,

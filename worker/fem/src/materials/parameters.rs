@@ -82,6 +82,19 @@ impl<'a> Parameters<'a> {
         }
     }
 
+    /// Returns an optional vector, not zero.
+    pub fn direction(&mut self, key: &'static str) -> Option<[f64; 3]> {
+        let vector = match self.get(key)? {
+            Param::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok(),
+            _ => None,
+        };
+        let vector = vector.filter(|v| v.iter().all(|c| c.is_finite()) && *v != [0.0; 3]);
+        if vector.is_none() {
+            self.wrong(key, "is no direction", "give [x, y, z], not all of them 0");
+        }
+        vector
+    }
+
     /// Returns the rows of an optional table of N finite numbers each; `form` describes the table.
     /// Reports an error, and returns no rows, if it has another form.
     pub fn rows<const N: usize>(&mut self, key: &'static str, form: &str) -> Option<Vec<[f64; N]>> {

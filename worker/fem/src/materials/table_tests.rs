@@ -17,11 +17,14 @@ fn sample(law: &Law) -> Material {
         "long_term_shear_modulus" | "decay_rate" | "shear_modulus" => 10.0,
         "youngs_modulus_b" => 100.0,
         "shape" => 2.0,
+        "compacted_volume" => 0.3,
         other => panic!("{}: add a value of {other} to the sample", law.name),
     };
     let value = |key: &str| match key {
         "coefficients" => Param::List(vec![1.0, 0.5, 0.0, 0.0, 0.0, 0.0]),
         "terms" => Param::Table(vec![vec![1.0, 2.0]]),
+        "moduli" => Param::List(vec![20.0, 10.0, 10.0, 5.0, 5.0, 5.0]),
+        "crush_a" => Param::Table(vec![vec![0.0, 0.01], vec![0.6, 0.02]]),
         "compression" => Param::Table(vec![vec![0.0, 0.0], vec![0.5, 0.1]]),
         key => Param::Number(number(key)),
     };

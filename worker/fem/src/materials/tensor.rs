@@ -112,6 +112,19 @@ pub fn stretch<R: Real>(b: &Symmetric<R>, strain: &[R; 6]) -> Symmetric<R> {
     std::array::from_fn(|c| b[c] + (d[c] + d[c]) + squared[c] + (both[c] + both[c]) + twice[c])
 }
 
+/// Returns `R a R'` of the symmetric tensor a at the start of `state`.
+#[inline(always)]
+pub fn rotated<R: Real>(turn: &Matrix<R>, state: &[R]) -> Symmetric<R> {
+    let [xx, yy, zz, xy, yz, zx]: [R; 6] = std::array::from_fn(|c| state[c]);
+    let columns = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
+    let half: [[R; 3]; 3] =
+        std::array::from_fn(|i| std::array::from_fn(|j| dot(turn[i], columns[j])));
+    // Written out, because a loop over pairs of indices becomes a call, which moves all registers
+    // to memory.
+    let at = |i: usize, j: usize| dot(half[i], turn[j]);
+    [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
+}
+
 /// Principal values and their directions: `directions[i][k]` is component i of direction k.
 pub struct Principal<R> {
     pub values: [R; 3],

@@ -47,7 +47,7 @@ impl DeckConverter {
             positive(record, table, field, key, 1.0);
         }
         let is_elastic = keyword == "MAT_ORTHOTROPIC_ELASTIC";
-        self.material_axes(record, if is_elastic { "beta" } else { "mangle" }, table);
+        self.shell_axes(record, if is_elastic { "beta" } else { "mangle" }, table);
         if !is_elastic {
             self.failure(record, table);
         }
@@ -98,7 +98,7 @@ impl DeckConverter {
 
     /// Converts the directions of the material in a shell: along the nodes 1 and 2 (aopt 0), the
     /// vector a (2), or the vector v across the normal (3), turned by the angle in a field.
-    pub(super) fn material_axes(&mut self, record: &CardRecord, angle: &str, table: &mut JobTable) {
+    pub(super) fn shell_axes(&mut self, record: &CardRecord, angle: &str, table: &mut JobTable) {
         let mut turn = record.real(angle);
         let vector = |names: [&str; 3]| names.map(|name| record.real(name));
         let (a, v) = (vector(["a1", "a2", "a3"]), vector(["v1", "v2", "v3"]));

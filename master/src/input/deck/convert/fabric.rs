@@ -22,7 +22,7 @@ impl DeckConverter {
         put(table, "eb", "youngs_modulus_b");
         put(table, "gab", "shear_modulus");
         if eb != 0.0 || record.real("gab") != 0.0 {
-            self.material_axes(record, "beta", table);
+            self.shell_axes(record, "beta", table);
         }
         match record.real("cse") {
             0.0 => table.put("compression", record.place("cse"), true),

@@ -9,6 +9,7 @@ mod curves;
 mod equations;
 mod fabric;
 mod histories;
+mod honeycomb;
 mod inertia;
 mod initial;
 mod joints;

@@ -80,7 +80,7 @@ pub fn shell(elform: i64) -> Option<DeckFormulation> {
 /// The outer `None` means that it cannot, the inner one that the form is not prescribed.
 pub fn solid(elform: i64) -> Option<Option<&'static str>> {
     match elform {
-        0 | 1 => Some(None),
+        0 | 1 | 9 => Some(None),
         // Fully integrated: use the form with correct bending and without locking.
         2 | 3 | -1 | -2 => Some(Some("assumed_strain")),
         _ => None,

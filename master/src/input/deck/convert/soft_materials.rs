@@ -1,4 +1,4 @@
-//! Converts materials of rubber and foam, and failure that is added to any material.
+//! Converts materials of rubber, foam and honeycomb, and failure that is added to any material.
 
 use super::DeckConverter;
 use super::materials::DeckMaterial;
@@ -7,7 +7,7 @@ use crate::input::deck::record::CardRecord;
 use std::collections::HashMap;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 9] = [
+pub const KEYWORDS: [&str; 11] = [
     "MAT_FABRIC",
     "MAT_VISCOELASTIC",
     "MAT_BLATZ-KO_RUBBER",
@@ -17,6 +17,8 @@ pub const KEYWORDS: [&str; 9] = [
     "MAT_LOW_DENSITY_FOAM",
     "MAT_CRUSHABLE_FOAM",
     "MAT_FU_CHANG_FOAM",
+    "MAT_HONEYCOMB",
+    "MAT_MODIFIED_HONEYCOMB",
 ];
 
 /// Criteria of failure: field, key, and sign of the field.
@@ -68,6 +70,8 @@ impl DeckConverter {
             }
             "MAT_OGDEN_RUBBER" => self.ogden(record, table),
             "MAT_CRUSHABLE_FOAM" => self.crushable_foam(record, table),
+            "MAT_HONEYCOMB" => self.honeycomb(record, table, false),
+            "MAT_MODIFIED_HONEYCOMB" => self.honeycomb(record, table, true),
             _ => self.low_density_foam(keyword, record, table),
         }
     }

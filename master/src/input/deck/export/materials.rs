@@ -87,7 +87,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
             }
             "orthotropic" => composites::ply(deck, material, mid, &title),
             "low_density_foam" => low_density_foam(deck, material, mid, &title),
-            "j2" | "viscoelastic" | "crushable_foam" | "fabric" => {
+            "j2" | "viscoelastic" | "crushable_foam" | "fabric" | "honeycomb" => {
                 deck.keyword("MAT_ELASTIC_TITLE");
                 deck.text(&title);
                 deck.card(&first);

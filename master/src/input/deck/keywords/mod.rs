@@ -26,7 +26,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Parts and sections", parts::KEYWORDS),
     ("Materials", materials::KEYWORDS),
     ("Composites", composites::KEYWORDS),
-    ("Rubber and foam", soft_materials::KEYWORDS),
+    ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Airbags", airbags::KEYWORDS),

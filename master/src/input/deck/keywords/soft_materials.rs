@@ -1,4 +1,4 @@
-//! Materials of rubber and foam, and failure that is added to any material.
+//! Materials of rubber, foam and honeycomb, and failure that is added to any material.
 
 use super::title;
 use crate::input::deck::record::CardRecord;
@@ -13,6 +13,18 @@ const REFERENCE: UnusedFields =
     ignored("ref", "the stress is zero in the mesh as given; there is no reference geometry");
 const DAMPING: UnusedFields = ignored("damp", "the bulk viscosity of the elements damps");
 const OF_CONTACT: UnusedFields = no_effect("kcon", "contact finds its stiffness itself");
+
+const OF_HONEYCOMB: UnusedFields = no_effect("mu bulk", "the bulk viscosity of the elements acts");
+const OTHER_AXES: UnusedFields =
+    no_effect("xp yp zp v1 v2 v3", "they are for axes by aopt 1, 3 and 4");
+
+/// First cards of honeycombs.
+const HONEYCOMB: [(&str, Times); 4] = [
+    ("mid:i! ro:r! e:r! pr:r sigy:r! vf:r! mu:r=0.05 bulk:r", Once),
+    ("lca:i! lcb:i lcc:i lcs:i lcab:i lcbc:i lcca:i lcsr:i", Once),
+    ("eaau:r ebbu:r eccu:r gabu:r gbcu:r gcau:r aopt:r macf:i", Once),
+    ("xp:r yp:r zp:r a1:r a2:r a3:r", Maybe),
+];
 
 /// Cards of rubbers with constants, or with a fit to a test.
 const FIT: &str = "sgl:r sw:r st:r lcid:i";
@@ -172,7 +184,61 @@ pub const KEYWORDS: &[Keyword] = &[
     ])
     .aliases(&["MAT_083", "MAT_83"])
     .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_HONEYCOMB",
+        &[
+            TITLE,
+            HONEYCOMB[0],
+            HONEYCOMB[1],
+            HONEYCOMB[2],
+            HONEYCOMB[3],
+            ("d1:r d2:r d3:r tsef:r ssef:r v1:r v2:r v3:r", Maybe),
+        ],
+        "law `honeycomb`: lca to lcca are `crush_a` to `crush_ca` (lcs `crush_shear`) over the \
+         volume strain, or over the relative volume if a curve begins above 0; eaau to gcau are \
+         `moduli`, blanks those of the solid; vf `compacted_volume`, sigy `yield_stress`, lcsr \
+         `rate_factors`, tsef and ssef the strains of failure; axes by aopt 0, or 2 with the \
+         vectors a and d",
+    )
+    .unused(&[OF_HONEYCOMB, OTHER_AXES])
+    .aliases(&["MAT_026", "MAT_26"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_MODIFIED_HONEYCOMB",
+        &[
+            TITLE,
+            HONEYCOMB[0],
+            HONEYCOMB[1],
+            HONEYCOMB[2],
+            HONEYCOMB[3],
+            ("d1:r d2:r d3:r tsef:r ssef:r vref:r tref:r shdflg:r", Maybe),
+            ("v1:r v2:r v3:r", AtMost(more_axes)),
+            ("lcsra:i lcsrb:i lcsrc:i lcsrab:i lcsrbc:i lcsca:i", AtMost(rates_by_component)),
+        ],
+        "law `honeycomb` as by MAT_HONEYCOMB, with `directional`: each curve is over the nominal \
+         strain of its own direction, positive in compression, or over the size of its shear \
+         strain",
+    )
+    .unused(&[
+        OF_HONEYCOMB,
+        OTHER_AXES,
+        ignored("vref tref", "elements do not become springs"),
+        ignored("shdflg", "shear has no damage: its stress follows its curve"),
+        refused("lcsra lcsrb lcsrc lcsrab lcsrbc lcsca", "one curve (lcsr) is for all components"),
+    ])
+    .aliases(&["MAT_126"])
+    .options(&["TITLE"]),
 ];
+
+/// Returns 1 if a honeycomb has axes by a vector v.
+fn more_axes(record: &CardRecord) -> usize {
+    usize::from([3.0, 4.0].contains(&record.real("aopt")))
+}
+
+/// Returns 1 if a honeycomb has a curve of rates for each component.
+fn rates_by_component(record: &CardRecord) -> usize {
+    usize::from(record.integer("lcsr") == -1)
+}
 
 /// Returns 1 if a form of fabric has curves.
 fn curves(record: &CardRecord) -> usize {
