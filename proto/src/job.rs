@@ -31,7 +31,10 @@ pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
 pub use set::{SetInput, SetRule};
 pub use setting::Setting;
-pub use spring::SpringInput;
+pub use spring::{
+    ElastoplasticSpring, HysteresisSpring, MaxwellSpring, OneSidedSpring, SpringHardening,
+    SpringInput, SpringSide,
+};
 pub use tie::TieInput;
 pub use truss::TrussInput;
 pub use wall::WallInput;

@@ -18,5 +18,6 @@ mod odd_files;
 mod radioss;
 mod rigid_joints;
 mod runs;
+mod spring_laws;
 mod submodels;
 mod ten_nodes;

@@ -11,6 +11,7 @@ mod rigid;
 mod sections;
 mod shocks;
 mod solids;
+mod spring_laws;
 mod springs;
 mod switches;
 mod ties;

@@ -178,6 +178,10 @@ const ROLES: &[(&str, &str)] = &[
     ("MAT_DAMPER_VISCOUS", "dc=c"),
     ("MAT_SPRING_NONLINEAR_ELASTIC", "lcd=#f:l:f lcr=#f:v:1"),
     ("MAT_DAMPER_NONLINEAR_VISCOUS", "lcdr=#f:v:f"),
+    ("MAT_SPRING_ELASTOPLASTIC", "k=k kt=k fy=f"),
+    ("MAT_SPRING_GENERAL_NONLINEAR", "lcdl=#f:l:f lcdu=#f:l:f beta=1 tyi=f cyi=f"),
+    ("MAT_SPRING_MAXWELL", "k0=k ki=k beta=w tc=t fc=f copt=1"),
+    ("MAT_SPRING_INELASTIC", "lcfd=#f:l:f ku=k ctf=1"),
     (
         "MAT_SPOTWELD",
         "ro=d e=p pr=1 sigy=p eh=p dt=t tfail=t efail=1 nrr=f nrs=f nrt=f mrr=q mss=q mtt=q nf=1",

@@ -27,6 +27,7 @@ mod sets;
 mod shells;
 mod soft_materials;
 pub(in crate::input::deck) mod space;
+mod spring_laws;
 mod springs;
 mod switches;
 mod tables;

@@ -209,6 +209,36 @@ pub const KEYWORDS: &[Keyword] = &[
         &[SPRING_TITLE, ("mid:i! lcdr:i!", Once)],
         "`spring.force_rate` by lcdr",
     ),
+    spring(
+        "MAT_SPRING_ELASTOPLASTIC",
+        &["MAT_S03", "MAT_S3"],
+        &[SPRING_TITLE, ("mid:i! k:r! kt:r fy:r!", Once)],
+        "`spring.elastoplastic` with isotropic hardening",
+    ),
+    spring(
+        "MAT_SPRING_GENERAL_NONLINEAR",
+        &["MAT_S06", "MAT_S6"],
+        &[SPRING_TITLE, ("mid:i! lcdl:i! lcdu:i! beta:r tyi:r cyi:r", Once)],
+        "`spring.hysteresis` with the curves lcdl of loading and lcdu of unloading: beta 0 \
+         independent sides, 1 isotropic hardening, for which tyi and cyi are `yield_forces`. Other \
+         values of beta (kinematic hardening) are not supported, nor are unloading curves that are \
+         less steep than the loading curve at equal forces",
+    ),
+    spring(
+        "MAT_SPRING_MAXWELL",
+        &["MAT_S07", "MAT_S7"],
+        &[SPRING_TITLE, ("mid:i! k0:r! ki:r beta:r tc:r fc:r copt:r", Once)],
+        "`spring.maxwell`: k0 and ki are the stiffness at short and long times, beta is `decay`; \
+         with copt the stiffness follows the time (`ageing`); from tc on, if given, the force is \
+         fc",
+    ),
+    spring(
+        "MAT_SPRING_INELASTIC",
+        &["MAT_S08", "MAT_S8"],
+        &[SPRING_TITLE, ("mid:i! lcfd:i! ku:r ctf:r", Once)],
+        "`spring.one_sided` with the positive curve lcfd: ctf -1 tension only, 0 and 1 compression \
+         only; ku is `unloading_stiffness`",
+    ),
     Keyword::new(
         "MAT_SPOTWELD",
         &[
