@@ -86,7 +86,7 @@ pub struct HysteresisSpring {
     /// its elongation has no meaning, as the curve is shifted along the elongation to the point
     /// where unloading begins [length, force].
     pub unloading: Vec<[f64; 2]>,
-    /// What yielding in tension means for compression, and the reverse.
+    /// Effect of yielding in tension on compression, and the reverse.
     #[serde(default)]
     pub hardening: SpringHardening,
     /// Forces of first yield in compression and in tension, such as `[-2.0, 3.0]`, with isotropic
@@ -96,7 +96,7 @@ pub struct HysteresisSpring {
     pub yield_forces: Option<[f64; 2]>,
 }
 
-/// What yielding of a spring in tension means for compression, and the reverse.
+/// Effect of yielding of a spring in tension on compression, and the reverse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpringHardening {
@@ -120,7 +120,7 @@ pub struct OneSidedSpring {
     /// Stiffness of unloading [force/length]; the largest slope of `loading` if that is larger.
     #[serde(default)]
     pub unloading_stiffness: f64,
-    /// Which force it carries.
+    /// Force that it carries.
     pub carries: SpringSide,
 }
 

@@ -7,6 +7,7 @@ mod base;
 mod broken_meshes;
 mod bytes;
 mod contacts;
+mod discrete_beams;
 mod fates;
 mod formats;
 mod joints;

@@ -11,7 +11,7 @@ use std::fs;
 
 /// Four parts of springs, one for each law, at the corners of the plate. Those of part 4 are scaled
 /// by 0.5.
-const PARTS: &str = "*PART\nyields\n3,3,13\n\nloops\n4,3,16\n\nrelaxes\n5,3,17\n\ncrushes\n6,3,18\n\
+const PARTS: &str = "*PART\nyields\n3,3,13\nloops\n4,3,16\nrelaxes\n5,3,17\ncrushes\n6,3,18\n\
     *SECTION_DISCRETE\n3\n\n\
     *ELEMENT_DISCRETE\n101,3,5,11\n102,4,6,12,0,0.5\n103,5,7,15\n104,6,8,14\n\
     *DEFINE_CURVE\n8\n-2.0,-6.0\n0.0,0.0\n1.0,4.0\n2.0,5.0\n\

@@ -3,6 +3,7 @@
 mod airbags;
 mod bars;
 mod beams;
+mod discrete_beams;
 mod free_rotation;
 mod joints;
 mod loads;

@@ -4,16 +4,17 @@
 //! the rotational velocities at mid-step, and a moment instead of the force.
 //!
 //! With the elongation s since the start and its rate r at the last mid-step, the force is
-//! `F = f(s) + g(r)`, where f may have a memory ([`SpringLaw`]), along the unit vector e from the first node to the second, or along a fixed
-//! direction. Its work follows from the forces at both ends of a step and the velocity between
-//! them, so that the energy balance is that of the central differences.
+//! `F = f(s) + g(r)`, where f may have a memory ([`SpringLaw`]), along the unit vector e from the
+//! first node to the second, or along a fixed direction. Its work follows from the forces at both
+//! ends of a step and the velocity between them, so that the energy balance is that of the central
+//! differences.
 //!
 //! Stable step (Belytschko, Liu & Moran 2000, sec. 6.2, with damping delayed by half a step):
 //! between masses with the sum mu of their inverses the amplification polynomial
 //! `z^2 - (2 - k mu dt^2 - c mu dt) z + 1 - c mu dt` has its roots within the unit circle as long
 //! as `k mu dt^2 + 2 c mu dt <= 4`. The stiffness across a stretched spring, F / L, is below the
-//! largest k as long as f(0) = 0, and with a plastic elongation as long as the elastic elongation is
-//! below the length.
+//! largest k as long as f(0) = 0, and with a plastic elongation as long as the elastic elongation
+//! is below the length.
 
 mod maxwell;
 mod plastic;
@@ -77,7 +78,7 @@ impl SpringLaw for PiecewiseLinear {
     }
 
     fn steepest(&self) -> f64 {
-        self.steepest()
+        PiecewiseLinear::steepest(self)
     }
 }
 

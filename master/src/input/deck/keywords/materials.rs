@@ -4,7 +4,7 @@ use super::title;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
-    UnusedFields, ignored, no_effect,
+    UnusedFields, ignored, no_effect, refused,
 };
 
 const SPRING_TITLE: (&str, Times) = ("heading:l", Count(title));
@@ -239,6 +239,40 @@ pub const KEYWORDS: &[Keyword] = &[
         "`spring.one_sided` with the positive curve lcfd: ctf -1 tension only, 0 and 1 compression \
          only; ku is `unloading_stiffness`",
     ),
+    spring(
+        "MAT_LINEAR_ELASTIC_DISCRETE_BEAM",
+        &["MAT_066", "MAT_66"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! tkr:r tks:r tkt:r rkr:r rks:r rkt:r", Once),
+            ("tdr:r tds:r tdt:r rdr:r rds:r rdt:r", Maybe),
+            ("for:r fos:r fot:r mor:r mos:r mot:r", Maybe),
+        ],
+        "`discrete_beam.spring` of parts with elform 6: stiffness and damping along and about the \
+         axes r, s, t",
+    )
+    .unused(&[refused("for fos fot mor mos mot", "a preload")]),
+    spring(
+        "MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM",
+        &["MAT_067", "MAT_67"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! lcidtr:i lcidts:i lcidtt:i lcidrr:i lcidrs:i lcidrt:i", Once),
+            ("lcidtdr:i lcidtds:i lcidtdt:i lcidrdr:i lcidrds:i lcidrdt:i", Maybe),
+            ("for:r fos:r fot:r mor:r mos:r mot:r", Maybe),
+            ("ffailr:r ffails:r ffailt:r mfailr:r mfails:r mfailt:r", Maybe),
+            ("ufailr:r ufails:r ufailt:r tfailr:r tfails:r tfailt:r", Maybe),
+        ],
+        "the same with curves over displacement, angle and their rates; a curve that begins at the \
+         origin acts alike in both directions",
+    )
+    .unused(&[
+        refused("for fos fot mor mos mot", "a preload"),
+        refused(
+            "ffailr ffails ffailt mfailr mfails mfailt ufailr ufails ufailt tfailr tfails tfailt",
+            "failure of discrete beams",
+        ),
+    ]),
     Keyword::new(
         "MAT_SPOTWELD",
         &[

@@ -1,7 +1,7 @@
 //! Springs whose stiffness relaxes from `K_0` to `K_i` with the rate beta.
 //!
-//! By increments: a spring `K_i` beside a Maxwell element (a spring `K_0 - K_i` and a damper in
-//! line), as Herrmann & Peterson 1968 have it for viscoelastic solids:
+//! By increments: a spring `K_i` parallel to a Maxwell element (a spring `K_0 - K_i` and a damper
+//! in line), as Herrmann & Peterson 1968 have it for viscoelastic solids:
 //! ```text
 //! F = K_i s + q,   dq/dt = (K_0 - K_i) ds/dt - beta q
 //! ```

@@ -15,8 +15,8 @@
 //! and alike in compression. A spring that has not yielded follows `f_l` between the first values
 //! of b and a, and yields at these elongations. All of it depends on the elongation only, so a step
 //! of any size is exact. With isotropic hardening a yield force F makes b (or a) at least as large
-//! as the abscissa where `f_l` reaches -F: for two slopes this is linear isotropic hardening (Simo &
-//! Hughes 1998, sec. 1.2).
+//! as the abscissa where `f_l` reaches -F: for two slopes this is linear isotropic hardening (Simo
+//! & Hughes 1998, sec. 1.2).
 //!
 //! While it yields, `d` grows by `(1 - f_l'/f_u') ds`. The dissipated power `F dd/dt` is not
 //! negative as long as `f_l' <= f_u'` at equal forces; other curves are refused.
