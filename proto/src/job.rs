@@ -4,6 +4,7 @@ mod airbag;
 mod beam;
 mod checkpoint;
 mod contact;
+mod discrete_beam;
 mod joint;
 mod loads;
 mod output;
@@ -22,6 +23,7 @@ pub use airbag::{AirbagInput, InflowInput, VentInput};
 pub use beam::{BeamInput, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
+pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
 pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
@@ -31,7 +33,10 @@ pub use restart::{PartVelocity, Restart};
 pub use rigid::Rigid;
 pub use set::{SetInput, SetRule};
 pub use setting::Setting;
-pub use spring::SpringInput;
+pub use spring::{
+    ElastoplasticSpring, HysteresisSpring, MaxwellSpring, OneSidedSpring, SpringHardening,
+    SpringInput, SpringSide,
+};
 pub use tie::TieInput;
 pub use truss::TrussInput;
 pub use wall::WallInput;
@@ -203,7 +208,7 @@ pub struct MeshSource {
     /// n2 towards n3. Node n3 need not belong to an element.
     #[serde(default)]
     pub beams: Vec<Vec<u64>>,
-    /// Springs and dampers as `[id, part id, n1, n2]`.
+    /// Springs, dampers and discrete beams as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
     /// Trusses as `[id, part id, n1, n2]`.
@@ -360,7 +365,7 @@ pub struct Part {
     /// Name in messages, in results and for `--set part.NAME.key`.
     #[serde(default)]
     pub name: String,
-    /// Name of the material. A part of springs or particles has none.
+    /// Name of the material. A part of springs, discrete beams or particles has none.
     #[serde(default)]
     pub material: String,
     /// Makes this a part of springs and dampers.
@@ -372,6 +377,9 @@ pub struct Part {
     /// Makes this a part of trusses.
     #[serde(default)]
     pub truss: Option<TrussInput>,
+    /// Makes this a part of discrete beams.
+    #[serde(default)]
+    pub discrete_beam: Option<DiscreteBeamInput>,
     /// Makes this a part of particles of a fluid.
     #[serde(default)]
     pub particles: Option<ParticlesInput>,

@@ -10,7 +10,7 @@ use crumple_worker::engine::Engine;
 /// Returns a job of `springs`, each in its own part: ends as numbers of `nodes` from 1, and the
 /// contents of `[part.spring]`. The set `n1` holds the first node, and so on. `time` are the lines
 /// of `[time]`, `rest` is the rest of the job.
-fn job(
+pub fn job(
     nodes: &[[f64; 3]],
     springs: &[([u32; 2], &str)],
     end_time: f64,
@@ -30,23 +30,23 @@ fn job(
     model(&scene)
 }
 
-fn model(scene: &Scene) -> Model {
+pub fn model(scene: &Scene) -> Model {
     let model = read_text("springs.toml".into(), scene.text("Springs"), &[]);
     model.unwrap_or_else(|report| panic!("{report}"))
 }
 
-const HELD: &str = "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\"]\n";
+pub const HELD: &str = "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\"]\n";
 
 /// Error of the energy balance while the step is constant: velocities start at a whole time, and
 /// the last steps are cut.
 #[derive(Default)]
-struct Balance {
+pub struct Balance {
     first: Option<f64>,
-    worst: f64,
+    pub worst: f64,
 }
 
 impl Balance {
-    fn record(&mut self, e: &Engine) {
+    pub fn record(&mut self, e: &Engine) {
         if e.clock.cycle > 2 && e.clock.dt == e.clock.first_dt {
             // `balance` takes a negative kinetic energy, as at a reversal of the motion, as
             // zero.

@@ -40,6 +40,37 @@ impl PiecewiseLinear {
         (0..self.0.len() - 1).map(|piece| self.slope_of(piece).abs()).fold(0.0, f64::max)
     }
 
+    /// Returns its points `[x, y]`.
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.0
+    }
+
+    /// Returns the slopes of its pieces, in their order.
+    pub fn slopes(&self) -> impl Iterator<Item = f64> + use<'_> {
+        (0..self.0.len() - 1).map(|piece| self.slope_of(piece))
+    }
+
+    /// Returns the inverse of an ascending function.
+    pub fn inverse(&self) -> Self {
+        Self(self.0.iter().map(|&[x, y]| [y, x]).collect())
+    }
+
+    /// Returns the `x` nearest to zero where a function through the origin that does not descend
+    /// has the value `y`; its last point on that side if it never has.
+    pub fn first_at(&self, y: f64) -> f64 {
+        let last = self.0.len() - 2;
+        let piece = match y >= 0.0 {
+            true => (0..last).find(|&p| self.0[p + 1][1] >= y).unwrap_or(last),
+            false => (1..=last).rev().find(|&p| self.0[p][1] <= y).unwrap_or(0),
+        };
+        let ([x, before], slope) = (self.0[piece], self.slope_of(piece));
+        if slope > 0.0 {
+            x + (y - before) / slope
+        } else {
+            self.0[piece + usize::from(y >= 0.0)][0]
+        }
+    }
+
     /// Returns the error in the points, if any.
     pub fn fault(points: &[[f64; 2]]) -> Option<String> {
         match points.windows(2).find(|p| p[1][0] <= p[0][0]) {
@@ -61,5 +92,18 @@ mod tests {
         assert_eq!(at, [-6.0, -3.0, -1.5, 0.0, 0.5, 1.0, 2.0]);
         assert_eq!([-2.0, -0.5, 0.0, 4.0].map(|x| line.slope(x)), [3.0, 3.0, 0.5, 0.5]);
         assert_eq!((line.steepest(), PiecewiseLinear::new(&[], 7.0).value(-2.0)), (3.0, -14.0));
+    }
+
+    #[test]
+    fn values_are_first_reached_next_to_zero() {
+        let line = PiecewiseLinear::new(
+            &[[-3.0, -2.0], [-2.0, -2.0], [0.0, 0.0], [2.0, 1.0], [3.0, 1.0], [4.0, 2.0]],
+            0.0,
+        );
+        let at = [-3.0, -2.0, -1.0, 0.0, 0.5, 1.0, 1.5, 3.0].map(|y| line.first_at(y));
+        assert_eq!(at, [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.5, 5.0]);
+        let rising = PiecewiseLinear::new(&[[-1.0, -3.0], [0.0, 0.0], [2.0, 1.0]], 0.0);
+        assert_eq!([-6.0, -1.5, 4.0].map(|y| rising.first_at(y)), [-2.0, -0.5, 8.0]);
+        assert_eq!([-6.0, -1.5, 4.0].map(|y| rising.inverse().value(y)), [-2.0, -0.5, 8.0]);
     }
 }

@@ -9,6 +9,7 @@ mod bodies;
 mod composites;
 pub(in crate::input::deck) mod contact;
 mod curves;
+mod discrete_beams;
 mod faces;
 mod loads;
 mod materials;
@@ -223,7 +224,8 @@ fn points(deck: &mut DeckWriter, pairs: &[[f64; 2]]) -> u64 {
     id
 }
 
-/// Writes the parts. Parts of springs get individual materials, with ids from `next` on.
+/// Writes the parts. Parts of springs and discrete beams get individual materials, with ids from
+/// `next` on.
 fn parts(
     deck: &mut DeckWriter,
     model: &Model,
@@ -238,6 +240,11 @@ fn parts(
     for part in &model.settings.parts {
         if let Some(spring) = &part.spring {
             springs::part(deck, part, spring, next);
+            next += 1;
+            continue;
+        }
+        if let Some(beam) = &part.discrete_beam {
+            discrete_beams::part(deck, part, beam, next);
             next += 1;
             continue;
         }
@@ -436,8 +443,11 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
         let [x, y, z] = model.given_position(node).map(Number);
         deck.card(&[Id(node.id.label()), x, y, z]);
     }
-    springs::elements(deck, model.mesh.elements.iter());
-    beams::elements(deck, model);
+    let discrete: BTreeSet<u32> =
+        model.settings.parts.iter().filter(|p| p.discrete_beam.is_some()).map(|p| p.id).collect();
+    let springs = model.mesh.elements.iter().filter(|e| !discrete.contains(&e.part));
+    springs::elements(deck, springs);
+    beams::elements(deck, model, &discrete);
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
         let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {

@@ -81,8 +81,11 @@ fn dimension(letter: &str) -> Option<UnitPowers> {
         // Force per length and per velocity.
         "k" => [1, 0, -2],
         "c" => [1, 0, -1],
-        // Area and its moments.
+        // Moment per rotational velocity.
+        "s" => [1, 2, -1],
+        // Area, volume, moments of an area.
         "l2" => [0, 2, 0],
+        "l3" => [0, 3, 0],
         "l4" => [0, 4, 0],
         // Inverse velocity.
         "1/v" => [0, -1, 1],
@@ -139,7 +142,8 @@ const ROLES: &[(&str, &str)] = &[
     (
         "SECTION_BEAM",
         "elform=1 shrf=1 qr=1 cst=1 scoor=1 nsm=h ts1=l ts2=l tt1=l tt2=l nsloc=1 ntloc=1 a=l2 \
-         iss=l4 itt=l4 j=l4 sa=l2 ist=l4 field=1",
+         iss=l4 itt=l4 j=l4 sa=l2 ist=l4 field=1 vol=l3 iner=i ca=l2 offset=l rrcon=1 srcon=1 \
+         trcon=1",
     ),
     ("HOURGLASS", "ihq=1 qm=1 ibq=1 q1=1 q2=1 qb=1 qw=1"),
     ("MAT_ELASTIC", "ro=d e=p pr=1 da=1 db=1 k=p"),
@@ -196,6 +200,22 @@ const ROLES: &[(&str, &str)] = &[
     ("MAT_DAMPER_VISCOUS", "dc=c"),
     ("MAT_SPRING_NONLINEAR_ELASTIC", "lcd=#f:l:f lcr=#f:v:1"),
     ("MAT_DAMPER_NONLINEAR_VISCOUS", "lcdr=#f:v:f"),
+    ("MAT_SPRING_ELASTOPLASTIC", "k=k kt=k fy=f"),
+    ("MAT_SPRING_GENERAL_NONLINEAR", "lcdl=#f:l:f lcdu=#f:l:f beta=1 tyi=f cyi=f"),
+    ("MAT_SPRING_MAXWELL", "k0=k ki=k beta=w tc=t fc=f copt=1"),
+    ("MAT_SPRING_INELASTIC", "lcfd=#f:l:f ku=k ctf=1"),
+    (
+        "MAT_LINEAR_ELASTIC_DISCRETE_BEAM",
+        "ro=d tkr=k tks=k tkt=k rkr=q rks=q rkt=q tdr=c tds=c tdt=c rdr=s rds=s rdt=s for=f fos=f \
+         fot=f mor=q mos=q mot=q",
+    ),
+    (
+        "MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM",
+        "ro=d lcidtr=#f:l:f lcidts=#f:l:f lcidtt=#f:l:f lcidrr=#f:1:q lcidrs=#f:1:q lcidrt=#f:1:q \
+         lcidtdr=#f:v:f lcidtds=#f:v:f lcidtdt=#f:v:f lcidrdr=#f:w:q lcidrds=#f:w:q \
+         lcidrdt=#f:w:q for=f fos=f fot=f mor=q mos=q mot=q ffailr=f ffails=f ffailt=f mfailr=q \
+         mfails=q mfailt=q ufailr=l ufails=l ufailt=l tfailr=1 tfails=1 tfailt=1",
+    ),
     (
         "MAT_SPOTWELD",
         "ro=d e=p pr=1 sigy=p eh=p dt=t tfail=t efail=1 nrr=f nrs=f nrt=f mrr=q mss=q mtt=q nf=1",

@@ -65,7 +65,7 @@ use crate::input::deck;
 use crate::input::mesh_file::Fate;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
@@ -73,7 +73,7 @@ use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, SourceFile};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use ties::ResolvedTies;
 use tree::Node;
@@ -412,10 +412,29 @@ fn constrain(
     ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
     ties::lead(&settings.ties, &mut settings.loads.motions);
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
+    let turning = turning_parts(job);
     settings.rotations =
-        !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
+        !settings.rigid.is_empty() || mesh.elements.iter().any(|e| turns(e, &turning));
     nodes.free_timed();
     nodes
+}
+
+/// Returns the ids of the parts of discrete beams.
+fn turning_parts(job: &Job) -> BTreeSet<u32> {
+    job.part.iter().filter(|part| part.discrete_beam.is_some()).map(|part| part.id).collect()
+}
+
+/// Returns true if the nodes of an element have rotational degrees of freedom. `turning` are the
+/// parts of discrete beams.
+fn turns(element: &MeshElement, turning: &BTreeSet<u32>) -> bool {
+    element.shape.turns() || element.shape == Shape::Line2 && turning.contains(&element.part)
+}
+
+/// Returns the nodes of the mesh with rotational degrees of freedom.
+fn turning_nodes(job: &Job, mesh: &Mesh) -> HashSet<NodeId> {
+    let parts = turning_parts(job);
+    let turning = mesh.elements.iter().filter(|e| turns(e, &parts));
+    turning.flat_map(|e| e.corners()).copied().collect()
 }
 
 /// Returns the indices of the parts with shells of individual offset, ascending.

@@ -2,6 +2,7 @@
 
 use super::loads::{Curves, DOFS, dof_bits, motion_form};
 use super::state::{NodeSets, NodeStart, are_apart};
+use super::turning_nodes;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Rigid};
@@ -29,7 +30,7 @@ pub fn resolve(
         return bodies;
     }
     let mut owner: HashMap<NodeId, Vec<usize>> = HashMap::new();
-    let context = BodyContext::new(mesh, sets);
+    let context = BodyContext::new(job, mesh, sets);
     for (i, rigid) in job.rigid.iter().enumerate() {
         let path = format!("rigid.{i}");
         numbers(rigid, i, job, findings);
@@ -191,19 +192,12 @@ struct BodyContext<'a> {
 }
 
 impl<'a> BodyContext<'a> {
-    fn new(mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
+    fn new(job: &Job, mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
         let mut of_part: HashMap<u32, Vec<usize>> = HashMap::new();
         for (at, e) in mesh.elements.iter().enumerate() {
             of_part.entry(e.part).or_default().push(at);
         }
-        let turning = mesh
-            .elements
-            .iter()
-            .filter(|e| e.shape.turns())
-            .flat_map(|e| e.corners())
-            .copied()
-            .collect();
-        Self { mesh, sets, of_part, turning }
+        Self { mesh, sets, of_part, turning: turning_nodes(job, mesh) }
     }
 }
 

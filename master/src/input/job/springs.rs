@@ -235,6 +235,8 @@ fn reduce_steps(
         let left = element.corners().iter().map(|id| masses.left(place[id]));
         let share = left.fold(1.0, f64::min);
         if share < 1.0 {
+            // Steps are later taken as proportional to the root of the fraction.
+            let share = if formulation.has_dampers() { share * share } else { share };
             start.share[i] = share * formulation.single_element_step().powi(2);
             start.stable_dt[i] *= start.share[i].sqrt();
         }
@@ -280,7 +282,8 @@ fn of_nodes(
         let at = |id: &NodeId| mesh.nodes[place[id]].x;
         ends[place[&tie.node]].arm = tie_excess(tie, at);
     }
-    for (i, element) in mesh.elements.iter().enumerate().filter(|(_, e)| e.shape != Shape::Line2) {
+    // Springs have no mass; discrete beams have.
+    for (i, element) in mesh.elements.iter().enumerate().filter(|(i, _)| start.mass[*i] != 0.0) {
         let corners = element.corners();
         let of_each = start.mass_with_scaling(i) / corners.len() as f64;
         let found = corners.iter().enumerate().filter_map(|(c, id)| Some((c, place.get(id)?)));

@@ -5,6 +5,7 @@ pub mod mean;
 mod surface;
 
 use super::state::{NodeSets, NodeStart};
+use super::turning_nodes;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, TieInput};
@@ -56,19 +57,12 @@ struct TieContext<'a> {
 impl<'a> TieContext<'a> {
     fn new(job: &'a Job, mesh: &'a Mesh) -> Self {
         let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
-        let turning = mesh
-            .elements
-            .iter()
-            .filter(|e| e.shape.turns())
-            .flat_map(|e| e.corners())
-            .copied()
-            .collect();
         Self {
             sets: NodeSets::new(job, mesh),
             free: free_faces(&mesh.elements),
             shells: surface::thickest_shells(mesh, &thick),
             thick,
-            turning,
+            turning: turning_nodes(job, mesh),
             rigid: job.rigid.iter().flat_map(|r| r.parts.iter().copied()).collect(),
             job,
             mesh,

@@ -6,6 +6,7 @@ mod beam;
 mod belytschko_tsay;
 mod bounds;
 mod c0_triangle;
+mod discrete_beam;
 mod fibre;
 mod fully_integrated_quad;
 mod hexahedron;
@@ -172,6 +173,12 @@ pub trait Element: Send + Sync {
         1.0
     }
 
+    /// Returns true if dampers may determine its stable step, which is then proportional to its
+    /// mass instead of the root of it.
+    fn has_dampers(&self) -> bool {
+        false
+    }
+
     /// Returns the stiffness and damping of a spring or damper. It has no mass; the masses of its
     /// nodes determine its stable step.
     fn discrete(&self) -> Option<Discrete> {
@@ -311,6 +318,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     truss::ROW,
     particle::ROW,
     spring::ROW,
+    discrete_beam::ROW,
 ];
 
 /// Builds the element for a part's elements of one shape, or returns all problems of the part and
@@ -529,6 +537,7 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
         ("spring", part.spring.is_some(), Shape::Line2),
         ("beam", part.beam.is_some(), Shape::Beam2),
         ("truss", part.truss.is_some(), Shape::Truss2),
+        ("discrete_beam", part.discrete_beam.is_some(), Shape::Line2),
         ("particles", part.particles.is_some(), Shape::Point1),
     ];
     if let Some((key, ..)) = sections.into_iter().find(|(_, given, own)| *given && shape != *own) {
@@ -538,7 +547,10 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     }
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let named = part.element.as_deref();
-    let wanted = named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
+    let wanted = match part.discrete_beam {
+        Some(_) => Some("discrete_beam"),
+        None => named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8)),
+    };
     // Other solids than hexahedra have one formulation each, which the name of another solid does
     // not exclude: a part may have all of them.
     let is_solid = |row: &&ElementEntry| row.shape.is_solid();

@@ -4,16 +4,25 @@
 //! the rotational velocities at mid-step, and a moment instead of the force.
 //!
 //! With the elongation s since the start and its rate r at the last mid-step, the force is
-//! `F = f(s) + g(r)` along the unit vector e from the first node to the second, or along a fixed
-//! direction. Its work follows from the forces at both ends of a step and the velocity between
-//! them, so that the energy balance is that of the central differences.
+//! `F = f(s) + g(r)`, where f may have a memory ([`SpringLaw`]), along the unit vector e from the
+//! first node to the second, or along a fixed direction. Its work follows from the forces at both
+//! ends of a step and the velocity between them, so that the energy balance is that of the central
+//! differences.
 //!
 //! Stable step (Belytschko, Liu & Moran 2000, sec. 6.2, with damping delayed by half a step):
 //! between masses with the sum mu of their inverses the amplification polynomial
 //! `z^2 - (2 - k mu dt^2 - c mu dt) z + 1 - c mu dt` has its roots within the unit circle as long
 //! as `k mu dt^2 + 2 c mu dt <= 4`. The stiffness across a stretched spring, F / L, is below the
-//! largest k as long as f(0) = 0.
+//! largest k as long as f(0) = 0, and with a plastic elongation as long as the elastic elongation
+//! is below the length.
 
+mod maxwell;
+mod plastic;
+#[cfg(test)]
+mod tests;
+
+use self::maxwell::Maxwell;
+use self::plastic::Plastic;
 use super::{
     Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
     PassTotals, SingleElement, section,
@@ -21,7 +30,7 @@ use super::{
 use crate::columns::ElementState;
 use crate::piecewise_linear::PiecewiseLinear;
 use crumple_math::row::{V3, xyz};
-use crumple_proto::job::Part;
+use crumple_proto::job::{Part, SpringInput};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
 
@@ -40,13 +49,62 @@ pub const ROW: ElementEntry = ElementEntry {
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const FORCE: usize = 2;
-const COLUMNS: usize = 5;
+/// Then those of the law.
+const LAW: usize = 5;
 /// Number of corners.
 const ENDS: usize = 2;
 
+/// Function of the elongation of springs, which may have a memory.
+trait SpringLaw: Send + Sync {
+    /// Returns the names of its history columns; all start at zero.
+    fn names(&self) -> &'static [&'static str];
+
+    /// Returns the force at the elongation `way` [length] (or rotation) at the end of a step `dt`
+    /// [time], and updates the history.
+    fn force(&self, state: &mut [f64], way: f64, dt: f64) -> f64;
+
+    /// Returns the largest change of the force with the elongation [force/length].
+    fn steepest(&self) -> f64;
+}
+
+/// Elastic springs.
+impl SpringLaw for PiecewiseLinear {
+    fn names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn force(&self, _: &mut [f64], way: f64, _: f64) -> f64 {
+        self.value(way)
+    }
+
+    fn steepest(&self) -> f64 {
+        PiecewiseLinear::steepest(self)
+    }
+}
+
+/// Reports a problem of a part: the key, what is wrong, and what to do.
+type AddProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
+
+/// Result of a row of [`LAWS`]; `None` if the law reported problems.
+type LawResult = Option<Box<dyn SpringLaw>>;
+
+/// Laws with a memory: key in `[part.spring]`, and the law if the key is given.
+const LAWS: &[(&str, fn(&SpringInput, &mut AddProblem<'_>) -> Option<LawResult>)] = &[
+    ("elastoplastic", |input, say| {
+        Some(boxed(Plastic::elastoplastic(input.elastoplastic.as_ref()?, say)))
+    }),
+    ("hysteresis", |input, say| Some(boxed(Plastic::hysteresis(input.hysteresis.as_ref()?, say)))),
+    ("one_sided", |input, say| Some(boxed(Plastic::one_sided(input.one_sided.as_ref()?, say)))),
+    ("maxwell", |input, say| Some(boxed(Maxwell::new(input.maxwell.as_ref()?, say)))),
+];
+
+fn boxed(law: Option<impl SpringLaw + 'static>) -> LawResult {
+    Some(Box::new(law?))
+}
+
 /// Parameters of springs.
 pub struct Spring {
-    elongation: PiecewiseLinear,
+    elongation: Box<dyn SpringLaw>,
     rate: PiecewiseLinear,
     direction: Option<V3>,
     rotational: bool,
@@ -94,7 +152,26 @@ fn build(part: &Part) -> ElementResult {
             say(&format!("spring.{key}"), format!("{key} {fault}"), help);
         }
     }
-    if spring.stiffness == 0.0 && spring.damping == 0.0 && lines.iter().all(|l| l.3.is_empty()) {
+    let mut laws = Vec::new();
+    for (key, law) in LAWS {
+        let mut own = |key: &str, what: String, help: &str| {
+            say(&format!("spring.{key}"), what, help);
+        };
+        laws.extend(law(spring, &mut own).map(|law| (*key, law)));
+    }
+    let elastic = [(spring.stiffness != 0.0, "stiffness")];
+    let elastic = elastic.into_iter().chain([(!spring.force_elongation.is_empty(), lines[0].0)]);
+    let elastic = elastic.filter_map(|(given, key)| given.then_some(key));
+    let given: Vec<&str> = laws.iter().map(|law| law.0).chain(elastic).collect();
+    if !laws.is_empty() && given.len() > 1 {
+        let what = format!("a spring has both {} and {}", given[0], given[1]);
+        say(&format!("spring.{}", given[0]), what, "give one of them");
+    }
+    if laws.is_empty()
+        && spring.stiffness == 0.0
+        && spring.damping == 0.0
+        && lines.iter().all(|l| l.3.is_empty())
+    {
         say(
             "spring",
             "its springs carry no force".into(),
@@ -112,12 +189,45 @@ fn build(part: &Part) -> ElementResult {
     if !problems.is_empty() {
         return Err(problems);
     }
+    let elastic =
+        || Box::new(PiecewiseLinear::new(&spring.force_elongation, spring.stiffness)) as _;
     Ok(Box::new(Spring {
-        elongation: PiecewiseLinear::new(&spring.force_elongation, spring.stiffness),
+        elongation: laws.pop().and_then(|law| law.1).unwrap_or_else(elastic),
         rate: PiecewiseLinear::new(&spring.force_rate, spring.damping),
         direction: direction.flatten(),
         rotational: spring.rotational,
     }))
+}
+
+/// Reports a number that is not in its range, or not finite. Returns true if it is.
+fn number(
+    key: &str,
+    value: f64,
+    range: &str,
+    fits: impl Fn(f64) -> bool,
+    say: &mut AddProblem<'_>,
+) -> bool {
+    let sound = value.is_finite() && fits(value);
+    if !sound {
+        let name = key.rsplit('.').next().unwrap_or(key);
+        say(key, format!("{name} is {value}"), &format!("it has to be {range}"));
+    }
+    sound
+}
+
+/// Reports the error in the points of a curve, if any. Returns true if there is none.
+fn points(key: &str, points: &[[f64; 2]], say: &mut AddProblem<'_>) -> bool {
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let fault = match PiecewiseLinear::fault(points) {
+        None if points.is_empty() => Some("has no points".into()),
+        None if !points.iter().flatten().all(|x| x.is_finite()) => Some("is not finite".into()),
+        fault => fault,
+    };
+    if let Some(fault) = &fault {
+        let help = "give at least two points with ascending first numbers";
+        say(key, format!("{name} {fault}"), help);
+    }
+    fault.is_none()
 }
 
 impl Spring {
@@ -132,7 +242,7 @@ impl Spring {
 
 impl Element for Spring {
     fn columns(&self) -> usize {
-        COLUMNS
+        LAW + self.elongation.names().len()
     }
 
     fn names(&self) -> Vec<String> {
@@ -140,7 +250,7 @@ impl Element for Spring {
             true => ["started", "rotation", "moment x", "moment y", "moment z"],
             false => ["started", "length", "force x", "force y", "force z"],
         };
-        names.map(String::from).to_vec()
+        names.iter().chain(self.elongation.names()).map(|name| name.to_string()).collect()
     }
 
     fn corner_mass(&self, _: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
@@ -149,7 +259,7 @@ impl Element for Spring {
 
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
         let (nodes, dt) = (pass.nodes, pass.dt);
-        pass.one_by_one::<ENDS>(COLUMNS, |element, out| {
+        pass.one_by_one::<ENDS>(self.columns(), |element, out| {
             let SingleElement { index, nodes: ends, state, internal } = element;
             let rates = if self.rotational { nodes.w } else { nodes.v };
             let [x, v] = [nodes.x, rates]
@@ -163,7 +273,8 @@ impl Element for Spring {
             }
             state[STARTED] = 1.0;
             let way = if self.rotational { state[LENGTH] } else { length - state[LENGTH] };
-            let force = along * (self.elongation.value(way) + self.rate.value(rate));
+            let elastic = self.elongation.force(&mut state[LAW..], way, dt);
+            let force = along * (elastic + self.rate.value(rate));
             let slot = index * ENDS;
             let target = if self.rotational { &mut out.moment } else { &mut out.force };
             for c in 0..3 {
@@ -199,43 +310,5 @@ impl Element for Spring {
 
     fn fields(&self, _: ElementState<'_>, _: &[[f64; 3]]) -> ElementFields {
         ElementFields::default()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Checks the amplification polynomial: at the stable step a mode grows at most linearly, just
-    /// above it without bound.
-    #[test]
-    fn the_stable_step_is_where_a_mode_begins_to_grow() {
-        for (stiffness, damping) in [(3.0, 0.0), (0.0, 0.7), (3.0, 0.7), (3.0, 20.0)] {
-            let mu = 1.0 / 2.0 + 1.0 / 5.0;
-            let limit =
-                Discrete { stiffness, damping, along_line: true, rotational: false }.stable_dt(mu);
-            let largest = |dt: f64| {
-                let (mut x, mut v, mut most) = (1.0f64, 1.0f64, 0.0f64);
-                for _ in 0..4000 {
-                    v -= dt * mu * (stiffness * x + damping * v);
-                    x += dt * v;
-                    most = most.max(x.abs());
-                }
-                most
-            };
-            assert!(
-                largest(0.999 * limit) < 1e3,
-                "{stiffness} {damping}: {}",
-                largest(0.999 * limit)
-            );
-            assert!(
-                largest(1.01 * limit) > 1e6,
-                "{stiffness} {damping}: {}",
-                largest(1.01 * limit)
-            );
-        }
-        let nothing =
-            Discrete { stiffness: 0.0, damping: 0.0, along_line: true, rotational: false };
-        assert_eq!(nothing.stable_dt(1.0), f64::INFINITY);
     }
 }

@@ -21,6 +21,7 @@ pub fn part(thickness: f64) -> Part {
         spring: None,
         beam: None,
         truss: None,
+        discrete_beam: None,
         particles: None,
         thickness,
         layer: Vec::new(),

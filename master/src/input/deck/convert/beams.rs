@@ -63,6 +63,9 @@ impl DeckConverter {
     pub(super) fn orient_beams(&mut self) {
         let mut shown = Vec::new();
         for index in 0..self.rows.beams.len() {
+            if self.discrete_beam(index) {
+                continue;
+            }
             let beam = self.rows.beams[index];
             if self.truss_parts.contains(&beam.part) {
                 let ends = [beam.nodes[0], beam.nodes[1]];
@@ -110,6 +113,11 @@ impl DeckConverter {
         let (pid, elform) = (record.integer("pid"), card.integer("elform"));
         if card.real("nsm") != 0.0 {
             self.unsupported_value(card, "nsm", "mass in addition to that of the material");
+        }
+        if card.real("scoor") != 0.0 {
+            let message = format!("{}: `scoor` = {} is ignored", card.name(), card.real("scoor"));
+            let help = "the axes of a beam are those of its middle";
+            self.trouble.warning(card.place("scoor"), message, help);
         }
         if elform == 3 {
             return self.truss_part(record, card, table);

@@ -6,6 +6,7 @@ mod composites;
 mod contact;
 mod control;
 mod curves;
+mod discrete_beams;
 mod equations;
 mod fabric;
 mod histories;
@@ -29,6 +30,7 @@ mod sets;
 mod shells;
 mod soft_materials;
 pub(in crate::input::deck) mod space;
+mod spring_laws;
 mod springs;
 mod switches;
 mod tables;
@@ -87,6 +89,9 @@ pub struct DeckConverter {
     /// Scales of the forces of springs by part, with their places.
     spring_scales: BTreeMap<i64, (f64, Place)>,
     spring_laws: BTreeMap<i64, CardRecord>,
+    discrete_beam_laws: BTreeMap<i64, CardRecord>,
+    /// Parts of discrete beams; true if their section has a coordinate system.
+    discrete_beam_parts: BTreeMap<u32, bool>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
     /// Parts of beams that are trusses.
@@ -134,6 +139,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.encrypted(texts);
     b.second_order();
     b.springs();
+    b.discrete_beam_laws();
     b.beams();
     b.rows.number_apart(&mut b.mapping);
     b.control();
@@ -214,6 +220,8 @@ impl DeckConverter {
             equations: Vec::new(),
             spring_scales: BTreeMap::new(),
             spring_laws: BTreeMap::new(),
+            discrete_beam_laws: BTreeMap::new(),
+            discrete_beam_parts: BTreeMap::new(),
             round_parts: BTreeSet::new(),
             truss_parts: BTreeSet::new(),
             spring_directions: BTreeMap::new(),

@@ -3,6 +3,7 @@
 
 use super::DeckConverter;
 use super::contact::Friction;
+use super::discrete_beams::is_discrete;
 use super::equations::PartEquation;
 use super::inertia::DeckInertia;
 use super::materials::DeckMaterial;
@@ -75,6 +76,10 @@ impl DeckConverter {
                 self.parts
                     .insert(id, DeckPart { rigid: None, material: None, inertia: None, place });
                 self.spring_part(&record, section, &name);
+                continue;
+            }
+            if let Some(section) = section.filter(|s| is_discrete(s)) {
+                self.discrete_beam_part(&record, section, &name);
                 continue;
             }
             let material = materials.get(&mid);
@@ -193,6 +198,11 @@ impl DeckConverter {
                     message,
                     "give it another *MAT_..., or a *SECTION_DISCRETE",
                 );
+            } else if self.discrete_beam_laws.contains_key(&mid) {
+                let message =
+                    format!("part {id}: material {mid} is for discrete beams (elform 6) only");
+                let help = "give it another *MAT_..., or a *SECTION_BEAM with elform 6";
+                self.trouble.error(record.place("mid"), message, help);
             } else if !self.part_without(record, ("MAT_", "mid")) {
                 self.missing(record.place("mid"), "*MAT_...", mid, &known);
             }

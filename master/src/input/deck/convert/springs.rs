@@ -1,19 +1,13 @@
-//! Converts `*ELEMENT_DISCRETE`, and the sections and laws of its parts.
+//! Converts `*ELEMENT_DISCRETE`, and the sections of its parts.
 
 use super::DeckConverter;
 use super::sections::DeckSection;
 use super::sets::id;
+use super::spring_laws::{LAWS, SpringLaw};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::ElemId;
 use std::collections::BTreeMap;
-
-const LAWS: [&str; 4] = [
-    "MAT_SPRING_ELASTIC",
-    "MAT_DAMPER_VISCOUS",
-    "MAT_SPRING_NONLINEAR_ELASTIC",
-    "MAT_DAMPER_NONLINEAR_VISCOUS",
-];
 
 /// Unsupported fields of sections, and their requests.
 const UNSERVED: [(&str, &str); 5] = [
@@ -159,31 +153,9 @@ impl DeckConverter {
                 self.unsupported_value(&section.record, "dro", why);
             }
         }
-        let (key, field, below) = match law.row.keyword.name {
-            "MAT_SPRING_ELASTIC" => ("stiffness", "k", None),
-            "MAT_DAMPER_VISCOUS" => ("damping", "dc", None),
-            "MAT_SPRING_NONLINEAR_ELASTIC" => {
-                ("force_elongation", "lcd", Some("negative elongations"))
-            }
-            _ => ("force_rate", "lcdr", Some("negative rates")),
+        let Some(key) = self.spring_law(&SpringLaw { card: &law, pid, scale }, &mut spring) else {
+            return;
         };
-        let at = law.place(field);
-        match below {
-            None => spring.put(key, at, scale * law.real(field)),
-            Some(below) => {
-                if law.integer("lcr") != 0 {
-                    self.unsupported_value(&law, "lcr", "a curve over the rate");
-                }
-                let Some(curve) = self.curve(law.integer(field), at) else { return };
-                if curve.points.first().is_some_and(|p| p[0] >= 0.0) {
-                    let asked = format!("curve {} has no points for {below}", law.integer(field));
-                    self.map(format!("part {pid}"), asked, "extrapolated with its first slope");
-                }
-                let points: Vec<Vec<f64>> =
-                    curve.points.iter().map(|p| vec![p[0], scale * p[1]]).collect();
-                spring.put(key, curve.place, points);
-            }
-        }
         if let Some(&(Some(direction), at)) = self.spring_directions.get(&pid) {
             spring.put("direction", at, direction);
         }

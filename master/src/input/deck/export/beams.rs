@@ -5,7 +5,7 @@ use crate::input::job::Model;
 use crumple_proto::ids::ElemId;
 use crumple_proto::job::{BeamInput, BeamSection, Part, TrussInput};
 use crumple_proto::mesh::Shape;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use toml::{Table, Value};
 
 /// Largest number of steps of the last bit from the nearest position of a third node to the one
@@ -135,11 +135,16 @@ fn end_of(from: f64, difference: f64) -> f64 {
     nearest
 }
 
-/// Writes the third nodes and the elements.
-pub fn elements(deck: &mut DeckWriter, model: &Model) {
+/// Writes the third nodes and the elements; `discrete` are the parts of discrete beams.
+pub fn elements(deck: &mut DeckWriter, model: &Model, discrete: &BTreeSet<u32>) {
     let last = model.mesh.nodes.iter().map(|n| n.id.label()).max().unwrap_or(0);
     let third = third_nodes(model, last);
-    let mut bars = model.mesh.elements.iter().filter(|e| e.shape.is_bar()).peekable();
+    let mut bars = model
+        .mesh
+        .elements
+        .iter()
+        .filter(|e| e.shape.is_bar() || discrete.contains(&e.part))
+        .peekable();
     if bars.peek().is_none() {
         return;
     }

@@ -1,7 +1,7 @@
 //! Writes springs and dampers as cards.
 
-use super::{Blank, DeckWriter, Id, Number, line, points};
-use crumple_proto::job::{Part, SpringInput};
+use super::{Blank, CardValue, DeckWriter, Id, Number, line, points};
+use crumple_proto::job::{Part, SpringHardening, SpringInput, SpringSide};
 use crumple_proto::mesh::{MeshElement, Shape};
 use toml::{Table, Value};
 
@@ -10,20 +10,13 @@ use toml::{Table, Value};
 pub fn part(deck: &mut DeckWriter, part: &Part, spring: &SpringInput, mid: u64) {
     let id = u64::from(part.id);
     let mut rest = SpringInput { direction: spring.direction, ..SpringInput::default() };
-    let tables = [&spring.force_elongation, &spring.force_rate];
-    let [elongation, rate] = tables.map(|table| (!table.is_empty()).then(|| points(deck, table)));
-    let law = match (elongation, spring.stiffness, rate) {
-        (Some(curve), _, _) => ("MAT_SPRING_NONLINEAR_ELASTIC_TITLE", Id(curve)),
-        (None, stiffness, _) if stiffness != 0.0 => ("MAT_SPRING_ELASTIC_TITLE", Number(stiffness)),
-        (None, _, Some(curve)) => ("MAT_DAMPER_NONLINEAR_VISCOUS_TITLE", Id(curve)),
-        (None, _, None) => ("MAT_DAMPER_VISCOUS_TITLE", Number(spring.damping)),
-    };
-    if law.0.contains("SPRING") {
+    let (keyword, fields) = law(deck, spring);
+    if keyword.contains("SPRING") {
         (rest.damping, rest.force_rate) = (spring.damping, spring.force_rate.clone());
     }
-    deck.keyword(law.0);
+    deck.keyword(keyword);
     deck.text(&format!("{}, {id}", line(&part.name)));
-    deck.card(&[Id(mid), law.1]);
+    deck.card(&[&[Id(mid)], &fields[..]].concat());
     deck.keyword("SECTION_DISCRETE");
     deck.card(&[Id(id), if spring.rotational { Id(1) } else { Blank }]);
     deck.card(&[]);
@@ -42,6 +35,47 @@ pub fn part(deck: &mut DeckWriter, part: &Part, spring: &SpringInput, mid: u64) 
             Table::from_iter([("id".into(), Value::from(part.id)), ("spring".into(), own.into())]),
         );
     }
+}
+
+/// Returns the keyword of a law and the fields of its card after the id; writes its curves.
+fn law(deck: &mut DeckWriter, spring: &SpringInput) -> (&'static str, Vec<CardValue>) {
+    if let Some(law) = &spring.elastoplastic {
+        let fields = [law.stiffness, law.tangent_stiffness, law.yield_force];
+        return ("MAT_SPRING_ELASTOPLASTIC_TITLE", fields.map(Number).to_vec());
+    }
+    if let Some(law) = &spring.hysteresis {
+        let [loading, unloading] = [&law.loading, &law.unloading].map(|p| Id(points(deck, p)));
+        let beta = f64::from(u8::from(law.hardening == SpringHardening::Isotropic));
+        let [cyi, tyi] = law.yield_forces.unwrap_or_default();
+        let fields = [loading, unloading, Number(beta), Number(tyi), Number(cyi)];
+        return ("MAT_SPRING_GENERAL_NONLINEAR_TITLE", fields.to_vec());
+    }
+    if let Some(law) = &spring.maxwell {
+        let fields = [
+            Number(law.short_time_stiffness),
+            Number(law.long_time_stiffness),
+            Number(law.decay),
+            law.cutoff_time.map_or(Blank, Number),
+            law.cutoff_time.map_or(Blank, |_| Number(law.cutoff_force)),
+            Id(u64::from(law.ageing)),
+        ];
+        return ("MAT_SPRING_MAXWELL_TITLE", fields.to_vec());
+    }
+    if let Some(law) = &spring.one_sided {
+        let side = if law.carries == SpringSide::Tension { -1.0 } else { 1.0 };
+        let curve = Id(points(deck, &law.loading));
+        let fields = [curve, Number(law.unloading_stiffness), Number(side)];
+        return ("MAT_SPRING_INELASTIC_TITLE", fields.to_vec());
+    }
+    let tables = [&spring.force_elongation, &spring.force_rate];
+    let [elongation, rate] = tables.map(|table| (!table.is_empty()).then(|| points(deck, table)));
+    let (keyword, field) = match (elongation, spring.stiffness, rate) {
+        (Some(curve), _, _) => ("MAT_SPRING_NONLINEAR_ELASTIC_TITLE", Id(curve)),
+        (None, stiffness, _) if stiffness != 0.0 => ("MAT_SPRING_ELASTIC_TITLE", Number(stiffness)),
+        (None, _, Some(curve)) => ("MAT_DAMPER_NONLINEAR_VISCOUS_TITLE", Id(curve)),
+        (None, _, None) => ("MAT_DAMPER_VISCOUS_TITLE", Number(spring.damping)),
+    };
+    (keyword, vec![field])
 }
 
 /// Writes the elements.

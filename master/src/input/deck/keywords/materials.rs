@@ -4,7 +4,7 @@ use super::title;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
-    UnusedFields, ignored, no_effect,
+    UnusedFields, ignored, no_effect, refused,
 };
 
 const SPRING_TITLE: (&str, Times) = ("heading:l", Count(title));
@@ -209,6 +209,70 @@ pub const KEYWORDS: &[Keyword] = &[
         &[SPRING_TITLE, ("mid:i! lcdr:i!", Once)],
         "`spring.force_rate` by lcdr",
     ),
+    spring(
+        "MAT_SPRING_ELASTOPLASTIC",
+        &["MAT_S03", "MAT_S3"],
+        &[SPRING_TITLE, ("mid:i! k:r! kt:r fy:r!", Once)],
+        "`spring.elastoplastic` with isotropic hardening",
+    ),
+    spring(
+        "MAT_SPRING_GENERAL_NONLINEAR",
+        &["MAT_S06", "MAT_S6"],
+        &[SPRING_TITLE, ("mid:i! lcdl:i! lcdu:i! beta:r tyi:r cyi:r", Once)],
+        "`spring.hysteresis` with the curves lcdl of loading and lcdu of unloading: beta 0 \
+         independent sides, 1 isotropic hardening, for which tyi and cyi are `yield_forces`. Other \
+         values of beta (kinematic hardening) are not supported, nor are unloading curves that are \
+         less steep than the loading curve at equal forces",
+    ),
+    spring(
+        "MAT_SPRING_MAXWELL",
+        &["MAT_S07", "MAT_S7"],
+        &[SPRING_TITLE, ("mid:i! k0:r! ki:r beta:r tc:r fc:r copt:r", Once)],
+        "`spring.maxwell`: k0 and ki are the stiffness at short and long times, beta is `decay`; \
+         with copt the stiffness follows the time (`ageing`); from tc on, if given, the force is \
+         fc",
+    ),
+    spring(
+        "MAT_SPRING_INELASTIC",
+        &["MAT_S08", "MAT_S8"],
+        &[SPRING_TITLE, ("mid:i! lcfd:i! ku:r ctf:r", Once)],
+        "`spring.one_sided` with the positive curve lcfd: ctf -1 tension only, 0 and 1 compression \
+         only; ku is `unloading_stiffness`",
+    ),
+    spring(
+        "MAT_LINEAR_ELASTIC_DISCRETE_BEAM",
+        &["MAT_066", "MAT_66"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! tkr:r tks:r tkt:r rkr:r rks:r rkt:r", Once),
+            ("tdr:r tds:r tdt:r rdr:r rds:r rdt:r", Maybe),
+            ("for:r fos:r fot:r mor:r mos:r mot:r", Maybe),
+        ],
+        "`discrete_beam.spring` of parts with elform 6: stiffness and damping along and about the \
+         axes r, s, t",
+    )
+    .unused(&[refused("for fos fot mor mos mot", "a preload")]),
+    spring(
+        "MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM",
+        &["MAT_067", "MAT_67"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! lcidtr:i lcidts:i lcidtt:i lcidrr:i lcidrs:i lcidrt:i", Once),
+            ("lcidtdr:i lcidtds:i lcidtdt:i lcidrdr:i lcidrds:i lcidrdt:i", Maybe),
+            ("for:r fos:r fot:r mor:r mos:r mot:r", Maybe),
+            ("ffailr:r ffails:r ffailt:r mfailr:r mfails:r mfailt:r", Maybe),
+            ("ufailr:r ufails:r ufailt:r tfailr:r tfails:r tfailt:r", Maybe),
+        ],
+        "the same with curves over displacement, angle and their rates; a curve that begins at the \
+         origin acts alike in both directions",
+    )
+    .unused(&[
+        refused("for fos fot mor mos mot", "a preload"),
+        refused(
+            "ffailr ffails ffailt mfailr mfails mfailt ufailr ufails ufailt tfailr tfails tfailt",
+            "failure of discrete beams",
+        ),
+    ]),
     Keyword::new(
         "MAT_SPOTWELD",
         &[

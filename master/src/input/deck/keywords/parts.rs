@@ -75,15 +75,20 @@ pub const KEYWORDS: &[Keyword] = &[
             ("secid:i! elform:i=1 shrf:r=1 qr:r=2 cst:r scoor:r nsm:r", Once),
             ("ts1:r ts2:r tt1:r tt2:r nsloc:r ntloc:r", Count(integrated)),
             ("a:r! iss:r itt:r j:r sa:r ist:r", Count(resultant)),
+            ("vol:r! iner:r! cid:i ca:r offset:r rrcon:r srcon:r trcon:r", Count(discrete)),
             ("field:r*8", Count(of_another_kind)),
         ],
         "`[part.beam]`. elform 1, 4, 5 and 9: with cst 0 a `rectangle` (ts1 by tt1; a tube for 5 \
          and 9), with cst 1 a `tube` (diameters ts1 and tt1); 1 and 9 have the shear area shrf \
          times the area. elform 2 and 13: `general`, elastic, with a, iss, itt, j and the shear \
-         area sa. elform 3: `[part.truss]` with the area a",
+         area sa. elform 3: `[part.truss]` with the area a. elform 6: `[part.discrete_beam]` with \
+         the mass ro vol, the inertia iner and the axes of cid (without it the global ones); scoor \
+         -1 and -3 turn the axes with the first node, 1 and 3 with the second, 0 with both; other \
+         values of scoor are not supported for it, and other elforms do not use scoor",
     )
     .unused(&[
-        ignored("scoor", "the axes of a beam are those of its middle"),
+        no_effect("ca offset", "they are for cables"),
+        refused("rrcon srcon trcon", "axes whose rotation is constrained"),
         no_effect("field", "the elform is not supported"),
     ])
     .options(&["TITLE"])
@@ -124,8 +129,12 @@ fn resultant(record: &CardRecord) -> usize {
     usize::from(matches!(record.integer("elform"), 2 | 3 | 12 | 13))
 }
 
+fn discrete(record: &CardRecord) -> usize {
+    usize::from(record.integer("elform") == 6)
+}
+
 fn of_another_kind(record: &CardRecord) -> usize {
-    usize::from(integrated(record) + resultant(record) == 0)
+    usize::from(integrated(record) + resultant(record) + discrete(record) == 0)
 }
 
 fn inertia(record: &CardRecord) -> usize {

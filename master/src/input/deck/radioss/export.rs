@@ -101,6 +101,13 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
             "{particles} particles cannot be written as a Radioss deck: remove them from the mesh"
         ));
     }
+    if let Some(part) = model.settings.parts.iter().find(|p| p.discrete_beam.is_some()) {
+        return Err(format!(
+            "part {}: discrete beams cannot be written as a Radioss deck: remove them from the \
+             mesh",
+            part.id
+        ));
+    }
     let quadratic = model.mesh.elements.iter().filter(|e| e.shape == Shape::Tet10).count();
     if quadratic > 0 {
         return Err(format!(

@@ -31,7 +31,12 @@ impl StarterWriter<'_> {
         let ids: Vec<u32> = job
             .part
             .iter()
-            .filter(|p| p.spring.is_none() && p.beam.is_none() && p.truss.is_none())
+            .filter(|p| {
+                p.spring.is_none()
+                    && p.discrete_beam.is_none()
+                    && p.beam.is_none()
+                    && p.truss.is_none()
+            })
             .map(|p| p.id)
             .collect();
         let all: Vec<ContactInput> = contact.each().collect();

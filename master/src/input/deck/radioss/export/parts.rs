@@ -185,6 +185,17 @@ impl StarterWriter<'_> {
         self.card(&[Real(spring.stiffness), Real(spring.damping)]);
         self.card(&[Whole(function), Whole(0)]);
         let mut own = Table::new();
+        // No property here has these laws with all their keys.
+        let laws = SpringInput {
+            elastoplastic: spring.elastoplastic.clone(),
+            hysteresis: spring.hysteresis.clone(),
+            one_sided: spring.one_sided.clone(),
+            maxwell: spring.maxwell.clone(),
+            ..SpringInput::default()
+        };
+        if let Ok(Value::Table(laws)) = Value::try_from(&laws) {
+            own.extend(laws.into_iter().filter(|(_, law)| law.is_table()));
+        }
         if !spring.force_rate.is_empty() {
             let rows =
                 spring.force_rate.iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();

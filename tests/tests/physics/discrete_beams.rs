@@ -1,0 +1,180 @@
+//! Discrete beams compared with closed forms: frequencies, momentum, energy, the stable step, the
+//! same bits on any number of workers. Units of the closed forms.
+
+use super::springs::{Balance, model};
+use crumple::input::job::Model;
+use crumple_tests::{run_alone, run_side_by_side};
+use crumple_verification::scene::{Elastic, Scene};
+use crumple_worker::energy::momentum;
+
+/// Returns a discrete beam between two nodes, with the sets `n1` and `n2`; `numbers` are the
+/// contents of `[part.discrete_beam]`, `rest` is the rest of the job.
+fn job(nodes: [[f64; 3]; 2], numbers: &str, end_time: f64, [time, rest]: [&str; 2]) -> Model {
+    let mut scene = Scene::new(end_time);
+    let ends = nodes.map(|x| scene.node(x));
+    scene.set_named("n1", &ends[..1]);
+    scene.set_named("n2", &ends[1..]);
+    scene.spring(1, ends);
+    scene.add(&format!("[[part]]\nid = 1\n[part.discrete_beam]\n{numbers}"));
+    scene.time(time);
+    scene.add(rest);
+    model(&scene)
+}
+
+/// Returns a spring on an axis as text.
+fn spring(axis: &str, numbers: &str) -> String {
+    format!("[[part.discrete_beam.spring]]\naxis = \"{axis}\"\n{numbers}\n")
+}
+
+const HELD: &str =
+    "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+
+/// The second of two nodes at one place swings along y on the spring of axis s with w^2 = k/(m/2),
+/// and about z on that of axis rt with w^2 = k/(J/2). Central differences are ahead by 20 (w
+/// dt)^2/24 = 3e-4 after the angle w t = 20.
+#[test]
+fn nodes_swing_along_and_about_an_axis() {
+    let (mass, inertia, v) = (4.0, 1.0, 0.05);
+    let both = spring("s", "stiffness = 3.0") + &spring("rt", "stiffness = 5.0");
+    let tables = spring("s", "force_elongation = [[-1.0, -3.0], [1.0, 3.0]]")
+        + &spring("rt", "force_elongation = [[-1.0, -5.0], [1.0, 5.0]]");
+    let turned = "axes = [[0.0, -2.0, 0.0], [3.0, 1.0, 0.0]]\n";
+    for (axes, springs) in [
+        ("", &both),
+        ("", &tables),
+        (turned, &(spring("r", "stiffness = 3.0") + &spring("rt", "stiffness = 5.0"))),
+    ] {
+        let numbers = format!("mass = {mass:?}\ninertia = {inertia:?}\n{axes}{springs}");
+        let w = [f64::sqrt(3.0 / (0.5 * mass)), f64::sqrt(5.0 / (0.5 * inertia))];
+        let rest = format!(
+            "{HELD}[[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.0, {v:?}, 0.0]\n\
+             spin = [0.0, 0.0, {v:?}]\ncentre = [1.0, 0.0, 0.0]\n"
+        );
+        let time = format!("dt_max = {:?}", 0.02 / w[1]);
+        let place = [1.0, 0.0, 0.0];
+        let model = job([place; 2], &numbers, 20.0 / w[1], [&time, &rest]);
+        let (mut worst, mut balance) = ([0.0f64; 2], Balance::default());
+        run_alone(&model, |e| {
+            let t = e.clock.time;
+            worst[0] =
+                worst[0].max((e.nodes.x[1][1] - v / w[0] * (w[0] * t).sin()).abs() * w[0] / v);
+            let middle = t - 0.5 * e.clock.last_dt;
+            worst[1] = worst[1].max((e.nodes.w[1][2] / v - (w[1] * middle).cos()).abs());
+            balance.record(e);
+        });
+        // The axes turn with half of the rotation: up to 0.5 v/w of the force leaves the y axis,
+        // and its couple is of second order.
+        assert!(worst[0] < 2e-3 && worst[1] < 2e-3, "{numbers}: {worst:?}");
+        assert!(balance.worst < 1e-12, "{numbers}: round-off: {}", balance.worst);
+    }
+}
+
+/// Two free nodes at a distance on springs and dampers of all axes fly and turn: momentum, angular
+/// momentum and energy are conserved.
+#[test]
+fn free_nodes_keep_momentum() {
+    let all = |damping: f64| {
+        let axes = ["r", "s", "t", "rr", "rs", "rt"].into_iter().zip(1..);
+        axes.map(|(axis, k)| {
+            let (k, c) = (f64::from(k), damping * f64::from(k));
+            spring(axis, &format!("stiffness = {k:?}\ndamping = {c:?}"))
+        })
+        .collect::<String>()
+    };
+    let rest = "[[mass]]\nnodes = \"n1\"\nmass = 2.0\n\
+                [[initial_velocity]]\nnodes = \"n1\"\nvelocity = [0.1, 0.2, -0.05]\n\
+                spin = [0.1, -0.2, 0.3]\ncentre = [0.0, 0.0, 0.0]\n\
+                [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.03, -0.2, 0.06]\n\
+                spin = [0.2, 0.1, 0.1]\ncentre = [1.0, 0.5, 0.2]\n";
+    for (turns_with, damping) in [("both", 0.0), ("both", 0.02), ("first", 0.02), ("second", 0.0)] {
+        let numbers = format!(
+            "mass = 2.0\ninertia = 3.0\naxes = [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]\n\
+             turns_with = \"{turns_with}\"\n{}",
+            all(damping)
+        );
+        let nodes = [[0.0; 3], [1.0, 0.5, 0.2]];
+        let model = job(nodes, &numbers, 30.0, ["safety = 0.1", rest]);
+        let (mut first, mut worst, mut balance) = (None, [0.0f64; 2], Balance::default());
+        run_alone(&model, |e| {
+            let (p, l) = momentum(&e.nodes);
+            let now = [p, l];
+            let first = *first.get_or_insert(now);
+            for k in 0..2 {
+                worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
+            }
+            balance.record(e);
+        });
+        assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "{turns_with}: round-off: {worst:?}");
+        assert!(balance.worst < 1e-11, "{turns_with}, {damping}: {}", balance.worst);
+    }
+}
+
+/// The step is that of the softness 4/m, or 4/J: the smaller one. At 0.99 of it nothing grows.
+#[test]
+fn the_step_is_that_of_the_stiffest_axis() {
+    for (springs, largest) in [
+        (spring("r", "stiffness = 40.0") + &spring("s", "stiffness = 1.0"), 40.0 * 4.0 / 2.0),
+        (spring("r", "stiffness = 1.0") + &spring("rs", "stiffness = 40.0"), 40.0 * 4.0 / 3.0),
+    ] {
+        let numbers = format!("mass = 2.0\ninertia = 3.0\n{springs}");
+        let rest = "[[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.01, 0.02, 0.0]\n\
+                    spin = [0.0, 0.01, 0.0]\ncentre = [0.0, 0.0, 0.0]\n";
+        let model =
+            job([[0.0; 3]; 2], &numbers, 100.0, ["safety = 0.99\ndt_min_ratio = 0.0", rest]);
+        let mut most = 0.0f64;
+        let end = run_alone(&model, |e| {
+            let all = e.nodes.v[1].iter().chain(&e.nodes.w[1]);
+            most = all.fold(most, |most, v| most.max(v.abs()));
+        });
+        let exact = 0.99 * 2.0 / f64::sqrt(largest);
+        assert!((end.clock.first_dt / exact - 1.0).abs() < 1e-12, "{}", end.clock.first_dt);
+        assert!(most < 0.2, "{most}");
+    }
+}
+
+/// A sheet of shells on discrete beams to a rigid sheet and to the ground: the same bits on 1, 2
+/// and 3 workers, with forced renewals of the boxes.
+#[test]
+fn bits_do_not_depend_on_workers() {
+    let mut scene = Scene::new(3.0).in_units("mm, ms, kg");
+    scene.elastic("steel", Elastic { e: 207.0, nu: 0.3, rho: 7.85e-6 });
+    scene.part(1, "steel", 1.0, "");
+    scene.part(2, "steel", 2.0, "");
+    let sheet = scene.grid(1, [4, 4], |u, v| [40.0 * u, 40.0 * v, 0.0]);
+    let upper = scene.grid(2, [4, 4], |u, v| [40.0 * u, 40.0 * v, 9.0]);
+    let ground: Vec<u32> = (0..25)
+        .map(|n| scene.node([10.0 * f64::from(n / 5), 10.0 * f64::from(n % 5), 0.0]))
+        .collect();
+    for (n, (&node, &above)) in sheet.all().iter().zip(upper.all()).enumerate() {
+        scene.spring(3, [node, ground[n]]);
+        scene.spring(4, [node, above]);
+    }
+    scene.set_named("ground", &ground);
+    scene.set_named("sheet", sheet.all());
+    let of = |numbers: &[(&str, &str)]| -> String {
+        numbers.iter().map(|(axis, numbers)| spring(axis, numbers)).collect()
+    };
+    let first = of(&[
+        ("r", "stiffness = 0.02\ndamping = 1e-5"),
+        ("t", "force_elongation = [[-1.0, -0.03], [0.0, 0.0], [1.0, 0.01]]"),
+        ("rs", "stiffness = 0.1"),
+    ]);
+    let second =
+        of(&[("s", "stiffness = 0.01"), ("t", "damping = 1e-4"), ("rr", "damping = 1e-3")]);
+    scene.add(&format!(
+        "[[part]]\nid = 3\n[part.discrete_beam]\nmass = 1e-4\ninertia = 1e-3\n{first}\
+         [[part]]\nid = 4\n[part.discrete_beam]\nmass = 2e-4\ninertia = 2e-3\n\
+         turns_with = \"second\"\naxes = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.3]]\n{second}\
+         [[rigid]]\nname = \"upper\"\nparts = [2]\n\
+         [[fix]]\nnodes = \"ground\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+         [[initial_velocity]]\nnodes = \"sheet\"\nvelocity = [0.5, 0.2, -4.0]\n\
+         spin = [0.01, 0.02, 0.03]\ncentre = [20.0, 20.0, 0.0]\n"
+    ));
+    let model = model(&scene);
+    let serial = run_side_by_side(&model, 1, 600, 0);
+    assert!(serial.trouble.is_none(), "{:?}", serial.trouble);
+    for (workers, force) in [(2, 0), (3, 0), (2, 7), (3, 11)] {
+        let parallel = run_side_by_side(&model, workers, 600, force);
+        assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
+    }
+}
