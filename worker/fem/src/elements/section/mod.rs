@@ -17,11 +17,14 @@
 //! plastic hinge within 2 %. There is no point at the outer fibres themselves.
 
 mod flow;
+mod rule;
 mod step;
 #[cfg(test)]
 mod tests;
+mod transverse;
 
 pub use flow::{Flow, SAVED};
+pub use rule::{fault_of_angles, gauss_legendre};
 pub use step::StepQuantities;
 
 use crate::columns::ElementState;
@@ -30,9 +33,11 @@ use crate::materials::{
 };
 use crate::parameter::Values;
 use crumple_math::lanes::{Each, Real};
-use crumple_proto::job::{LayerInput, Part};
+use crumple_proto::job::Part;
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
+
+use rule::IntegrationRule;
 
 use super::{ElementFields, PointFields, law_column, parameters, zero_failed};
 
@@ -482,37 +487,6 @@ impl Section {
         if N > MAX_POINTS { self.points.min(N) } else { N }
     }
 
-    /// Returns increments of the transverse shear stress as products: of a modulus, the mean over
-    /// the thickness in the axes of the points, and a strain.
-    #[cold]
-    #[inline(never)]
-    fn transverse_shear<R: Real>(
-        &self,
-        moduli: &[[f64; 2]],
-        points: &[R],
-        gamma: [R; 2],
-    ) -> [[R; 2]; 2] {
-        // Mean of G_ca c^2 + G_bc s^2, G_ca s^2 + G_bc c^2 and (G_ca - G_bc) c s.
-        let (mut xx, mut yy, mut xy) = (R::zero(), R::zero(), R::zero());
-        for (k, [ca, bc]) in moduli.iter().enumerate() {
-            let (c, s) = match self.direction {
-                None => (R::splat(1.0), R::zero()),
-                Some([cosine, sine]) => {
-                    let point = &points[k * self.stride..];
-                    (point[cosine] + R::splat(1.0), point[sine])
-                }
-            };
-            let share = 0.5 * self.weight[k] * self.shear * SHEAR_CORRECTION;
-            let [ca, bc] = [ca, bc].map(|modulus| R::splat(share * modulus));
-            let (cc, ss) = (c * c, s * s);
-            xx += cc * ca + ss * bc;
-            yy += ss * ca + cc * bc;
-            xy += c * s * (ca - bc);
-        }
-        let [x, y] = gamma;
-        [[R::splat(1.0), xx * x + xy * y], [R::splat(1.0), yy * y + xy * x]]
-    }
-
     /// Returns the yield stress at zero plastic strain [force/length^2]; `None` if the law has no
     /// plastic flow.
     #[inline(always)]
@@ -693,79 +667,4 @@ fn half_of<R: Real>(value: R) -> R {
 /// Returns the label of a part in messages: its id, and its name if it has one.
 pub fn label(part: &Part) -> String {
     if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
-}
-
-/// Returns the problem of angles that are not one for each point.
-pub fn fault_of_angles(part: &Part, values: &Values<'_>) -> Option<Problem> {
-    let angles = part.angles.len();
-    if angles == 0 {
-        return None;
-    }
-    // Only shells have points; others are reported elsewhere.
-    let points = if values.has("points") { values.whole("points") } else { angles };
-    if part.layer.is_empty() && angles == points {
-        return None;
-    }
-    let (what, help) = if part.layer.is_empty() {
-        (format!("{angles} angles and {points} points"), "give one angle for each of its `points`")
-    } else {
-        ("both layers and `angles`".to_string(), "give each layer its `angle`")
-    };
-    let message = format!("part {}: it has {what}", label(part));
-    Some(Problem::error("angles", message, help))
-}
-
-/// Points through the thickness with weights on (-1, 1), from the inner surface to the outer one.
-struct IntegrationRule {
-    points: usize,
-    zeta: [f64; MAX_LAYER_POINTS],
-    weight: [f64; MAX_LAYER_POINTS],
-}
-
-impl IntegrationRule {
-    /// Returns the rule of layers with Gauss-Legendre points each.
-    fn of_layers(layers: &[LayerInput]) -> Self {
-        let (mut zeta, mut weight) = ([0.0; MAX_LAYER_POINTS], [0.0; MAX_LAYER_POINTS]);
-        let whole: f64 = layers.iter().map(|layer| layer.thickness).sum();
-        let (mut points, mut below) = (0, 0.0);
-        for layer in layers {
-            let share = layer.thickness / whole;
-            let (own, weights) = gauss_legendre(layer.points);
-            for (z, w) in own.iter().zip(weights).take(layer.points) {
-                zeta[points] = 2.0 * (below + 0.5 * (z + 1.0) * share) - 1.0;
-                weight[points] = w * share;
-                points += 1;
-            }
-            below += share;
-        }
-        Self { points, zeta, weight }
-    }
-}
-
-/// Computes points and weights on (-1, 1), ascending, by Newton's method on the Legendre
-/// polynomial.
-pub fn gauss_legendre(n: usize) -> ([f64; MAX_LAYER_POINTS], [f64; MAX_LAYER_POINTS]) {
-    let (mut zeta, mut weight) = ([0.0; MAX_LAYER_POINTS], [0.0; MAX_LAYER_POINTS]);
-    for k in 0..n {
-        let mut z = -(std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
-        let mut slope = 0.0;
-        for _ in 0..50 {
-            let (mut p0, mut p1) = (1.0, z);
-            for j in 2..=n {
-                let j = j as f64;
-                (p0, p1) = (p1, ((2.0 * j - 1.0) * z * p1 - (j - 1.0) * p0) / j);
-            }
-            slope = n as f64 * (z * p1 - p0) / (z * z - 1.0);
-            z -= p1 / slope;
-        }
-        // Odd rules have a point in the middle; it is set to zero so that round-off cannot make the
-        // section asymmetric.
-        zeta[k] = if 2 * k + 1 == n { 0.0 } else { z };
-        weight[k] = 2.0 / ((1.0 - z * z) * slope * slope);
-    }
-    for k in 0..n / 2 {
-        zeta[n - 1 - k] = -zeta[k];
-        weight[n - 1 - k] = weight[k];
-    }
-    (zeta, weight)
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crumple_proto::job::LayerInput;
 use crate::elements::testing;
 use crate::materials::{self, LayerPoint};
 use crumple_proto::partition::Param;
