@@ -254,11 +254,11 @@ fn left_out_keywords_have_options() {
 /// content says what is gone.
 #[test]
 fn what_is_left_out_has_a_name() {
-    let law = "*MAT_HONEYCOMB_TITLE\ncore\n         1   7.85e-6     207.0\n";
+    let law = "*MAT_ELASTIC_FLUID_TITLE\ncore\n         1   7.85e-6     207.0\n";
     let report = reading(&format!("{BASE}{law}{MOVES}"), &["mesh.allow_unsupported=true"]);
     let report = report.err().expect("a report");
     assert!(
-        report.contains("part 1 needs mid 1, a *MAT_HONEYCOMB_TITLE, which is not supported"),
+        report.contains("part 1 needs mid 1, a *MAT_ELASTIC_FLUID_TITLE, which is not supported"),
         "{report}"
     );
     assert!(!report.contains("there is no *MAT_"), "{report}");

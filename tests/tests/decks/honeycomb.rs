@@ -97,7 +97,8 @@ fn what_a_honeycomb_does_not_have_is_refused() {
     }
 }
 
-/// Elements along and across the block, its size [mm], mass behind it [kg], velocity [mm/ms].
+/// Elements along and across the block, its size [mm], the mass behind it [kg], its velocity
+/// [mm/ms].
 const ALONG: usize = 8;
 const ACROSS: usize = 4;
 const LENGTH: f64 = 40.0;
@@ -115,7 +116,7 @@ fn block(card: &str) -> String {
     let mut masses = String::new();
     let across = ACROSS + 1;
     let id = |i: usize, j: usize, k: usize| 1 + i + across * (k + across * j);
-    let per_node = MASS / (across * across) as f64;
+    let at_edge = |i: usize| if [0, ACROSS].contains(&i) { 0.5 } else { 1.0 };
     for j in 0..=ALONG {
         for k in 0..across {
             for i in 0..across {
@@ -123,7 +124,9 @@ fn block(card: &str) -> String {
                 let y = LENGTH * j as f64 / ALONG as f64;
                 let _ = writeln!(nodes, "{},{x},{y},{z}", id(i, j, k));
                 if j == ALONG {
-                    let _ = writeln!(masses, "{},{},{per_node}", id(i, j, k), id(i, j, k));
+                    let share = at_edge(i) * at_edge(k) / (ACROSS * ACROSS) as f64;
+                    let n = id(i, j, k);
+                    let _ = writeln!(masses, "{n},{n},{}", share * MASS);
                 }
             }
         }
@@ -142,7 +145,8 @@ fn block(card: &str) -> String {
     }
     let end = CRUSH[0] + CRUSH[1];
     format!(
-        "*KEYWORD\n*CONTROL_TERMINATION\n1.5\n*DATABASE_RWFORC\n0.05\n*PART\ncore\n1,1,1\n\
+        "*KEYWORD\n*CONTROL_TERMINATION\n1.5\n*DATABASE_RWFORC\n0.05\n\
+         *CONTROL_BULK_VISCOSITY\n1e-9,1e-9\n*PART\ncore\n1,1,1\n\
          *SECTION_SOLID\n1,0\n{card}*DEFINE_CURVE\n1\n0.0,{}\n1.0,{end}\n\
          *DEFINE_CURVE\n2\n0.0,0.0002\n1.0,0.001\n*NODE\n{nodes}*ELEMENT_SOLID\n{elements}\
          *ELEMENT_MASS\n{masses}*INITIAL_VELOCITY\n0\n0.0,-{SPEED},0.0\n\
@@ -204,8 +208,9 @@ fn a_block_between_a_mass_and_a_wall_has_the_force_of_its_curve() {
             time += dt;
         }
         let got = (after - before).abs();
-        // The block has 0.6 % of the mass, and its waves pass 50 times.
-        assert!((got / impulse - 1.0).abs() < 0.02, "{name}: {got} for {impulse}");
+        // The block has 0.6 % of the mass. Without a bulk viscosity the measured value was 0.2 %;
+        // the default one adds 3 %, since it follows the modulus of compaction.
+        assert!((got / impulse - 1.0).abs() < 5e-3, "{name}: {got} for {impulse}");
         assert!(x > 0.2 * LENGTH, "it is crushed far: {x}");
     }
 }
