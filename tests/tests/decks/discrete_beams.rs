@@ -84,11 +84,15 @@ fn exported_discrete_beams_are_the_same() {
 /// Errors are reported at once, and what is not supported is named.
 #[test]
 fn wrong_cards_are_named() {
-    let bad = PARTS.replace("0.5,2.0e-3", "0.0,-2.0e-3").replace("3.0e-3,9", "3.0e-3,19");
+    let bad = PARTS.replace("0.5,2.0e-3", "0.0,-2.0e-3");
     let said = refused(&format!("{bad}{LAWS}"));
-    for what in ["mass is 0", "inertia is -0.002", "*DEFINE_COORDINATE_... with the id 19"] {
+    let line = format!("{BASE}{STEEL}{MOVES}{PARTS}").lines().position(|l| l == "0.5,2.0e-3");
+    let place = format!("deck.k:{}", line.expect("the section") + 1);
+    for what in [place.as_str(), "mass is 0", "inertia is -0.002"] {
         assert!(said.contains(what), "no {what} in\n{said}");
     }
+    let said = refused(&format!("{}{LAWS}", PARTS.replace("3.0e-3,9", "3.0e-3,19")));
+    assert!(said.contains("*DEFINE_COORDINATE_... with the id 19"), "{said}");
     let parts = PARTS.replace("0,-1.0", "0,2.0").replace("3,5,11\n", "3,5,11,8\n");
     let laws = LAWS.replace("2.0\n0.125\n", "2.0\n0.125\n0.1\n");
     let laws = laws.replace(",,,,7\n", ",,,,7\n0.0\n0.5\n,,0.7\n");

@@ -126,8 +126,9 @@ fn the_step_is_that_of_the_stiffest_axis() {
             let all = e.nodes.v[1].iter().chain(&e.nodes.w[1]);
             most = all.fold(most, |most, v| most.max(v.abs()));
         });
-        let exact = 0.99 * 2.0 / f64::sqrt(largest);
-        assert!((end.clock.first_dt / exact - 1.0).abs() < 1e-12, "{}", end.clock.first_dt);
+        // Whole steps reach the end, so that they are up to one part in their number shorter.
+        let ratio = end.clock.first_dt / (0.99 * 2.0 / f64::sqrt(largest));
+        assert!((0.99..=1.0 + 1e-12).contains(&ratio), "{ratio}");
         assert!(most < 0.2, "{most}");
     }
 }

@@ -137,8 +137,9 @@ fn the_step_is_that_of_the_steepest_slope() {
         let mut most = 0.0f64;
         let model = oscillator(numbers, 0.1 * V, 200.0, "safety = 0.99\ndt_min_ratio = 0.0");
         let end = run_alone(&model, |e| most = most.max(e.nodes.v[1][0].abs()));
-        let limit = 2.0 * f64::sqrt(M / 40.0);
-        assert!((end.clock.first_dt / (0.99 * limit) - 1.0).abs() < 1e-12, "{numbers}");
+        // Whole steps reach the end, so that they are up to one part in their number shorter.
+        let ratio = end.clock.first_dt / (0.99 * 2.0 * f64::sqrt(M / 40.0));
+        assert!((0.99..=1.0 + 1e-12).contains(&ratio), "{numbers}: {ratio}");
         assert!(most < 0.8 * V, "{numbers}: {most}");
     }
 }

@@ -62,6 +62,10 @@ pub fn check(job: &Job) -> Vec<Problem> {
             );
             problems.push(Problem::warning(format!("material.{index}.density"), message, help));
         }
+        // The modulus of a honeycomb is that of its walls, the density that of the whole.
+        if material.law == "honeycomb" {
+            continue;
+        }
         let Some(modulus) = youngs_modulus(material) else { continue };
         let speed = (modulus / material.density).sqrt() * units.length / units.time;
         if speed.is_finite() && speed > 0.0 && !wave_speeds(density).contains(&speed) {

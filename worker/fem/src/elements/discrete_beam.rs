@@ -47,7 +47,7 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Discrete(build),
 };
 
-type Rotation = UnitQuaternion<f64>;
+type AxesRotation = UnitQuaternion<f64>;
 
 /// Columns: 1 if it has started, else 0; rotation of the axes as a quaternion; displacement at the
 /// start and now [length], angles, in the axes; force on the second node and moments on both.
@@ -69,7 +69,7 @@ pub struct DiscreteBeam {
     mass: f64,
     inertia: f64,
     /// Rotation of the axes at the start.
-    axes: Rotation,
+    axes: AxesRotation,
     /// Weights of the nodes in the rotation of the axes.
     weights: [f64; ENDS],
     /// Functions of the displacement and of its rate, along r, s, t, then about them.
@@ -159,7 +159,7 @@ fn read(part: &Part) -> Result<DiscreteBeam, Vec<Problem>> {
     Ok(DiscreteBeam {
         mass: input.mass,
         inertia: input.inertia,
-        axes: Rotation::from_rotation_matrix(&Rotation3::from_basis_unchecked(&columns)),
+        axes: AxesRotation::from_rotation_matrix(&Rotation3::from_basis_unchecked(&columns)),
         weights: weights(input),
         elastic,
         viscous,
@@ -176,7 +176,7 @@ fn weights(input: &DiscreteBeamInput) -> [f64; ENDS] {
 }
 
 /// Positions at the end of the step, and velocities at its middle, of both nodes.
-struct Ends {
+struct NodeMotion {
     x: [V3; ENDS],
     v: [V3; ENDS],
     w: [V3; ENDS],
@@ -184,15 +184,15 @@ struct Ends {
 
 impl DiscreteBeam {
     /// Returns the force on the second node and the moments on both.
-    fn respond(&self, state: &mut [f64], ends: &Ends, dt: f64) -> [V3; 3] {
+    fn respond(&self, state: &mut [f64], ends: &NodeMotion, dt: f64) -> [V3; 3] {
         let between = ends.x[1] - ends.x[0];
         let first = state[STARTED] == 0.0;
         let turned = match first {
             true => self.axes,
             false => {
                 let rate = ends.w[0] * self.weights[0] + ends.w[1] * self.weights[1];
-                let now = Rotation::from_scaled_axis(rate * dt) * turn_at(&state[TURN..]);
-                Rotation::new_normalize(now.into_inner())
+                let now = AxesRotation::from_scaled_axis(rate * dt) * turn_at(&state[TURN..]);
+                AxesRotation::new_normalize(now.into_inner())
             }
         };
         state[TURN..TURN + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
@@ -242,8 +242,8 @@ impl DiscreteBeam {
     }
 }
 
-fn turn_at(columns: &[f64]) -> Rotation {
-    Rotation::new_unchecked(Quaternion::new(columns[0], columns[1], columns[2], columns[3]))
+fn turn_at(columns: &[f64]) -> AxesRotation {
+    AxesRotation::new_unchecked(Quaternion::new(columns[0], columns[1], columns[2], columns[3]))
 }
 
 impl Element for DiscreteBeam {
@@ -271,7 +271,7 @@ impl Element for DiscreteBeam {
         pass.one_by_one::<ENDS>(COLUMNS, |element, out| {
             let SingleElement { index, nodes: of_element, state, internal } = element;
             let at = |rows: &[[f64; 4]], c: usize| V3::from(xyz(&rows[of_element[c]]));
-            let ends = Ends {
+            let ends = NodeMotion {
                 x: [0, 1].map(|c| at(nodes.x, c)),
                 v: [0, 1].map(|c| at(nodes.v, c)),
                 w: [0, 1].map(|c| at(nodes.w, c)),

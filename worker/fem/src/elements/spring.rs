@@ -83,13 +83,13 @@ impl SpringLaw for PiecewiseLinear {
 }
 
 /// Reports a problem of a part: the key, what is wrong, and what to do.
-type AddProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
+type AddSpringProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
 
 /// Result of a row of [`LAWS`]; `None` if the law reported problems.
-type LawResult = Option<Box<dyn SpringLaw>>;
+type SpringLawResult = Option<Box<dyn SpringLaw>>;
 
 /// Laws with a memory: key in `[part.spring]`, and the law if the key is given.
-const LAWS: &[(&str, fn(&SpringInput, &mut AddProblem<'_>) -> Option<LawResult>)] = &[
+const LAWS: &[(&str, fn(&SpringInput, &mut AddSpringProblem<'_>) -> Option<SpringLawResult>)] = &[
     ("elastoplastic", |input, say| {
         Some(boxed(Plastic::elastoplastic(input.elastoplastic.as_ref()?, say)))
     }),
@@ -98,7 +98,7 @@ const LAWS: &[(&str, fn(&SpringInput, &mut AddProblem<'_>) -> Option<LawResult>)
     ("maxwell", |input, say| Some(boxed(Maxwell::new(input.maxwell.as_ref()?, say)))),
 ];
 
-fn boxed(law: Option<impl SpringLaw + 'static>) -> LawResult {
+fn boxed(law: Option<impl SpringLaw + 'static>) -> SpringLawResult {
     Some(Box::new(law?))
 }
 
@@ -205,7 +205,7 @@ fn number(
     value: f64,
     range: &str,
     fits: impl Fn(f64) -> bool,
-    say: &mut AddProblem<'_>,
+    say: &mut AddSpringProblem<'_>,
 ) -> bool {
     let sound = value.is_finite() && fits(value);
     if !sound {
@@ -216,7 +216,7 @@ fn number(
 }
 
 /// Reports the error in the points of a curve, if any. Returns true if there is none.
-fn points(key: &str, points: &[[f64; 2]], say: &mut AddProblem<'_>) -> bool {
+fn points(key: &str, points: &[[f64; 2]], say: &mut AddSpringProblem<'_>) -> bool {
     let name = key.rsplit('.').next().unwrap_or(key);
     let fault = match PiecewiseLinear::fault(points) {
         None if points.is_empty() => Some("has no points".into()),

@@ -83,16 +83,25 @@ pub const LAW: Law = Law {
             "Limit of the stress along a over the relative decrease of volume, positive in \
              compression [force/length^2].",
         ),
-        curve(CURVES[1], DefaultValue::Absent, "The same along b; `crush_a` if not given."),
-        curve(CURVES[2], DefaultValue::Absent, "The same along c; `crush_a` if not given."),
+        curve(
+            CURVES[1],
+            DefaultValue::Absent,
+            "The same along b; `crush_a` if not given [force/length^2].",
+        ),
+        curve(
+            CURVES[2],
+            DefaultValue::Absent,
+            "The same along c; `crush_a` if not given [force/length^2].",
+        ),
         curve(
             SHEAR,
             DefaultValue::Absent,
-            "The same of the shear stresses without a curve of their own; `crush_a` if not given.",
+            "The same of the shear stresses without a curve of their own; `crush_a` if not given \
+             [force/length^2].",
         ),
-        curve(CURVES[3], DefaultValue::Absent, "The same of the shear stress ab."),
-        curve(CURVES[4], DefaultValue::Absent, "The same of the shear stress bc."),
-        curve(CURVES[5], DefaultValue::Absent, "The same of the shear stress ca."),
+        curve(CURVES[3], DefaultValue::Absent, "The same of the shear stress ab [force/length^2]."),
+        curve(CURVES[4], DefaultValue::Absent, "The same of the shear stress bc [force/length^2]."),
+        curve(CURVES[5], DefaultValue::Absent, "The same of the shear stress ca [force/length^2]."),
         ParameterRow {
             key: "directional",
             form: Form::Flag,

@@ -22,7 +22,7 @@ pub(super) const LAWS: [&str; 8] = [
 const NEVER: f64 = 1e19;
 
 /// A law for the springs of a part.
-pub(super) struct SpringLaw<'a> {
+pub(super) struct SpringCard<'a> {
     /// Its card.
     pub card: &'a CardRecord,
     /// Id of the part.
@@ -31,7 +31,7 @@ pub(super) struct SpringLaw<'a> {
     pub scale: f64,
 }
 
-impl SpringLaw<'_> {
+impl SpringCard<'_> {
     /// Copies force-like numbers of the card, times the scale: pairs of field and key.
     fn scaled(&self, table: &mut JobTable, fields: &[(&str, &str)]) {
         for (field, key) in fields {
@@ -45,7 +45,7 @@ impl DeckConverter {
     /// `None` if a curve does not exist.
     pub(super) fn spring_law(
         &mut self,
-        law: &SpringLaw<'_>,
+        law: &SpringCard<'_>,
         spring: &mut JobTable,
     ) -> Option<&'static str> {
         let (card, mut own) = (law.card, JobTable::new(law.card.head));
@@ -114,7 +114,7 @@ impl DeckConverter {
     }
 
     /// Converts a law with a curve of loading and one of unloading.
-    fn two_curves(&mut self, law: &SpringLaw<'_>, own: &mut JobTable) -> Option<()> {
+    fn two_curves(&mut self, law: &SpringCard<'_>, own: &mut JobTable) -> Option<()> {
         let card = law.card;
         let beta = card.real("beta");
         if beta == 1.0 {
@@ -139,7 +139,7 @@ impl DeckConverter {
     /// the values that it should have points for.
     fn spring_curve(
         &mut self,
-        law: &SpringLaw<'_>,
+        law: &SpringCard<'_>,
         field: &str,
         below: Option<&str>,
     ) -> Option<(Vec<Vec<f64>>, Place)> {

@@ -3,7 +3,7 @@
 use super::DeckConverter;
 use super::sections::DeckSection;
 use super::sets::id;
-use super::spring_laws::{LAWS, SpringLaw};
+use super::spring_laws::{LAWS, SpringCard};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::ElemId;
@@ -153,7 +153,7 @@ impl DeckConverter {
                 self.unsupported_value(&section.record, "dro", why);
             }
         }
-        let Some(key) = self.spring_law(&SpringLaw { card: &law, pid, scale }, &mut spring) else {
+        let Some(key) = self.spring_law(&SpringCard { card: &law, pid, scale }, &mut spring) else {
             return;
         };
         if let Some(&(Some(direction), at)) = self.spring_directions.get(&pid) {

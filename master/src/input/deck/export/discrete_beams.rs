@@ -9,8 +9,8 @@ const AXES: [BeamAxis; 6] =
     [BeamAxis::R, BeamAxis::S, BeamAxis::T, BeamAxis::Rr, BeamAxis::Rs, BeamAxis::Rt];
 
 /// Writes a part with a section and an individual material `mid`. If some springs have tables, all
-/// become curves; the springs are then written after `$crumple:` too, and so are other axes than
-/// the global ones: cards do not keep all of their bits.
+/// become curves. Axes other than the global ones are written after `$crumple:` too: cards do not
+/// keep all of their bits.
 pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u64) {
     let id = u64::from(part.id);
     let of = |axis: BeamAxis| beam.spring.iter().find(|spring| spring.axis == axis);
@@ -26,7 +26,7 @@ pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u
             (Some((number, table)), true) if table.is_empty() => {
                 Id(points(deck, &[[-1.0, -number], [1.0, number]]))
             }
-            (Some((_, table)), true) => Id(points(deck, table)),
+            (Some((_, table)), true) => Id(points(deck, &unmirrored(table))),
         })
     });
     deck.keyword(match curves {
@@ -57,9 +57,18 @@ pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u
     deck.text(&line(&part.name));
     deck.card(&[Id(id), Id(id), Id(mid)]);
     let Ok(Value::Table(mut own)) = Value::try_from(beam) else { return };
-    own.retain(|key, _| key == "spring" && curves || key == "axes" && has_axes);
+    own.retain(|key, _| key == "axes" && has_axes);
     if !own.is_empty() {
         let entry = [("id".into(), Value::from(part.id)), ("discrete_beam".into(), own.into())];
         deck.entry("part", Table::from_iter(entry));
+    }
+}
+
+/// Returns the points of a table with one more before a first point at the origin: readers mirror
+/// curves that begin there.
+fn unmirrored(table: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    match table {
+        [[0.0, 0.0], [x, y], ..] => [&[[-x, -y]], table].concat(),
+        _ => table.to_vec(),
     }
 }

@@ -41,7 +41,7 @@ fn led(beam: &DiscreteBeam, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
         let before = places[k.saturating_sub(1)];
         let v = [0, 1].map(|c| x[c] - before[c]);
         let (w, dt) = if k == 0 { ([V3::zeros(); 2], 0.0) } else { (w[k - 1], 1.0) };
-        loads = beam.respond(&mut state, &Ends { x, v, w }, dt);
+        loads = beam.respond(&mut state, &NodeMotion { x, v, w }, dt);
     }
     loads
 }
@@ -54,7 +54,7 @@ const WAYS: [TurningNode; 3] = [TurningNode::Both, TurningNode::First, TurningNo
 fn no_rigid_motion_strains_it() {
     let axis = V3::new(1.0, -2.0, 0.5).normalize() * 0.4;
     let turned = |k: usize, p: V3| {
-        Rotation::from_scaled_axis(axis * k as f64) * p + V3::new(0.1, 0.2, -0.3) * k as f64
+        AxesRotation::from_scaled_axis(axis * k as f64) * p + V3::new(0.1, 0.2, -0.3) * k as f64
     };
     for ends in [[V3::new(1.0, 0.2, 0.0), V3::new(3.0, 0.5, 0.4)], [V3::new(1.0, 0.2, 0.0); 2]] {
         let places: Vec<[V3; 2]> = (0..=100).map(|k| ends.map(|p| turned(k, p))).collect();
@@ -75,7 +75,7 @@ fn each_axis_has_its_spring_and_damper() {
     let [r, s] = [V3::new(1.0, 1.0, 0.0).normalize(), V3::new(-1.0, 1.0, 1.0).normalize()];
     assert!((axes * V3::x() - r).norm() < 1e-15 && (axes * V3::y() - s).norm() < 1e-15);
     let (moved, bent) = (V3::new(0.01, -0.02, 0.03), V3::new(0.004, 0.005, -0.006));
-    for turn in [Rotation::identity(), Rotation::from_euler_angles(0.4, 1.2, -0.7)] {
+    for turn in [AxesRotation::identity(), AxesRotation::from_euler_angles(0.4, 1.2, -0.7)] {
         for line in [V3::zeros(), V3::new(2.0, 0.3, -0.5)] {
             let all = turn * axes;
             let start = [V3::new(0.1, 0.2, 0.3), V3::new(0.1, 0.2, 0.3) + line];
@@ -109,7 +109,7 @@ fn a_free_beam_is_stable_at_its_step() {
     let is_stable = |beam: &DiscreteBeam, length: f64, dt: f64| {
         let mut state = vec![0.0; COLUMNS];
         let small = |a: f64, b: f64, c: f64| V3::new(a, b, c) * 1e-7;
-        let mut ends = Ends {
+        let mut ends = NodeMotion {
             x: [V3::zeros(), V3::new(0.6, 0.0, 0.8) * length],
             v: [small(1.0, -2.0, 3.0), small(2.0, 1.0, -1.0)],
             w: [small(-1.0, 2.0, 1.0), small(1.0, 3.0, -2.0)],

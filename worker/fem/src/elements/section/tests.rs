@@ -1,7 +1,7 @@
 use super::*;
-use crumple_proto::job::LayerInput;
 use crate::elements::testing;
 use crate::materials::{self, LayerPoint};
+use crumple_proto::job::LayerInput;
 use crumple_proto::partition::Param;
 use nalgebra::{Matrix3, Vector3};
 

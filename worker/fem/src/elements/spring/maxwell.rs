@@ -16,7 +16,7 @@
 //! r)) = tanh(x/2)/(x/2) <= 1`, the step of the stiffness `K_0` is a bound. The dissipated power
 //! is `beta q^2/(K_0 - K_i)`, with ageing `beta (K_0 - K_i) e^(-beta t) s^2/2`.
 
-use super::{AddProblem, SpringLaw, number};
+use super::{AddSpringProblem, SpringLaw, number};
 use crumple_proto::job::MaxwellSpring;
 
 /// Columns: time since the start [time], elongation at the last step [length], q [force].
@@ -29,7 +29,7 @@ pub struct Maxwell(MaxwellSpring);
 
 impl Maxwell {
     /// Builds the law, or reports what is wrong.
-    pub fn new(input: &MaxwellSpring, say: &mut AddProblem<'_>) -> Option<Self> {
+    pub fn new(input: &MaxwellSpring, say: &mut AddSpringProblem<'_>) -> Option<Self> {
         let short = input.short_time_stiffness;
         let mut sound = true;
         let mut check = |key: &str, value: f64, range: &str, fits: &dyn Fn(f64) -> bool| {

@@ -25,7 +25,7 @@
 //!
 //! Left out: kinematic hardening; unloading curves that depend on where unloading begins.
 
-use super::{AddProblem, SpringLaw, number, points};
+use super::{AddSpringProblem, SpringLaw, number, points};
 use crate::piecewise_linear::PiecewiseLinear;
 use crumple_proto::job::{
     ElastoplasticSpring, HysteresisSpring, OneSidedSpring, SpringHardening, SpringSide,
@@ -54,7 +54,10 @@ pub struct Plastic {
 
 impl Plastic {
     /// Builds bilinear plasticity, or reports what is wrong.
-    pub fn elastoplastic(input: &ElastoplasticSpring, say: &mut AddProblem<'_>) -> Option<Self> {
+    pub fn elastoplastic(
+        input: &ElastoplasticSpring,
+        say: &mut AddSpringProblem<'_>,
+    ) -> Option<Self> {
         let ElastoplasticSpring { stiffness, tangent_stiffness, yield_force } = *input;
         let mut sound = number("elastoplastic.stiffness", stiffness, "above 0", |k| k > 0.0, say);
         sound &= number("elastoplastic.yield_force", yield_force, "above 0", |f| f > 0.0, say);
@@ -77,7 +80,7 @@ impl Plastic {
     }
 
     /// Builds a spring with two curves, or reports what is wrong.
-    pub fn hysteresis(input: &HysteresisSpring, say: &mut AddProblem<'_>) -> Option<Self> {
+    pub fn hysteresis(input: &HysteresisSpring, say: &mut AddSpringProblem<'_>) -> Option<Self> {
         let HysteresisSpring { loading, unloading, hardening, yield_forces } = input;
         let mut sound = points("hysteresis.loading", loading, say);
         sound &= points("hysteresis.unloading", unloading, say);
@@ -141,7 +144,7 @@ impl Plastic {
     }
 
     /// Builds a spring for tension or compression only, or reports what is wrong.
-    pub fn one_sided(input: &OneSidedSpring, say: &mut AddProblem<'_>) -> Option<Self> {
+    pub fn one_sided(input: &OneSidedSpring, say: &mut AddSpringProblem<'_>) -> Option<Self> {
         let OneSidedSpring { loading, unloading_stiffness, carries } = input;
         let mut sound = points("one_sided.loading", loading, say);
         sound &= number(
