@@ -87,8 +87,9 @@ fn dimension(letter: &str) -> Option<UnitPowers> {
         "l2" => [0, 2, 0],
         "l3" => [0, 3, 0],
         "l4" => [0, 4, 0],
-        // Inverse velocity.
+        // Inverse velocity, inverse cube of a stress.
         "1/v" => [0, -1, 1],
+        "1/p3" => [-3, 3, 6],
         _ => return None,
     })
 }
@@ -174,17 +175,18 @@ const ROLES: &[(&str, &str)] = &[
     (
         "MAT_FABRIC",
         "ro=d ea=p eb=p prba=1 prab=1 gab=p cse=1 el=p prl=1 lratio=1 damp=1 aopt=1 form=1 a1=@d \
-         a2=1 a3=1 beta=1",
+         a2=1 a3=1 v1=@d v2=1 v3=1 beta=1",
     ),
     (
         "MAT_ORTHOTROPIC_ELASTIC",
         "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p aopt=1 g=1 sigf=1 xp=@x a1=@d \
-         macf=1 ihis=1 v1=@d d1=@d beta=1 ref=1",
+         a2=1 a3=1 macf=1 ihis=1 v1=@d v2=1 v3=1 d1=@d beta=1 ref=1",
     ),
     (
         "MAT_ENHANCED_COMPOSITE_DAMAGE",
         "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p kf=1 aopt=1 2way=1 ti=1 xp=@x \
-         a1=@d mangle=1 v1=@d d1=@d dfailm=1 dfails=1 tfail=1 soft=1 fbrt=1 ycfac=1 dfailt=1 \
+         a1=@d a2=1 a3=1 mangle=1 v1=@d v2=1 v3=1 d1=@d dfailm=1 dfails=1 tfail=1 alph=1/p3 \
+         soft=1 fbrt=1 ycfac=1 dfailt=1 \
          dfailc=1 efs=1 xc=p xt=p yc=p yt=p sc=p crit=1 beta=1 pfl=1 epsf=1 epsr=1 tsmd=1 soft2=1 \
          slimt1=1 slimc1=1 slimt2=1 slimc2=1 slims=1 ncyred=1 softg=1 lcxc=#f:w:p lcxt=#f:w:p \
          lcyc=#f:w:p lcyt=#f:w:p lcsc=#f:w:p dt=1",
