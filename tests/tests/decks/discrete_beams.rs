@@ -77,7 +77,7 @@ fn exported_discrete_beams_are_the_same() {
     let [first, second] = [deck, again].map(|path| read(path.as_ref(), &[]).ok().expect("a deck"));
     (3..=4).for_each(|part| assert_eq!(beam(&first, part), beam(&second, part)));
     assert_eq!(digest(deck), digest(again));
-    let ended = run(crumple_with(&["export-deck", deck, "--out", radioss]));
+    let ended = run(crumple_with(&["convert", deck, radioss]));
     assert!(ended.said().contains("discrete beams cannot be written"), "{}", ended.said());
 }
 
