@@ -69,23 +69,28 @@ fi
 # The programs of the tests are installed while the workspace is built. Their paths and faults are
 # in this folder.
 found=$(mktemp -d)
-trap 'rm -rf "$found"' EXIT
+finding=
+trap '[[ -z $finding ]] || kill "$finding" 2>/dev/null || true; rm -rf "$found"' EXIT
 {
     if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
         python_with_vtk >"$found/python" || echo "no Python with pyvista" >>"$found/missing"
     fi
     has_chromium || crumple_install chromium || echo "no Chromium" >>"$found/missing"
 } &
+finding=$!
 # Compiles the binary too, with the features of the tests: `cargo build` would compile the libraries
 # a second time.
 cargo test --workspace --features "$features" --no-run
-wait $!
+wait "$finding"
+finding=
 if [[ -s $found/missing ]]; then
     while read -r what; do missing "$what"; done <"$found/missing"
 fi
 if [[ -s $found/python ]]; then
     CRUMPLE_PYTHON=$(<"$found/python")
     export CRUMPLE_PYTHON
+elif [[ -z ${CRUMPLE_PYTHON:-} ]]; then
+    unset CRUMPLE_PYTHON
 fi
 target=$(cargo metadata --format-version 1 --no-deps |
     sed 's/.*"target_directory":"\([^"]*\)".*/\1/')

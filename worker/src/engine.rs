@@ -482,8 +482,12 @@ impl Engine {
 /// are refused before the start.
 fn elasticity(settings: &Settings) -> Elasticity {
     let of = |part: &crumple_proto::job::Part| {
-        let material = settings.materials.iter().find(|m| m.name == part.material);
-        let elastic = material.and_then(|m| crate::fem::materials::elastic_of(m).ok());
+        // The stiffest layer counts.
+        let names = part.materials();
+        let materials = settings.materials.iter().filter(|m| names.contains(&m.name.as_str()));
+        let elastic = materials
+            .filter_map(|m| crate::fem::materials::elastic_of(m).ok())
+            .reduce(|a, b| if b.youngs_modulus > a.youngs_modulus { b } else { a });
         let fluid = part.particles.as_ref().map(|p| (p.bulk_modulus(), p.sound_speed));
         elastic.map_or(fluid.unwrap_or_default(), |elastic| {
             (elastic.youngs_modulus, elastic.plate_wave_speed())

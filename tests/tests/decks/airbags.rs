@@ -217,7 +217,6 @@ fn fabric_with_yarns_and_liner() {
         ("poisson", "0.1"),
         ("shear_modulus", "0.02"),
         ("direction", "[0.0, 0.0, 1.0]"),
-        ("angle", "30.0"),
         ("liner_fraction", "0.1"),
         ("liner_youngs_modulus", "0.05"),
         ("damping", "0.05"),

@@ -265,6 +265,13 @@ fn parts(
         }
         let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
         let id = u64::from(part.id);
+        if !part.layer.is_empty() && rigid.contains_key(&part.id) {
+            return Err(format!(
+                "part {}: a rigid part with layers cannot be written as a deck: give it a \
+                 thickness and a material with the mean density",
+                part.id
+            ));
+        }
         if !part.layer.is_empty() {
             let hourglass = hourglass(deck, part, shells);
             composites::part(deck, part, materials, hourglass);

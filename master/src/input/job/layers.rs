@@ -10,7 +10,14 @@ use crumple_worker::fem::materials::{MAX_LAYER_POINTS, MAX_POINTS};
 pub fn resolve(job: &mut Job, findings: &mut JobProblems) {
     for (index, part) in job.part.iter_mut().enumerate().filter(|(_, part)| !part.layer.is_empty())
     {
-        check(index, part, findings);
+        if !check(index, part, findings) {
+            // Valid values take the place of faulty ones, so that the rest of the job is checked.
+            part.layer.truncate(MAX_LAYER_POINTS);
+            for layer in &mut part.layer {
+                let thickness = Some(layer.thickness).filter(|t| *t > 0.0 && t.is_finite());
+                (layer.points, layer.thickness) = (1, thickness.unwrap_or(1.0));
+            }
+        }
         part.thickness = part.layer.iter().map(|layer| layer.thickness).sum();
         if part.material.is_empty() {
             let named = part.layer.iter().filter(|layer| !layer.material.is_empty());
@@ -20,7 +27,8 @@ pub fn resolve(job: &mut Job, findings: &mut JobProblems) {
     }
 }
 
-fn check(index: usize, part: &Part, findings: &mut JobProblems) {
+/// Returns true if the layers have valid points and thicknesses.
+fn check(index: usize, part: &Part, findings: &mut JobProblems) -> bool {
     let of = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
     let mut wrong = |key: &str, what: String, help: &str| {
         let path = format!("part.{index}.{key}");
@@ -56,6 +64,12 @@ fn check(index: usize, part: &Part, findings: &mut JobProblems) {
         let what = format!("its layers have {points} points, and at most 40 are possible");
         wrong("layer", what, help);
     }
+    let valid = |layer: &LayerInput| {
+        layer.thickness > 0.0
+            && layer.thickness.is_finite()
+            && (1..=MAX_POINTS).contains(&layer.points)
+    };
+    points <= MAX_LAYER_POINTS && part.layer.iter().all(valid)
 }
 
 #[cfg(test)]
@@ -96,6 +110,12 @@ mod tests {
             "layer 2 has no material",
             "layers.toml:",
         ] {
+            assert!(text.contains(wanted), "{wanted}: {text}");
+        }
+        for (points, wanted) in [("0", "has 0 points"), ("50", "has 50 points"), ("9", "45 points")]
+        {
+            let layer = format!("{{ thickness = 1.0, material = \"steel\", points = {points} }},");
+            let text = problems(&format!("layer = [{}]\n", layer.repeat(5)));
             assert!(text.contains(wanted), "{wanted}: {text}");
         }
         let text = problems(

@@ -4,7 +4,7 @@
 //! are one column, so that the element finds plastic strain, failure and directions as in a shell
 //! of one material.
 
-use super::{DIRECTION_COLUMNS, Elastic, MAX_POINTS, Orientation, PlaneStress, PointReal, Points};
+use super::{Elastic, MAX_POINTS, Orientation, PlaneStress, PointReal, Points};
 use crate::materials::plasticity::Plasticity;
 use crumple_math::lanes::{Lane, Lane32};
 
@@ -149,9 +149,9 @@ impl PlaneStress for Layered {
     }
     fn transverse_shear(&self, point: usize) -> Option<[f64; 2]> {
         let law = self.law_of(point);
-        // If the layers have axes, an isotropic one has its own modulus in both directions.
-        let has_axes = self.history.contains(&DIRECTION_COLUMNS[0]);
-        law.transverse_shear(point).or(has_axes.then(|| [law.elastic().shear_modulus(); 2]))
+        // Layers of several laws have their own moduli: the constants are those of the stiffest.
+        let own = || [law.elastic().shear_modulus(); 2];
+        law.transverse_shear(point).or((self.laws.len() > 1).then(own))
     }
     fn stabilising(&self) -> Elastic {
         self.stabilising

@@ -102,6 +102,17 @@ fn constants_of_layers() {
     assert_eq!(law.transverse_shear(1), Some([5.0, 3.0]));
 }
 
+/// Each isotropic layer has its own modulus of transverse shear, not that of the stiffest.
+#[test]
+fn isotropic_layers_have_their_own_transverse_shear() {
+    let soft = build(&material("elastic", &[("youngs_modulus", 2.0), ("poisson", 0.25)], &[]));
+    let points = vec![point(0, 1.0, 0.0), point(1, 2.0, 0.0)];
+    let law = layered(vec![steel(0.2), soft.unwrap()], points);
+    assert_eq!(law.transverse_shear(1), Some([0.8; 2]));
+    let of_steel = steel(0.2).elastic().shear_modulus();
+    assert_eq!(law.transverse_shear(0), Some([of_steel; 2]));
+}
+
 /// Layers of one law without angles are that law.
 #[test]
 fn one_law_remains_as_it_is() {

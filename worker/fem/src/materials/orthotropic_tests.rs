@@ -256,16 +256,21 @@ fn failure_dissipates() {
         let residual = Param::List(vec![0.2 + 0.8 * random(); 5]);
         let tsai_wu = ("tsai_wu", Param::Flag(run % 3 == 0));
         let law = failing(&numbers, &[("residual_strengths", residual), tsai_wu]);
-        let mut sheet = Sheet::new(law, random());
+        let angle = random();
+        let mut sheet = Sheet::new(law, if run % 4 < 2 { 0.0 } else { angle });
         let mut at = [0.0; 3];
+        // Half of the paths leave the fibres alone: the energy of the matrix is much smaller.
+        let of_matrix = run % 4 < 2;
         for _ in 0..6 {
-            let strain = [0.03, 0.06, 0.08].map(|size| size * (random() - 0.5));
+            let along = if of_matrix { 0.0 } else { 0.03 };
+            let strain = [along, 0.06, 0.08].map(|size| size * (random() - 0.5));
             at = std::array::from_fn(|c| at[c] + strain[c]);
             sheet.add(strain, 400);
         }
         sheet.add(at.map(|e| -e), 400);
         // Half a step of the trapezoidal rule over a drop to the residual strength.
-        assert!(sheet.work > -1e-3 * XT, "run {run}: {}", sheet.work);
+        let allowed = if of_matrix { 0.02 } else { 1e-3 * XT };
+        assert!(sheet.work > -allowed, "run {run}: {}", sheet.work);
     }
 }
 

@@ -72,23 +72,34 @@ impl DeckConverter {
                 self.unsupported_value(record, field, "plies next to failed elements keep theirs");
             }
         }
-        if chang {
-            positive(record, table, "beta", "shear_weight", 1.0);
-            positive(record, table, "alph", "shear_nonlinearity", 1.0);
-        } else {
+        positive(record, table, "beta", "shear_weight", 1.0);
+        positive(record, table, "alph", "shear_nonlinearity", 1.0);
+        if !chang {
             table.put("tsai_wu", record.place("crit"), true);
         }
         let [xt, yc] = ["xt", "yc"].map(|field| record.real(field));
         positive(record, table, "fbrt", "crushed_tension_a", xt);
         positive(record, table, "ycfac", "crushed_compression_a", yc);
-        positive(record, table, "dfailt", "failure_strain_tension_a", 1.0);
-        positive(record, table, "dfailc", "failure_strain_compression_a", -1.0);
-        if record.real("dfailt") > 0.0 {
+        let strains = ["dfailt", "dfailc", "dfailm", "dfails", "efs"];
+        let count = strains.iter().filter(|field| record.real(field) != 0.0).count();
+        let tension = record.real("dfailt") > 0.0;
+        if count > 0 && !(chang && (tension || count == 1 && record.real("efs") != 0.0)) {
+            self.map(
+                format!("material {}", record.integer("mid")),
+                "strains of failure with crit 55, or without dfailt",
+                "not used, except efs with crit 54: the format has them for crit 54 and dfailt",
+            );
+        }
+        if chang && tension {
+            positive(record, table, "dfailt", "failure_strain_tension_a", 1.0);
+            positive(record, table, "dfailc", "failure_strain_compression_a", -1.0);
             positive(record, table, "dfailm", "failure_strain_b", 1.0);
             // The format has the component of the tensor.
             positive(record, table, "dfails", "failure_strain_shear", 2.0);
         }
-        positive(record, table, "efs", "failure_strain_effective", 1.0);
+        if chang {
+            positive(record, table, "efs", "failure_strain_effective", 1.0);
+        }
         let limits = ["slimt1", "slimc1", "slimt2", "slimc2", "slims"];
         let limits = limits.map(|field| record.real(field));
         if limits != [0.0; 5] {
@@ -99,7 +110,14 @@ impl DeckConverter {
     /// Converts the directions of the material in a shell: along the nodes 1 and 2 (aopt 0), the
     /// vector a (2), or the vector v across the normal (3), turned by the angle in a field.
     pub(super) fn shell_axes(&mut self, record: &CardRecord, angle: &str, table: &mut JobTable) {
-        let mut turn = record.real(angle);
+        let mut turn = own_turn(record, angle);
+        if turn != record.real(angle) {
+            self.map(
+                format!("material {}", record.integer("mid")),
+                format!("{angle} {} with aopt 2", record.real(angle)),
+                "not used: it is for aopt 0 and 3",
+            );
+        }
         let vector = |names: [&str; 3]| names.map(|name| record.real(name));
         let (a, v) = (vector(["a1", "a2", "a3"]), vector(["v1", "v2", "v3"]));
         match record.real("aopt") {
@@ -122,6 +140,16 @@ impl DeckConverter {
         }
         if turn != 0.0 {
             table.put("angle", record.place(angle), turn);
+        }
+    }
+
+    /// Turns the shells of a part that have an angle of their own, which replaces that of the
+    /// material.
+    pub(super) fn replace_angles(&mut self, id: i64, material: &DeckMaterial) {
+        for shell in self.rows.shells.iter_mut().filter(|shell| i64::from(shell.part) == id) {
+            if shell.own.angle != 0.0 {
+                shell.own.angle -= material.turn;
+            }
         }
     }
 
@@ -188,6 +216,7 @@ impl DeckConverter {
                 shapes: shapes.get(&id).copied().unwrap_or_default(),
                 thickness: None,
             };
+            self.replace_angles(id, material);
             let section = DeckSection { kind: SectionKind::Shell, record: record.clone() };
             self.shell_offset(&record, &record, thickness, &mut table);
             self.shell_formulation(&record, &section, sections, elements, &mut table);
@@ -218,6 +247,11 @@ impl DeckConverter {
             self.map(of, format!("angles {angles:?}"), "not used: the material has no axes");
         }
     }
+}
+
+/// Returns the angle that a field gives a material; none with aopt 2 [degrees].
+pub fn own_turn(record: &CardRecord, angle: &str) -> f64 {
+    if record.real("aopt") == 2.0 { 0.0 } else { record.real(angle) }
 }
 
 /// Sets a key to a field times a factor, if the product is above zero.

@@ -22,6 +22,8 @@ pub struct DeckMaterial {
     pub elastic: bool,
     /// True if it has axes in the plane of a shell.
     pub has_axes: bool,
+    /// Angle of these axes that the angle of a shell replaces [degrees].
+    pub turn: f64,
     /// Limits of beams that are welds: normal and shear force [force], bending and torsional
     /// moment [force length]; with their place.
     pub weld: Option<([f64; 4], Place)>,
@@ -105,6 +107,13 @@ impl DeckConverter {
                     table,
                     rigid,
                     elastic,
+                    turn: match keyword {
+                        "MAT_ENHANCED_COMPOSITE_DAMAGE" => composites::own_turn(&record, "mangle"),
+                        "MAT_ORTHOTROPIC_ELASTIC" | "MAT_FABRIC" => {
+                            composites::own_turn(&record, "beta")
+                        }
+                        _ => 0.0,
+                    },
                     has_axes: is_ply || keyword == "MAT_FABRIC",
                     weld,
                     density,

@@ -261,7 +261,8 @@ impl Rows {
                 if options.contains(&"THICKNESS") && t.iter().any(|&t| t != 0.0) {
                     self.thickness.push((self.shells.len(), t));
                 }
-                angle = numbers.real(4);
+                // A reflection turns the normal.
+                angle = numbers.real(4) * if numbers.reflects() { -1.0 } else { 1.0 };
             }
             if let (Some(&last), true) = (pair.get(step - 1), has_offset) {
                 let mut numbers = start(cards, &row.cards[2].0, block, last);

@@ -47,6 +47,7 @@ impl DeckConverter {
         self.shell_offset(record, card, thickness, table);
         self.shell_formulation(record, section, sections, elements, table);
         self.angles_of_points(record, card, material, table);
+        self.replace_angles(id, material);
     }
 
     /// Gives a part its own material, whose density includes the mass per area of the section.

@@ -33,8 +33,12 @@ pub fn part(deck: &mut DeckWriter, part: &Part, materials: &[Material], hourglas
     }
 }
 
+/// Factor of a strength that is never reached.
+const NO_LIMIT: f64 = 1e20;
+
 /// Writes a ply as a card, and after `$crumple:` what the card cannot hold to the last bit.
-pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
+/// `turned` is true if shells have angles of their own, which replace that of the material.
+pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str, turned: bool) {
     let given = |key: &str| match material.parameters.get(key) {
         Some(Param::Number(x)) => *x,
         _ => 0.0,
@@ -55,13 +59,21 @@ pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
         0.0 => Blank,
         x => Number(-x),
     };
+    // A blank ycfac is 2. This one gives a strength above X_C, so that the law keeps X_C.
+    let no_crushing = match (given("strength_compression_a"), given("strength_compression_b")) {
+        (0.0, _) | (_, 0.0) => NO_LIMIT,
+        (xc, yc) => 2.0 * xc / yc,
+    };
     deck.keyword("MAT_ENHANCED_COMPOSITE_DAMAGE_TITLE");
     deck.text(title);
     let (ea, eb, nu) = (number("youngs_modulus"), number("youngs_modulus_b"), number("poisson"));
     deck.card(&[Id(mid), Number(material.density), ea, eb, Blank, nu]);
     let shear = ["shear_modulus", "shear_modulus_bc", "shear_modulus_ca"].map(number);
     deck.card(&[shear[0], shear[1], shear[2], Blank, aopt]);
-    deck.card(&[Blank, Blank, Blank, a1, a2, a3, number("angle")]);
+    // The format has no angle with aopt 2.
+    let has_angle = direction.is_empty() && !turned;
+    let angle = if has_angle { number("angle") } else { Blank };
+    deck.card(&[Blank, Blank, Blank, a1, a2, a3, angle]);
     let matrix: CardValue = number("failure_strain_b");
     deck.card(&[Blank, Blank, Blank, Blank, Blank, Blank, matrix]);
     deck.card(&[
@@ -69,7 +81,7 @@ pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
         number("shear_nonlinearity"),
         Blank,
         Blank,
-        Blank,
+        Number(no_crushing),
         number("failure_strain_tension_a"),
         negative("failure_strain_compression_a"),
         number("failure_strain_effective"),
@@ -88,13 +100,27 @@ pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
         deck.card(&[]);
         deck.card(&residual.iter().map(|&share| Number(share)).collect::<Vec<_>>());
     }
-    // Fields that depend on others here, or that are half of the value.
-    let others: Vec<(String, Value)> =
-        ["failure_strain_b", "failure_strain_shear", "crushed_tension_a", "crushed_compression_a"]
-            .iter()
-            .filter(|key| given(key) != 0.0)
-            .map(|key| (key.to_string(), given(key).into()))
-            .collect();
+    // Keys whose fields depend on others, are half of the value, or mean something else if they
+    // are zero.
+    let mut keys = vec![
+        "failure_strain_b",
+        "failure_strain_shear",
+        "crushed_tension_a",
+        "crushed_compression_a",
+    ];
+    if tsai_wu || given("failure_strain_tension_a") == 0.0 {
+        keys.extend(["failure_strain_tension_a", "failure_strain_compression_a"]);
+        keys.push("failure_strain_effective");
+    }
+    if !has_angle {
+        keys.push("angle");
+    }
+    let numbers = keys.into_iter().filter(|key| given(key) != 0.0);
+    let mut others: Vec<(String, Value)> =
+        numbers.map(|key| (key.to_string(), given(key).into())).collect();
+    if !residual.is_empty() && residual.iter().all(|share| *share == 0.0) {
+        others.push(("residual_strengths".into(), residual.clone().into()));
+    }
     if !others.is_empty() {
         deck.entry("material", std::iter::once(named(&material.name)).chain(others).collect());
     }

@@ -26,6 +26,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
         let has = |p: &Part| p.materials().contains(&m.name.as_str());
         model.job.part.iter().any(|p| has(p) && !rigid.contains_key(&p.id))
     };
+    let turned = model.mesh.elements.iter().any(|e| e.own.angle != 0.0);
     for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
         let number = |key: &str| match material.parameters.get(key) {
             Some(Param::Number(x)) => *x,
@@ -85,7 +86,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
             {
                 rubber(deck, material, mid, &title);
             }
-            "orthotropic" => composites::ply(deck, material, mid, &title),
+            "orthotropic" => composites::ply(deck, material, mid, &title, turned),
             "low_density_foam" => low_density_foam(deck, material, mid, &title),
             "j2" | "viscoelastic" | "crushable_foam" | "fabric" | "honeycomb" => {
                 deck.keyword("MAT_ELASTIC_TITLE");

@@ -73,7 +73,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `orthotropic` with its strengths, for shells: crit 54 is Chang-Chang, 55 Tsai-Wu; \
          ycfac yc and fbrt xt are the strengths along the fibres after compressive failure of the \
          matrix; slimt1 to slims are `residual_strengths`, 1 if all are 0; dfail and efs are the \
-         `failure_strain_...`. Strengths that are 0 are no limits",
+         `failure_strain_...`, for crit 54. Strengths that are 0 are no limits. A failed ply keeps \
+         its transverse shear stress until the element leaves",
     )
     .unused(&[
         OF_SOLIDS,

@@ -18,7 +18,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "shells of three or four nodes. THICKNESS and BETA add a second line; with THICKNESS a \
          shell gets the mean of its corner thicknesses, and a zero means that of the section. beta \
-         is its angle in `mesh.angles`, for materials with axes. \
+         is its angle in `mesh.angles`, for materials with axes: it replaces that of the material. \
          OFFSET adds another line and overrides nloc: it becomes `offset` of the part if it is the \
          same for all its shells, over their thickness, else the offset of each shell",
     )

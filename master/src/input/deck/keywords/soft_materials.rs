@@ -14,7 +14,7 @@ const REFERENCE: UnusedFields =
 const DAMPING: UnusedFields = ignored("damp", "the bulk viscosity of the elements damps");
 const OF_CONTACT: UnusedFields = no_effect("kcon", "contact finds its stiffness itself");
 
-const OF_HONEYCOMB: UnusedFields = no_effect("mu bulk", "the bulk viscosity of the elements acts");
+const OF_HONEYCOMB: UnusedFields = ignored("mu bulk", "the bulk viscosity of the elements acts");
 const OTHER_AXES: UnusedFields =
     no_effect("xp yp zp v1 v2 v3", "they are for axes by aopt 1, 3 and 4");
 

@@ -15,7 +15,7 @@ use crate::input::deck::number::shortest;
 use crate::input::deck::radioss::BEYOND;
 use crate::input::job::Model;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Time};
+use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Part, Time};
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -105,6 +105,15 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
         return Err(format!(
             "part {}: discrete beams cannot be written as a Radioss deck: remove them from the \
              mesh",
+            part.id
+        ));
+    }
+    let angled = |id: u32| model.mesh.elements.iter().any(|e| e.part == id && e.own.angle != 0.0);
+    let is_composite = |p: &&Part| !p.layer.is_empty() || !p.angles.is_empty() || angled(p.id);
+    if let Some(part) = model.settings.parts.iter().find(is_composite) {
+        return Err(format!(
+            "part {}: layers and angles of shells cannot be written as a Radioss deck: give it a \
+             thickness and one material without axes",
             part.id
         ));
     }

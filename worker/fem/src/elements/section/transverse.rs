@@ -4,8 +4,9 @@ use super::{SHEAR_CORRECTION, Section};
 use crumple_math::lanes::Real;
 
 impl Section {
-    /// Returns increments of the transverse shear stress as products: of a modulus, the mean over
-    /// the thickness in the axes of the points, and a strain.
+    /// Returns increments of the transverse shear stress as products with one, from moduli that are
+    /// means over the thickness in the axes of the points. In isotropic shells they are products of
+    /// a modulus and a strain, whose sum with the stress is rounded once.
     #[cold]
     #[inline(never)]
     pub(super) fn transverse_shear<R: Real>(
