@@ -88,8 +88,11 @@ type AddSpringProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
 /// Result of a row of [`LAWS`]; `None` if the law reported problems.
 type SpringLawResult = Option<Box<dyn SpringLaw>>;
 
-/// Laws with a memory: key in `[part.spring]`, and the law if the key is given.
-const LAWS: &[(&str, fn(&SpringInput, &mut AddSpringProblem<'_>) -> Option<SpringLawResult>)] = &[
+/// Builds a law with a memory if its key is given.
+type SpringConstructor = fn(&SpringInput, &mut AddSpringProblem<'_>) -> Option<SpringLawResult>;
+
+/// Laws with a memory: key in `[part.spring]`, and constructor.
+const LAWS: &[(&str, SpringConstructor)] = &[
     ("elastoplastic", |input, say| {
         Some(boxed(Plastic::elastoplastic(input.elastoplastic.as_ref()?, say)))
     }),

@@ -49,8 +49,8 @@ pub fn layered(
         return laws.remove(0);
     }
     // The section saves the first columns of laws with plastic flow before a step.
-    let flows = |law: &&Box<dyn PlaneStress>| law.history().contains(&"plastic_strain");
-    let (first, rest): (Vec<_>, Vec<_>) = laws.iter().partition(flows);
+    let flows = |law: &&dyn PlaneStress| law.history().contains(&"plastic_strain");
+    let (first, rest): (Vec<_>, Vec<_>) = laws.iter().map(|law| &**law).partition(flows);
     let mut history: Vec<&'static str> = Vec::new();
     for &name in first.iter().chain(&rest).flat_map(|law| law.history()) {
         if !history.contains(&name) {

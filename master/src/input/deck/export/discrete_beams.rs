@@ -4,6 +4,9 @@ use super::{Blank, CardValue, DeckWriter, Id, Number, line, points};
 use crumple_proto::job::{AxisSpring, BeamAxis, DiscreteBeamInput, Part, TurningNode};
 use toml::{Table, Value};
 
+/// Returns a coefficient and the table that replaces it.
+type LineOf = fn(&AxisSpring) -> (f64, &Vec<[f64; 2]>);
+
 /// Axes in the order of the cards.
 const AXES: [BeamAxis; 6] =
     [BeamAxis::R, BeamAxis::S, BeamAxis::T, BeamAxis::Rr, BeamAxis::Rs, BeamAxis::Rt];
@@ -16,7 +19,7 @@ pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u
     let of = |axis: BeamAxis| beam.spring.iter().find(|spring| spring.axis == axis);
     let curves =
         beam.spring.iter().any(|s| !(s.force_elongation.is_empty() && s.force_rate.is_empty()));
-    let lines: [fn(&AxisSpring) -> (f64, &Vec<[f64; 2]>); 2] =
+    let lines: [LineOf; 2] =
         [|s| (s.stiffness, &s.force_elongation), |s| (s.damping, &s.force_rate)];
     let fields = lines.map(|line| {
         AXES.map(|axis| match (of(axis).map(line), curves) {
