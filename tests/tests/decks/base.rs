@@ -27,6 +27,14 @@ pub fn with(lines: &str) -> Model {
     model_of(&format!("{BASE}{STEEL}{MOVES}{lines}"))
 }
 
+/// Returns the report of the base with an elastic material and these lines, which have errors.
+pub fn refused(lines: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{lines}*END\n")).unwrap();
+    read(&path, &[]).err().expect("errors").to_string()
+}
+
 /// Reads the base with these lines, and with `--set`.
 pub fn read_with(sets: &[&str], lines: &str) -> Model {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,6 @@
 //! Discrete beams in decks: cards and jobs, exports, errors. Units mm, ms, kg.
 
-use crate::base::{BASE, MOVES, STEEL, with};
+use crate::base::{BASE, MOVES, STEEL, refused, with};
 use crumple::input::job::{Model, read};
 use crumple_proto::job::{BeamAxis, DiscreteBeamInput, TurningNode};
 use crumple_proto::mesh::Shape;
@@ -20,14 +20,6 @@ const LAWS: &str = "*MAT_LINEAR_ELASTIC_DISCRETE_BEAM\n66,4.0e-3,0.5,0.0,0.25,,2
 fn beam(model: &Model, id: u32) -> DiscreteBeamInput {
     let part = model.job.part.iter().find(|part| part.id == id).expect("the part");
     part.discrete_beam.clone().expect("a discrete beam")
-}
-
-/// Returns the report of a deck with errors.
-fn refused(lines: &str) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("deck.k");
-    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{lines}*END\n")).unwrap();
-    read(&path, &[]).err().expect("errors").to_string()
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Springs with a memory in decks: cards and jobs, exports, errors. Units mm, ms, kg.
 
-use crate::base::{BASE, MOVES, STEEL, with};
+use crate::base::{BASE, MOVES, STEEL, refused, with};
 use crumple::input::job::{Model, read};
 use crumple_proto::job::{
     ElastoplasticSpring, HysteresisSpring, MaxwellSpring, OneSidedSpring, SpringHardening,
@@ -25,14 +25,6 @@ const LAWS: &str = "*MAT_SPRING_ELASTOPLASTIC\n13,4.0,0.5,0.75\n\
 fn spring(model: &Model, id: u32) -> SpringInput {
     let part = model.job.part.iter().find(|part| part.id == id).expect("the part");
     part.spring.clone().expect("a spring")
-}
-
-/// Returns the report of a deck with errors.
-fn refused(lines: &str) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("deck.k");
-    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{PARTS}{lines}*END\n")).unwrap();
-    read(&path, &[]).err().expect("errors").to_string()
 }
 
 #[test]
@@ -116,7 +108,7 @@ fn wrong_laws_are_named_at_their_lines() {
     let lines = "*MAT_SPRING_ELASTOPLASTIC\n13,4.0,5.0,-1.0\n\
                  *MAT_SPRING_GENERAL_NONLINEAR\n16,9,8\n\
                  *MAT_SPRING_MAXWELL\n17,4.0,6.0\n*MAT_SPRING_INELASTIC\n18,8\n";
-    let said = refused(lines);
+    let said = refused(&format!("{PARTS}{lines}"));
     let line = format!("{BASE}{STEEL}{MOVES}{PARTS}").lines().count() + 2;
     for what in [
         &format!("deck.k:{line}"),
@@ -129,9 +121,9 @@ fn wrong_laws_are_named_at_their_lines() {
         assert!(said.contains(what), "no {what} in\n{said}");
     }
     let kinematic = LAWS.replace("8,9,1.0", "8,9,0.5").replace("5.0,-1.0", "5.0,2.0");
-    let said = refused(&kinematic);
+    let said = refused(&format!("{PARTS}{kinematic}"));
     assert!(said.contains("`beta` = 0.5 is not supported: kinematic hardening"), "{said}");
     assert!(said.contains("`ctf` = 2 is not supported"), "{said}");
-    let said = refused(&LAWS.replace("16,8,9", "16,48,49"));
+    let said = refused(&format!("{PARTS}{}", LAWS.replace("16,8,9", "16,48,49")));
     assert!(said.contains("with the id 48") && said.contains("with the id 49"), "{said}");
 }

@@ -1,7 +1,7 @@
 //! Discrete beams compared with closed forms: frequencies, momentum, energy, the stable step, the
 //! same bits on any number of workers. Units of the closed forms.
 
-use super::springs::{Balance, model};
+use super::springs::{Balance, drift, model};
 use crumple::input::job::Model;
 use crumple_tests::{run_alone, run_side_by_side};
 use crumple_verification::scene::{Elastic, Scene};
@@ -94,18 +94,9 @@ fn free_nodes_keep_momentum() {
         );
         let nodes = [[0.0; 3], [1.0, 0.5, 0.2]];
         let model = job(nodes, &numbers, 30.0, ["safety = 0.1", rest]);
-        let (mut first, mut worst, mut balance) = (None, [0.0f64; 2], Balance::default());
-        run_alone(&model, |e| {
-            let (p, l) = momentum(&e.nodes);
-            let now = [p, l];
-            let first = *first.get_or_insert(now);
-            for k in 0..2 {
-                worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
-            }
-            balance.record(e);
-        });
+        let (worst, balance) = drift(&model);
         assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "{turns_with}: round-off: {worst:?}");
-        assert!(balance.worst < 1e-11, "{turns_with}, {damping}: {}", balance.worst);
+        assert!(balance < 1e-11, "{turns_with}, {damping}: {balance}");
     }
 }
 

@@ -35,6 +35,22 @@ pub fn model(scene: &Scene) -> Model {
     model.unwrap_or_else(|report| panic!("{report}"))
 }
 
+/// Runs a job. Returns the largest changes of momentum and angular momentum, and the largest error
+/// of the energy balance.
+pub fn drift(model: &Model) -> ([f64; 2], f64) {
+    let (mut first, mut worst, mut balance) = (None, [0.0f64; 2], Balance::default());
+    run_alone(model, |e| {
+        let (p, l) = momentum(&e.nodes);
+        let now = [p, l];
+        let first = *first.get_or_insert(now);
+        for k in 0..2 {
+            worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
+        }
+        balance.record(e);
+    });
+    (worst, balance.worst)
+}
+
 pub const HELD: &str = "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\"]\n";
 
 /// Error of the energy balance while the step is constant: velocities start at a whole time, and
@@ -127,20 +143,10 @@ fn free_masses_keep_momentum() {
         ([1, 2], "force_elongation = [[-1.0, -2.0], [0.0, 0.0], [0.5, 2.0], [1.0, 8.0]]"),
         ([1, 2], "damping = 0.1"),
     ];
-    let mut first = None;
-    let (mut worst, mut balance) = ([0.0f64; 2], Balance::default());
     let model = job(&[[0.0; 3], [1.0, 0.5, 0.0]], &springs, 30.0, ["safety = 0.1", rest]);
-    run_alone(&model, |e| {
-        let (p, l) = momentum(&e.nodes);
-        let now = [p, l];
-        let first = *first.get_or_insert(now);
-        for k in 0..2 {
-            worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
-        }
-        balance.record(e);
-    });
+    let (worst, balance) = drift(&model);
     assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "round-off of several thousand steps: {worst:?}");
-    assert!(balance.worst < 1e-11, "{}", balance.worst);
+    assert!(balance < 1e-11, "{balance}");
 }
 
 /// Eight masses in a ring with springs across: the step at full safety is stable, a step 1.8

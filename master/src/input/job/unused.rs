@@ -8,6 +8,7 @@ use crumple_proto::job::{ContactInput, Job, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::elements::formulation;
+use crumple_worker::fem::materials::{DIRECTION, LAWS};
 
 /// Keys of a part that only its shells use.
 const OF_SHELLS: [&str; 4] =
@@ -77,6 +78,29 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut JobProblems) 
                 findings.add(Problem::warning(format!("{path}.{key}"), message, help));
             }
         }
+        let has_axes = |name: &&str| {
+            let material = job.material.iter().find(|m| m.name == **name);
+            let law = material.and_then(|m| LAWS.iter().find(|law| law.name == m.law));
+            // Unknown materials are reported elsewhere.
+            law.is_none_or(|law| law.parameters.iter().any(|row| row.key == DIRECTION.key))
+        };
+        let turned = [
+            ("angles", part.angles.iter().any(|angle| *angle != 0.0)),
+            ("layer", part.layer.iter().any(|layer| layer.angle != 0.0)),
+        ];
+        for (key, _) in turned.into_iter().filter(|(key, any)| *any && written(table, &path, key)) {
+            if !part.materials().iter().any(has_axes) {
+                let message =
+                    format!("no material of part {} has axes that angles could turn", part.id);
+                let help = "remove the angles, or use a law with `direction`, such as orthotropic";
+                findings.add(Problem::warning(format!("{path}.{key}"), message, help));
+            }
+        }
+        if !part.layer.is_empty() && written(table, &path, "points") {
+            let message = format!("part {} has layers and does not use `points`", part.id);
+            let help = "remove it: each layer has its `points`";
+            findings.add(Problem::warning(format!("{path}.points"), message, help));
+        }
         for element_key in element_keys().iter().filter(|k| written(table, &path, k.key)) {
             let key = element_key.key;
             if let Some(help) = reason_without_effect(element_key, part, used) {
@@ -106,6 +130,25 @@ mod tests {
             .filter(|w| w.message.contains("use"))
             .map(|w| w.path.clone())
             .collect()
+    }
+
+    /// Angles turn nothing if no material has axes, and layers have their own points.
+    #[test]
+    fn angles_without_axes_are_reported() {
+        let tube = include_str!("../../../../cases/composite-tube/job.toml");
+        let found = |text: &str| {
+            let model = read_text("job.toml".into(), text.to_string(), &[]);
+            let model = model.unwrap_or_else(|report| panic!("{report}"));
+            let paths = model.warnings.iter().map(|w| w.path.clone());
+            paths.filter(|path| path.starts_with("part.")).collect::<Vec<_>>()
+        };
+        assert_eq!(found(tube), [""; 0]);
+        let (from, to) = (tube.find("[[material]]").unwrap(), tube.find("[[part]]").unwrap());
+        let steel = "[[material]]\nname = \"ply\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+                     youngs_modulus = 210.0\npoisson = 0.3\n";
+        let of_steel = format!("{}{steel}{}", &tube[..from], &tube[to..]);
+        let of_steel = of_steel.replace("layer = [", "points = 3\nlayer = [");
+        assert_eq!(found(&of_steel), ["part.0.layer", "part.0.points"]);
     }
 
     /// Solids have no thickness, so a thickness of theirs is reported.

@@ -25,6 +25,7 @@
 mod tests;
 
 use super::section::label;
+use super::spring::{ELONGATION, RATE, force_line};
 use super::{
     Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
     PassTotals, SingleElement,
@@ -134,25 +135,9 @@ fn read(part: &Part) -> Result<DiscreteBeam, Vec<Problem>> {
         if std::mem::replace(&mut seen[axis], true) {
             wrong("axis", "an axis has two springs".into(), "give each axis one spring");
         }
-        let lines = [
-            ("force_elongation", "stiffness", spring.stiffness, &spring.force_elongation),
-            ("force_rate", "damping", spring.damping, &spring.force_rate),
-        ];
-        for (line, (key, other, number, points)) in
-            [&mut elastic[axis], &mut viscous[axis]].into_iter().zip(lines)
-        {
-            if !(number >= 0.0 && number.is_finite()) {
-                wrong(other, format!("{other} is {number}"), "it has to be 0 or above");
-            } else if number != 0.0 && !points.is_empty() {
-                let what = format!("a spring has both {key} and {other}");
-                wrong(key, what, "give one of them");
-            } else if let Some(fault) = PiecewiseLinear::fault(points) {
-                let help = "give at least two points with ascending first numbers";
-                wrong(key, format!("{key} {fault}"), help);
-            } else {
-                *line = PiecewiseLinear::new(points, number);
-            }
-        }
+        let (stiffness, damping) = (spring.stiffness, spring.damping);
+        elastic[axis] = force_line(ELONGATION, stiffness, &spring.force_elongation, &mut wrong);
+        viscous[axis] = force_line(RATE, damping, &spring.force_rate, &mut wrong);
     }
     let (Some((r, s)), true) = (axes, problems.is_empty()) else { return Err(problems) };
     let columns = [r, s, r.cross(&s)];

@@ -132,29 +132,16 @@ fn build(part: &Part) -> ElementResult {
     if part.element.is_some() {
         say("element", "a part of springs has one formulation".into(), "remove `element`");
     }
-    for (key, value) in [("stiffness", spring.stiffness), ("damping", spring.damping)] {
-        if value < 0.0 {
-            say(&format!("spring.{key}"), format!("{key} is {value}"), "it has to be 0 or above");
-        }
-    }
-    let both = |number: f64, points: &[[f64; 2]]| number != 0.0 && !points.is_empty();
-    let lines = [
-        ("force_elongation", "stiffness", spring.stiffness, &spring.force_elongation),
-        ("force_rate", "damping", spring.damping, &spring.force_rate),
-    ];
-    for (key, other, number, points) in lines {
-        if both(number, points) {
-            say(
-                &format!("spring.{key}"),
-                format!("a spring has both {key} and {other}"),
-                "give one of them",
-            );
-        }
-        if let Some(fault) = PiecewiseLinear::fault(points) {
-            let help = "give at least two points with ascending first numbers";
-            say(&format!("spring.{key}"), format!("{key} {fault}"), help);
-        }
-    }
+    let [elastic, viscous] = [
+        (ELONGATION, spring.stiffness, &spring.force_elongation),
+        (RATE, spring.damping, &spring.force_rate),
+    ]
+    .map(|(keys, number, points)| {
+        let mut own = |key: &str, what: String, help: &str| {
+            say(&format!("spring.{key}"), what, help);
+        };
+        force_line(keys, number, points, &mut own)
+    });
     let mut laws = Vec::new();
     for (key, law) in LAWS {
         let mut own = |key: &str, what: String, help: &str| {
@@ -162,10 +149,10 @@ fn build(part: &Part) -> ElementResult {
         };
         laws.extend(law(spring, &mut own).map(|law| (*key, law)));
     }
-    let elastic = [(spring.stiffness != 0.0, "stiffness")];
-    let elastic = elastic.into_iter().chain([(!spring.force_elongation.is_empty(), lines[0].0)]);
-    let elastic = elastic.filter_map(|(given, key)| given.then_some(key));
-    let given: Vec<&str> = laws.iter().map(|law| law.0).chain(elastic).collect();
+    let of_elongation = [!spring.force_elongation.is_empty(), spring.stiffness != 0.0];
+    let of_elongation = ELONGATION.into_iter().zip(of_elongation);
+    let of_elongation = of_elongation.filter_map(|(key, given)| given.then_some(key));
+    let given: Vec<&str> = laws.iter().map(|law| law.0).chain(of_elongation).collect();
     if !laws.is_empty() && given.len() > 1 {
         let what = format!("a spring has both {} and {}", given[0], given[1]);
         say(&format!("spring.{}", given[0]), what, "give one of them");
@@ -173,7 +160,8 @@ fn build(part: &Part) -> ElementResult {
     if laws.is_empty()
         && spring.stiffness == 0.0
         && spring.damping == 0.0
-        && lines.iter().all(|l| l.3.is_empty())
+        && spring.force_elongation.is_empty()
+        && spring.force_rate.is_empty()
     {
         say(
             "spring",
@@ -192,14 +180,36 @@ fn build(part: &Part) -> ElementResult {
     if !problems.is_empty() {
         return Err(problems);
     }
-    let elastic =
-        || Box::new(PiecewiseLinear::new(&spring.force_elongation, spring.stiffness)) as _;
     Ok(Box::new(Spring {
-        elongation: laws.pop().and_then(|law| law.1).unwrap_or_else(elastic),
-        rate: PiecewiseLinear::new(&spring.force_rate, spring.damping),
+        elongation: laws.pop().and_then(|law| law.1).unwrap_or_else(|| Box::new(elastic)),
+        rate: viscous,
         direction: direction.flatten(),
         rotational: spring.rotational,
     }))
+}
+
+/// Keys of the force over the elongation and over its rate: the table, and the coefficient that
+/// stands for a straight line.
+pub(super) const ELONGATION: [&str; 2] = ["force_elongation", "stiffness"];
+pub(super) const RATE: [&str; 2] = ["force_rate", "damping"];
+
+/// Returns the line of a table or a coefficient with these `keys`; without force after reporting a
+/// problem.
+pub(super) fn force_line(
+    [table, coefficient]: [&str; 2],
+    value: f64,
+    points: &[[f64; 2]],
+    say: &mut AddSpringProblem<'_>,
+) -> PiecewiseLinear {
+    let mut sound = number(coefficient, value, "0 or above", |value| value >= 0.0, say);
+    if value != 0.0 && !points.is_empty() {
+        say(table, format!("a spring has both {table} and {coefficient}"), "give one of them");
+        sound = false;
+    }
+    if !points.is_empty() && !self::points(table, points, say) {
+        sound = false;
+    }
+    if sound { PiecewiseLinear::new(points, value) } else { PiecewiseLinear::new(&[], 0.0) }
 }
 
 /// Reports a number that is not in its range, or not finite. Returns true if it is.

@@ -1,7 +1,7 @@
 //! Axes a and b of a material in the plane of a shell, and its elastic constants along them.
 //!
 //! The axes are fixed in the axes of the element, which turn with it. With nu_ab/E_a = nu_ba/E_b
-//! (Jones, Mechanics of Composite Materials, 2nd ed., sec. 2.4):
+//! (Jones, Mechanics of Composite Materials, 2nd ed., ch. 2):
 //! ```text
 //! s_a = C_aa e_a + C_ab e_b,  s_b = C_ab e_a + C_bb e_b,  s_ab = G g_ab
 //! C_aa = E_a/(1 - nu_ab nu_ba),  C_ab = nu_ba C_aa,  C_bb = E_b/(1 - nu_ab nu_ba)

@@ -25,6 +25,12 @@
 //! limited, since a limited stress falls with its curve where the volume grows, and beta' with the
 //! compaction of a next step like this one. With `directional` each slope counts once, times
 //! lambda_i, or 2 of a shear.
+//!
+//! Valid for cells whose walls carry the stress of each direction on their own, with a compacted
+//! solid that is stiffer than the cells.
+//!
+//! Left out: yield surfaces over the angle to the axes, damage in shear, factors of the rate for
+//! each component.
 
 use super::parameters::Parameters;
 use super::polyline::{Beyond, RampCurve};

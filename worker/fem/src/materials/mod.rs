@@ -24,7 +24,7 @@ pub(crate) mod tensor;
 mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
-pub use axes::{DIRECTION_COLUMNS, Orientation};
+pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
 pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};

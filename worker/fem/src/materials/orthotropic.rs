@@ -1,6 +1,6 @@
 //! Orthotropic plies of fibre composites: elastic along their axes a (fibres) and b (matrix), and
-//! failing by the criteria of Chang & Chang (1987, J. Compos. Mater. 21, eqs. 12 to 24) or, in the
-//! matrix, of Tsai & Wu (1971, J. Compos. Mater. 5).
+//! failing by the criteria of Chang & Chang (1987, J. Compos. Mater. 21) or, in the matrix, of
+//! Tsai & Wu (1971, J. Compos. Mater. 5).
 //!
 //! With the strengths X_T, X_C along a, Y_T, Y_C along b and S in shear a stress is on its limit if
 //! ```text
@@ -18,7 +18,13 @@
 //! strengths along a may be lower.
 //!
 //! A ply fails, and loses all its stress, at the largest strains; without one for tension along a,
-//! when X_T is reached. Shear is `g = t/G + alpha t^3` (Chang & Chang, eq. 4).
+//! when X_T is reached. Shear is `g = t/G + alpha t^3` (Chang & Chang 1987).
+//!
+//! Valid for plies in plane stress with strains of a few per cent, since the increments are summed
+//! along axes that are fixed in the element.
+//!
+//! Left out: strengths over the strain rate, lower strengths next to failed elements, failure by
+//! transverse shear, delamination, the strain through the thickness.
 
 use super::axes::{
     ANGLE, DIRECTION, DIRECTION_COLUMNS, Orientation, Orthotropic, linear, strain_along,

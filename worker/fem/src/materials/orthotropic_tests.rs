@@ -90,7 +90,7 @@ fn assert_near(stress: [f64; 3], wanted: [f64; 3], what: &str) {
 }
 
 /// Young's modulus at an angle to the fibres: Jones, Mechanics of Composite Materials, 2nd ed.,
-/// eq. 2.97.
+/// ch. 2.
 #[test]
 fn modulus_off_the_axes() {
     let [(_, ea), (_, eb), (_, nu), (_, g)] = PLY;

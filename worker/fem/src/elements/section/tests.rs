@@ -22,7 +22,7 @@ fn gauss_points_integrate_what_they_should() {
 }
 
 /// A laminate [0/45/-45/90] with plies of different thickness has the stiffness A, B, D of laminate
-/// theory (Jones, Mechanics of Composite Materials, 2nd ed., eqs. 4.24, 4.25), and the
+/// theory (Jones, Mechanics of Composite Materials, 2nd ed., ch. 4), and the
 /// transverse shear stiffness 5/6 of the turned moduli; its axis a starts along a direction.
 #[test]
 fn layers_have_the_stiffness_of_laminate_theory() {
