@@ -5,7 +5,6 @@ use super::springs::{Balance, drift, model};
 use crumple::input::job::Model;
 use crumple_tests::{run_alone, run_side_by_side};
 use crumple_verification::scene::{Elastic, Scene};
-use crumple_worker::energy::momentum;
 
 /// Returns a discrete beam between two nodes, with the sets `n1` and `n2`; `numbers` are the
 /// contents of `[part.discrete_beam]`, `rest` is the rest of the job.
