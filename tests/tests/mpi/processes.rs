@@ -6,7 +6,7 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 const JEEP: [&str; 6] =
-    ["run", "cases/jeep-frame", "--end-time", "3", "--set", "output.field_interval=-1"];
+    ["run", "cases/jeep-frame", "--end-time", "2", "--set", "output.field_interval=-1"];
 const TUMBLE: [&str; 4] = ["run", "cases/tumble", "--set", "output.field_interval=-1"];
 /// A run that is stopped long before its end time.
 const LONG: [&str; 5] =
