@@ -1,6 +1,7 @@
 //! Writes parts with layers and plies as cards.
 
-use super::{Blank, CardValue, DeckWriter, Id, Number, elform, line, named};
+use super::parts::elform;
+use super::{Blank, CardValue, DeckWriter, Id, Number, line, named};
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
 use toml::{Table, Value};

@@ -71,7 +71,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
                 deck.card(&[]);
                 if h > 0.0 {
                     // The tangent modulus alone does not reproduce it to the last bit.
-                    deck.entry(
+                    deck.digits(
                         "material",
                         Table::from_iter([
                             named(&material.name),
