@@ -13,12 +13,15 @@ mod curves;
 mod discrete_beams;
 mod faces;
 mod histories;
+mod initial;
 mod joints;
 mod loads;
 mod materials;
 mod mesh;
+mod metals;
 mod parts;
 mod rest;
+mod soft_materials;
 mod springs;
 mod switches;
 mod walls;
@@ -70,12 +73,12 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let mut next = 1 + model.settings.materials.len() as u64;
     let bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
     next += bodies.materials.len() as u64;
-    materials::write(&mut deck, model, &bodies.materials);
-    parts::write(&mut deck, model, &bodies.materials, next)?;
+    let equations = materials::write(&mut deck, model, &bodies.materials);
+    parts::write(&mut deck, model, &bodies.materials, &equations, next)?;
     let sets = node_sets(&mut deck, model);
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
     let mut curves = TimeCurves::new(job);
-    initial(&mut deck, job, set);
+    initial::write(&mut deck, job, set);
     loads::gravity(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
     faces::pressures(&mut deck, model, &mut curves);
@@ -135,31 +138,6 @@ fn node_sets<'m>(deck: &mut DeckWriter, model: &'m Model) -> BTreeMap<&'m str, u
         ids.insert(name.as_str(), id);
     }
     ids
-}
-
-/// Writes the initial state of the model: masses, constraints, velocities.
-fn initial(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) {
-    for (mass, id) in job.mass.iter().zip(1..) {
-        deck.keyword("ELEMENT_MASS_NODE_SET");
-        deck.card(&[Id(id), set(&mass.nodes), Number(mass.mass)]);
-    }
-    for fix in &job.fix {
-        deck.keyword("BOUNDARY_SPC_SET");
-        let held = ["x", "y", "z", "rx", "ry", "rz"]
-            .map(|d| Id(u64::from(fix.dofs.iter().any(|f| f == d))));
-        deck.card(&[&[set(&fix.nodes), Blank], held.as_slice()].concat());
-    }
-    // Rotational velocities are vectors, but cards have a unit vector and a speed, which differ
-    // in the last bit.
-    let plain = job.initial_velocity.iter().all(|v| v.spin == [0.0; 3]);
-    for initial in job.initial_velocity.iter().filter(|_| plain) {
-        deck.keyword("INITIAL_VELOCITY");
-        deck.card(&[initial.nodes.as_deref().map_or(Blank, &set)]);
-        deck.card(&initial.velocity.map(Number));
-    }
-    if !plain {
-        list(deck, "initial_velocity", &job.initial_velocity);
-    }
 }
 
 /// Runs `crumple export-deck` and returns the exit code.

@@ -239,13 +239,16 @@ fn leaking(
     if let Some(vent) = vents.orifices.first() {
         let coefficient = vent.coefficient.unwrap_or(1.0);
         whole &= coefficient > 0.0;
-        fields = [Number(coefficient), match vent.area {
-            Some(area) => {
-                whole &= area > 0.0;
-                Number(area)
-            }
-            None => Number(-(points(deck, &vent.area_over_pressure) as f64)),
-        }];
+        fields = [
+            Number(coefficient),
+            match vent.area {
+                Some(area) => {
+                    whole &= area > 0.0;
+                    Number(area)
+                }
+                None => Number(-(points(deck, &vent.area_over_pressure) as f64)),
+            },
+        ];
     }
     let rate = vents.by_rate.map(|vent| vec![Id(points(deck, &vent.rate_over_pressure))]);
     if !whole {
@@ -264,7 +267,8 @@ fn filled(
     curves: &mut TimeCurves<'_>,
     exact: &mut Table,
 ) -> Vec<Vec<CardValue>> {
-    let mut factor = |deck: &mut DeckWriter, curve: &Option<String>, scale: f64| match scale == 1.0 {
+    let mut factor = |deck: &mut DeckWriter, curve: &Option<String>, scale: f64| match scale == 1.0
+    {
         true => curves.id(deck, curve.as_deref()),
         false => curves.scaled(deck, curve.as_deref(), scale),
     };

@@ -5,7 +5,7 @@ use super::{
     Blank, CardValue, DeckWriter, Id, LeftReason, Number, TimeCurves, line, list, named, switches,
 };
 use crate::input::job::Model;
-use crumple_proto::job::{Job, MotionInput, Rigid};
+use crumple_proto::job::{CurveInput, Job, MotionInput, Rigid};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -130,30 +130,48 @@ pub fn write(
             deck.note("rigid.name", LeftReason::Lost, renamed);
         }
     }
-    let cards: Option<Vec<MotionCard>> =
-        job.motion.iter().map(|motion| card(motion, bodies)).collect();
-    let Some(cards) = cards.filter(|cards| cards.is_sorted_by_key(|c| c.of_body)) else {
+    motions(deck, job, bodies, set, curves);
+}
+
+/// Writes motions, a card for each degree of freedom. None is written as a card if one has none, or
+/// if a reader would change their order.
+fn motions(
+    deck: &mut DeckWriter,
+    job: &Job,
+    bodies: &DeckBodies,
+    set: impl Fn(&str) -> CardValue,
+    curves: &mut TimeCurves<'_>,
+) {
+    let cards: Option<Vec<Vec<MotionCard>>> =
+        job.motion.iter().map(|motion| cards_of(motion, job, bodies)).collect();
+    let in_order = job.motion.iter().is_sorted_by_key(|motion| motion.rigid.is_some());
+    let Some(cards) = cards.filter(|_| in_order) else {
         let renamed = |motion: &MotionInput| {
             let rigid = motion.rigid.as_ref().map(|name| bodies.name(name).to_string());
             MotionInput { rigid, ..motion.clone() }
         };
         return list(deck, "motion", &job.motion.iter().map(renamed).collect::<Vec<_>>());
     };
-    for (motion, card) in job.motion.iter().zip(cards) {
-        let curve = curves.id(deck, motion.curve.as_deref());
+    for (motion, cards) in job.motion.iter().zip(cards) {
         let of = motion.nodes.as_deref().map(&set);
-        deck.keyword(if card.of_body {
-            "BOUNDARY_PRESCRIBED_MOTION_RIGID"
-        } else {
-            "BOUNDARY_PRESCRIBED_MOTION_SET"
-        });
         let body = motion.rigid.as_deref().and_then(|body| bodies.part(body));
         let of = of.unwrap_or(Id(body.unwrap_or(0)));
-        let mut fields = vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)];
-        if motion.birth > 0.0 || motion.death.is_some() {
-            fields.extend([Blank, motion.death.map_or(Blank, Number), Number(motion.birth)]);
+        for card in cards {
+            // A factor of 0 means 1.
+            let (curve, amount) = match card.amount {
+                0.0 => (curves.scaled(deck, None, 0.0), 1.0),
+                amount => (curves.id(deck, motion.curve.as_deref()), amount),
+            };
+            deck.keyword(match motion.rigid {
+                Some(_) => "BOUNDARY_PRESCRIBED_MOTION_RIGID",
+                None => "BOUNDARY_PRESCRIBED_MOTION_SET",
+            });
+            let mut fields = vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(amount)];
+            if motion.birth > 0.0 || motion.death.is_some() {
+                fields.extend([Blank, motion.death.map_or(Blank, Number), Number(motion.birth)]);
+            }
+            deck.card(&fields);
         }
-        deck.card(&fields);
     }
 }
 
@@ -211,29 +229,38 @@ fn join(
 
 /// A motion of one degree of freedom.
 struct MotionCard {
-    of_body: bool,
     dof: u64,
     vad: u64,
     amount: f64,
 }
 
-fn card(motion: &MotionInput, bodies: &DeckBodies) -> Option<MotionCard> {
-    let of_body = motion.rigid.is_some();
-    if motion.rigid.as_ref().is_some_and(|name| !bodies.parts.contains_key(name)) {
+/// Returns the cards of a motion; `None` if it has none: rotations that are fixed, and those of
+/// nodes about a centre.
+fn cards_of(motion: &MotionInput, job: &Job, bodies: &DeckBodies) -> Option<Vec<MotionCard>> {
+    // A reader moves the start of the curve to the birth.
+    let moves = |curve: &CurveInput| curve.points.first().is_some_and(|p| p[0] != motion.birth);
+    let mut own = job.curve.iter().filter(|curve| Some(&curve.name) == motion.curve.as_ref());
+    if motion.birth > 0.0 && own.any(moves) {
         return None;
     }
-    let [dof] = motion.dofs.as_slice() else { return None };
-    let axis = DOFS.iter().position(|d| d == dof)?;
+    if motion.rigid.as_ref().is_some_and(|name| bodies.part(name).is_none()) {
+        return None;
+    }
     let (vad, v, first) =
         match (motion.velocity, motion.acceleration, motion.displacement, motion.spin) {
             (Some(v), None, None, None) => (0, v, 0),
             (None, Some(a), None, None) => (1, a, 0),
             (None, None, Some(u), None) => (2, u, 0),
-            (None, None, None, Some(w)) if of_body => (0, w, 3),
+            (None, None, None, Some(w)) if motion.rigid.is_some() => (0, w, 3),
             _ => return None,
         };
-    let along = axis.checked_sub(first).filter(|&c| c < 3)?;
-    let alone = v[along] != 0.0 && (0..3).all(|c| c == along || v[c] == 0.0);
-    let dof = (along + if first == 0 { 1 } else { 5 }) as u64;
-    alone.then_some(MotionCard { of_body, dof, vad, amount: v[along] })
+    let default: Vec<String> = DOFS[first..first + 3].iter().map(|d| d.to_string()).collect();
+    let dofs = if motion.dofs.is_empty() { &default } else { &motion.dofs };
+    let card = |dof: &String| {
+        let axis = DOFS.iter().position(|d| d == dof)?;
+        let along = axis.checked_sub(first).filter(|&c| c < 3)?;
+        let dof = (along + if first == 0 { 1 } else { 5 }) as u64;
+        Some(MotionCard { dof, vad, amount: v[along] })
+    };
+    dofs.iter().map(card).collect()
 }

@@ -16,7 +16,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model) {
     let discrete: BTreeSet<u32> =
         model.settings.parts.iter().filter(|p| p.discrete_beam.is_some()).map(|p| p.id).collect();
     let springs = model.mesh.elements.iter().filter(|e| !discrete.contains(&e.part));
-    springs::elements(deck, springs);
+    springs::elements(deck, springs, &model.settings.parts);
     beams::elements(deck, model, &discrete);
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
         let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
@@ -71,4 +71,3 @@ fn write_element(deck: &mut DeckWriter, element: &MeshElement, parts: &[Part]) {
         deck.card(&[Number(0.5 * offset * thickness)]);
     }
 }
-

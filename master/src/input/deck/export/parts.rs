@@ -1,6 +1,8 @@
 //! Writes parts with their sections and hourglass control.
 
-use super::{Blank, CardValue, DeckWriter, Id, Number, beams, composites, discrete_beams, line, springs};
+use super::{
+    Blank, CardValue, DeckWriter, Id, Number, beams, composites, discrete_beams, line, springs,
+};
 use crate::input::job::Model;
 use crumple_proto::job::{Part, Setting};
 use crumple_proto::mesh::Shape;
@@ -14,6 +16,7 @@ pub fn write(
     deck: &mut DeckWriter,
     model: &Model,
     rigid: &BTreeMap<u32, u64>,
+    equations: &BTreeMap<&str, u64>,
     mut next: u64,
 ) -> Result<(), String> {
     let mut shapes: BTreeMap<u32, BTreeSet<bool>> = BTreeMap::new();
@@ -63,11 +66,29 @@ pub fn write(
         }
         section(deck, part, shells);
         let hourglass = hourglass(deck, part, shells);
-        deck.keyword("PART");
+        let contact = contact_fields(part).filter(|_| shells);
+        deck.keyword(if contact.is_some() { "PART_CONTACT" } else { "PART" });
         deck.text(&line(&part.name));
-        deck.card(&[Id(id), Id(id), Id(mid), Blank, if hourglass { Id(id) } else { Blank }]);
+        let equation = equations.get(part.material.as_str()).filter(|_| mid == plain);
+        let equation = equation.map_or(Blank, |&id| Id(id));
+        deck.card(&[Id(id), Id(id), Id(mid), equation, if hourglass { Id(id) } else { Blank }]);
+        if let Some(fields) = contact {
+            deck.card(&[&[Blank; 4][..], &fields].concat());
+        }
     }
     Ok(())
+}
+
+/// Returns thickness and scale of a part in contact as fields; `None` if both are the defaults, or
+/// if the card of a part has no such fields.
+fn contact_fields(part: &Part) -> Option<[CardValue; 2]> {
+    let scale = part.contact_thickness_scale;
+    let has_own = part.contact_thickness.is_some() || scale != 1.0;
+    let fits = part.contact_thickness.is_none_or(|t| t > 0.0) && scale > 0.0;
+    (has_own && fits && part.layer.is_empty()).then(|| {
+        let thickness = part.contact_thickness.map_or(Blank, Number);
+        [thickness, if scale == 1.0 { Blank } else { Number(scale) }]
+    })
 }
 
 fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
@@ -159,10 +180,11 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     if part.skin {
         own.insert("skin".into(), true.into());
     }
-    if let Some(thickness) = part.contact_thickness {
+    let without = contact_fields(part).is_none() || !shells;
+    if let Some(thickness) = part.contact_thickness.filter(|_| without) {
         own.insert("contact_thickness".into(), thickness.into());
     }
-    if part.contact_thickness_scale != 1.0 {
+    if part.contact_thickness_scale != 1.0 && without {
         own.insert("contact_thickness_scale".into(), part.contact_thickness_scale.into());
     }
     if own.len() > 1 {
@@ -184,4 +206,3 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
     }
     any
 }
-

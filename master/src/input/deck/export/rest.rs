@@ -56,11 +56,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
 }
 
 /// Writes a whole list without cards.
-pub(in crate::input::deck) fn list(
-    deck: &mut DeckWriter,
-    name: &str,
-    entries: &[impl Serialize],
-) {
+pub(in crate::input::deck) fn list(deck: &mut DeckWriter, name: &str, entries: &[impl Serialize]) {
     for entry in entries {
         if let Ok(Value::Table(table)) = Value::try_from(entry) {
             deck.whole(name, table);

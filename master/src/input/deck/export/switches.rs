@@ -23,8 +23,7 @@ pub fn are_in_order(bodies: &[&Rigid]) -> bool {
         (body.from, until, body.parts.first().copied().unwrap_or(0))
     };
     let has_cards = |body: &&Rigid| !body.parts.is_empty() && body.parts.is_sorted();
-    bodies.iter().all(has_cards)
-        && bodies.is_sorted_by(|a, b| key(a) <= key(b))
+    bodies.iter().all(has_cards) && bodies.is_sorted_by(|a, b| key(a) <= key(b))
 }
 
 /// Writes the switches of a body, from the number `first` on, and returns how many there are.
@@ -48,7 +47,8 @@ pub fn write(deck: &mut DeckWriter, body: &Rigid, first: u64) -> u64 {
         body.parts.iter().for_each(|&part| deck.card(&[Id(u64::from(part))]));
     }
     let mut own = Table::from_iter([named(&name(body))]);
-    let rest = Rigid { name: String::new(), parts: Vec::new(), from: 0.0, until: None, ..body.clone() };
+    let rest =
+        Rigid { name: String::new(), parts: Vec::new(), from: 0.0, until: None, ..body.clone() };
     if let Ok(Value::Table(rest)) = Value::try_from(rest) {
         let given = |value: &Value| value.as_array().is_none_or(|list| !list.is_empty());
         own.extend(rest.into_iter().filter(|(key, value)| {

@@ -222,4 +222,3 @@ pub(super) fn points(deck: &mut DeckWriter, pairs: &[[f64; 2]]) -> u64 {
     pairs.iter().for_each(|p| deck.card(&p.map(Number)));
     id
 }
-
