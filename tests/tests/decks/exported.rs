@@ -4,7 +4,8 @@
 use crumple::input::deck::export::export;
 use crumple::input::job::{Model, read};
 use crumple_proto::job::Job;
-use crumple_proto::partition::Settings;
+use crumple_proto::partition::{Material, Settings};
+use crumple_worker::fem::materials::LAWS;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
@@ -136,4 +137,33 @@ fn no_list_of_a_job_is_lost() {
     let twice = read_back(&export(&again).expect("a deck").text, &[]);
     assert_same(&model, &twice, "exported twice");
     expect_test::expect_file!["../../decks/exported/every-list.txt"].assert_eq(&fates);
+}
+
+/// Every law with its keys: a deck has all of them with the same values, and those that it adds are
+/// defaults, since the motion has the same bits.
+#[test]
+fn every_law_keeps_its_keys() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/every-law.toml");
+    let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    for law in LAWS.iter() {
+        let is_used = |m: &Material| m.law == law.name;
+        assert!(model.settings.materials.iter().any(is_used), "add {} to the job", law.name);
+    }
+    let deck = export(&model).expect("a deck");
+    let again = read_back(&deck.text, &[]);
+    let mut left = String::new();
+    for material in &model.settings.materials {
+        let back = again.settings.materials.iter().find(|m| m.name == material.name);
+        let back = back.unwrap_or_else(|| panic!("{} is lost", material.name));
+        assert_eq!((&back.law, back.density), (&material.law, material.density));
+        for (key, param) in &material.parameters {
+            assert_eq!(back.parameters.get(key), Some(param), "{}: {key}", material.name);
+        }
+        let added = back.parameters.keys().filter(|key| !material.parameters.contains_key(*key));
+        added.for_each(|key| drop(writeln!(left, "{}: {key} is added", material.name)));
+    }
+    deck.left.iter().for_each(|line| drop(writeln!(left, "{line}")));
+    assert_same(&model, &again, "every law");
+    assert_same_motion(&model, &again, "every law");
+    expect_test::expect_file!["../../decks/exported/every-law.txt"].assert_eq(&left);
 }

@@ -44,7 +44,7 @@ use writer::{LeftReason, points};
 pub struct ExportedDeck {
     /// Its text.
     pub text: String,
-    /// What it does not have on cards alone: a line for each kind, with the number of entries.
+    /// Lines on what is not on cards alone, one for each kind, with the number of entries.
     pub left: Vec<String>,
 }
 
