@@ -215,7 +215,7 @@ fn exported_skins_are_skins() {
     let lines = "*PART\nskin\n3,1,2\n*MAT_NULL\n2,1.0e-9\n*ELEMENT_SHELL\n7,3,1,2,5,4\n\
                  *CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n";
     let model = with(lines);
-    fs::write(&path, crumple::input::deck::export::export(&model).unwrap()).unwrap();
+    fs::write(&path, crumple::input::deck::export::export(&model).unwrap().text).unwrap();
     let again = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!([0, 2].map(|i| again.job.part[i].skin), [false, true]);
     let run = |model: &Model| crumple_tests::run_side_by_side(model, 2, 50, 0).digest();

@@ -9,6 +9,7 @@ mod bytes;
 mod composites;
 mod contacts;
 mod discrete_beams;
+mod exported;
 mod fates;
 mod formats;
 mod honeycomb;

@@ -269,7 +269,7 @@ fn single_thicknesses_and_masses() {
     let own: Vec<f64> =
         two.mesh.elements.iter().filter(|e| e.shape.is_shell()).map(|e| e.own.thickness).collect();
     assert_eq!((own, two.job.part[0].thickness), (vec![2.0, 2.5], 1.0));
-    let text = crumple::input::deck::export::export(&two).unwrap();
+    let text = crumple::input::deck::export::export(&two).unwrap().text;
     assert!(text.contains("*ELEMENT_SHELL_THICKNESS\n"), "{text}");
     assert_eq!(model_of(&text.replace("*END\n", "")).mesh.elements, two.mesh.elements);
     let below = model_of(&format!(
@@ -277,7 +277,7 @@ fn single_thicknesses_and_masses() {
         BASE.replace("1,2,1.0,3\n1.0\n", "1,2,1.0,3\n1.0,1.0,1.0,1.0,-1.0\n")
     ));
     assert_eq!(below.job.part[0].offset, 1.0, "nodes on the lower face");
-    let text = crumple::input::deck::export::export(&below).unwrap();
+    let text = crumple::input::deck::export::export(&below).unwrap().text;
     assert_eq!(model_of(&text.replace("*END\n", "")).job.part[0].offset, 1.0);
     let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
     assert_eq!(masses, [0.5, 1.0], "two nodes with 0.25 each, one with 1.0");

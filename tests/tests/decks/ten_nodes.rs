@@ -146,6 +146,41 @@ fn a_deck_keeps_all_ten_nodes() {
     assert_eq!(of(&again.mesh.elements), wanted);
 }
 
+/// The same as a Radioss deck: an element has a line and one with its nodes. An element with a
+/// negative volume is turned with the nodes between its corners.
+#[test]
+fn a_radioss_deck_keeps_all_ten_nodes() {
+    let of = |path: &std::path::Path| -> Vec<[NodeId; 10]> {
+        let model = crumple::input::job::read(path, &[]).unwrap_or_else(|r| panic!("{r}"));
+        let own = model.mesh.elements.iter().filter(|e| e.shape == Shape::Tet10);
+        own.map(|e| e.nodes).collect()
+    };
+    let wanted: [NodeId; 10] = std::array::from_fn(|n| NodeId(101 + n as u64));
+    let folder = tempfile::tempdir().unwrap();
+    let [path, copy] = ["deck.k", "copy_0000.rad"].map(|name| folder.path().join(name));
+    // Radioss has parts with one kind of solids.
+    let own = "*PART\nten\n3,2,1\n";
+    let lines = deck_lines().replace("\n7,2\n", "\n7,3\n");
+    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{own}{lines}*END\n")).unwrap();
+    let asked = ["convert", &path.to_string_lossy(), &copy.to_string_lossy()];
+    run(crumple_with(&asked)).with_code(0);
+    assert_eq!(of(&copy), [wanted]);
+
+    let text = fs::read_to_string(&copy).unwrap();
+    let written: Vec<&str> = text.lines().skip_while(|l| !l.starts_with("/TETRA10")).collect();
+    let turned = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8].map(|n: usize| format!("{:>10}", 101 + n));
+    fs::write(&copy, text.replace(written[2], &turned.concat())).unwrap();
+    assert_eq!(of(&copy), [wanted]);
+}
+
+/// Both kinds of solids in a part have no Radioss deck.
+#[test]
+fn a_radioss_part_has_one_kind_of_solids() {
+    let model = with(&deck_lines());
+    let refused = crumple::input::deck::radioss::export::export(&model, "a").expect_err("refused");
+    assert!(refused.contains("part 2 has tetrahedra of ten nodes and other solids"), "{refused}");
+}
+
 /// A mid-edge node far off its edge inverts the element: the check names it.
 #[test]
 fn an_element_with_a_node_beyond_its_neighbour_is_an_error() {

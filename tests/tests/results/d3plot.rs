@@ -61,6 +61,17 @@ fn shells_read_back() {
     }
 }
 
+/// The database has no particles: the export says how many there are.
+#[test]
+fn elements_without_a_place_are_counted() {
+    let args = ["run", "cases/splash", "--quiet", "--no-report", "--workers", "2"];
+    let sets = ["--set", "output.field_interval=0.001", "--set", "time.max_cycles=8"];
+    let ended = run(crumple_with(&[&args[..], &sets].concat()));
+    let out = ended.out().to_string_lossy().into_owned();
+    let said = run(crumple_with(&["export-d3plot", &out])).with_code(0).said();
+    assert!(said.contains("not in it: 925 particles; crumple export-exodus"), "{said}");
+}
+
 /// All points through the thickness, three and five of them; strains of a sheet that is stretched
 /// by a tenth: ln 1.1 along, and at both surfaces.
 #[test]

@@ -97,9 +97,8 @@ fn made(model: &Model, to: &Path) -> Result<MadeDeck, Problem> {
         return Ok(MadeDeck { files, losses: deck.losses });
     }
     if super::is_deck(to) && !name.to_lowercase().ends_with(".rad") {
-        let text = export::export(model).map_err(cannot)?;
-        let losses = export::keys_in_comments(&text);
-        return Ok(MadeDeck { files: vec![(to.to_path_buf(), text)], losses });
+        let deck = export::export(model).map_err(cannot)?;
+        return Ok(MadeDeck { files: vec![(to.to_path_buf(), deck.text)], losses: deck.left });
     }
     let message = format!("{} has no ending of a deck", to.display());
     Err(Problem::error(

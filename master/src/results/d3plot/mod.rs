@@ -60,7 +60,8 @@ pub fn export(dir: &Path, limit: u64, strains: bool) -> Result<String, String> {
         write_whole(&file, fill).map_err(failed)?;
         files += 1;
     }
-    Ok(format!("d3plot: {states} states in {files} files; open {}", path.display()))
+    let (open, missing) = (path.display(), source.missing());
+    Ok(format!("d3plot: {states} states in {files} files; open {open}{missing}"))
 }
 
 /// Removes the files of an earlier export.

@@ -106,6 +106,8 @@ pub struct FieldSource {
     elements: HashMap<i64, StatePosition>,
     state: DatabaseState,
     points: usize,
+    /// Number of particles, and of beams, trusses and springs, which the database does not have.
+    left_out: [usize; 2],
 }
 
 impl FieldSource {
@@ -133,7 +135,22 @@ impl FieldSource {
         }
         let energies = energies(&dir.join("history.csv"));
         let (nodes, elements, state) = (HashMap::new(), HashMap::new(), DatabaseState::default());
-        Ok(Self { dir: dir.to_owned(), steps, energies, nodes, elements, state, points: 0 })
+        let dir = dir.to_owned();
+        Ok(Self { dir, steps, energies, nodes, elements, state, points: 0, left_out: [0; 2] })
+    }
+
+    /// Returns a text on the elements that the database does not have, empty if it has all.
+    pub fn missing(&self) -> String {
+        let kinds = ["particles", "beams, trusses and springs"];
+        let counts = self.left_out.iter().zip(kinds).filter(|(count, _)| **count > 0);
+        let named: Vec<String> = counts.map(|(count, kind)| format!("{count} {kind}")).collect();
+        match named.is_empty() {
+            true => String::new(),
+            false => format!(
+                "\nnot in it: {}; crumple export-exodus writes all elements",
+                named.join(" and ")
+            ),
+        }
     }
 
     /// Returns the number of states.
@@ -194,8 +211,7 @@ impl FieldSource {
                         let degenerate = [0, 2, 5, 3, 1, 1, 4, 4].map(corner);
                         solids.push((element, degenerate));
                     }
-                    // Bars, springs and particles have no place in this format yet.
-                    (_, 1 | 2) => {}
+                    (_, ends @ (1 | 2)) => self.left_out[ends - 1] += 1,
                     _ => shells.push((element, std::array::from_fn(corner))),
                 }
                 begin = end as usize;

@@ -122,7 +122,8 @@ fn conditions() -> Vec<Mistake> {
         of(with("/INTER/TYPE25/1\n=c\ni4\ni0\n_\nr0 r0\n_"), "4", &["no /SURF/... with the id 4"]),
         of(with("/INTER/TYPE2/1\n=t\ni1 i1"), "1", &["/GRNOD/...", "/SURF/..."]),
         of(with("/SURF/PART/1\n=s\ni1\n/PLOAD/1\n=p\ni1 i3"), "3", &["no /FUNCT"]),
-        of(with("/TETRA10/1\ni9 i1"), "/TETRA10", &["not supported yet", "mesh with four"]),
+        of(with("/BRIC20/1\ni9 i1"), "/BRIC20", &["not supported yet", "mesh with eight"]),
+        of(with("/TETRA10/1\ni9"), "9", &["ends before the nodes of its last element"]),
         of(with("/MAT/PLAS_ZERIL/3\n=z"), "/MAT/PLAS_ZERIL", &["Zerilli", "/MAT/LAW2"]),
         of(with("/FAIL/JOHNSON/1\nr0.1"), "/FAIL/JOHNSON", &["the law of the material is"]),
         of(

@@ -5,6 +5,13 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use std::collections::HashSet;
 
+const KEYWORDS: [&str; 4] = [
+    "AIRBAG_SIMPLE_PRESSURE_VOLUME",
+    "AIRBAG_ADIABATIC_GAS_MODEL",
+    "AIRBAG_SIMPLE_AIRBAG_MODEL",
+    "AIRBAG_WANG_NEFSKE",
+];
+
 /// A gas: heat capacities at constant volume and pressure [energy/(mass temperature)].
 #[derive(Clone, Copy)]
 struct DeckGas {
@@ -16,23 +23,16 @@ impl DeckConverter {
     /// Converts all airbags. Parts, sets and curves must have been read.
     pub(super) fn airbags(&mut self) {
         let mut names = HashSet::new();
-        for keyword in [
-            "AIRBAG_SIMPLE_PRESSURE_VOLUME",
-            "AIRBAG_ADIABATIC_GAS_MODEL",
-            "AIRBAG_SIMPLE_AIRBAG_MODEL",
-            "AIRBAG_WANG_NEFSKE",
-        ] {
-            for record in self.take_records(keyword) {
-                let Some(bag) = self.bag(&record, &mut names) else { continue };
-                let bag = match keyword {
-                    "AIRBAG_SIMPLE_PRESSURE_VOLUME" => Some(self.pressure_by_volume(&record, bag)),
-                    "AIRBAG_ADIABATIC_GAS_MODEL" => self.closed_gas(&record, bag),
-                    "AIRBAG_WANG_NEFSKE" => self.wang_nefske(&record, bag),
-                    _ => self.simple_gas(&record, bag),
-                };
-                if let Some(bag) = bag {
-                    self.add("airbag", bag);
-                }
+        for record in self.take_in_order(&KEYWORDS) {
+            let Some(bag) = self.bag(&record, &mut names) else { continue };
+            let bag = match record.row.keyword.name {
+                "AIRBAG_SIMPLE_PRESSURE_VOLUME" => Some(self.pressure_by_volume(&record, bag)),
+                "AIRBAG_ADIABATIC_GAS_MODEL" => self.closed_gas(&record, bag),
+                "AIRBAG_WANG_NEFSKE" => self.wang_nefske(&record, bag),
+                _ => self.simple_gas(&record, bag),
+            };
+            if let Some(bag) = bag {
+                self.add("airbag", bag);
             }
         }
     }

@@ -5,6 +5,7 @@ use super::sets::id;
 use super::space::unit;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 
 /// Keywords of joints, their kinds in a job, and true if they have an axis.
@@ -28,6 +29,7 @@ const FAR: f64 = 1e20;
 struct DeckJoint {
     /// Id of the deck, if it gives one.
     id: Option<i64>,
+    heading: String,
     kind: &'static str,
     bodies: [String; 2],
     axis: Option<[f64; 3]>,
@@ -80,8 +82,9 @@ impl DeckConverter {
     /// Converts joints. Rigid bodies are known.
     pub(super) fn joints(&mut self) {
         let mut joints: Vec<DeckJoint> = Vec::new();
-        for (keyword, kind, has_axis) in KINDS {
-            for record in self.take_records(keyword) {
+        for record in self.take_in_order(&KINDS.map(|kind| kind.0)) {
+            let name = record.row.keyword.name;
+            if let Some(&(_, kind, has_axis)) = KINDS.iter().find(|kind| kind.0 == name) {
                 joints.extend(self.joint(&record, kind, has_axis));
             }
         }
@@ -92,12 +95,20 @@ impl DeckConverter {
         }
         // Joints without an id get numbers that no other one has.
         let mut free = joints.iter().filter_map(|joint| joint.id).max().unwrap_or(0);
+        let mut names = HashSet::new();
         for mut joint in joints {
             let id = joint.id.unwrap_or_else(|| {
                 free += 1;
                 free
             });
-            joint.table.put("name", joint.table.place(), format!("joint-{id}"));
+            // A heading that another joint has is no name.
+            let name = match joint.heading.as_str() {
+                "" => format!("joint-{id}"),
+                heading if names.contains(heading) => format!("{heading} ({id})"),
+                heading => heading.to_string(),
+            };
+            names.insert(name.clone());
+            joint.table.put("name", joint.table.place(), name);
             self.add("joint", joint.table);
         }
     }
@@ -131,7 +142,8 @@ impl DeckConverter {
         if kind == "screw" {
             table.put("pitch", record.place("parm"), TAU * record.real("parm"));
         }
-        Some(DeckJoint { id, kind, bodies, axis, table })
+        let heading = record.word("heading").trim().to_string();
+        Some(DeckJoint { id, heading, kind, bodies, axis, table })
     }
 
     /// Reports nodes of a joint that are not of the body of n1 or n2.

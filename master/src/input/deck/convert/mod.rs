@@ -376,6 +376,17 @@ impl DeckConverter {
         self.records.remove(name).unwrap_or_default()
     }
 
+    /// Takes all records of some keywords, in the order of the deck.
+    fn take_in_order(&mut self, keywords: &[&str]) -> Vec<CardRecord> {
+        let mut all: Vec<CardRecord> =
+            keywords.iter().flat_map(|keyword| self.take_records(keyword)).collect();
+        all.sort_by_key(|record| match record.head {
+            Place::Deck { file, start, .. } => (file, start),
+            _ => (0, 0),
+        });
+        all
+    }
+
     /// Notes unsupported content; `what` is its name in the summary.
     fn unsupported(&mut self, place: Place, message: String, what: String) {
         let lost = format!("{what} has no effect");

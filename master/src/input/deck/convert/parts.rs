@@ -44,7 +44,7 @@ pub(super) struct Shapes {
 
 impl Shapes {
     /// Returns true if all solids are tetrahedra of ten nodes.
-    fn only_quadratic_tetrahedra(self) -> bool {
+    pub(super) fn only_quadratic_tetrahedra(self) -> bool {
         self.quadratic_tetrahedra && !self.solids && !self.tetrahedra && !self.wedges
     }
 

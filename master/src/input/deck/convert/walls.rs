@@ -21,8 +21,7 @@ const KEYWORDS: [&str; 5] = [
 
 impl DeckConverter {
     pub(super) fn walls(&mut self) {
-        let records: Vec<CardRecord> =
-            KEYWORDS.iter().flat_map(|keyword| self.take_records(keyword)).collect();
+        let records = self.take_in_order(&KEYWORDS);
         let names = names(&records, "wall-", ["heading", "wid"]);
         for ((record, number), name) in records.iter().zip(1..).zip(names) {
             self.wall(record, name, number);

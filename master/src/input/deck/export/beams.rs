@@ -123,7 +123,7 @@ pub(in crate::input::deck) fn third_nodes(
 
 /// Returns the coordinate from which `from` has to be subtracted to give `difference`, also in its
 /// last bit if there is one.
-fn end_of(from: f64, difference: f64) -> f64 {
+pub(super) fn end_of(from: f64, difference: f64) -> f64 {
     let nearest = from + difference;
     let (mut up, mut down) = (nearest, nearest);
     for _ in 0..MOST_STEPS {
@@ -137,8 +137,8 @@ fn end_of(from: f64, difference: f64) -> f64 {
 
 /// Writes the third nodes and the elements; `discrete` are the parts of discrete beams.
 pub fn elements(deck: &mut DeckWriter, model: &Model, discrete: &BTreeSet<u32>) {
-    let last = model.mesh.nodes.iter().map(|n| n.id.label()).max().unwrap_or(0);
-    let third = third_nodes(model, last);
+    let third = third_nodes(model, deck.last_node);
+    deck.last_node += third.len() as u64;
     let mut bars = model
         .mesh
         .elements

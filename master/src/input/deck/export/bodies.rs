@@ -1,7 +1,11 @@
-//! Writes rigid bodies and prescribed motion as cards; joints stay in the job.
+//! Writes rigid bodies and prescribed motion as cards.
 
-use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, line, list, named};
-use crumple_proto::job::{Job, JointInput, MotionInput, Rigid};
+use super::joints::JointNodes;
+use super::{
+    Blank, CardValue, DeckWriter, Id, LeftReason, Number, TimeCurves, line, list, named, switches,
+};
+use crate::input::job::Model;
+use crumple_proto::job::{CurveInput, Job, MotionInput, Rigid};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -18,6 +22,18 @@ pub struct DeckBodies {
     names: BTreeMap<String, String>,
 }
 
+impl DeckBodies {
+    /// Returns the part for a body of the job in cards; `None` if it has no cards.
+    pub(super) fn part(&self, body: &str) -> Option<u64> {
+        self.parts.get(body).copied()
+    }
+
+    /// Returns the name in the deck of a body of the job.
+    pub(super) fn name<'a>(&'a self, body: &'a str) -> &'a str {
+        self.names.get(body).map_or(body, String::as_str)
+    }
+}
+
 /// Writes the materials of rigid parts, with ids from `next` on.
 pub fn materials(
     deck: &mut DeckWriter,
@@ -26,17 +42,19 @@ pub fn materials(
     mut next: u64,
 ) -> DeckBodies {
     let mut bodies = DeckBodies::default();
-    let leads: Vec<Option<u32>> =
-        job.rigid.iter().map(|body| body.parts.first().copied()).collect();
-    // Decks have bodies of parts in ascending ids, then those of nodes alone.
-    let in_order = leads.is_sorted_by_key(|lead| lead.map_or(u64::MAX, u64::from));
+    let (switched, whole): (Vec<&Rigid>, Vec<&Rigid>) =
+        job.rigid.iter().partition(|body| switches::is_switched(body));
+    let leads: Vec<Option<u32>> = whole.iter().map(|body| body.parts.first().copied()).collect();
+    // Decks have bodies of parts in ascending ids, then those of nodes alone, then switches.
+    let in_order = leads.is_sorted_by_key(|lead| lead.map_or(u64::MAX, u64::from))
+        && job.rigid.iter().is_sorted_by_key(|body| switches::is_switched(body))
+        && switches::are_in_order(&switched);
     let known = job.rigid.iter().all(|b| b.fixed.iter().all(|d| DOFS.contains(&d.as_str())));
-    let whole_run = job.rigid.iter().all(|b| b.from == 0.0 && b.until.is_none());
-    if !in_order || !known || !whole_run {
+    if !in_order || !known {
         return bodies;
     }
     let mut free = 1 + job.part.iter().map(|p| u64::from(p.id)).max().unwrap_or(0);
-    for body in &job.rigid {
+    for body in whole {
         let mut own: BTreeMap<&str, u64> = BTreeMap::new();
         for id in &body.parts {
             let of = job.part.iter().find(|p| p.id == *id).map_or("", |p| p.material.as_str());
@@ -57,6 +75,9 @@ pub fn materials(
         };
         bodies.parts.insert(body.name.clone(), part);
         bodies.names.insert(body.name.clone(), name);
+    }
+    for body in switched {
+        bodies.names.insert(body.name.clone(), switches::name(body));
     }
     bodies
 }
@@ -82,65 +103,100 @@ fn rigid_material(deck: &mut DeckWriter, material: &Material, body: &Rigid, mid:
     deck.card(&[]);
 }
 
-/// Writes joints of bodies, and motions. Content without a card is written after `$crumple:`.
+/// Writes what joins bodies, with the nodes of joints, and motions. Content without a card is
+/// written after `$crumple:`.
 pub fn write(
+    deck: &mut DeckWriter,
+    (model, bodies): (&Model, &DeckBodies),
+    nodes: &JointNodes,
+    set: impl Fn(&str) -> CardValue,
+    curves: &mut TimeCurves<'_>,
+) {
+    let job = &model.job;
+    if bodies.names.is_empty() {
+        list(deck, "rigid", &job.rigid);
+    } else {
+        let mut switch = 1;
+        for body in &job.rigid {
+            if switches::is_switched(body) {
+                switch += switches::write(deck, body, switch);
+                continue;
+            }
+            let added = nodes.get(&body.name).map_or(&[][..], Vec::as_slice);
+            join(deck, (model, body), bodies, added, &set);
+        }
+        let renamed = job.rigid.iter().filter(|body| bodies.name(&body.name) != body.name).count();
+        if renamed > 0 {
+            deck.note("rigid.name", LeftReason::Lost, renamed);
+        }
+    }
+    motions(deck, job, bodies, set, curves);
+}
+
+/// Writes motions, a card for each degree of freedom. None is written as a card if one has none, or
+/// if a reader would change their order.
+fn motions(
     deck: &mut DeckWriter,
     job: &Job,
     bodies: &DeckBodies,
     set: impl Fn(&str) -> CardValue,
     curves: &mut TimeCurves<'_>,
 ) {
-    if bodies.names.is_empty() {
-        list(deck, "rigid", &job.rigid);
-    } else {
-        job.rigid.iter().for_each(|body| join(deck, body, bodies, &set));
-    }
-    // A joint in a deck needs nodes of its bodies at its point and on its axis.
-    let renamed = |joint: &JointInput| {
-        let name = |body: &String| bodies.names.get(body).unwrap_or(body).clone();
-        JointInput { bodies: joint.bodies.iter().map(name).collect(), ..joint.clone() }
-    };
-    list(deck, "joint", &job.joint.iter().map(renamed).collect::<Vec<_>>());
-    let cards: Option<Vec<MotionCard>> =
-        job.motion.iter().map(|motion| card(motion, bodies)).collect();
-    let Some(cards) = cards.filter(|cards| cards.is_sorted_by_key(|c| c.of_body)) else {
+    let cards: Option<Vec<Vec<MotionCard>>> =
+        job.motion.iter().map(|motion| cards_of(motion, job, bodies)).collect();
+    let in_order = job.motion.iter().is_sorted_by_key(|motion| motion.rigid.is_some());
+    let Some(cards) = cards.filter(|_| in_order) else {
         let renamed = |motion: &MotionInput| {
-            let rigid =
-                motion.rigid.as_ref().map(|name| bodies.names.get(name).unwrap_or(name).clone());
+            let rigid = motion.rigid.as_ref().map(|name| bodies.name(name).to_string());
             MotionInput { rigid, ..motion.clone() }
         };
         return list(deck, "motion", &job.motion.iter().map(renamed).collect::<Vec<_>>());
     };
-    for (motion, card) in job.motion.iter().zip(cards) {
-        let curve = curves.id(deck, motion.curve.as_deref());
+    for (motion, cards) in job.motion.iter().zip(cards) {
         let of = motion.nodes.as_deref().map(&set);
-        deck.keyword(if card.of_body {
-            "BOUNDARY_PRESCRIBED_MOTION_RIGID"
-        } else {
-            "BOUNDARY_PRESCRIBED_MOTION_SET"
-        });
-        let of = of.unwrap_or(Id(motion
-            .rigid
-            .as_ref()
-            .and_then(|r| bodies.parts.get(r))
-            .copied()
-            .unwrap_or(0)));
-        let mut fields = vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)];
-        if motion.birth > 0.0 || motion.death.is_some() {
-            fields.extend([Blank, motion.death.map_or(Blank, Number), Number(motion.birth)]);
+        let body = motion.rigid.as_deref().and_then(|body| bodies.part(body));
+        let of = of.unwrap_or(Id(body.unwrap_or(0)));
+        for card in cards {
+            // A factor of 0 means 1.
+            let (curve, amount) = match card.amount {
+                0.0 => (curves.scaled(deck, None, 0.0), 1.0),
+                amount => (curves.id(deck, motion.curve.as_deref()), amount),
+            };
+            deck.keyword(match motion.rigid {
+                Some(_) => "BOUNDARY_PRESCRIBED_MOTION_RIGID",
+                None => "BOUNDARY_PRESCRIBED_MOTION_SET",
+            });
+            let mut fields = vec![of, Id(card.dof), Id(card.vad), Id(curve), Number(amount)];
+            if motion.birth > 0.0 || motion.death.is_some() {
+                fields.extend([Blank, motion.death.map_or(Blank, Number), Number(motion.birth)]);
+            }
+            deck.card(&fields);
         }
-        deck.card(&fields);
     }
 }
 
-fn join(deck: &mut DeckWriter, body: &Rigid, bodies: &DeckBodies, set: impl Fn(&str) -> CardValue) {
+fn join(
+    deck: &mut DeckWriter,
+    (model, body): (&Model, &Rigid),
+    bodies: &DeckBodies,
+    added: &[u64],
+    set: impl Fn(&str) -> CardValue,
+) {
     let (part, name) = (bodies.parts[&body.name], &bodies.names[&body.name]);
     let nodes = body.nodes.as_deref().map(set);
     let mut own = Table::from_iter([named(name)]);
     if body.parts.is_empty() {
+        let nodes = match &body.nodes {
+            Some(own) if !added.is_empty() => {
+                let own = model.mesh.node_sets.get(own).map_or(&[][..], Vec::as_slice);
+                let own = own.iter().map(|node| node.label());
+                Id(deck.node_set(&own.chain(added.iter().copied()).collect::<Vec<_>>()))
+            }
+            _ => nodes.unwrap_or(Blank),
+        };
         deck.keyword("CONSTRAINED_NODAL_RIGID_BODY_TITLE");
         deck.text(&line(&body.name));
-        deck.card(&[Id(part), Blank, nodes.unwrap_or(Blank)]);
+        deck.card(&[Id(part), Blank, nodes]);
         if !body.fixed.is_empty() {
             own.insert("fixed".into(), Value::from(body.fixed.clone()));
         }
@@ -154,6 +210,10 @@ fn join(deck: &mut DeckWriter, body: &Rigid, bodies: &DeckBodies, set: impl Fn(&
         if let Some(nodes) = nodes {
             deck.keyword("CONSTRAINED_EXTRA_NODES_SET");
             deck.card(&[Id(part), nodes]);
+        }
+        if !added.is_empty() {
+            deck.keyword("CONSTRAINED_EXTRA_NODES_NODE");
+            added.iter().for_each(|&node| deck.card(&[Id(part), Id(node)]));
         }
     }
     if let Some(mass) = body.mass {
@@ -169,29 +229,38 @@ fn join(deck: &mut DeckWriter, body: &Rigid, bodies: &DeckBodies, set: impl Fn(&
 
 /// A motion of one degree of freedom.
 struct MotionCard {
-    of_body: bool,
     dof: u64,
     vad: u64,
     amount: f64,
 }
 
-fn card(motion: &MotionInput, bodies: &DeckBodies) -> Option<MotionCard> {
-    let of_body = motion.rigid.is_some();
-    if motion.rigid.as_ref().is_some_and(|name| !bodies.parts.contains_key(name)) {
+/// Returns the cards of a motion; `None` if it has none: rotations that are fixed, and those of
+/// nodes about a centre.
+fn cards_of(motion: &MotionInput, job: &Job, bodies: &DeckBodies) -> Option<Vec<MotionCard>> {
+    // A reader moves the start of the curve to the birth.
+    let moves = |curve: &CurveInput| curve.points.first().is_some_and(|p| p[0] != motion.birth);
+    let mut own = job.curve.iter().filter(|curve| Some(&curve.name) == motion.curve.as_ref());
+    if motion.birth > 0.0 && own.any(moves) {
         return None;
     }
-    let [dof] = motion.dofs.as_slice() else { return None };
-    let axis = DOFS.iter().position(|d| d == dof)?;
+    if motion.rigid.as_ref().is_some_and(|name| bodies.part(name).is_none()) {
+        return None;
+    }
     let (vad, v, first) =
         match (motion.velocity, motion.acceleration, motion.displacement, motion.spin) {
             (Some(v), None, None, None) => (0, v, 0),
             (None, Some(a), None, None) => (1, a, 0),
             (None, None, Some(u), None) => (2, u, 0),
-            (None, None, None, Some(w)) if of_body => (0, w, 3),
+            (None, None, None, Some(w)) if motion.rigid.is_some() => (0, w, 3),
             _ => return None,
         };
-    let along = axis.checked_sub(first).filter(|&c| c < 3)?;
-    let alone = v[along] != 0.0 && (0..3).all(|c| c == along || v[c] == 0.0);
-    let dof = (along + if first == 0 { 1 } else { 5 }) as u64;
-    alone.then_some(MotionCard { of_body, dof, vad, amount: v[along] })
+    let default: Vec<String> = DOFS[first..first + 3].iter().map(|d| d.to_string()).collect();
+    let dofs = if motion.dofs.is_empty() { &default } else { &motion.dofs };
+    let card = |dof: &String| {
+        let axis = DOFS.iter().position(|d| d == dof)?;
+        let along = axis.checked_sub(first).filter(|&c| c < 3)?;
+        let dof = (along + if first == 0 { 1 } else { 5 }) as u64;
+        Some(MotionCard { dof, vad, amount: v[along] })
+    };
+    dofs.iter().map(card).collect()
 }

@@ -1,6 +1,8 @@
 //! Writes parts with layers and plies as cards.
 
-use super::{Blank, CardValue, DeckWriter, Id, Number, elform, line, named};
+use super::materials::MaterialCards;
+use super::parts::elform;
+use super::{Blank, CardValue, DeckWriter, Id, Number, line, named};
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
 use toml::{Table, Value};
@@ -37,8 +39,8 @@ pub fn part(deck: &mut DeckWriter, part: &Part, materials: &[Material], hourglas
 const NO_LIMIT: f64 = 1e20;
 
 /// Writes a ply as a card, and after `$crumple:` what the card cannot hold to the last bit.
-/// `turned` is true if shells have angles of their own, which replace that of the material.
-pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str, turned: bool) {
+pub fn ply(deck: &mut DeckWriter, cards: &MaterialCards<'_>) {
+    let &MaterialCards { material, mid, turned } = cards;
     let given = |key: &str| match material.parameters.get(key) {
         Some(Param::Number(x)) => *x,
         _ => 0.0,
@@ -64,8 +66,7 @@ pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str, tu
         (0.0, _) | (_, 0.0) => NO_LIMIT,
         (xc, yc) => 2.0 * xc / yc,
     };
-    deck.keyword("MAT_ENHANCED_COMPOSITE_DAMAGE_TITLE");
-    deck.text(title);
+    cards.head(deck, "MAT_ENHANCED_COMPOSITE_DAMAGE");
     let (ea, eb, nu) = (number("youngs_modulus"), number("youngs_modulus_b"), number("poisson"));
     deck.card(&[Id(mid), Number(material.density), ea, eb, Blank, nu]);
     let shear = ["shear_modulus", "shear_modulus_bc", "shear_modulus_ca"].map(number);
@@ -122,6 +123,6 @@ pub fn ply(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str, tu
         others.push(("residual_strengths".into(), residual.clone().into()));
     }
     if !others.is_empty() {
-        deck.entry("material", std::iter::once(named(&material.name)).chain(others).collect());
+        deck.digits("material", std::iter::once(named(&material.name)).chain(others).collect());
     }
 }

@@ -1,7 +1,7 @@
 //! Writes contact and its interfaces, each as a card with sets of its parts. Keys without a field
 //! on the card, such as laws, are written after `$crumple:` with the name of the interface.
 
-use super::{Blank, CardValue, DeckWriter, Id, Number, differing, line, named};
+use super::{Blank, CardValue, DeckWriter, Id, LeftReason, Number, differing, line, named};
 use crumple_proto::job::{ContactInput, Interface, Job};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
@@ -21,6 +21,9 @@ const CARRIED: [&str; 12] = [
     "thickness",
     "thickness_scale",
 ];
+
+/// Law that cards name by an option.
+const MORTAR: &str = "mortar";
 
 /// Writes the contact of a job. Interfaces become cards if those of one surface come before those
 /// of two, as the reader of cards assumes, and if all of them have a law and parts on each side.
@@ -53,14 +56,20 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
             (!(number == 1 && contact.name.is_empty())).then_some((number, name.as_str()));
         card(deck, one, (&ids, job.end_time), heading);
     }
-    let excluded: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
+    let carried = |c: &ContactInput| -> Vec<&str> {
+        CARRIED.into_iter().chain((c.law == MORTAR).then_some("law")).collect()
+    };
+    let excluded: Vec<&str> = carried(contact).into_iter().chain(["interface"]).collect();
     differing(deck, "contact", contact, &ContactInput::default(), &excluded);
     let entries: Vec<Value> = contact
         .interface
         .iter()
-        .zip(&names[1..])
-        .filter_map(|(i, name)| rest(i, name, &CARRIED))
+        .zip(names[1..].iter().zip(&all[1..]))
+        .filter_map(|(i, (name, whole))| rest(i, name, &carried(whole)))
         .collect();
+    for entry in entries.iter().filter_map(Value::as_table) {
+        deck.note_leaves("contact.interface", entry, LeftReason::NoCard);
+    }
     if !entries.is_empty()
         && let Value::Table(of) =
             deck.rest.entry("contact").or_insert_with(|| Value::Table(Table::new()))
@@ -117,6 +126,7 @@ fn card(
     } else {
         "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
     };
+    let keyword = format!("{keyword}{}", if c.law == MORTAR { "_MORTAR" } else { "" });
     // Sets come first, because the numbers of a card must directly follow its keyword.
     let resolved =
         c.sides(ids).map(|side| side.into_iter().map(|place| ids[place]).collect::<Vec<u32>>());
@@ -130,7 +140,7 @@ fn card(
             deck.keyword(&format!("{keyword}_ID"));
             deck.named_card(number, name);
         }
-        None => deck.keyword(keyword),
+        None => deck.keyword(&keyword),
     }
     deck.card(&[surfa, surfb, typea, typeb]);
     let dynamic = c.friction_dynamic.unwrap_or(c.friction);

@@ -53,7 +53,7 @@ impl<'j> TimeCurves<'j> {
         if !self.tables.contains(&known) {
             let rows =
                 self.points(name).into_iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();
-            deck.entry(
+            deck.comment(
                 "curve",
                 Table::from_iter([named(&known), ("points".into(), Value::from(rows))]),
             );

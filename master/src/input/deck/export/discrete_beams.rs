@@ -42,9 +42,10 @@ pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u
     deck.card(&fields[1]);
     let has_axes = beam.axes != [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     if has_axes {
+        deck.systems += 1;
         let [r, s] = beam.axes.map(|axis| axis.map(Number));
         deck.keyword("DEFINE_COORDINATE_SYSTEM");
-        deck.card(&[&[Id(id)][..], &[Number(0.0); 3], &r].concat());
+        deck.card(&[&[Id(deck.systems)][..], &[Number(0.0); 3], &r].concat());
         deck.card(&s);
     }
     let scoor = match beam.turns_with {
@@ -54,7 +55,7 @@ pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u
     };
     deck.keyword("SECTION_BEAM");
     deck.card(&[Id(id), Id(6), Blank, Blank, Blank, Number(scoor)]);
-    let cid: CardValue = if has_axes { Id(id) } else { Blank };
+    let cid: CardValue = if has_axes { Id(deck.systems) } else { Blank };
     deck.card(&[Number(1.0), Number(beam.inertia), cid]);
     deck.keyword("PART");
     deck.text(&line(&part.name));
@@ -63,7 +64,7 @@ pub fn part(deck: &mut DeckWriter, part: &Part, beam: &DiscreteBeamInput, mid: u
     own.retain(|key, _| key == "axes" && has_axes);
     if !own.is_empty() {
         let entry = [("id".into(), Value::from(part.id)), ("discrete_beam".into(), own.into())];
-        deck.entry("part", Table::from_iter(entry));
+        deck.digits("part", Table::from_iter(entry));
     }
 }
 

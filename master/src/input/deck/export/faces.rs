@@ -9,7 +9,7 @@ use crumple_proto::mesh::free_faces;
 use std::collections::HashMap;
 
 /// A face as the place of its element and its number there.
-type Face = (usize, usize);
+pub(super) type Face = (usize, usize);
 
 /// Writes pressures on sets of segments. Segments name a face by its nodes only, so that no other
 /// face may have the same nodes.
@@ -135,7 +135,7 @@ fn to_surface(
 }
 
 /// Writes a set of segments, and returns its id.
-fn segments(deck: &mut DeckWriter, faces: &[[NodeId; 4]]) -> u64 {
+pub(super) fn segments(deck: &mut DeckWriter, faces: &[[NodeId; 4]]) -> u64 {
     deck.segment_sets += 1;
     let id = deck.segment_sets;
     deck.keyword("SET_SEGMENT");
@@ -144,7 +144,7 @@ fn segments(deck: &mut DeckWriter, faces: &[[NodeId; 4]]) -> u64 {
     id
 }
 
-fn corners(model: &Model, (element, face): Face) -> [NodeId; 4] {
+pub(super) fn corners(model: &Model, (element, face): Face) -> [NodeId; 4] {
     let element = &model.mesh.elements[element];
     element.shape.faces()[face].map(|corner| element.nodes[corner])
 }

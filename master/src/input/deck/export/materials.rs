@@ -1,122 +1,271 @@
-//! Writes materials as cards.
+//! Writes materials as cards. What a card does not hold is written after `$crumple:` with the name
+//! of the material.
 
-use super::{Blank, DeckWriter, Id, Number, composites, line, named, points};
+use super::{Blank, CardValue, DeckWriter, Id, Number, composites, line, metals, named, points};
+use super::{soft_materials, writer::LeftReason};
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
-use crumple_worker::fem::materials::{EQUATION_OF_STATE, EROSION};
 use std::collections::BTreeMap;
 use toml::Table;
 
-/// Most terms of a rubber on its card.
-const MOST_TERMS: usize = 8;
+/// Parameters that a reader gives a material by its cards.
+pub(super) type CardParameters = BTreeMap<String, Param>;
 
-/// Returns the number of terms of a rubber.
-fn terms(material: &Material) -> usize {
-    match material.parameters.get("terms") {
-        Some(Param::Table(terms)) => terms.len(),
-        _ => 0,
+/// Criteria of failure: field of the card, key, and sign of the field. Only those of pressure and
+/// volume may be negative.
+const EROSION: [[(&str, f64); 8]; 2] = [
+    [
+        ("", 0.0),
+        ("", 0.0),
+        ("erosion_max_pressure", 1.0),
+        ("", 0.0),
+        ("erosion_plastic_strain", -1.0),
+        ("erosion_volume_strain", 1.0),
+        ("", 0.0),
+        ("", 0.0),
+    ],
+    [
+        ("erosion_min_pressure", 1.0),
+        ("erosion_principal_stress", 1.0),
+        ("erosion_von_mises", 1.0),
+        ("", 0.0),
+        ("", 0.0),
+        ("", 0.0),
+        ("", 0.0),
+        ("", 0.0),
+    ],
+];
+const OF_BOTH_SIGNS: [&str; 3] =
+    ["erosion_max_pressure", "erosion_min_pressure", "erosion_volume_strain"];
+
+/// Equations of state: key, keyword, and number of fields before the first constant.
+const EQUATIONS: [(&str, &str, usize); 2] =
+    [("eos_gruneisen", "EOS_GRUNEISEN", 1), ("eos_polynomial", "EOS_LINEAR_POLYNOMIAL", 2)];
+
+/// A material under construction.
+pub(super) struct MaterialCards<'m> {
+    pub material: &'m Material,
+    /// Its id in the deck.
+    pub mid: u64,
+    /// True if shells have angles of their own, which replace that of the material.
+    pub turned: bool,
+}
+
+impl MaterialCards<'_> {
+    /// Returns a number, 0 if it is not given.
+    pub fn number(&self, key: &str) -> f64 {
+        match self.material.parameters.get(key) {
+            Some(Param::Number(x)) => *x,
+            _ => 0.0,
+        }
+    }
+
+    /// Returns a list of numbers, empty if it is not given.
+    pub fn list(&self, key: &str) -> &[f64] {
+        match self.material.parameters.get(key) {
+            Some(Param::List(list)) => list,
+            _ => &[],
+        }
+    }
+
+    /// Returns the rows of a table, none if it is not given.
+    pub fn rows(&self, key: &str) -> &[Vec<f64>] {
+        match self.material.parameters.get(key) {
+            Some(Param::Table(rows)) => rows,
+            _ => &[],
+        }
+    }
+
+    /// Returns true if a flag is set.
+    pub fn flag(&self, key: &str) -> bool {
+        self.material.parameters.get(key) == Some(&Param::Flag(true))
+    }
+
+    /// Returns true if the material has a key.
+    pub fn has(&self, key: &str) -> bool {
+        self.material.parameters.contains_key(key)
+    }
+
+    /// Returns the field of a number, blank for 0.
+    pub fn field(&self, key: &str) -> CardValue {
+        match self.number(key) {
+            0.0 => Blank,
+            x => Number(x),
+        }
+    }
+
+    /// Notes that a reader has these keys as they are.
+    pub fn keep(&self, read: &mut CardParameters, keys: &[&str]) {
+        let given =
+            |key: &&str| Some((key.to_string(), self.material.parameters.get(*key)?.clone()));
+        read.extend(keys.iter().filter_map(given));
+    }
+
+    /// Writes the keyword and the title.
+    pub fn head(&self, deck: &mut DeckWriter, keyword: &str) {
+        deck.keyword(&format!("{keyword}_TITLE"));
+        deck.text(&line(&self.material.name));
+    }
+
+    /// Returns id, density and elastic constants.
+    pub fn elastic(&self) -> [CardValue; 4] {
+        let [e, nu] = ["youngs_modulus", "poisson"].map(|key| Number(self.number(key)));
+        [Id(self.mid), Number(self.material.density), e, nu]
+    }
+
+    /// Writes a table of two columns as a curve, and returns its id; blank without it.
+    pub fn curve(&self, deck: &mut DeckWriter, key: &str) -> CardValue {
+        let pairs = pairs(self.rows(key));
+        if pairs.is_empty() { Blank } else { Id(points(deck, &pairs)) }
+    }
+
+    /// Writes a table of curves at ascending values, and returns its id.
+    pub fn table(&self, deck: &mut DeckWriter, key: &str) -> CardValue {
+        let curves: Vec<(f64, u64)> = self
+            .rows(key)
+            .chunk_by(|a, b| a[0] == b[0])
+            .map(|rows| (rows[0][0], points(deck, &pairs_of(rows, 1))))
+            .collect();
+        deck.curves += 1;
+        let id = Id(deck.curves);
+        deck.keyword("DEFINE_TABLE_2D");
+        deck.card(&[id]);
+        curves.iter().for_each(|&(value, curve)| deck.card(&[Number(value), Id(curve)]));
+        id
     }
 }
 
+/// Returns the points of a table of two columns.
+fn pairs(rows: &[Vec<f64>]) -> Vec<[f64; 2]> {
+    pairs_of(rows, 0)
+}
+
+/// Returns the points of a table in two columns from `first` on.
+fn pairs_of(rows: &[Vec<f64>], first: usize) -> Vec<[f64; 2]> {
+    let pair = |row: &Vec<f64>| Some([*row.get(first)?, *row.get(first + 1)?]);
+    rows.iter().filter_map(pair).collect()
+}
+
 /// Writes the materials of deformable parts. `rigid` holds the parts with a material of a rigid
-/// body.
-pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
+/// body. Returns the ids of equations of state by the names of materials.
+pub fn write<'m>(
+    deck: &mut DeckWriter,
+    model: &'m Model,
+    rigid: &BTreeMap<u32, u64>,
+) -> BTreeMap<&'m str, u64> {
     let deforms = |m: &Material| {
         let has = |p: &Part| p.materials().contains(&m.name.as_str());
         model.job.part.iter().any(|p| has(p) && !rigid.contains_key(&p.id))
     };
+    let of_solids = |m: &Material| {
+        let mut solids = model.mesh.elements.iter().filter(|e| e.shape.is_solid());
+        let is_own =
+            |p: &Part, id: u32| p.id == id && p.material == m.name && !rigid.contains_key(&p.id);
+        solids.any(|e| model.job.part.iter().any(|p| is_own(p, e.part)))
+    };
     let turned = model.mesh.elements.iter().any(|e| e.own.angle != 0.0);
+    let mut equations = BTreeMap::new();
     for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
-        let number = |key: &str| match material.parameters.get(key) {
-            Some(Param::Number(x)) => *x,
-            _ => 0.0,
-        };
-        let pair = |key: &str| match material.parameters.get(key) {
-            Some(Param::List(list)) if list.len() == 2 => [list[0], list[1]],
-            _ => [0.0; 2],
-        };
-        let first = [
-            Id(mid),
-            Number(material.density),
-            Number(number("youngs_modulus")),
-            Number(number("poisson")),
-        ];
-        let title = line(&material.name);
-        match material.law.as_str() {
-            "elastic" => {
-                deck.keyword("MAT_ELASTIC_TITLE");
-                deck.text(&title);
-                deck.card(&first);
-            }
-            "j2" if is_isotropic(material) => {
-                let [c, p] = pair("cowper_symonds");
-                let table = curve(deck, material);
-                deck.keyword("MAT_PIECEWISE_LINEAR_PLASTICITY_TITLE");
-                deck.text(&title);
-                let (yield_stress, fail) =
-                    (Number(number("yield_stress")), Number(number("failure_strain")));
-                let (e, h) = (number("youngs_modulus"), number("hardening_modulus"));
-                deck.card(&[
-                    first[0],
-                    first[1],
-                    first[2],
-                    first[3],
-                    yield_stress,
-                    Number(e * h / (e + h)),
-                    fail,
-                ]);
-                deck.card(&[Number(c), Number(p), table.map_or(Blank, Id)]);
-                deck.card(&[]);
-                deck.card(&[]);
-                if h > 0.0 {
-                    // The tangent modulus alone does not reproduce it to the last bit.
-                    deck.entry(
-                        "material",
-                        Table::from_iter([
-                            named(&material.name),
-                            ("hardening_modulus".into(), h.into()),
-                        ]),
-                    );
-                }
-            }
-            "johnson_cook" => johnson_cook(deck, material, mid, &title, number),
-            "mooney_rivlin" | "polynomial_rubber" | "ogden" | "blatz_ko"
-                if terms(material) <= MOST_TERMS =>
-            {
-                rubber(deck, material, mid, &title);
-            }
-            "orthotropic" => composites::ply(deck, material, mid, &title, turned),
-            "low_density_foam" => low_density_foam(deck, material, mid, &title),
-            "j2" | "viscoelastic" | "crushable_foam" | "fabric" | "honeycomb" => {
-                deck.keyword("MAT_ELASTIC_TITLE");
-                deck.text(&title);
-                deck.card(&first);
-                without_card(deck, material, &["youngs_modulus", "poisson"]);
-                continue;
-            }
-            law => {
-                deck.text(&format!("$ material {title}: law {} has no keyword", line(law)));
-            }
+        let cards = MaterialCards { material, mid, turned };
+        let mut read = law(deck, &cards);
+        erosion(deck, &cards, &mut read);
+        if material.law == "johnson_cook" && of_solids(material) {
+            equations.extend(equation(deck, &cards, &mut read).map(|id| (&*material.name, id)));
         }
-        additions(deck, material);
+        account(deck, material, &read);
     }
+    equations
 }
 
-/// Writes criteria of failure and the equation of state after `$crumple:`.
-fn additions(deck: &mut DeckWriter, material: &Material) {
-    let added = |key: &str| {
-        let mut rows = EROSION.iter().chain(EQUATION_OF_STATE);
-        rows.any(|row| row.key == key)
+/// Writes the card of a law and returns what a reader has by it.
+fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
+    let mut read = CardParameters::new();
+    cards.keep(&mut read, &["youngs_modulus", "poisson"]);
+    match cards.material.law.as_str() {
+        "elastic" => {
+            cards.head(deck, "MAT_ELASTIC");
+            deck.card(&cards.elastic());
+        }
+        "j2" => metals::j2(deck, cards, &mut read),
+        "johnson_cook" => metals::johnson_cook(deck, cards, &mut read),
+        "orthotropic" => {
+            composites::ply(deck, cards);
+            // The ply has accounted for all of its own keys.
+            let own =
+                cards.material.parameters.iter().filter(|(key, _)| !key.starts_with("erosion"));
+            read.extend(own.map(|(key, param)| (key.clone(), param.clone())));
+        }
+        law if soft_materials::write(deck, law, cards, &mut read) => {}
+        other => {
+            cards.head(deck, "MAT_ELASTIC");
+            deck.card(&cards.elastic());
+            deck.note(&format!("law {}", line(other)), LeftReason::NoCard, 1);
+            let law = ("law".to_string(), other.into());
+            deck.comment("material", Table::from_iter([named(&cards.material.name), law]));
+        }
+    }
+    read
+}
+
+/// Writes criteria of failure.
+fn erosion(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
+    let given = |key: &str| {
+        let x = cards.number(key);
+        x > 0.0 || (x < 0.0 && OF_BOTH_SIGNS.contains(&key))
     };
-    let given: Vec<(String, toml::Value)> = material
-        .parameters
-        .iter()
-        .filter(|(key, _)| added(key))
-        .map(|(key, param)| (key.clone(), value_of(param)))
-        .collect();
-    if !given.is_empty() {
-        deck.entry("material", std::iter::once(named(&material.name)).chain(given).collect());
+    let keys: Vec<&str> =
+        EROSION.as_flattened().iter().map(|f| f.0).filter(|key| given(key)).collect();
+    if keys.is_empty() {
+        return;
+    }
+    deck.keyword("MAT_ADD_EROSION");
+    for (row, fields) in EROSION.iter().enumerate() {
+        let mut values = fields.map(|(key, sign)| match given(key) {
+            true => Number(sign * cards.number(key)),
+            false => Blank,
+        });
+        if row == 0 {
+            values[0] = Id(cards.mid);
+        }
+        deck.card(&values);
+    }
+    cards.keep(read, &keys);
+}
+
+/// Writes the equation of state of a material, and returns its id.
+fn equation(
+    deck: &mut DeckWriter,
+    cards: &MaterialCards<'_>,
+    read: &mut CardParameters,
+) -> Option<u64> {
+    let &(key, keyword, before) = EQUATIONS.iter().find(|(key, ..)| cards.has(key))?;
+    deck.keyword(keyword);
+    let blanks = vec![Blank; before - 1];
+    let constants: Vec<CardValue> = cards.list(key).iter().map(|&c| Number(c)).collect();
+    deck.card(&[&[Id(cards.mid)][..], &blanks, &constants].concat());
+    cards.keep(read, &[key]);
+    if cards.number("eos_min_pressure") < 0.0 {
+        cards.keep(read, &["eos_min_pressure"]);
+    }
+    Some(cards.mid)
+}
+
+/// Writes what a reader does not have by the cards after `$crumple:`.
+fn account(deck: &mut DeckWriter, material: &Material, read: &CardParameters) {
+    let [mut without, mut digits] = [(); 2].map(|()| Table::from_iter([named(&material.name)]));
+    for (key, param) in &material.parameters {
+        match read.get(key.as_str()) {
+            Some(known) if known == param => {}
+            Some(_) => drop(digits.insert(key.clone(), value_of(param))),
+            None => drop(without.insert(key.clone(), value_of(param))),
+        }
+    }
+    if without.len() > 1 {
+        deck.entry("material", without);
+    }
+    if digits.len() > 1 {
+        deck.digits("material", digits);
     }
 }
 
@@ -129,130 +278,4 @@ fn value_of(param: &Param) -> toml::Value {
         Param::List(numbers) => list(numbers),
         Param::Table(rows) => rows.iter().map(|row| list(row)).collect::<Vec<_>>().into(),
     }
-}
-
-/// Writes the law and all parameters but these, which its card has, after `$crumple:`.
-fn without_card(deck: &mut DeckWriter, material: &Material, on_card: &[&str]) {
-    let value = |(key, param): (&String, &Param)| (key.clone(), value_of(param));
-    let others = material.parameters.iter().filter(|(key, _)| !on_card.contains(&key.as_str()));
-    let head = [named(&material.name), ("law".into(), material.law.as_str().into())];
-    deck.entry("material", head.into_iter().chain(others.map(value)).collect());
-}
-
-/// Writes a rubber as a card.
-fn rubber(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
-    let number = |key: &str| match material.parameters.get(key) {
-        Some(Param::Number(x)) => Number(*x),
-        _ => Blank,
-    };
-    let (id, density) = (Id(mid), Number(material.density));
-    let keyword = match material.law.as_str() {
-        "mooney_rivlin" => "MAT_MOONEY-RIVLIN_RUBBER_TITLE",
-        "polynomial_rubber" => "MAT_HYPERELASTIC_RUBBER_TITLE",
-        "ogden" => "MAT_OGDEN_RUBBER_TITLE",
-        _ => "MAT_BLATZ-KO_RUBBER_TITLE",
-    };
-    let mut cards = vec![match material.law.as_str() {
-        "mooney_rivlin" => vec![id, density, number("poisson"), number("a"), number("b")],
-        "blatz_ko" => vec![id, density, number("shear_modulus")],
-        _ => vec![id, density, number("poisson")],
-    }];
-    match material.parameters.get("terms").or(material.parameters.get("coefficients")) {
-        Some(Param::Table(terms)) => {
-            for column in 0..2 {
-                cards.push(terms.iter().map(|term| Number(term[column])).collect());
-            }
-        }
-        Some(Param::List(c)) => cards.push(c.iter().map(|c| Number(*c)).collect()),
-        _ => {}
-    }
-    deck.keyword(keyword);
-    deck.text(title);
-    for card in cards {
-        deck.card(&card);
-    }
-}
-
-/// Writes a foam as a card with a curve; the rest, also curves by rate, after `$crumple:`.
-fn low_density_foam(deck: &mut DeckWriter, material: &Material, mid: u64, title: &str) {
-    const CURVE: &str = "compression";
-    let Some(Param::Table(rows)) = material.parameters.get(CURVE) else {
-        deck.text(&format!("$ material {title}: curves by rate have no keyword"));
-        return;
-    };
-    let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
-    let curve = points(deck, &pairs);
-    let e = match material.parameters.get("youngs_modulus") {
-        Some(Param::Number(e)) => Number(*e),
-        _ => Blank,
-    };
-    deck.keyword("MAT_LOW_DENSITY_FOAM_TITLE");
-    deck.text(title);
-    deck.card(&[Id(mid), Number(material.density), e, Id(curve)]);
-    deck.card(&[]);
-    without_card(deck, material, &["youngs_modulus", CURVE]);
-}
-
-/// Returns true if a material has no key that the card of piecewise linear plasticity lacks here.
-fn is_isotropic(material: &Material) -> bool {
-    let others = [
-        "kinematic_modulus",
-        "hardening_by_rate",
-        "rate_factors",
-        "viscoplastic",
-        "softening",
-        "lankford",
-    ];
-    !others.iter().any(|key| material.parameters.contains_key(*key))
-}
-
-fn johnson_cook(
-    deck: &mut DeckWriter,
-    material: &Material,
-    mid: u64,
-    title: &str,
-    number: impl Fn(&str) -> f64,
-) {
-    let (e, nu) = (number("youngs_modulus"), number("poisson"));
-    deck.keyword("MAT_JOHNSON_COOK_TITLE");
-    deck.text(title);
-    deck.card(&[
-        Id(mid),
-        Number(material.density),
-        Number(e / (2.0 * (1.0 + nu))),
-        Number(e),
-        Number(nu),
-    ]);
-    let keys =
-        ["a", "b", "n", "c", "m", "melting_temperature", "reference_temperature", "reference_rate"];
-    deck.card(&keys.map(|key| Number(number(key))));
-    let d = match material.parameters.get("damage") {
-        Some(Param::List(d)) if d.len() == 5 => [d[0], d[1], d[2], d[3], d[4]],
-        _ => [0.0; 5],
-    };
-    deck.card(&[
-        Number(number("specific_heat")),
-        Blank,
-        Blank,
-        Blank,
-        Number(d[0]),
-        Number(d[1]),
-        Number(d[2]),
-        Number(d[3]),
-    ]);
-    deck.card(&[Number(d[4])]);
-    if let Some(Param::Number(share)) = material.parameters.get("taylor_quinney") {
-        deck.entry(
-            "material",
-            Table::from_iter([named(&material.name), ("taylor_quinney".into(), (*share).into())]),
-        );
-    }
-}
-
-/// Writes the hardening table of a material as a curve, and returns its id.
-fn curve(deck: &mut DeckWriter, material: &Material) -> Option<u64> {
-    let Some(Param::Table(rows)) = material.parameters.get("hardening") else { return None };
-    let pairs: Vec<[f64; 2]> =
-        rows.iter().filter(|row| row.len() == 2).map(|row| [row[0], row[1]]).collect();
-    Some(points(deck, &pairs))
 }

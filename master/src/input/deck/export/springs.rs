@@ -3,13 +3,18 @@
 use super::{Blank, CardValue, DeckWriter, Id, Number, line, points};
 use crumple_proto::job::{Part, SpringHardening, SpringInput, SpringSide};
 use crumple_proto::mesh::{MeshElement, Shape};
+use std::collections::BTreeSet;
 use toml::{Table, Value};
 
 /// Writes a part of springs with a section and an individual material `mid`. A card has one law;
 /// other keys of the part are written after `$crumple:`.
 pub fn part(deck: &mut DeckWriter, part: &Part, spring: &SpringInput, mid: u64) {
     let id = u64::from(part.id);
-    let mut rest = SpringInput { direction: spring.direction, ..SpringInput::default() };
+    let mut rest = SpringInput::default();
+    if let Some(direction) = spring.direction {
+        deck.keyword("DEFINE_SD_ORIENTATION");
+        deck.card(&[&[Id(id), Id(0)][..], &direction.map(Number)].concat());
+    }
     let (keyword, fields) = law(deck, spring);
     if keyword.contains("SPRING") {
         (rest.damping, rest.force_rate) = (spring.damping, spring.force_rate.clone());
@@ -78,8 +83,14 @@ fn law(deck: &mut DeckWriter, spring: &SpringInput) -> (&'static str, Vec<CardVa
     (keyword, vec![field])
 }
 
-/// Writes the elements.
-pub fn elements<'m>(deck: &mut DeckWriter, elements: impl Iterator<Item = &'m MeshElement>) {
+/// Writes the elements. Those of a part with a direction have an orientation with its id.
+pub fn elements<'m>(
+    deck: &mut DeckWriter,
+    elements: impl Iterator<Item = &'m MeshElement>,
+    parts: &[Part],
+) {
+    let is_directed = |part: &&Part| part.spring.as_ref().is_some_and(|s| s.direction.is_some());
+    let directed: BTreeSet<u32> = parts.iter().filter(is_directed).map(|p| p.id).collect();
     let mut springs = elements.filter(|e| e.shape == Shape::Line2).peekable();
     if springs.peek().is_some() {
         deck.keyword("ELEMENT_DISCRETE");
@@ -90,7 +101,7 @@ pub fn elements<'m>(deck: &mut DeckWriter, elements: impl Iterator<Item = &'m Me
             Id(u64::from(e.part)),
             Id(e.nodes[0].label()),
             Id(e.nodes[1].label()),
-            Blank,
+            if directed.contains(&e.part) { Id(u64::from(e.part)) } else { Blank },
         ]);
     }
 }

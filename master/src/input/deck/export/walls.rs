@@ -6,8 +6,8 @@ use crumple_proto::job::{Job, WallInput};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-/// Keyword of a wall, in the order of decks.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// Keyword of a wall.
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum WallCard {
     Plane,
     LedRectangle,
@@ -28,24 +28,23 @@ fn kind(wall: &WallInput) -> Option<WallCard> {
     }
 }
 
-/// Writes all walls. None is written as a card if one of them has no card, or if cards would
-/// change their order.
+/// Writes walls with cards up to the first one without; it and all others stay in comments, so
+/// that their order is kept.
 pub fn write(
     deck: &mut DeckWriter,
     job: &Job,
     set: impl Fn(&str) -> CardValue,
     curves: &mut TimeCurves<'_>,
 ) {
-    let kinds: Option<Vec<WallCard>> = job.wall.iter().map(kind).collect();
-    let names: Vec<String> =
-        (1..).zip(&job.wall).map(|(number, wall)| name(wall, number)).collect();
-    let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
-    let Some(kinds) = kinds.filter(|kinds| kinds.is_sorted() && are_unique) else {
-        return list(deck, "wall", &job.wall);
-    };
-    for (((wall, kind), name), number) in job.wall.iter().zip(kinds).zip(&names).zip(1..) {
-        one(deck, wall, kind, (name, number), &set, curves);
+    let mut names = BTreeSet::new();
+    let kinds: Vec<WallCard> = (1..)
+        .zip(&job.wall)
+        .map_while(|(number, wall)| kind(wall).filter(|_| names.insert(name(wall, number))))
+        .collect();
+    for ((wall, kind), number) in job.wall.iter().zip(&kinds).zip(1..) {
+        one(deck, wall, *kind, (&name(wall, number), number), &set, curves);
     }
+    list(deck, "wall", &job.wall[kinds.len()..]);
 }
 
 fn name(wall: &WallInput, number: u64) -> String {
@@ -111,7 +110,7 @@ fn one(
         deck.card(&motion);
     }
     if exact.len() > 1 {
-        deck.entry("wall", exact);
+        deck.digits("wall", exact);
     }
 }
 

@@ -35,7 +35,8 @@ const fn joint(name: &'static str, note: &'static str) -> Keyword {
 pub const KEYWORDS: &[Keyword] = &[
     joint(
         "CONSTRAINED_JOINT_SPHERICAL",
-        "`[[joint]]` `spherical` at n1, between the bodies of n1 and n2",
+        "`[[joint]]` `spherical` at n1, between the bodies of n1 and n2; its name is the heading, \
+         or `joint-JID`",
     )
     .unused(WITH_POINT),
     joint("CONSTRAINED_JOINT_REVOLUTE", "the same, `revolute`, with the axis from n1 to n3"),

@@ -117,11 +117,14 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
             part.id
         ));
     }
-    let quadratic = model.mesh.elements.iter().filter(|e| e.shape == Shape::Tet10).count();
-    if quadratic > 0 {
+    let mut shapes: BTreeMap<u32, [bool; 2]> = BTreeMap::new();
+    for e in model.mesh.elements.iter().filter(|e| e.shape.is_solid()) {
+        shapes.entry(e.part).or_default()[usize::from(e.shape == Shape::Tet10)] = true;
+    }
+    if let Some((part, _)) = shapes.iter().find(|(_, has)| **has == [true; 2]) {
         return Err(format!(
-            "{quadratic} tetrahedra of ten nodes cannot be written as a Radioss deck yet: mesh \
-             with four nodes"
+            "part {part} has tetrahedra of ten nodes and other solids: give each its own part, as \
+             a Radioss deck requires"
         ));
     }
     let job = &model.job;

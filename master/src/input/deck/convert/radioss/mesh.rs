@@ -14,12 +14,13 @@ use crumple_proto::mesh::{MeshElement, Shape, solid_of_eight};
 use std::collections::HashSet;
 
 /// Keywords of nodes and elements, with the number of nodes of an element that a line has.
-const KEYWORDS: [(&str, usize); 9] = [
+const KEYWORDS: [(&str, usize); 10] = [
     ("/NODE", 0),
     ("/SHELL", 4),
     ("/SH3N", 3),
     ("/BRICK", 8),
     ("/TETRA4", 4),
+    ("/TETRA10", 10),
     ("/PENTA6", 6),
     ("/BEAM", 3),
     ("/TRUSS", 2),
@@ -33,6 +34,9 @@ const LARGEST_RAISE: u64 = 1_000_000_000_000_000;
 pub fn is_mesh(name: &str) -> bool {
     KEYWORDS.iter().any(|k| k.0 == name)
 }
+
+/// A line of an element, and its card.
+type ElementLine<'a> = ((u32, u32), &'a Card);
 
 /// An element as written.
 struct StarterElement {
@@ -54,7 +58,7 @@ impl StarterConverter {
             Some((&header, lines)) => (header, lines),
             None => return,
         };
-        let [(ids, _), (card, _)] = &row.cards[..] else { return };
+        let [(ids, _), (card, _), of_nodes @ ..] = &row.cards[..] else { return };
         let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
         let mut numbers = start(&mut cards, ids, block, header);
         let name = row.keyword.name;
@@ -75,19 +79,38 @@ impl StarterConverter {
             return;
         };
         let count = KEYWORDS.iter().find(|k| k.0 == name).map_or(0, |k| k.1);
-        for &line in lines.iter().filter(|l| l.0 < l.1) {
-            if let Some(element) = self.element(texts, (block, line), (row, card), (part, count)) {
+        let mut lines = lines.iter().copied().filter(|l| l.0 < l.1);
+        while let Some(line) = lines.next() {
+            let second = match of_nodes.first() {
+                None => None,
+                Some((card, _)) => match lines.next() {
+                    Some(line) => Some((line, card)),
+                    None => return self.lacks_nodes(block, line),
+                },
+            };
+            let lines = ((line, card), second);
+            if let Some(element) = self.element(texts, block, row, lines, (part, count)) {
                 self.add_element(name, element);
             }
         }
     }
 
-    /// Reads the line of an element with `count` nodes.
+    /// Reports an element whose second line is missing.
+    fn lacks_nodes(&mut self, block: &KeywordBlock, line: (u32, u32)) {
+        let message = format!("{} ends before the nodes of its last element", block.name);
+        let help = "give the id of an element on a line, and its ten nodes on the next line";
+        let place = block.span(line, 0, (line.1 - line.0) as usize);
+        self.deck.trouble.error(place, message, help);
+    }
+
+    /// Reads an element with `count` nodes: its line, and the one of its nodes if they have their
+    /// own.
     fn element(
         &mut self,
         texts: &Texts,
-        (block, line): (&KeywordBlock, (u32, u32)),
-        (row, card): (&KeywordRow, &Card),
+        block: &KeywordBlock,
+        row: &KeywordRow,
+        ((line, card), second): (ElementLine<'_>, Option<ElementLine<'_>>),
         (part, count): (u32, usize),
     ) -> Option<StarterElement> {
         let parameters = DeckParameters::default();
@@ -95,6 +118,21 @@ impl StarterConverter {
         let mut numbers = start(&mut cards, card, block, line);
         let id = ElemId(numbers.id(0));
         let mut nodes = Vec::with_capacity(count);
+        if let Some((line, card)) = second {
+            let is_whole = numbers.whole;
+            let mut numbers = start(&mut cards, card, block, line);
+            nodes.extend((0..count).map(|field| NodeId(numbers.id(field))));
+            let place = block.span(line, 0, (line.1 - line.0) as usize);
+            let (thickness, axis) = (0.0, [0.0; 3]);
+            return (is_whole && numbers.whole).then_some(StarterElement {
+                id,
+                part,
+                nodes,
+                thickness,
+                axis,
+                place,
+            });
+        }
         for field in 1..=count {
             let needed = card.fields.get(field).is_some_and(|f| f.needed);
             // The fourth node of a shell may be 0 for a triangle.
@@ -160,6 +198,7 @@ impl StarterConverter {
                 }
             }
             "/TETRA4" => rows.solid(MeshElement::new(id, part, Shape::Tet4, &nodes), place),
+            "/TETRA10" => rows.solid(MeshElement::new(id, part, Shape::Tet10, &nodes), place),
             "/PENTA6" => rows.solid(MeshElement::new(id, part, Shape::Wedge6, &nodes), place),
             "/SPRING" => rows.spring(id, part, [nodes[0], nodes[1]], place),
             "/TRUSS" => {
@@ -208,18 +247,22 @@ impl StarterConverter {
     pub(super) fn turn_tetrahedra(&mut self) {
         for index in 0..self.deck.rows.solids.len() {
             let solid = self.deck.rows.solids[index];
-            if solid.shape != Shape::Tet4 {
-                continue;
-            }
+            // Nodes between corners go with them.
+            let pairs: &[(usize, usize)] = match solid.shape {
+                Shape::Tet4 => &[(1, 2)],
+                Shape::Tet10 => &[(1, 2), (4, 6), (8, 9)],
+                _ => continue,
+            };
             let mut corners = [[0.0; 3]; 4];
-            let found = solid.corners().iter().zip(&mut corners).all(|(&n, x)| {
+            let found = solid.nodes[..4].iter().zip(&mut corners).all(|(&n, x)| {
                 self.deck.rows.at(n).is_some_and(|at| {
                     *x = at;
                     true
                 })
             });
             if found && volume(&corners) < 0.0 {
-                self.deck.rows.solids[index].nodes.swap(1, 2);
+                let nodes = &mut self.deck.rows.solids[index].nodes;
+                pairs.iter().for_each(|&(a, b)| nodes.swap(a, b));
                 self.turned += 1;
             }
         }

@@ -100,9 +100,7 @@ impl StarterConverter {
                 }
             }
             SectionKind::Solid => {
-                let tetrahedra = shapes.tetrahedra && !shapes.solids;
-                let wedges = shapes.wedges && !shapes.solids && !shapes.tetrahedra;
-                self.solid_property(id, (of, properties), (tetrahedra, wedges), table);
+                self.solid_property(id, (of, properties), shapes, table);
             }
             SectionKind::Beam => self.beam_property(id, of, table),
             SectionKind::Discrete => {}

@@ -1,6 +1,7 @@
 //! Converts `/PROP/...`, `/DEF_SHELL` and `/DEF_SOLID`.
 
 use super::StarterConverter;
+use crate::input::deck::convert::parts::Shapes;
 use crate::input::deck::convert::sections::SectionKind;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
@@ -126,15 +127,17 @@ impl StarterConverter {
         self.deck.map(format!("part {part}"), format!("shells, Ishell {ishell}"), used);
     }
 
-    /// Converts the property of solids of a part; `tetrahedra` and `wedges` say of which shapes
-    /// alone they are.
+    /// Converts the property of solids of a part.
     pub(super) fn solid_property(
         &mut self,
         part: i64,
         (of, all): (&StarterProperty, &StarterProperties),
-        (tetrahedra, wedges): (bool, bool),
+        shapes: Shapes,
         table: &mut JobTable,
     ) {
+        let quadratic_ones = shapes.only_quadratic_tetrahedra();
+        let tetrahedra = shapes.tetrahedra && !shapes.solids;
+        let wedges = shapes.wedges && !shapes.solids && !shapes.tetrahedra;
         let card = &of.record;
         let (isolid, itetra) = (all.flag(of, "isolid"), all.flag(of, "itetra4"));
         if !SOLIDS.contains(&isolid) {
@@ -147,7 +150,8 @@ impl StarterConverter {
         };
         let [quadratic, linear] = [or("qa", 1.1), or("qb", 0.05)];
         table.put("bulk_viscosity", card.place("qa"), [linear, quadratic * quadratic]);
-        let is_mean = !tetrahedra && FULL.contains(&isolid) || tetrahedra && itetra == 1;
+        let is_mean =
+            !tetrahedra && !quadratic_ones && FULL.contains(&isolid) || tetrahedra && itetra == 1;
         if is_mean {
             let field = if tetrahedra { "itetra4" } else { "isolid" };
             let message = format!(
@@ -159,6 +163,8 @@ impl StarterConverter {
         }
         let used = if wedges {
             "wedges".to_string()
+        } else if quadratic_ones {
+            "tetrahedra of ten nodes".to_string()
         } else if tetrahedra {
             let pressure = if itetra == 3 { "nodal" } else { "element" };
             table.put("element", card.place("itetra4"), "tetrahedron");

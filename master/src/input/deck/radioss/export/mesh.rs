@@ -18,7 +18,8 @@ fn keyword(shape: Shape) -> Option<&'static str> {
         Shape::Beam2 => "BEAM",
         Shape::Truss2 => "TRUSS",
         Shape::Line2 => "SPRING",
-        Shape::Tet10 | Shape::Point1 => return None,
+        Shape::Tet10 => "TETRA10",
+        Shape::Point1 => return None,
     })
 }
 
@@ -44,6 +45,7 @@ impl StarterWriter<'_> {
             Shape::Tri3,
             Shape::Hex8,
             Shape::Tet4,
+            Shape::Tet10,
             Shape::Wedge6,
             Shape::Beam2,
             Shape::Truss2,
@@ -64,6 +66,10 @@ impl StarterWriter<'_> {
     fn element(&mut self, element: &MeshElement, third: &HashMap<ElemId, (u64, [f64; 3])>) {
         let mut fields = vec![Whole(element.id.label())];
         let corners = element.corners();
+        if element.shape == Shape::Tet10 {
+            self.card(&fields);
+            return self.card(&element.nodes.map(|n| Whole(n.label())));
+        }
         fields.extend(corners.iter().map(|n| Whole(n.label())));
         fields.extend(third.get(&element.id).map(|node| Whole(node.0)));
         if element.own.thickness > 0.0 {

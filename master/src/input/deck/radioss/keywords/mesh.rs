@@ -57,6 +57,12 @@ pub const KEYWORDS: &[Keyword] = &[
         "solids; repeated nodes give wedges and tetrahedra",
     ),
     Keyword::new("/TETRA4", &[("eid:i! n1:i! n2:i! n3:i! n4:i!", Rest)], "tetrahedra"),
+    Keyword::new(
+        "/TETRA10",
+        &[("eid:i!", Rest), ("n1:i! n2:i! n3:i! n4:i! n5:i! n6:i! n7:i! n8:i! n9:i! n10:i!", Rest)],
+        "tetrahedra of ten nodes, each on two lines; those that lack some nodes between their \
+         corners are not supported",
+    ),
     Keyword::new("/PENTA6", &[("eid:i! n1:i! n2:i! n3:i! n4:i! n5:i! n6:i!", Rest)], "wedges"),
     Keyword::new(
         "/BEAM",
@@ -70,7 +76,6 @@ pub const KEYWORDS: &[Keyword] = &[
         "springs, along the line between their nodes",
     )
     .unused(&[no_effect("n3", "the spring has one direction"), refused("skew", "a system")]),
-    not_yet("/TETRA10", "tetrahedra of ten nodes; mesh with four"),
     not_yet("/BRIC20", "solids of twenty nodes; mesh with eight"),
     not_yet("/SHEL16", "thick shells"),
     not_yet("/SPHCEL", "particles; a job has `part.particles`"),

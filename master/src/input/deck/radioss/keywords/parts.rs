@@ -60,7 +60,7 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[
         no_effect("ismstr", "strains are finite"),
         no_effect("icpre", "the formulations do not lock at constant volume"),
-        no_effect("itetra10", "there are no tetrahedra of ten nodes"),
+        no_effect("itetra10", "tetrahedra of ten nodes have one formulation"),
         no_effect("inpts", "solids have one point, wedges two"),
         no_effect("iframe", "rates are corotational"),
         ignored("dn", "it is the damping of other formulations"),
@@ -128,7 +128,7 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[
         no_effect("ismstr", "strains are finite"),
         no_effect("istrain", "strains are no output here"),
-        no_effect("itetra10", "there are no tetrahedra of ten nodes"),
+        no_effect("itetra10", "tetrahedra of ten nodes have one formulation"),
         no_effect("iframe", "rates are corotational"),
     ]),
     not_yet("/PROP/TYPE0", "void properties; use a property of shells with a void material"),

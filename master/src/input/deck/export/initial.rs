@@ -1,0 +1,56 @@
+//! Writes masses, constraints and initial velocities as cards.
+
+use super::{Blank, CardValue, DeckWriter, Id, Number, list};
+use crate::input::deck::convert::space::unit;
+use crumple_proto::job::{InitialVelocity, Job};
+
+/// Writes the initial state of the model.
+pub fn write(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) {
+    for (mass, id) in job.mass.iter().zip(1..) {
+        deck.keyword("ELEMENT_MASS_NODE_SET");
+        deck.card(&[Id(id), set(&mass.nodes), Number(mass.mass)]);
+    }
+    for fix in &job.fix {
+        deck.keyword("BOUNDARY_SPC_SET");
+        let held = ["x", "y", "z", "rx", "ry", "rz"]
+            .map(|d| Id(u64::from(fix.dofs.iter().any(|f| f == d))));
+        deck.card(&[&[set(&fix.nodes), Blank], held.as_slice()].concat());
+    }
+    velocities(deck, &job.initial_velocity, set);
+}
+
+/// Writes initial velocities. A later one overrides an earlier one, so that all of them have the
+/// same card, or none.
+fn velocities(deck: &mut DeckWriter, all: &[InitialVelocity], set: impl Fn(&str) -> CardValue) {
+    if all.iter().all(|v| v.spin == [0.0; 3]) {
+        for initial in all {
+            deck.keyword("INITIAL_VELOCITY");
+            deck.card(&[initial.nodes.as_deref().map_or(Blank, &set)]);
+            deck.card(&initial.velocity.map(Number));
+        }
+        return;
+    }
+    let turns: Option<Vec<(f64, [f64; 3])>> = all.iter().map(|v| turn(v.spin)).collect();
+    let Some(turns) = turns else { return list(deck, "initial_velocity", all) };
+    for (initial, (speed, along)) in all.iter().zip(turns) {
+        let of = match &initial.nodes {
+            Some(nodes) => [set(nodes), Id(3)],
+            None => [Id(0), Id(3)],
+        };
+        deck.keyword("INITIAL_VELOCITY_GENERATION");
+        let first = [of[0], of[1], Number(speed)];
+        deck.card(&[&first[..], &initial.velocity.map(Number)].concat());
+        deck.card(&[&initial.centre.map(Number)[..], &along.map(Number)].concat());
+    }
+}
+
+/// Returns speed and direction of a rotation, if a reader has the same bits by them.
+fn turn(spin: [f64; 3]) -> Option<(f64, [f64; 3])> {
+    let Some(along) = unit(spin) else { return Some((0.0, [0.0; 3])) };
+    let speed = spin.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let read = unit(along)?;
+    [speed, speed.next_up(), speed.next_down()]
+        .into_iter()
+        .find(|&speed| read.map(|c| c * speed) == spin)
+        .map(|speed| (speed, along))
+}

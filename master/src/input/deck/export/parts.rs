@@ -1,0 +1,208 @@
+//! Writes parts with their sections and hourglass control.
+
+use super::{
+    Blank, CardValue, DeckWriter, Id, Number, beams, composites, discrete_beams, line, springs,
+};
+use crate::input::job::Model;
+use crumple_proto::job::{Part, Setting};
+use crumple_proto::mesh::Shape;
+use crumple_worker::fem::elements::{HourglassForm, formulation, points_of};
+use std::collections::{BTreeMap, BTreeSet};
+use toml::{Table, Value};
+
+/// Writes the parts. Parts of springs and discrete beams get individual materials, with ids from
+/// `next` on.
+pub fn write(
+    deck: &mut DeckWriter,
+    model: &Model,
+    rigid: &BTreeMap<u32, u64>,
+    equations: &BTreeMap<&str, u64>,
+    mut next: u64,
+) -> Result<(), String> {
+    let mut shapes: BTreeMap<u32, BTreeSet<bool>> = BTreeMap::new();
+    for element in &model.mesh.elements {
+        shapes.entry(element.part).or_default().insert(element.shape.is_shell());
+    }
+    let materials = &model.settings.materials;
+    for part in &model.settings.parts {
+        if let Some(spring) = &part.spring {
+            springs::part(deck, part, spring, next);
+            next += 1;
+            continue;
+        }
+        if let Some(beam) = &part.discrete_beam {
+            discrete_beams::part(deck, part, beam, next);
+            next += 1;
+            continue;
+        }
+        let of = shapes.get(&part.id).cloned().unwrap_or_default();
+        if of.len() > 1 {
+            return Err(format!(
+                "part {} has shells and solids: give each its own part, as a deck requires",
+                part.id
+            ));
+        }
+        let plain =
+            materials.iter().position(|m| m.name == part.material).map_or(0, |i| i as u64 + 1);
+        let mid = rigid.get(&part.id).copied().unwrap_or(plain);
+        if part.beam.is_some() || part.truss.is_some() {
+            let law = materials.iter().find(|m| m.name == part.material);
+            beams::part(deck, part, law.map_or("", |m| m.law.as_str()), mid)?;
+            continue;
+        }
+        let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
+        let id = u64::from(part.id);
+        if !part.layer.is_empty() && rigid.contains_key(&part.id) {
+            return Err(format!(
+                "part {}: a rigid part with layers cannot be written as a deck: give it a \
+                 thickness and a material with the mean density",
+                part.id
+            ));
+        }
+        if !part.layer.is_empty() {
+            let hourglass = hourglass(deck, part, shells);
+            composites::part(deck, part, materials, hourglass);
+            continue;
+        }
+        section(deck, part, shells);
+        let hourglass = hourglass(deck, part, shells);
+        let contact = contact_fields(part).filter(|_| shells);
+        deck.keyword(if contact.is_some() { "PART_CONTACT" } else { "PART" });
+        deck.text(&line(&part.name));
+        let equation = equations.get(part.material.as_str()).filter(|_| mid == plain);
+        let equation = equation.map_or(Blank, |&id| Id(id));
+        deck.card(&[Id(id), Id(id), Id(mid), equation, if hourglass { Id(id) } else { Blank }]);
+        if let Some(fields) = contact {
+            deck.card(&[&[Blank; 4][..], &fields].concat());
+        }
+    }
+    Ok(())
+}
+
+/// Returns thickness and scale of a part in contact as fields; `None` if both are the defaults, or
+/// if the card of a part has no such fields.
+fn contact_fields(part: &Part) -> Option<[CardValue; 2]> {
+    let scale = part.contact_thickness_scale;
+    let has_own = part.contact_thickness.is_some() || scale != 1.0;
+    let fits = part.contact_thickness.is_none_or(|t| t > 0.0) && scale > 0.0;
+    (has_own && fits && part.layer.is_empty()).then(|| {
+        let thickness = part.contact_thickness.map_or(Blank, Number);
+        [thickness, if scale == 1.0 { Blank } else { Number(scale) }]
+    })
+}
+
+fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
+    let id = u64::from(part.id);
+    if !shells {
+        deck.keyword("SECTION_SOLID");
+        return deck.card(&[Id(id), Id(1)]);
+    }
+    deck.keyword("SECTION_SHELL");
+    let mut first = vec![Id(id), Id(elform(part)), Number(1.0), Id(points_of(part) as u64)];
+    if !part.angles.is_empty() {
+        first.extend([Blank, Blank, Id(1)]);
+    }
+    deck.card(&first);
+    let t = Number(part.thickness);
+    if part.offset == 0.0 {
+        deck.card(&[t]);
+    } else {
+        deck.card(&[t, t, t, t, Number(-part.offset)]);
+    }
+    let angles: Vec<CardValue> = part.angles.iter().map(|&angle| Number(angle)).collect();
+    angles.chunks(8).for_each(|eight| deck.card(eight));
+}
+
+/// Returns the formulation of a part of shells in the format.
+pub(super) fn elform(part: &Part) -> u64 {
+    let warping = part.parameters.get("warping") == Some(&Setting::Flag(true));
+    match (part.element.as_deref(), warping) {
+        (Some("belytschko_tsay"), _) if is_membrane(part) => 5,
+        (Some("belytschko_tsay"), true) => 10,
+        (Some("belytschko_tsay"), false) => 2,
+        _ => 16,
+    }
+}
+
+/// Returns true for a part of membranes.
+fn is_membrane(part: &Part) -> bool {
+    part.parameters.get("membrane") == Some(&Setting::Flag(true))
+}
+
+/// Writes hourglass control and viscosity of a part. Returns true if there are any.
+fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
+    let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
+    let given = |key: &str| part.parameters.get(key);
+    let form = match given("hourglass") {
+        // A deck without a form means the viscous form, so the job's default must be written.
+        None if shells && by_card => 4,
+        None if !shells => 6,
+        Some(Setting::Word(word)) if word == HourglassForm::Viscous.word() => 1,
+        Some(Setting::Word(word)) if word == HourglassForm::Stiffness.word() => 4,
+        Some(Setting::Word(word)) if word == HourglassForm::AssumedStrain.word() => 6,
+        _ => 0,
+    };
+    // Cards cannot hold a coefficient without a form, or for a form that has none.
+    let default = || {
+        let shape = if shells { Shape::Quad4 } else { Shape::Hex8 };
+        let row = formulation(part, shape).filter(|_| by_card)?;
+        Some(row.values(part).number("hourglass_coefficient"))
+    };
+    let coefficient = given("hourglass_coefficient").and_then(Setting::number).or_else(default);
+    // Zeros on a card mean the defaults.
+    let coefficient =
+        coefficient.filter(|&c| c != 0.0 && by_card && (shells || matches!(form, 1 | 4)));
+    let viscosity = match given("bulk_viscosity") {
+        Some(Setting::List(list)) if !list.iter().all(|b| *b == 0.0) => list.as_slice(),
+        _ => &[],
+    };
+    let on_card = |key: &str| match key {
+        "points" => shells,
+        "hourglass" | "warping" | "membrane" => by_card,
+        "hourglass_coefficient" => coefficient.is_some(),
+        "bulk_viscosity" => !viscosity.is_empty(),
+        _ => false,
+    };
+    let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
+    for (key, value) in part.parameters.iter().filter(|(key, _)| !on_card(key)) {
+        own.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
+    }
+    // A deck has no drilling stiffness for this formulation.
+    if let (Some("belytschko_tsay"), None, false) =
+        (part.element.as_deref(), given("drilling"), is_membrane(part))
+        && let Some(row) = formulation(part, Shape::Quad4)
+    {
+        own.insert("drilling".into(), row.values(part).number("drilling").into());
+    }
+    if part.element.as_deref() == Some("fully_integrated_quad") {
+        own.insert("element".into(), "fully_integrated_quad".into());
+    }
+    if part.skin {
+        own.insert("skin".into(), true.into());
+    }
+    let without = contact_fields(part).is_none() || !shells;
+    if let Some(thickness) = part.contact_thickness.filter(|_| without) {
+        own.insert("contact_thickness".into(), thickness.into());
+    }
+    if part.contact_thickness_scale != 1.0 && without {
+        own.insert("contact_thickness_scale".into(), part.contact_thickness_scale.into());
+    }
+    if own.len() > 1 {
+        deck.entry("part", own);
+    }
+    let any = (by_card && (form != 0 || coefficient.is_some())) || !viscosity.is_empty();
+    if any {
+        let [linear, quadratic] = viscosity.try_into().unwrap_or_default();
+        deck.keyword("HOURGLASS");
+        let (q1, q2) = (Number(quadratic), Number(linear));
+        deck.card(&[
+            Id(u64::from(part.id)),
+            Id(form),
+            Number(coefficient.unwrap_or(0.0)),
+            Blank,
+            q1,
+            q2,
+        ]);
+    }
+    any
+}

@@ -1,0 +1,169 @@
+//! Every scene as an exported deck: read back, it is the same model with the same bits. What stays
+//! in comments is pinned, so that a new key without a card fails here until its fate is decided.
+
+use crumple::input::deck::export::export;
+use crumple::input::job::{Model, read};
+use crumple_proto::job::Job;
+use crumple_proto::partition::{Material, Settings};
+use crumple_worker::fem::materials::LAWS;
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Keys of the settings of workers that the bits of a run show: parts and materials may name their
+/// defaults, and curves have another order.
+const BY_BITS: [&str; 5] = ["parts", "materials", "contact", "loads", "checkpoint"];
+
+/// Returns the jobs of the scenes.
+fn jobs() -> Vec<PathBuf> {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
+    let mut jobs = Vec::new();
+    for folder in fs::read_dir(&scenes).expect("cases").map(|entry| entry.unwrap().path()) {
+        if !folder.join("job.toml").is_file() {
+            continue;
+        }
+        let files = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+        jobs.extend(files.filter(|path| path.extension().is_some_and(|e| e == "toml")));
+    }
+    jobs.sort();
+    assert!(jobs.len() > 20, "{jobs:?}");
+    jobs
+}
+
+/// Returns the model of a deck with this text.
+fn read_back(text: &str, sets: &[String]) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("exported.k");
+    fs::write(&path, text).unwrap();
+    read(&path, sets).unwrap_or_else(|report| panic!("{report}\n{}", &text[..text.len().min(4000)]))
+}
+
+/// Returns what all workers have, by key, without what the bits of a run show.
+fn settings(of: &Settings) -> Vec<(String, Value)> {
+    let Value::Object(all) = serde_json::to_value(of).expect("a value") else { panic!("a table") };
+    all.into_iter().filter(|(key, _)| !BY_BITS.contains(&key.as_str())).collect()
+}
+
+/// Returns the settings of a job that do not reach workers, or only in another form.
+fn beyond(job: &Job) -> Value {
+    let mut output = serde_json::to_value(&job.output).unwrap();
+    let histories = ["node", "section", "transducer"];
+    histories.iter().for_each(|key| drop(output.as_object_mut().unwrap().remove(*key)));
+    serde_json::json!({
+        "time": job.time, "elements": job.elements, "output": output, "parallel": job.parallel,
+        "checkpoint": job.checkpoint, "restart": job.restart, "require": job.require,
+        "title": job.title, "units": job.units, "symmetry": job.symmetry,
+    })
+}
+
+/// Checks that two models have the same settings and records.
+fn assert_same(one: &Model, other: &Model, of: &str) {
+    for ((key, a), (_, b)) in settings(&one.settings).iter().zip(&settings(&other.settings)) {
+        assert_eq!(a, b, "{of}: {key}");
+    }
+    let (elements, nodes) = one.records();
+    let (elements_back, nodes_back) = other.records();
+    assert_eq!(elements.len(), elements_back.len(), "{of}");
+    for (a, b) in elements.iter().zip(&elements_back) {
+        assert_eq!(a, b, "{of}");
+    }
+    assert_eq!(nodes.len(), nodes_back.len(), "{of}");
+    for (a, b) in nodes.iter().zip(&nodes_back) {
+        assert_eq!(a, b, "{of}");
+    }
+    assert_eq!(beyond(&one.job), beyond(&other.job), "{of}");
+}
+
+/// Checks that two models move in the same way.
+fn assert_same_motion(one: &Model, other: &Model, of: &str) {
+    let [a, b] = [one, other].map(|model| crumple_tests::run_alone(model, |_| ()).nodes);
+    assert!(a.x == b.x && a.v == b.v, "{of}: the coordinates differ");
+}
+
+/// Each scene gives the same model and the same bits over some cycles. Those that a deck cannot
+/// hold are refused with a cure.
+#[test]
+fn every_scene_is_the_same_as_a_deck() {
+    let mut left = String::new();
+    let few = ["time.max_cycles=8".to_string()];
+    for path in jobs() {
+        let name = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases"));
+        let name = name.unwrap().display().to_string();
+        let model = read(&path, &few).unwrap_or_else(|report| panic!("{report}"));
+        let _ = writeln!(left, "{name}");
+        match export(&model) {
+            Ok(deck) => {
+                deck.left.iter().for_each(|line| drop(writeln!(left, "  {line}")));
+                let again = read_back(&deck.text, &few);
+                assert_same(&model, &again, &name);
+                assert_same_motion(&model, &again, &name);
+            }
+            Err(refused) => drop(writeln!(left, "  refused: {refused}")),
+        }
+    }
+    expect_test::expect_file!["../../decks/exported/scenes.txt"].assert_eq(&left);
+}
+
+/// A job with every list of the schema, as a deck.
+#[test]
+fn no_list_of_a_job_is_lost() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/every-list.toml");
+    let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let deck = export(&model).expect("a deck");
+    let again = read_back(&deck.text, &[]);
+    let [before, after] = [&model.job, &again.job].map(|job| serde_json::to_value(job).unwrap());
+    let schema = Job::schema();
+    let mut fates = String::new();
+    for (list, of) in schema["properties"].as_object().expect("keys") {
+        let is_list = of["type"] == "array" && of["items"].get("$ref").is_some();
+        if !is_list {
+            continue;
+        }
+        let count = |job: &Value| job[list].as_array().map_or(0, Vec::len);
+        assert!(count(&before) > 0, "{list}: add an entry of it to {}", path.display());
+        // Sets by rule become lists of nodes.
+        assert!(list == "set" || count(&after) >= count(&before), "{list}: entries are lost");
+        let is_comment =
+            deck.left.iter().any(|line| line.starts_with(&format!("{list}: no card for")));
+        let fate = if is_comment { "in comments" } else { "on cards" };
+        let _ = writeln!(fates, "[[{list}]] {fate}");
+    }
+    let _ = writeln!(fates, "\nnot on cards alone:");
+    deck.left.iter().for_each(|line| drop(writeln!(fates, "  {line}")));
+    assert_same(&model, &again, "every list");
+    assert_same_motion(&model, &again, "every list");
+    // A second export: names from a deck must not be mistaken for others.
+    let twice = read_back(&export(&again).expect("a deck").text, &[]);
+    assert_same(&model, &twice, "exported twice");
+    expect_test::expect_file!["../../decks/exported/every-list.txt"].assert_eq(&fates);
+}
+
+/// Every law with its keys: a deck has all of them with the same values, and those that it adds are
+/// defaults, since the motion has the same bits.
+#[test]
+fn every_law_keeps_its_keys() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/every-law.toml");
+    let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    for law in LAWS.iter() {
+        let is_used = |m: &Material| m.law == law.name;
+        assert!(model.settings.materials.iter().any(is_used), "add {} to the job", law.name);
+    }
+    let deck = export(&model).expect("a deck");
+    let again = read_back(&deck.text, &[]);
+    let mut left = String::new();
+    for material in &model.settings.materials {
+        let back = again.settings.materials.iter().find(|m| m.name == material.name);
+        let back = back.unwrap_or_else(|| panic!("{} is lost", material.name));
+        assert_eq!((&back.law, back.density), (&material.law, material.density));
+        for (key, param) in &material.parameters {
+            assert_eq!(back.parameters.get(key), Some(param), "{}: {key}", material.name);
+        }
+        let added = back.parameters.keys().filter(|key| !material.parameters.contains_key(*key));
+        added.for_each(|key| drop(writeln!(left, "{}: {key} is added", material.name)));
+    }
+    deck.left.iter().for_each(|line| drop(writeln!(left, "{line}")));
+    assert_same(&model, &again, "every law");
+    assert_same_motion(&model, &again, "every law");
+    expect_test::expect_file!["../../decks/exported/every-law.txt"].assert_eq(&left);
+}
