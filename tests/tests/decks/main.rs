@@ -2,10 +2,12 @@
 //! bytes, runs. Mesh files of other programs.
 
 mod airbags;
+mod barlat;
 mod bars;
 mod base;
 mod broken_meshes;
 mod bytes;
+mod cohesive;
 mod composites;
 mod contacts;
 mod discrete_beams;

@@ -4,8 +4,10 @@
 //! Numbers with too many digits for a field become parameters. Keys of the job without a card are
 //! written after `$crumple:`, where other programs ignore them.
 
+mod barlat;
 pub(in crate::input::deck) mod beams;
 mod bodies;
+mod cohesive;
 mod composites;
 pub(in crate::input::deck) mod contact;
 mod curves;
@@ -20,7 +22,7 @@ use super::number::shortest;
 use crate::input::job::{Model, Report};
 use crumple_proto::job::{Job, Output, Parallel, Part, Setting, Time};
 use crumple_proto::mesh::{MeshElement, OwnSection, Shape};
-use crumple_worker::fem::elements::{HourglassForm, formulation, points_of};
+use crumple_worker::fem::elements::{COHESIVE, HourglassForm, formulation, points_of};
 use curves::TimeCurves;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -290,7 +292,7 @@ fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
     let id = u64::from(part.id);
     if !shells {
         deck.keyword("SECTION_SOLID");
-        return deck.card(&[Id(id), Id(1)]);
+        return deck.card(&[Id(id), Id(if is_cohesive(part) { cohesive::ELFORM } else { 1 })]);
     }
     deck.keyword("SECTION_SHELL");
     let mut first = vec![Id(id), Id(elform(part)), Number(1.0), Id(points_of(part) as u64)];
@@ -319,6 +321,11 @@ fn elform(part: &Part) -> u64 {
     }
 }
 
+/// Returns true for a part of cohesive elements.
+fn is_cohesive(part: &Part) -> bool {
+    part.element.as_deref() == Some(COHESIVE)
+}
+
 /// Returns true for a part of membranes.
 fn is_membrane(part: &Part) -> bool {
     part.parameters.get("membrane") == Some(&Setting::Flag(true))
@@ -326,12 +333,13 @@ fn is_membrane(part: &Part) -> bool {
 
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
 fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
-    let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
+    let solids = !shells && !is_cohesive(part);
+    let by_card = solids || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
     let form = match given("hourglass") {
         // A deck without a form means the viscous form, so the job's default must be written.
         None if shells && by_card => 4,
-        None if !shells => 6,
+        None if solids => 6,
         Some(Setting::Word(word)) if word == HourglassForm::Viscous.word() => 1,
         Some(Setting::Word(word)) if word == HourglassForm::Stiffness.word() => 4,
         Some(Setting::Word(word)) if word == HourglassForm::AssumedStrain.word() => 6,
@@ -456,7 +464,10 @@ fn mesh(deck: &mut DeckWriter, model: &Model) {
     springs::elements(deck, springs);
     beams::elements(deck, model, &discrete);
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
-        let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
+        let of = |shape: Shape| match shells {
+            true => shape.is_shell(),
+            false => shape.is_solid() || shape == Shape::Cohesive8,
+        };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }

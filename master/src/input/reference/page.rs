@@ -202,7 +202,7 @@ impl Page<'_> {
         self.text += "\nMaterials of solids can have an equation of state:\n\n";
         self.parameters(EQUATION_OF_STATE);
         for law in LAWS.iter() {
-            let only = if law.build.is_none() { " For solids only." } else { "" };
+            let only = law.only_for().map_or(String::new(), |only| format!(" For {only} only."));
             let _ = write!(self.text, "\n### `law = \"{}\"`\n\n{}{only}\n", law.name, law.meaning);
             let own = if law.constants.len() < ELASTIC.len() { law.constants } else { &[] };
             let rows: Vec<ParameterRow> = own.iter().chain(law.parameters).copied().collect();

@@ -5,6 +5,8 @@
 //! belong to the element.
 
 mod axes;
+mod barlat;
+mod cohesive;
 mod crushable_foam;
 mod elastic;
 mod equation_of_state;
@@ -25,6 +27,7 @@ mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
+pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
 pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};
@@ -308,7 +311,7 @@ pub const POISSON: ParameterRow = ParameterRow {
     meaning: "Poisson's ratio; below 0.5 for solids.",
 };
 
-/// A row of [`LAWS`]. Both functions read the same parameters. They return all problems, with
+/// A row of [`LAWS`]. All functions read the same parameters. They return all problems, with
 /// paths relative to the material.
 pub struct Law {
     /// Name in jobs.
@@ -319,10 +322,24 @@ pub struct Law {
     pub constants: &'static [ParameterRow],
     /// Its other parameters.
     pub parameters: &'static [ParameterRow],
-    /// Builds the law for shells; `None` if it is for solids only.
+    /// Builds the law for shells; `None` if it is not for them.
     pub build: Option<fn(&Material) -> LawResult>,
-    /// Builds the law for solids; `None` if it is for shells only.
+    /// Builds the law for solids; `None` if it is not for them.
     pub solid: Option<fn(&Material) -> SolidLawResult>,
+    /// Builds the law for cohesive elements; `None` if it is not for them.
+    pub cohesive: Option<fn(&Material) -> CohesiveLawResult>,
+}
+
+impl Law {
+    /// Returns the kind of elements that the law is for, if there is only one.
+    pub fn only_for(&self) -> Option<&'static str> {
+        match (self.build, self.solid, self.cohesive) {
+            (Some(_), None, None) => Some("shells"),
+            (None, Some(_), None) => Some("solids"),
+            (None, None, Some(_)) => Some("cohesive elements"),
+            _ => None,
+        }
+    }
 }
 
 impl Named for Law {
@@ -345,7 +362,10 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     crushable_foam::LAW,
     fabric::LAW,
     orthotropic::LAW,
+    barlat::LAW,
     honeycomb::LAW,
+    cohesive::mixed_mode::LAW,
+    cohesive::elastic::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,
@@ -353,7 +373,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
 pub fn build(material: &Material) -> LawResult {
     let row = row_of(material)?;
     let Some(build) = row.build else {
-        return Err(vec![not_for(material, "solids", |law| law.build.is_some())]);
+        return Err(vec![not_for(material, row, "shells", |law| law.build.is_some())]);
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
@@ -368,19 +388,22 @@ pub fn build(material: &Material) -> LawResult {
 /// Parameters that describe a sheet: beams and trusses cannot have them.
 pub const OF_SHEETS: [&str; 3] = [j2::LANKFORD, "erosion_thinning", "erosion_major_strain"];
 
-/// Returns the elastic constants of a material for any element, or all its problems, with paths
-/// relative to it.
-pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
+/// Returns the elastic constants of a material for any element, `None` if it is one of cohesive
+/// elements; or all its problems, with paths relative to it.
+pub fn elastic_of(material: &Material) -> Result<Option<Elastic>, Vec<Problem>> {
     let row = row_of(material)?;
+    if let Some(build) = row.cohesive {
+        return build(material).map(|_| None);
+    }
     let (rest, _) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
     match (row.build.filter(|_| equation.is_none()), row.solid) {
-        (Some(build), _) => build(&rest).map(|law| law.elastic()),
+        (Some(build), _) => build(&rest).map(|law| Some(law.elastic())),
         (None, Some(solid)) => {
             let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
-            Ok(law.elastic())
+            Ok(Some(law.elastic()))
         }
-        (None, None) => Err(vec![not_for(material, "shells", |law| law.solid.is_some())]),
+        (None, None) => Err(vec![not_for(material, row, "solids", |law| law.solid.is_some())]),
     }
 }
 
@@ -389,7 +412,7 @@ pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
 pub fn build_solid(material: &Material) -> SolidLawResult {
     let row = row_of(material)?;
     let Some(solid) = row.solid else {
-        return Err(vec![not_for(material, "shells", |law| law.solid.is_some())]);
+        return Err(vec![not_for(material, row, "solids", |law| law.solid.is_some())]);
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
@@ -397,11 +420,27 @@ pub fn build_solid(material: &Material) -> SolidLawResult {
     erosion::solid(material, law, limits)
 }
 
-/// Returns the problem of a law that is only for other elements. `fits` selects the laws that
+/// Builds the law of a cohesive element's material. Returns all problems of the material if there
+/// are any, with paths relative to it.
+pub fn build_cohesive(material: &Material) -> CohesiveLawResult {
+    let row = row_of(material)?;
+    match row.cohesive {
+        Some(build) => build(material),
+        None => {
+            let fits = |law: &Law| law.cohesive.is_some();
+            Err(vec![not_for(material, row, "cohesive elements", fits)])
+        }
+    }
+}
+
+/// Returns the problem of a law that is not for these elements. `fits` selects the laws that
 /// could replace it.
-fn not_for(material: &Material, only: &str, fits: fn(&Law) -> bool) -> Problem {
+fn not_for(material: &Material, row: &Law, elements: &str, fits: fn(&Law) -> bool) -> Problem {
     let Material { name, law, .. } = material;
-    let message = format!("material '{name}': the law '{law}' is for {only} only");
+    let message = match row.only_for() {
+        Some(only) => format!("material '{name}': the law '{law}' is for {only} only"),
+        None => format!("material '{name}': the law '{law}' is not for {elements}"),
+    };
     let others = LAWS.iter().filter(|law| fits(law)).map(|law| law.name);
     let help = format!("use one of {}", others.collect::<Vec<_>>().join(", "));
     Problem::error("law", message, help)
@@ -427,6 +466,11 @@ const PLACEHOLDER: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, densit
 /// Returns a law that checks a part of shells when its own law cannot be built.
 pub(crate) fn placeholder_law() -> Box<dyn PlaneStress> {
     elastic::law(PLACEHOLDER)
+}
+
+/// Returns a law that checks a part of cohesive elements when its own law cannot be built.
+pub(crate) fn cohesive_placeholder_law() -> Box<dyn Cohesive> {
+    cohesive::elastic::law(1.0)
 }
 
 /// Returns a law that checks a part of solids when its own law cannot be built.

@@ -1,7 +1,9 @@
 //! Converts the cards of a deck to a job: a tree of values as from a job file, and a mesh.
 
 mod airbags;
+mod barlat;
 mod beams;
+mod cohesive;
 mod composites;
 mod contact;
 mod control;

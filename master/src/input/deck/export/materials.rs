@@ -1,6 +1,6 @@
 //! Writes materials as cards.
 
-use super::{Blank, DeckWriter, Id, Number, composites, line, named, points};
+use super::{Blank, DeckWriter, Id, Number, barlat, cohesive, composites, line, named, points};
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
@@ -86,7 +86,12 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
             {
                 rubber(deck, material, mid, &title);
             }
+            "barlat" => barlat::material(deck, material, mid, &title, turned),
             "orthotropic" => composites::ply(deck, material, mid, &title, turned),
+            "cohesive_mixed_mode" | "cohesive_elastic" => {
+                let part = model.settings.parts.iter().find(|p| p.material == material.name);
+                cohesive::material(deck, material, mid, &title, part);
+            }
             "low_density_foam" => low_density_foam(deck, material, mid, &title),
             "j2" | "viscoelastic" | "crushable_foam" | "fabric" | "honeycomb" => {
                 deck.keyword("MAT_ELASTIC_TITLE");

@@ -18,7 +18,7 @@ fn keyword(shape: Shape) -> Option<&'static str> {
         Shape::Beam2 => "BEAM",
         Shape::Truss2 => "TRUSS",
         Shape::Line2 => "SPRING",
-        Shape::Tet10 | Shape::Point1 => return None,
+        Shape::Tet10 | Shape::Point1 | Shape::Cohesive8 => return None,
     })
 }
 
