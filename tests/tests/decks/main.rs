@@ -10,6 +10,7 @@ mod bytes;
 mod cohesive;
 mod composites;
 mod contacts;
+mod damage;
 mod discrete_beams;
 mod fates;
 mod formats;

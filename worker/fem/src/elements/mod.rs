@@ -10,6 +10,8 @@ mod cohesive;
 mod discrete_beam;
 mod fibre;
 mod fully_integrated_quad;
+#[cfg(test)]
+mod gissmo_tests;
 mod hexahedron;
 #[cfg(test)]
 mod inverted_tests;

@@ -224,6 +224,18 @@ pub fn laws() -> Vec<Material> {
         ),
         steel("orthotropic", &ply),
         steel("barlat", &rolled),
+        steel(
+            "j2",
+            &[
+                ("yield_stress", number(YIELD)),
+                ("hardening_modulus", number(1.0)),
+                ("gissmo_failure_strain", table(&[[-0.3, 2.0], [0.0, 0.5], [0.6, 0.3]])),
+                ("gissmo_critical_strain", table(&[[0.0, 0.02], [0.6, 0.01]])),
+                ("gissmo_exponent", number(1.7)),
+                ("gissmo_fading_exponent", number(1.5)),
+                ("gissmo_size_factors", table(&[[0.5, 1.0], [2.0, 0.8]])),
+            ],
+        ),
     ];
     assert!(
         LAWS.iter()

@@ -12,6 +12,7 @@ mod elastic;
 mod equation_of_state;
 mod erosion;
 mod fabric;
+mod gissmo;
 mod honeycomb;
 mod j2;
 mod johnson_cook;
@@ -30,6 +31,7 @@ pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
 pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
+pub use gissmo::{GISSMO, SIZE_COLUMN};
 pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
@@ -113,7 +115,8 @@ pub struct Points<'a, R> {
 /// strain increment the state must stay zero, whatever the time: unstrained elements skip the
 /// law.
 pub trait PlaneStress: Send + Sync {
-    /// Returns the names of the history columns per point. All start at zero.
+    /// Returns the names of the history columns per point. All start at zero; the element stores
+    /// its size in [`SIZE_COLUMN`], if there is one.
     fn history(&self) -> &[&'static str];
 
     /// Returns the elastic constants and the density.
@@ -128,6 +131,12 @@ pub trait PlaneStress: Send + Sync {
     /// Returns false if the law has no strain through the thickness.
     fn thins(&self) -> bool {
         true
+    }
+
+    /// Returns the number of failed points through the thickness from which on an element with so
+    /// many points is removed.
+    fn failed_points(&self, points: usize) -> usize {
+        points
     }
 
     /// Returns the axes of the material of a point at the start, if it has any. Its columns
@@ -201,7 +210,8 @@ pub enum MaterialAxes {
 /// strain increment the state must stay zero, whatever the time: unstrained elements skip the
 /// law.
 pub trait Solid: Send + Sync {
-    /// Returns the names of the history columns. All start at zero. A column `stiffening` holds by
+    /// Returns the names of the history columns. All start at zero; the element stores its size in
+    /// [`SIZE_COLUMN`], if there is one. A column `stiffening` holds by
     /// how much the modulus of longitudinal waves exceeds that of the elastic constants, as a
     /// fraction of it: the element then takes a shorter step.
     fn history(&self) -> &[&'static str];
@@ -382,11 +392,14 @@ pub fn build(material: &Material) -> LawResult {
         let help = "use a material without eos_... in parts of shells and beams";
         return Err(vec![Problem::error("law", message, help)]);
     }
-    erosion::shell(material, build(&rest)?, limits)
+    let (rest, damage) = gissmo::split(&rest)?;
+    let law = gissmo::shell(material, build(&rest)?, damage)?;
+    erosion::shell(material, law, limits)
 }
 
-/// Parameters that describe a sheet: beams and trusses cannot have them.
-pub const OF_SHEETS: [&str; 3] = [j2::LANKFORD, "erosion_thinning", "erosion_major_strain"];
+/// Parameters that describe a sheet or its size: beams and trusses cannot have them.
+pub const OF_SHEETS: [&str; 4] =
+    [j2::LANKFORD, "erosion_thinning", "erosion_major_strain", gissmo::SIZES];
 
 /// Returns the elastic constants of a material for any element, `None` if it is one of cohesive
 /// elements; or all its problems, with paths relative to it.
@@ -397,6 +410,7 @@ pub fn elastic_of(material: &Material) -> Result<Option<Elastic>, Vec<Problem>> 
     }
     let (rest, _) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
+    let (rest, _) = gissmo::split(&rest)?;
     match (row.build.filter(|_| equation.is_none()), row.solid) {
         (Some(build), _) => build(&rest).map(|law| Some(law.elastic())),
         (None, Some(solid)) => {
@@ -416,7 +430,9 @@ pub fn build_solid(material: &Material) -> SolidLawResult {
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
+    let (rest, damage) = gissmo::split(&rest)?;
     let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
+    let law = gissmo::solid(material, law, damage)?;
     erosion::solid(material, law, limits)
 }
 

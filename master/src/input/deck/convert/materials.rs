@@ -141,6 +141,7 @@ impl DeckConverter {
             }
         }
         self.erosion(&mut materials);
+        self.damage(&mut materials);
         materials
     }
 

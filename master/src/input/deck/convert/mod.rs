@@ -8,6 +8,7 @@ mod composites;
 mod contact;
 mod control;
 mod curves;
+mod damage;
 mod discrete_beams;
 mod equations;
 mod fabric;

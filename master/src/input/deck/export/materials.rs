@@ -4,7 +4,7 @@ use super::{Blank, DeckWriter, Id, Number, barlat, cohesive, composites, line, n
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
-use crumple_worker::fem::materials::{EQUATION_OF_STATE, EROSION};
+use crumple_worker::fem::materials::{EQUATION_OF_STATE, EROSION, GISSMO};
 use std::collections::BTreeMap;
 use toml::Table;
 
@@ -108,10 +108,10 @@ pub fn write(deck: &mut DeckWriter, model: &Model, rigid: &BTreeMap<u32, u64>) {
     }
 }
 
-/// Writes criteria of failure and the equation of state after `$crumple:`.
+/// Writes criteria of failure, damage and the equation of state after `$crumple:`.
 fn additions(deck: &mut DeckWriter, material: &Material) {
     let added = |key: &str| {
-        let mut rows = EROSION.iter().chain(EQUATION_OF_STATE);
+        let mut rows = EROSION.iter().chain(EQUATION_OF_STATE).chain(GISSMO);
         rows.any(|row| row.key == key)
     };
     let given: Vec<(String, toml::Value)> = material
