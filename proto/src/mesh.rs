@@ -32,6 +32,10 @@ pub enum Shape {
     /// Ten-node solid: the four corners as in [`Shape::Tet4`], then the nodes on the edges 0-1,
     /// 1-2, 2-0, 0-3, 1-3 and 2-3.
     Tet10,
+    /// Eight-node cohesive element: the four nodes of one face, whose right-hand normal points to
+    /// the other, then the four opposite ones, which may be at the same places. In a mesh it is
+    /// written as [`Shape::Hex8`]; its part makes it cohesive.
+    Cohesive8,
 }
 
 /// Largest number of nodes of an element.
@@ -63,7 +67,7 @@ const SIDES_OF_TET10: [[usize; 4]; 16] = [
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 10] = [
+    pub const ALL: [Shape; 11] = [
         Shape::Quad4,
         Shape::Tri3,
         Shape::Hex8,
@@ -74,6 +78,7 @@ impl Shape {
         Shape::Tet4,
         Shape::Wedge6,
         Shape::Tet10,
+        Shape::Cohesive8,
     ];
 
     /// Returns the number of nodes, which are called corners also where they lie on edges.
@@ -82,7 +87,7 @@ impl Shape {
             Shape::Quad4 | Shape::Tet4 => 4,
             Shape::Tri3 => 3,
             Shape::Wedge6 => 6,
-            Shape::Hex8 => 8,
+            Shape::Hex8 | Shape::Cohesive8 => 8,
             Shape::Tet10 => MAX_CORNERS,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
             Shape::Point1 => 1,
@@ -95,7 +100,7 @@ impl Shape {
         match self {
             Shape::Quad4 | Shape::Tri3 | Shape::Tet4 => 4,
             Shape::Wedge6 => 6,
-            Shape::Hex8 => 8,
+            Shape::Hex8 | Shape::Cohesive8 => 8,
             Shape::Tet10 => MAX_CORNERS,
             Shape::Line2 | Shape::Beam2 | Shape::Truss2 => 2,
             Shape::Point1 => 1,
@@ -104,7 +109,7 @@ impl Shape {
 
     /// Returns the corners of each face, whose right-hand normal points outwards; a triangle
     /// repeats its third. The face of a shell has the shell's own corners. Each side of a ten-node
-    /// tetrahedron is four triangles. Lines and particles have none.
+    /// tetrahedron is four triangles. Lines, particles and cohesive elements have none.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
@@ -122,7 +127,7 @@ impl Shape {
                 &[[0, 2, 1, 1], [3, 4, 5, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
             }
             Shape::Tet10 => &SIDES_OF_TET10,
-            Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => &[],
+            Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 | Shape::Cohesive8 => &[],
         }
     }
 

@@ -142,6 +142,8 @@ pub fn measure(element: &MeshElement, x: &[Coordinates]) -> ElementQuality {
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
         Shape::Line2 | Shape::Beam2 | Shape::Truss2 => measure_line(x),
         Shape::Point1 => measure_line(&[x[0], x[0]]),
+        // Its thickness may be zero.
+        Shape::Cohesive8 => measure_face(&element.nodes[..4], &middle(x)),
     }
 }
 
@@ -166,9 +168,14 @@ pub fn corner_jacobians(shape: Shape, x: &[Coordinates]) -> [f64; MAX_CORNERS] {
                 (0..x.len()).for_each(|c| jacobians[c] = dot(corner(c, x), twice) / length);
             }
         }
-        Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 | Shape::Cohesive8 => {}
     }
     jacobians
+}
+
+/// Returns the middle surface of a cohesive element between its nodes `x` [length].
+pub fn middle(x: &[Coordinates]) -> [Coordinates; 4] {
+    std::array::from_fn(|c| std::array::from_fn(|i| 0.5 * (x[c][i] + x[c + 4][i])))
 }
 
 /// Returns the Jacobian of a solid between two faces with N corners at a corner [length^3].

@@ -272,7 +272,7 @@ impl Cells {
         self.types.push(match shape {
             Shape::Tri3 => 5,
             Shape::Quad4 => 9,
-            Shape::Hex8 => 12,
+            Shape::Hex8 | Shape::Cohesive8 => 12,
             Shape::Tet4 => 10,
             Shape::Wedge6 => 13,
             Shape::Tet10 => 24,

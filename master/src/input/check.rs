@@ -31,6 +31,7 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         (Shape::Tet4, "tetrahedra"),
         (Shape::Wedge6, "wedges"),
         (Shape::Tet10, "ten-node tetrahedra"),
+        (Shape::Cohesive8, "cohesive elements"),
         (Shape::Beam2, "beams"),
         (Shape::Truss2, "trusses"),
         (Shape::Point1, "particles"),

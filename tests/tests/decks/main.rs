@@ -2,12 +2,15 @@
 //! bytes, runs. Mesh files of other programs.
 
 mod airbags;
+mod barlat;
 mod bars;
 mod base;
 mod broken_meshes;
 mod bytes;
+mod cohesive;
 mod composites;
 mod contacts;
+mod damage;
 mod discrete_beams;
 mod exported;
 mod fates;

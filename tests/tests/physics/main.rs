@@ -3,6 +3,7 @@
 mod airbags;
 mod bars;
 mod beams;
+mod cohesive;
 mod composites;
 mod discrete_beams;
 mod free_rotation;

@@ -5,8 +5,10 @@
 //! written after `$crumple:`, where other programs ignore them.
 
 mod airbags;
+mod barlat;
 pub(in crate::input::deck) mod beams;
 mod bodies;
+mod cohesive;
 mod composites;
 pub(in crate::input::deck) mod contact;
 mod curves;

@@ -331,6 +331,8 @@ const IDS_ONLY: &[(&str, &str)] = &[
         "sidtyp=1 lct=#f lcmt=#f lcc23=#f lca23=#f lccp23=#f lcap23=#f lcefr=#f lou=#f rbid=1 \
          opt=1 knkdn=1 lcbf=#f rbidp=1",
     ),
+    // The dimension of p1 and p2 depends on hr.
+    ("MAT_3-PARAMETER_BARLAT", "m=1 a1=@d v1=@d d1=@d"),
     ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1 idam=1 pvid=1"),
     ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1"),
     ("DAMPING_GLOBAL", ""),

@@ -43,6 +43,15 @@ impl PlacedMesh {
         PlacedMesh { mesh, written: Written::Elsewhere(key) }
     }
 
+    /// Makes the hexahedra of these parts cohesive elements.
+    pub fn with_cohesive(mut self, parts: &[u32]) -> Self {
+        if !parts.is_empty() {
+            let hexahedra = self.mesh.elements.iter_mut().filter(|e| e.shape == Shape::Hex8);
+            hexahedra.filter(|e| parts.contains(&e.part)).for_each(|e| e.shape = Shape::Cohesive8);
+        }
+        self
+    }
+
     fn node_path(&self, index: usize) -> String {
         match self.written {
             Written::Rows(_) => format!("mesh.nodes.{index}"),

@@ -64,12 +64,13 @@ pub use validate::nearest;
 use crate::input::deck;
 use crate::input::mesh_file::Fate;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::Job;
+use crumple_proto::job::{Job, Part};
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
+use crumple_worker::fem::elements::COHESIVE;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, SourceFile};
@@ -352,6 +353,9 @@ fn check_mesh(
 ) -> CheckedMesh {
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let parts_known = !findings.any_faulty_below("part");
+    let of_part = |p: &&Part| p.element.as_deref() == Some(COHESIVE);
+    let cohesive: Vec<u32> = job.part.iter().filter(of_part).map(|p| p.id).collect();
+    let read = read.map(|m| m.with_cohesive(&cohesive));
     let mut mesh =
         read.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
     if let Some((mesh, _)) = mesh.as_mut().filter(|_| !findings.any_error()) {

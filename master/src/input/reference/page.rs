@@ -4,7 +4,7 @@ use super::{INLINE_SET, schema};
 use crumple_cases::GENERATORS;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{ELASTIC, EQUATION_OF_STATE, EROSION, LAWS};
+use crumple_worker::fem::materials::{ELASTIC, EQUATION_OF_STATE, EROSION, GISSMO, LAWS};
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use serde_json::Value;
 use std::fmt::Write;
@@ -199,10 +199,12 @@ impl Page<'_> {
         self.parameters(ELASTIC);
         self.text += "\nEvery law can have these criteria of failure:\n\n";
         self.parameters(EROSION);
+        self.text += "\nLaws with plastic flow can have damage:\n\n";
+        self.parameters(GISSMO);
         self.text += "\nMaterials of solids can have an equation of state:\n\n";
         self.parameters(EQUATION_OF_STATE);
         for law in LAWS.iter() {
-            let only = if law.build.is_none() { " For solids only." } else { "" };
+            let only = law.only_for().map_or(String::new(), |only| format!(" For {only} only."));
             let _ = write!(self.text, "\n### `law = \"{}\"`\n\n{}{only}\n", law.name, law.meaning);
             let own = if law.constants.len() < ELASTIC.len() { law.constants } else { &[] };
             let rows: Vec<ParameterRow> = own.iter().chain(law.parameters).copied().collect();

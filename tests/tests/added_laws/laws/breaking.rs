@@ -14,6 +14,7 @@ pub static LAW: Law = Law {
     parameters: maxwell::LAW.parameters,
     build: Some(build),
     solid: maxwell::LAW.solid,
+    cohesive: None,
 };
 
 /// True while updates panic.

@@ -22,6 +22,7 @@ pub static LAW: Law = Law {
     parameters: PARAMETERS,
     build: Some(build),
     solid: Some(solid),
+    cohesive: None,
 };
 
 const PARAMETERS: &[ParameterRow] = &[

@@ -333,7 +333,8 @@ impl Element for Hexahedron {
     }
 
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
-        self.material.orient(history, x, 1);
+        let volume = Gradient::new(&modes_of_corners(per_corner(x))).volume();
+        self.material.measure(history, x, 1, volume);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

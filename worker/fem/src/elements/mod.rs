@@ -6,9 +6,12 @@ mod beam;
 mod belytschko_tsay;
 mod bounds;
 mod c0_triangle;
+mod cohesive;
 mod discrete_beam;
 mod fibre;
 mod fully_integrated_quad;
+#[cfg(test)]
+mod gissmo_tests;
 mod hexahedron;
 #[cfg(test)]
 mod inverted_tests;
@@ -52,13 +55,14 @@ mod truss;
 mod unstrained_tests;
 mod wedge;
 
+pub use cohesive::COHESIVE;
 pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
 pub use section::LARGEST_OFFSET;
 pub use tetrahedron::volume_change;
 
 use crate::columns::ElementState;
-use crate::materials::{self, LayerPoint, PlaneStress, Solid, unknown_name};
+use crate::materials::{self, Cohesive, LayerPoint, PlaneStress, Solid, unknown_name};
 use crate::parameter::{ParameterRow, Values};
 use crumple_math::lanes::Real;
 use crumple_proto::job::{LayerInput, Part};
@@ -298,6 +302,8 @@ pub enum Constructor {
     Shell(fn(&Part, &Values<'_>, Box<dyn PlaneStress>) -> ElementResult),
     /// With a law in three dimensions.
     Solid(fn(&Part, &Values<'_>, Box<dyn Solid>) -> ElementResult),
+    /// With a law of tractions over the opening.
+    Cohesive(fn(&Part, &Values<'_>, Box<dyn Cohesive>) -> ElementResult),
     /// Without a law.
     Discrete(fn(&Part) -> ElementResult),
 }
@@ -314,6 +320,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     tetrahedron::ROW,
     wedge::ROW,
     quadratic_tetrahedron::ROW,
+    cohesive::ROW,
     beam::ROW,
     truss::ROW,
     particle::ROW,
@@ -416,6 +423,12 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
                     materials::build_solid(m).map_err(|found| law_problems(index, found)).ok()
                 });
                 build(part, values, law.unwrap_or_else(materials::solid_placeholder_law))
+            }
+            Constructor::Cohesive(build) => {
+                let law = material.and_then(|(index, m)| {
+                    materials::build_cohesive(m).map_err(|found| law_problems(index, found)).ok()
+                });
+                build(part, values, law.unwrap_or_else(materials::cohesive_placeholder_law))
             }
         }),
         Err(problem) => {

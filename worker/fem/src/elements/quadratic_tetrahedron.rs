@@ -458,7 +458,8 @@ impl Element for QuadraticTetrahedron {
     }
 
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
-        self.material.orient(history, x, POINTS);
+        let volume = PointGradients::new(&relative(x)).volume;
+        self.material.measure(history, x, POINTS, volume);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

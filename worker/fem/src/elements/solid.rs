@@ -8,8 +8,8 @@ use super::{ElementFields, law_column};
 use crate::columns::ElementState;
 use crate::materials::tensor::rotated;
 use crate::materials::{
-    AXES_COLUMN, Elastic, HEAT_COLUMN, MaterialAxes, PointLanes, PointReal, STRETCH_COLUMN, Solid,
-    SolidPoint,
+    AXES_COLUMN, Elastic, HEAT_COLUMN, MaterialAxes, PointLanes, PointReal, SIZE_COLUMN,
+    STRETCH_COLUMN, Solid, SolidPoint,
 };
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, cross, dot};
@@ -49,6 +49,8 @@ pub struct SolidMaterial {
     tensors: usize,
     /// First column of the law with the axes of the material, if it has any; see [`AXES_COLUMN`].
     axes: Option<usize>,
+    /// Column of the law with the size of the element, if it has one; see [`SIZE_COLUMN`].
+    size: Option<usize>,
     /// Column of the law with its stiffening, if it stiffens; see [`Solid::history`].
     stiffening: Option<usize>,
     /// Column of the law with its internal energy, if the pressure depends on it; see
@@ -82,6 +84,7 @@ impl SolidMaterial {
             failed: law_column(history, "failed", STRESS),
             tensors: law.tensors(),
             axes: law_column(history, AXES_COLUMN, STRESS),
+            size: law_column(history, SIZE_COLUMN, STRESS),
             stiffening: law_column(history, "stiffening", STRESS),
             heat: law_column(history, HEAT_COLUMN, STRESS),
             law,
@@ -129,9 +132,18 @@ impl SolidMaterial {
         }
     }
 
-    /// Stores the axes of the material in the history of a new element with so many points, which
-    /// begins with them. `x` are the coordinates of its slots.
-    pub fn orient(&self, history: &mut [f64], x: &[[f64; 3]], points: usize) {
+    /// Stores the axes of the material and the size in the history of a new element with so many
+    /// points, which begins with them. `x` are the coordinates of its slots, `volume` its volume
+    /// [length^3].
+    pub fn measure(&self, history: &mut [f64], x: &[[f64; 3]], points: usize, volume: f64) {
+        if let Some(size) = self.size {
+            (0..points).for_each(|p| history[p * self.state + size] = volume.cbrt());
+        }
+        self.orient(history, x, points);
+    }
+
+    /// Stores the axes of the material; see [`Self::measure`].
+    fn orient(&self, history: &mut [f64], x: &[[f64; 3]], points: usize) {
         let (Some(axes), Some(at)) = (self.law.axes(), self.axes) else { return };
         let side = |to: usize| each(|i| x[to][i] - x[0][i]);
         let [a, d] = match axes {
@@ -153,15 +165,16 @@ impl SolidMaterial {
         }
     }
 
-    /// Returns true if all columns are zero, except the axes of the material in each of so many
+    /// Returns true if all columns are zero, except the axes and the size in each of so many
     /// points and the volume at the start, which follows the points.
     pub fn is_unstrained(&self, history: ElementState<'_>, points: usize) -> bool {
         let volume = points * self.state;
-        let is_axis = |column: usize| {
-            self.axes
-                .is_some_and(|at| column < volume && (at..at + 6).contains(&(column % self.state)))
+        let is_of_start = |column: usize| {
+            let within = column % self.state;
+            let is_axis = self.axes.is_some_and(|at| (at..at + 6).contains(&within));
+            column < volume && (is_axis || self.size == Some(within))
         };
-        history.is_zero_where(|column| column != volume && !is_axis(column))
+        history.is_zero_where(|column| column != volume && !is_of_start(column))
     }
 
     /// Returns the slowness of waves [time/length] with the stiffening of the law.

@@ -177,6 +177,14 @@ pub fn laws() -> Vec<Material> {
         ("shear_nonlinearity", number(1e-3)),
         ("failure_strain_tension_a", number(0.3)),
     ];
+    let rolled = [
+        ("exponent", number(6.0)),
+        ("lankford_0", number(1.8)),
+        ("lankford_45", number(1.3)),
+        ("lankford_90", number(2.2)),
+        ("swift", Param::List(vec![0.5, 0.01, 0.2])),
+        ("direction", Param::List(vec![1.0, 2.0, 0.0])),
+    ];
     let all = vec![
         steel("elastic", &[]),
         steel(
@@ -215,6 +223,19 @@ pub fn laws() -> Vec<Material> {
             &[("youngs_modulus_b", number(100.0)), ("shear_modulus", number(30.0))],
         ),
         steel("orthotropic", &ply),
+        steel("barlat", &rolled),
+        steel(
+            "j2",
+            &[
+                ("yield_stress", number(YIELD)),
+                ("hardening_modulus", number(1.0)),
+                ("gissmo_failure_strain", table(&[[-0.3, 2.0], [0.0, 0.5], [0.6, 0.3]])),
+                ("gissmo_critical_strain", table(&[[0.0, 0.02], [0.6, 0.01]])),
+                ("gissmo_exponent", number(1.7)),
+                ("gissmo_fading_exponent", number(1.5)),
+                ("gissmo_size_factors", table(&[[0.5, 1.0], [2.0, 0.8]])),
+            ],
+        ),
     ];
     assert!(
         LAWS.iter()
@@ -233,7 +254,7 @@ pub fn elastic(e: f64, nu: f64, rho: f64) -> Material {
 /// Returns the speed of the dilatational wave of a material [length/time].
 pub fn wave_speed(material: &Material) -> f64 {
     let elastic = elastic_of(material).map_err(|problems| format!("{problems:?}")).unwrap();
-    elastic.dilatational_wave_speed()
+    elastic.expect("elastic constants").dilatational_wave_speed()
 }
 
 /// Returns the settings of a job that has one part of one material.
@@ -320,6 +341,7 @@ impl<const C: usize> Patch<C> {
             [_, _, _, _] => Shape::Quad4,
             [_, _, _, _, _, _] => Shape::Wedge6,
             [_, _, _, _, _, _, _, _, _, _] => Shape::Tet10,
+            _ if part.element.as_deref() == Some(super::COHESIVE) => Shape::Cohesive8,
             _ => Shape::Hex8,
         };
         // Tests that name no formulation use the simplest one.

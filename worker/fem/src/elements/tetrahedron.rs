@@ -333,7 +333,8 @@ impl Element for Tetrahedron {
     }
 
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
-        self.material.orient(history, x, 1);
+        let volume = TetrahedronGradient::new(&edges(x)).volume();
+        self.material.measure(history, x, 1, volume);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

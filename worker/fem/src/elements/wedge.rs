@@ -464,7 +464,8 @@ impl Element for Wedge {
     }
 
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
-        self.material.orient(history, x, POINTS);
+        let volume = WedgeGradient::new(&relative(x)).volume;
+        self.material.measure(history, x, POINTS, volume);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

@@ -47,6 +47,7 @@ pub const LAW: Law = Law {
     ],
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 struct CrushableFoam {

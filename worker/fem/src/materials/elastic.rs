@@ -21,6 +21,7 @@ pub const LAW: Law = Law {
     parameters: &[],
     build: Some(build),
     solid: Some(solid),
+    cohesive: None,
 };
 
 struct LinearElastic {

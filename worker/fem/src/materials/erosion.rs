@@ -269,6 +269,12 @@ impl PlaneStress for Eroding<dyn PlaneStress> {
     fn initial_yield_stress(&self) -> f64 {
         self.law.initial_yield_stress()
     }
+    fn thins(&self) -> bool {
+        self.law.thins()
+    }
+    fn failed_points(&self, points: usize) -> usize {
+        self.law.failed_points(points)
+    }
     fn orientation(&self, point: usize) -> Option<Orientation> {
         self.law.orientation(point)
     }

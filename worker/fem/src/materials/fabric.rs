@@ -70,6 +70,7 @@ pub const LAW: Law = Law {
     ],
     build: Some(build),
     solid: None,
+    cohesive: None,
 };
 
 const fn number(key: &'static str, meaning: &'static str) -> ParameterRow {

@@ -134,6 +134,7 @@ pub const LAW: Law = Law {
     ],
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 const fn curve(key: &'static str, otherwise: DefaultValue, meaning: &'static str) -> ParameterRow {

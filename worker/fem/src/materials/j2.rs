@@ -49,9 +49,11 @@ pub const LAW: Law = Law {
     parameters: PARAMETERS,
     build: Some(build),
     solid: Some(solid),
+    cohesive: None,
 };
 
-const PARAMETERS: &[ParameterRow] = &[
+/// Hardening over the plastic strain.
+pub const HARDENING: [ParameterRow; 3] = [
     ParameterRow {
         key: "yield_stress",
         form: Form::Number,
@@ -75,6 +77,12 @@ const PARAMETERS: &[ParameterRow] = &[
         meaning: "Table that replaces both: effective plastic strain, from 0, and yield stress; \
                   linear between rows, constant beyond the last [force/length^2].",
     },
+];
+
+const PARAMETERS: &[ParameterRow] = &[
+    HARDENING[0],
+    HARDENING[1],
+    HARDENING[2],
     ParameterRow {
         key: "cowper_symonds",
         form: Form::List("[C, p]"),
@@ -251,7 +259,7 @@ fn read(
 
 /// Returns the rows [0, eps_p, sigma] of a curve that begins with this stress and slope and has
 /// these changes of slope.
-fn rows_of(yield_stress: f64, slope: f64, ramps: &[(f64, f64)]) -> Vec<[f64; 3]> {
+pub fn rows_of(yield_stress: f64, slope: f64, ramps: &[(f64, f64)]) -> Vec<[f64; 3]> {
     let mut rows = vec![[0.0, 0.0, yield_stress]];
     let (mut slope, mut last) = (slope, [0.0, yield_stress]);
     for &(start, change) in ramps {
@@ -339,7 +347,7 @@ fn hardening_by_rate(parameters: &mut Parameters<'_>) -> Option<Vec<[f64; 3]>> {
 }
 
 /// Returns the yield stress, the first slope, and the changes of slope.
-fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
+pub fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
     const TABLE: &str = "hardening";
     let yield_stress = parameters.optional("yield_stress", "above 0", |y| y > 0.0);
     let modulus = parameters.optional("hardening_modulus", "0 or above", |h| h >= 0.0);

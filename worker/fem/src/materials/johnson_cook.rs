@@ -29,6 +29,7 @@ pub const LAW: Law = Law {
     parameters: PARAMETERS,
     build: Some(build),
     solid: Some(solid),
+    cohesive: None,
 };
 
 const PARAMETERS: &[ParameterRow] = &[

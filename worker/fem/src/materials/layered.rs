@@ -143,6 +143,12 @@ impl PlaneStress for Layered {
     fn thins(&self) -> bool {
         self.laws.iter().all(|law| law.thins())
     }
+    fn failed_points(&self, points: usize) -> usize {
+        match &self.laws[..] {
+            [law] => law.failed_points(points),
+            _ => points,
+        }
+    }
     fn orientation(&self, point: usize) -> Option<Orientation> {
         let of = self.law_of(point).orientation(point)?;
         Some(Orientation { angle: of.angle + self.points[point].angle, ..of })

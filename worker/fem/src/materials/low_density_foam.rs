@@ -83,6 +83,7 @@ pub const LAW: Law = Law {
     parameters: PARAMETERS,
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 const PARAMETERS: &[ParameterRow] = &[

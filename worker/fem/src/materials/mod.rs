@@ -5,11 +5,14 @@
 //! belong to the element.
 
 mod axes;
+mod barlat;
+mod cohesive;
 mod crushable_foam;
 mod elastic;
 mod equation_of_state;
 mod erosion;
 mod fabric;
+mod gissmo;
 mod honeycomb;
 mod j2;
 mod johnson_cook;
@@ -25,8 +28,10 @@ mod viscoelastic;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
+pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
+pub use gissmo::{GISSMO, SIZE_COLUMN};
 pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
@@ -110,7 +115,8 @@ pub struct Points<'a, R> {
 /// strain increment the state must stay zero, whatever the time: unstrained elements skip the
 /// law.
 pub trait PlaneStress: Send + Sync {
-    /// Returns the names of the history columns per point. All start at zero.
+    /// Returns the names of the history columns per point. All start at zero; the element stores
+    /// its size in [`SIZE_COLUMN`], if there is one.
     fn history(&self) -> &[&'static str];
 
     /// Returns the elastic constants and the density.
@@ -125,6 +131,12 @@ pub trait PlaneStress: Send + Sync {
     /// Returns false if the law has no strain through the thickness.
     fn thins(&self) -> bool {
         true
+    }
+
+    /// Returns the number of failed points through the thickness from which on an element with so
+    /// many points is removed.
+    fn failed_points(&self, points: usize) -> usize {
+        points
     }
 
     /// Returns the axes of the material of a point at the start, if it has any. Its columns
@@ -198,7 +210,8 @@ pub enum MaterialAxes {
 /// strain increment the state must stay zero, whatever the time: unstrained elements skip the
 /// law.
 pub trait Solid: Send + Sync {
-    /// Returns the names of the history columns. All start at zero. A column `stiffening` holds by
+    /// Returns the names of the history columns. All start at zero; the element stores its size in
+    /// [`SIZE_COLUMN`], if there is one. A column `stiffening` holds by
     /// how much the modulus of longitudinal waves exceeds that of the elastic constants, as a
     /// fraction of it: the element then takes a shorter step.
     fn history(&self) -> &[&'static str];
@@ -308,7 +321,7 @@ pub const POISSON: ParameterRow = ParameterRow {
     meaning: "Poisson's ratio; below 0.5 for solids.",
 };
 
-/// A row of [`LAWS`]. Both functions read the same parameters. They return all problems, with
+/// A row of [`LAWS`]. All functions read the same parameters. They return all problems, with
 /// paths relative to the material.
 pub struct Law {
     /// Name in jobs.
@@ -319,10 +332,24 @@ pub struct Law {
     pub constants: &'static [ParameterRow],
     /// Its other parameters.
     pub parameters: &'static [ParameterRow],
-    /// Builds the law for shells; `None` if it is for solids only.
+    /// Builds the law for shells; `None` if it is not for them.
     pub build: Option<fn(&Material) -> LawResult>,
-    /// Builds the law for solids; `None` if it is for shells only.
+    /// Builds the law for solids; `None` if it is not for them.
     pub solid: Option<fn(&Material) -> SolidLawResult>,
+    /// Builds the law for cohesive elements; `None` if it is not for them.
+    pub cohesive: Option<fn(&Material) -> CohesiveLawResult>,
+}
+
+impl Law {
+    /// Returns the kind of elements that the law is for, if there is only one.
+    pub fn only_for(&self) -> Option<&'static str> {
+        match (self.build, self.solid, self.cohesive) {
+            (Some(_), None, None) => Some("shells"),
+            (None, Some(_), None) => Some("solids"),
+            (None, None, Some(_)) => Some("cohesive elements"),
+            _ => None,
+        }
+    }
 }
 
 impl Named for Law {
@@ -345,7 +372,10 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     crushable_foam::LAW,
     fabric::LAW,
     orthotropic::LAW,
+    barlat::LAW,
     honeycomb::LAW,
+    cohesive::mixed_mode::LAW,
+    cohesive::elastic::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,
@@ -353,7 +383,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
 pub fn build(material: &Material) -> LawResult {
     let row = row_of(material)?;
     let Some(build) = row.build else {
-        return Err(vec![not_for(material, "solids", |law| law.build.is_some())]);
+        return Err(vec![not_for(material, row, "shells", |law| law.build.is_some())]);
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
@@ -362,25 +392,32 @@ pub fn build(material: &Material) -> LawResult {
         let help = "use a material without eos_... in parts of shells and beams";
         return Err(vec![Problem::error("law", message, help)]);
     }
-    erosion::shell(material, build(&rest)?, limits)
+    let (rest, damage) = gissmo::split(&rest)?;
+    let law = gissmo::shell(material, build(&rest)?, damage)?;
+    erosion::shell(material, law, limits)
 }
 
-/// Parameters that describe a sheet: beams and trusses cannot have them.
-pub const OF_SHEETS: [&str; 3] = [j2::LANKFORD, "erosion_thinning", "erosion_major_strain"];
+/// Parameters that describe a sheet or its size: beams and trusses cannot have them.
+pub const OF_SHEETS: [&str; 4] =
+    [j2::LANKFORD, "erosion_thinning", "erosion_major_strain", gissmo::SIZES];
 
-/// Returns the elastic constants of a material for any element, or all its problems, with paths
-/// relative to it.
-pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
+/// Returns the elastic constants of a material for any element, `None` if it is one of cohesive
+/// elements; or all its problems, with paths relative to it.
+pub fn elastic_of(material: &Material) -> Result<Option<Elastic>, Vec<Problem>> {
     let row = row_of(material)?;
+    if let Some(build) = row.cohesive {
+        return build(material).map(|_| None);
+    }
     let (rest, _) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
+    let (rest, _) = gissmo::split(&rest)?;
     match (row.build.filter(|_| equation.is_none()), row.solid) {
-        (Some(build), _) => build(&rest).map(|law| law.elastic()),
+        (Some(build), _) => build(&rest).map(|law| Some(law.elastic())),
         (None, Some(solid)) => {
             let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
-            Ok(law.elastic())
+            Ok(Some(law.elastic()))
         }
-        (None, None) => Err(vec![not_for(material, "shells", |law| law.solid.is_some())]),
+        (None, None) => Err(vec![not_for(material, row, "solids", |law| law.solid.is_some())]),
     }
 }
 
@@ -389,19 +426,37 @@ pub fn elastic_of(material: &Material) -> Result<Elastic, Vec<Problem>> {
 pub fn build_solid(material: &Material) -> SolidLawResult {
     let row = row_of(material)?;
     let Some(solid) = row.solid else {
-        return Err(vec![not_for(material, "shells", |law| law.solid.is_some())]);
+        return Err(vec![not_for(material, row, "solids", |law| law.solid.is_some())]);
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
+    let (rest, damage) = gissmo::split(&rest)?;
     let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
+    let law = gissmo::solid(material, law, damage)?;
     erosion::solid(material, law, limits)
 }
 
-/// Returns the problem of a law that is only for other elements. `fits` selects the laws that
+/// Builds the law of a cohesive element's material. Returns all problems of the material if there
+/// are any, with paths relative to it.
+pub fn build_cohesive(material: &Material) -> CohesiveLawResult {
+    let row = row_of(material)?;
+    match row.cohesive {
+        Some(build) => build(material),
+        None => {
+            let fits = |law: &Law| law.cohesive.is_some();
+            Err(vec![not_for(material, row, "cohesive elements", fits)])
+        }
+    }
+}
+
+/// Returns the problem of a law that is not for these elements. `fits` selects the laws that
 /// could replace it.
-fn not_for(material: &Material, only: &str, fits: fn(&Law) -> bool) -> Problem {
+fn not_for(material: &Material, row: &Law, elements: &str, fits: fn(&Law) -> bool) -> Problem {
     let Material { name, law, .. } = material;
-    let message = format!("material '{name}': the law '{law}' is for {only} only");
+    let message = match row.only_for() {
+        Some(only) => format!("material '{name}': the law '{law}' is for {only} only"),
+        None => format!("material '{name}': the law '{law}' is not for {elements}"),
+    };
     let others = LAWS.iter().filter(|law| fits(law)).map(|law| law.name);
     let help = format!("use one of {}", others.collect::<Vec<_>>().join(", "));
     Problem::error("law", message, help)
@@ -427,6 +482,11 @@ const PLACEHOLDER: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, densit
 /// Returns a law that checks a part of shells when its own law cannot be built.
 pub(crate) fn placeholder_law() -> Box<dyn PlaneStress> {
     elastic::law(PLACEHOLDER)
+}
+
+/// Returns a law that checks a part of cohesive elements when its own law cannot be built.
+pub(crate) fn cohesive_placeholder_law() -> Box<dyn Cohesive> {
+    cohesive::elastic::law(1.0)
 }
 
 /// Returns a law that checks a part of solids when its own law cannot be built.

@@ -103,6 +103,7 @@ pub const LAW: Law = Law {
     ],
     build: Some(build),
     solid: None,
+    cohesive: None,
 };
 
 const TRANSVERSE: &str = "Transverse shear modulus; that in the plane if not given \

@@ -1,6 +1,9 @@
 //! Checks that the tables of parameters list exactly the parameters that the laws read.
 
-use super::{DefaultValue, LAWS, Law, Points, SolidPoint, build, build_solid, elastic_of};
+use super::{
+    CohesivePoint, DefaultValue, LAWS, Law, Points, SolidPoint, build, build_cohesive, build_solid,
+    elastic_of,
+};
 use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
 
@@ -18,6 +21,11 @@ fn sample(law: &Law) -> Material {
         "youngs_modulus_b" => 100.0,
         "shape" => 2.0,
         "compacted_volume" => 0.3,
+        "stiffness_normal" => 20.0,
+        "stiffness_shear" => 8.0,
+        "strength_normal" | "strength_shear" => 0.03,
+        "toughness_normal" => 1e-3,
+        "toughness_shear" => 3e-3,
         other => panic!("{}: add a value of {other} to the sample", law.name),
     };
     let value = |key: &str| match key {
@@ -73,6 +81,10 @@ fn the_tables_name_what_laws_read() {
                 law.name
             );
         }
+        if law.cohesive.is_some() {
+            let read = read_by(law, |m| last_help(build_cohesive(m).err()));
+            assert_eq!(listed, read, "{} of cohesive elements", law.name);
+        }
         assert!(
             law.parameters.iter().all(|r| r.meaning.ends_with('.')) && law.meaning.ends_with('.')
         );
@@ -97,14 +109,18 @@ fn the_tables_say_what_may_be_left_out() {
     }
 }
 
-/// Returns sums of the stress over some steps with plastic flow and its reversal, in plane stress,
-/// unless the law is for solids only, and in three dimensions.
-fn stress(material: &Material) -> [f64; 9] {
+/// Returns sums of the stress over some steps with plastic flow and its reversal, in plane stress
+/// and in three dimensions, and of the traction on a path with damage; zeros where the law is not
+/// for such elements.
+fn stress(material: &Material) -> [f64; 12] {
     let law = build(material).ok();
     let mut state = vec![0.0; 3 + law.as_ref().map_or(0, |law| law.history().len())];
     let solid = build_solid(material).ok();
     let mut solid_state = vec![0.0; 6 + solid.as_ref().map_or(0, |law| law.history().len())];
-    let mut sums = [0.0; 9];
+    let bond = build_cohesive(material).ok();
+    let mut bond_state = vec![0.0; bond.as_ref().map_or(0, |law| law.history().len())];
+    let mut sums = [0.0; 12];
+    let mut opened = 0.0;
     for step in 0..20 {
         let sign = if step < 14 { 1.0 } else { -1.0 };
         let strain = [[1e-3, -3e-4, 2e-4].map(|e| sign * e)];
@@ -118,7 +134,13 @@ fn stress(material: &Material) -> [f64; 9] {
         if let Some(law) = &solid {
             law.update_one(SolidPoint { state: &mut solid_state, strain: &strain }, 1e-3);
         }
-        for (sum, now) in sums.iter_mut().zip(state[..3].iter().chain(&solid_state[..6])) {
+        opened += 1e-3 * sign;
+        let opening = [opened, opened, -2.0 * opened];
+        let traction = bond.as_ref().map_or([0.0; 3], |law| {
+            law.update(CohesivePoint { opening, history: &mut bond_state })
+        });
+        let stresses = state[..3].iter().chain(&solid_state[..6]).chain(&traction);
+        for (sum, now) in sums.iter_mut().zip(stresses) {
             *sum += now;
         }
     }

@@ -46,6 +46,7 @@ pub const LAW: Law = Law {
     ],
     build: Some(build),
     solid: Some(solid),
+    cohesive: None,
 };
 
 struct Viscoelastic {

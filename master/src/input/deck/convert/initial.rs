@@ -245,7 +245,7 @@ fn size(shape: Shape, x: &[[f64; 3]]) -> f64 {
                 edge([0, 1, 2, 3], [4, 5, 6, 7]),
             )
         }
-        Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => 0.0,
+        Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 | Shape::Cohesive8 => 0.0,
     }
 }
 

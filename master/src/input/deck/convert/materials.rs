@@ -1,6 +1,7 @@
 //! Converts `*MAT_...`: laws and their parameters.
 
 use super::DeckConverter;
+use super::cohesive::{self, CohesiveIntegration};
 use super::tree::JobTable;
 use super::{composites, metals, soft_materials};
 use crate::input::deck::record::CardRecord;
@@ -24,6 +25,8 @@ pub struct DeckMaterial {
     pub has_axes: bool,
     /// Angle of these axes that the angle of a shell replaces [degrees].
     pub turn: f64,
+    /// Integration of cohesive elements, if it is for them.
+    pub cohesive: Option<CohesiveIntegration>,
     /// Limits of beams that are welds: normal and shear force [force], bending and torsional
     /// moment [force length]; with their place.
     pub weld: Option<([f64; 4], Place)>,
@@ -58,7 +61,8 @@ impl DeckConverter {
         let others = metals::KEYWORDS
             .into_iter()
             .chain(soft_materials::KEYWORDS)
-            .chain(composites::KEYWORDS);
+            .chain(composites::KEYWORDS)
+            .chain(cohesive::KEYWORDS);
         for keyword in KEYWORDS.into_iter().chain(others) {
             for record in self.take_records(keyword) {
                 let id = record.integer("mid");
@@ -68,12 +72,13 @@ impl DeckConverter {
                 let place = record.place("mid");
                 let is_soft = soft_materials::KEYWORDS.contains(&keyword);
                 let is_ply = composites::KEYWORDS.contains(&keyword);
-                let (mut table, mut e) = if is_soft || is_ply {
+                let is_cohesive = cohesive::KEYWORDS.contains(&keyword);
+                let (mut table, mut e) = if is_soft || is_ply || is_cohesive {
                     (without_constants(&record, &name), 0.0)
                 } else {
                     elastic(&record, &name)
                 };
-                let (mut rigid, mut weld) = (None, None);
+                let (mut rigid, mut weld, mut cohesive) = (None, None, None);
                 let elastic = match keyword {
                     "MAT_SPOTWELD" => record.real("sigy") == 0.0,
                     _ => matches!(keyword, "MAT_ELASTIC" | "MAT_RIGID" | "MAT_NULL"),
@@ -89,6 +94,9 @@ impl DeckConverter {
                         table.put("youngs_modulus", record.place("ym"), e);
                     }
                     "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    _ if is_cohesive => {
+                        cohesive = Some(self.cohesive(keyword, &record, &mut table));
+                    }
                     _ if is_ply => e = self.ply(keyword, &record, &mut table),
                     _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
                     _ if metals::KEYWORDS.contains(&keyword) => {
@@ -109,12 +117,13 @@ impl DeckConverter {
                     elastic,
                     turn: match keyword {
                         "MAT_ENHANCED_COMPOSITE_DAMAGE" => composites::own_turn(&record, "mangle"),
-                        "MAT_ORTHOTROPIC_ELASTIC" | "MAT_FABRIC" => {
+                        "MAT_ORTHOTROPIC_ELASTIC" | "MAT_FABRIC" | metals::BARLAT => {
                             composites::own_turn(&record, "beta")
                         }
                         _ => 0.0,
                     },
-                    has_axes: is_ply || keyword == "MAT_FABRIC",
+                    has_axes: is_ply || matches!(keyword, "MAT_FABRIC" | metals::BARLAT),
+                    cohesive,
                     weld,
                     density,
                     youngs_modulus: e,
@@ -132,6 +141,7 @@ impl DeckConverter {
             }
         }
         self.erosion(&mut materials);
+        self.damage(&mut materials);
         materials
     }
 
@@ -141,7 +151,7 @@ impl DeckConverter {
         table.put("yield_stress", record.place("sigy"), record.real("sigy"));
         let beta = record.real("beta");
         if (0.0..=1.0).contains(&beta) {
-            let modulus = self.plastic_modulus(record, e, tangent);
+            let modulus = self.plastic_modulus((record, "etan"), e, tangent);
             for (key, share) in [("hardening_modulus", beta), ("kinematic_modulus", 1.0 - beta)] {
                 if modulus * share != 0.0 {
                     table.put(key, record.place("etan"), modulus * share);
@@ -177,21 +187,26 @@ impl DeckConverter {
         tangent: f64,
         table: &mut JobTable,
     ) {
-        let modulus = self.plastic_modulus(record, e, tangent);
+        let modulus = self.plastic_modulus((record, "etan"), e, tangent);
         if modulus != 0.0 {
             table.put("hardening_modulus", record.place("etan"), modulus);
         }
     }
 
-    /// Returns the plastic modulus of a tangent modulus; 0 after an error.
-    fn plastic_modulus(&mut self, record: &CardRecord, e: f64, tangent: f64) -> f64 {
+    /// Returns the plastic modulus of a tangent modulus, which a field gives; 0 after an error.
+    pub(super) fn plastic_modulus(
+        &mut self,
+        (record, field): (&CardRecord, &str),
+        e: f64,
+        tangent: f64,
+    ) -> f64 {
         if tangent >= e {
             let message = format!(
                 "{}: the tangent modulus {tangent} is not below Young's modulus {e}",
                 record.name()
             );
             self.trouble.error(
-                record.place("etan"),
+                record.place(field),
                 message,
                 "give the slope of stress over total strain after yield",
             );

@@ -7,12 +7,16 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 4] = [
+pub const KEYWORDS: [&str; 5] = [
     "MAT_PLASTICITY_WITH_DAMAGE",
     "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
     "MAT_SIMPLIFIED_JOHNSON_COOK",
     "MAT_TRANSVERSELY_ANISOTROPIC_ELASTIC_PLASTIC",
+    BARLAT,
 ];
+
+/// The keyword of `barlat.rs`.
+pub const BARLAT: &str = "MAT_3-PARAMETER_BARLAT";
 
 /// Strain or stress from which on a limit of these cards is none: their defaults are 1e12 and more.
 const NO_LIMIT: f64 = 1e10;
@@ -24,6 +28,7 @@ impl DeckConverter {
             "MAT_PLASTICITY_WITH_DAMAGE" => self.metal_with_damage(record, table),
             "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY" => self.metal_with_strains(record, table),
             "MAT_SIMPLIFIED_JOHNSON_COOK" => self.simplified_johnson_cook(record, table),
+            BARLAT => self.barlat(record, table),
             _ => self.anisotropic_metal(record, table),
         }
     }

@@ -1,11 +1,14 @@
 //! Converts the cards of a deck to a job: a tree of values as from a job file, and a mesh.
 
 mod airbags;
+mod barlat;
 mod beams;
+mod cohesive;
 mod composites;
 mod contact;
 mod control;
 mod curves;
+mod damage;
 mod discrete_beams;
 mod equations;
 mod fabric;

@@ -48,6 +48,12 @@ impl Shapes {
         self.quadratic_tetrahedra && !self.solids && !self.tetrahedra && !self.wedges
     }
 
+    /// Returns true if some elements are no hexahedra.
+    pub(super) fn have_others_than_hexahedra(self) -> bool {
+        let solids = self.tetrahedra || self.wedges || self.quadratic_tetrahedra;
+        solids || self.quads || self.triangles
+    }
+
     /// Returns true if some elements are solids.
     pub(super) fn have_solids(self) -> bool {
         self.solids || self.tetrahedra || self.wedges || self.quadratic_tetrahedra
@@ -142,7 +148,12 @@ impl DeckConverter {
                 Shape::Tet10 => shapes.quadratic_tetrahedra = true,
                 Shape::Wedge6 => shapes.wedges = true,
                 // Their sections have no conditions.
-                Shape::Line2 | Shape::Beam2 | Shape::Truss2 | Shape::Point1 => {}
+                Shape::Line2
+                | Shape::Beam2
+                | Shape::Truss2
+                | Shape::Point1
+                // The part of a job makes hexahedra cohesive; decks have none yet.
+                | Shape::Cohesive8 => {}
             }
         }
         all
@@ -169,7 +180,11 @@ impl DeckConverter {
                 self.shell(record, material, (section, sections), elements, &mut table)
             }
             SectionKind::Solid => {
-                self.solid(record, section, sections, elements.shapes, &mut table)
+                let card = &section.record;
+                let form = (card.integer("elform"), card.place("elform"));
+                if !self.cohesive_part(record, form, material, elements.shapes, &mut table) {
+                    self.solid(record, section, sections, elements.shapes, &mut table);
+                }
             }
             SectionKind::Beam => self.beam_part(record, section, material, &mut table),
             SectionKind::Discrete => {}
@@ -337,7 +352,8 @@ impl DeckConverter {
             }
             _ => {
                 let help = "use the hexahedron with one point (1), which 2 is converted to; 10, \
-                            13, 16 and 17 are for tetrahedra, 15 is for wedges";
+                            13, 16 and 17 are for tetrahedra, 15 is for wedges, 19 for cohesive \
+                            elements";
                 self.unsupported_value(card, "elform", help);
                 return;
             }

@@ -92,8 +92,11 @@ impl DeckConverter {
                 let why = "this criterion; use mxpres, mnpres, sigp1, sigvm, voleps or effeps";
                 self.unsupported_value(&record, field, why);
             }
-            for field in ["idam", "lcfld"].iter().filter(|field| record.integer(field) != 0) {
-                self.unsupported_value(&record, field, "damage and forming limits");
+            if record.integer("lcfld") != 0 {
+                self.unsupported_value(&record, "lcfld", "forming limits");
+            }
+            if ![0, 1].contains(&record.integer("idam")) {
+                self.unsupported_value(&record, "idam", "use 1, GISSMO");
             }
             if record.real("ncs") > 1.0 {
                 self.unsupported_value(&record, "ncs", "failure by several criteria together");
@@ -117,6 +120,13 @@ impl DeckConverter {
                 {
                     table.put(key, record.place(field), value);
                 }
+            }
+            if record.integer("idam") == 1 {
+                self.gissmo(&record, "dmgtyp", table);
+            } else if given("numfip") {
+                let asked = format!("numfip {}", record.real("numfip"));
+                let used = "not used: an element is removed when all its points have failed";
+                self.map(format!("material {id}"), asked, used);
             }
         }
     }

@@ -40,7 +40,7 @@ const NO_LIMIT: f64 = 1e20;
 
 /// Writes a ply as a card, and after `$crumple:` what the card cannot hold to the last bit.
 pub fn ply(deck: &mut DeckWriter, cards: &MaterialCards<'_>) {
-    let &MaterialCards { material, mid, turned } = cards;
+    let &MaterialCards { material, mid, turned, .. } = cards;
     let given = |key: &str| match material.parameters.get(key) {
         Some(Param::Number(x)) => *x,
         _ => 0.0,

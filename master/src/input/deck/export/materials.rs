@@ -1,8 +1,8 @@
 //! Writes materials as cards. What a card does not hold is written after `$crumple:` with the name
 //! of the material.
 
-use super::{Blank, CardValue, DeckWriter, Id, Number, composites, line, metals, named, points};
-use super::{soft_materials, writer::LeftReason};
+use super::{Blank, CardValue, DeckWriter, Id, Number, line, named, points};
+use super::{barlat, cohesive, composites, metals, soft_materials, writer::LeftReason};
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
@@ -50,6 +50,8 @@ pub(super) struct MaterialCards<'m> {
     pub mid: u64,
     /// True if shells have angles of their own, which replace that of the material.
     pub turned: bool,
+    /// First part that has it.
+    pub part: Option<&'m Part>,
 }
 
 impl MaterialCards<'_> {
@@ -167,7 +169,8 @@ pub fn write<'m>(
     let turned = model.mesh.elements.iter().any(|e| e.own.angle != 0.0);
     let mut equations = BTreeMap::new();
     for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
-        let cards = MaterialCards { material, mid, turned };
+        let part = model.settings.parts.iter().find(|p| p.material == material.name);
+        let cards = MaterialCards { material, mid, turned, part };
         let mut read = law(deck, &cards);
         erosion(deck, &cards, &mut read);
         if material.law == "johnson_cook" && of_solids(material) {
@@ -189,6 +192,8 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         }
         "j2" => metals::j2(deck, cards, &mut read),
         "johnson_cook" => metals::johnson_cook(deck, cards, &mut read),
+        "barlat" => barlat::sheet(deck, cards, &mut read),
+        "cohesive_mixed_mode" | "cohesive_elastic" => cohesive::interface(deck, cards, &mut read),
         "orthotropic" => {
             composites::ply(deck, cards);
             // The ply has accounted for all of its own keys.

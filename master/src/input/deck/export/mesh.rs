@@ -19,7 +19,10 @@ pub fn write(deck: &mut DeckWriter, model: &Model) {
     springs::elements(deck, springs, &model.settings.parts);
     beams::elements(deck, model, &discrete);
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
-        let of = |shape: Shape| if shells { shape.is_shell() } else { shape.is_solid() };
+        let of = |shape: Shape| match shells {
+            true => shape.is_shell(),
+            false => shape.is_solid() || shape == Shape::Cohesive8,
+        };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }

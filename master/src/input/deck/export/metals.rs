@@ -34,7 +34,7 @@ pub fn j2(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParam
 
 /// Returns the tangent modulus for a plastic modulus, and the plastic modulus that a reader has
 /// from it.
-fn tangent(e: f64, modulus: f64) -> [f64; 2] {
+pub(super) fn tangent(e: f64, modulus: f64) -> [f64; 2] {
     let tangent = e * modulus / (e + modulus);
     [tangent, e * tangent / (e - tangent)]
 }

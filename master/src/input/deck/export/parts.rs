@@ -1,12 +1,13 @@
 //! Writes parts with their sections and hourglass control.
 
 use super::{
-    Blank, CardValue, DeckWriter, Id, Number, beams, composites, discrete_beams, line, springs,
+    Blank, CardValue, DeckWriter, Id, Number, beams, cohesive, composites, discrete_beams, line,
+    springs,
 };
 use crate::input::job::Model;
 use crumple_proto::job::{Part, Setting};
 use crumple_proto::mesh::Shape;
-use crumple_worker::fem::elements::{HourglassForm, formulation, points_of};
+use crumple_worker::fem::elements::{COHESIVE, HourglassForm, formulation, points_of};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
@@ -95,7 +96,7 @@ fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
     let id = u64::from(part.id);
     if !shells {
         deck.keyword("SECTION_SOLID");
-        return deck.card(&[Id(id), Id(1)]);
+        return deck.card(&[Id(id), Id(if is_cohesive(part) { cohesive::ELFORM } else { 1 })]);
     }
     deck.keyword("SECTION_SHELL");
     let mut first = vec![Id(id), Id(elform(part)), Number(1.0), Id(points_of(part) as u64)];
@@ -124,6 +125,11 @@ pub(super) fn elform(part: &Part) -> u64 {
     }
 }
 
+/// Returns true for a part of cohesive elements.
+fn is_cohesive(part: &Part) -> bool {
+    part.element.as_deref() == Some(COHESIVE)
+}
+
 /// Returns true for a part of membranes.
 fn is_membrane(part: &Part) -> bool {
     part.parameters.get("membrane") == Some(&Setting::Flag(true))
@@ -131,12 +137,13 @@ fn is_membrane(part: &Part) -> bool {
 
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
 fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
-    let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
+    let solids = !shells && !is_cohesive(part);
+    let by_card = solids || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
     let form = match given("hourglass") {
         // A deck without a form means the viscous form, so the job's default must be written.
         None if shells && by_card => 4,
-        None if !shells => 6,
+        None if solids => 6,
         Some(Setting::Word(word)) if word == HourglassForm::Viscous.word() => 1,
         Some(Setting::Word(word)) if word == HourglassForm::Stiffness.word() => 4,
         Some(Setting::Word(word)) if word == HourglassForm::AssumedStrain.word() => 6,

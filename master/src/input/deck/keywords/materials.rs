@@ -145,6 +145,32 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_037", "MAT_37"])
     .options(&["TITLE"]),
     Keyword::new(
+        "MAT_3-PARAMETER_BARLAT",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r! hr:r p1:r p2:r iter:r", Once),
+            ("m:r! r00:r! r45:r! r90:r! lcid:i e0:r spi:r p3:r", Once),
+            ("aopt:r c:r p:r vlcid:i blank:r pb:r nlp:i htb:i", Maybe),
+            ("blank:r blank:r blank:r a1:r a2:r a3:r htc:i htd:i", Maybe),
+            ("v1:r v2:r v3:r d1:r d2:r d3:r beta:r htflag:i", Maybe),
+            ("usrfail:r lcbi:i lcsh:i", Maybe),
+        ],
+        "law `barlat`, for shells, with the axes of aopt 0, 2 or 3 and beta: hr 1 is \
+         `yield_stress` p2 and the tangent modulus p1, 2 is `swift` with k = p1, n = p2, and e0 or \
+         spi, 3 the curve lcid as `hardening`",
+    )
+    .unused(&[
+        ignored("iter", "the return to the yield surface is iterated to round-off"),
+        no_effect("blank", "no field of the format"),
+        no_effect("p3", "it is for other hr"),
+        no_effect("d1 d2 d3", "in a shell the axis a follows from aopt 0, 2 or 3"),
+        ignored("htb htc htd htflag", "the state at the start is that of the mesh as given"),
+        refused("vlcid pb nlp", "correction of volume, plane strain, forming limits"),
+        refused("usrfail lcbi lcsh", "failure of users, curves of biaxial and shear yield"),
+    ])
+    .aliases(&["MAT_036", "MAT_36"])
+    .options(&["TITLE"]),
+    Keyword::new(
         "EOS_GRUNEISEN",
         &[
             ("heading:l", Count(title)),

@@ -2,6 +2,7 @@
 //! `convert` builds the model from it.
 
 mod airbags;
+mod cohesive;
 mod composites;
 mod constraints;
 mod contact;
@@ -26,6 +27,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Parts and sections", parts::KEYWORDS),
     ("Materials", materials::KEYWORDS),
     ("Composites", composites::KEYWORDS),
+    ("Cohesive elements", cohesive::KEYWORDS),
     ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),

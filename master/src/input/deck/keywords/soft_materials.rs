@@ -40,12 +40,27 @@ pub const KEYWORDS: &[Keyword] = &[
             ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
         ],
         "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, voleps, and effeps \
-         below 0 (plastic strain); the other criteria and damage (idam) are not supported",
+         below 0 (plastic strain); idam 1 with dmgtyp 1 is damage as in MAT_ADD_DAMAGE_GISSMO; \
+         the other criteria are not supported",
+    )
+    .unused(&[no_effect("nsff", "it is for lcfld")])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_ADD_DAMAGE_GISSMO",
+        &[
+            TITLE,
+            ("mid:i! unused:r dtyp:r refsz:r numfip:r", Once),
+            ("lcsdg:i! ecrit:r dmgexp:r dcrit:r fadexp:r lcregd:i instf:r", Once),
+            ("lcsrs:r shrf:r biaxf:r lcdlim:r midfail:r hisvn:r soft:r lp2bi:r", Maybe),
+            ("rgtr1:r rgtr2:r", Maybe),
+        ],
+        "keys `gissmo_...` of the material, for dtyp 1: lcsdg and ecrit below 0 are curves over \
+         the triaxiality, lcregd is one over the size; numfip is for shells",
     )
     .unused(&[
-        ignored("numfip", "an element is removed when all its points have failed"),
-        no_effect("dmgtyp lcsdg ecrit dmgexp dcrit fadexp lcregd", "they are for damage (idam)"),
-        no_effect("nsff", "it is for lcfld"),
+        no_effect("unused", "no field of the format"),
+        ignored("refsz", "it is for output"),
+        no_effect("hisvn rgtr1 rgtr2", "they are for tables and reduction factors"),
     ])
     .options(&["TITLE"]),
     Keyword::new(

@@ -108,6 +108,13 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
             part.id
         ));
     }
+    if let Some(element) = model.mesh.elements.iter().find(|e| e.shape == Shape::Cohesive8) {
+        return Err(format!(
+            "part {}: cohesive elements cannot be written as a Radioss deck: remove them from the \
+             mesh",
+            element.part
+        ));
+    }
     let angled = |id: u32| model.mesh.elements.iter().any(|e| e.part == id && e.own.angle != 0.0);
     let is_composite = |p: &&Part| !p.layer.is_empty() || !p.angles.is_empty() || angled(p.id);
     if let Some(part) = model.settings.parts.iter().find(is_composite) {

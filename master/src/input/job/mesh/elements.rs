@@ -4,7 +4,7 @@ use super::{Few, PlacedMesh, Written};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
-use crumple_proto::quality::quality;
+use crumple_proto::quality::{middle, quality};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Area over the square of the longest side below which the area of an element is only round-off.
@@ -57,6 +57,7 @@ pub(super) fn check(
             Shape::Hex8 | Shape::Tet4 | Shape::Wedge6 | Shape::Tet10 => {
                 solid(element, &x, path(), few)
             }
+            Shape::Cohesive8 => cohesive(element, &x, path(), few),
             Shape::Quad4 | Shape::Tri3 => match outline(&x) {
                 ShapeOutline::Concave => {
                     let (first, count) = concave.unwrap_or((index, 0));
@@ -93,6 +94,10 @@ fn corners(
     if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
         let message = format!("element {id} uses node {} twice", corners[twice]);
         let help = match element.shape {
+            Shape::Cohesive8 => {
+                "a cohesive element needs eight different nodes; those of its two faces may be at \
+                 the same places"
+            }
             Shape::Hex8 => {
                 "a solid needs eight different nodes; write a tetrahedron with four and a wedge \
                  with six nodes, and mesh again without pyramids"
@@ -232,6 +237,30 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
         let help = "give the nodes of one face so that its right-hand normal points into the \
                     solid, then those of the opposite face, or the fourth node of a tetrahedron; \
                     nodes on edges belong near their middles";
+        few.error("inverted", path, message, help);
+    }
+}
+
+/// Reports a cohesive element without a middle surface, or whose second face is behind its first.
+fn cohesive(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>) {
+    let (id, surface) = (element.id, middle(x));
+    if !matches!(outline(&surface), ShapeOutline::Good) {
+        let message = format!("cohesive element {id} has no middle surface between its two faces");
+        let help = "give the four nodes of one face in order around it, then the opposite four";
+        few.error("no surface", path, message, help);
+        return;
+    }
+    let along = |a: usize, b: usize| [0, 1, 2].map(|i| surface[b][i] - surface[a][i]);
+    let ([a, b, c], [d, e, f]) = (along(0, 2), along(1, 3));
+    let normal = [b * f - c * e, c * d - a * f, a * e - b * d];
+    let apart: f64 = (0..4)
+        .flat_map(|k| (0..3).map(move |i| (k, i)))
+        .map(|(k, i)| normal[i] * (x[k + 4][i] - x[k][i]))
+        .sum();
+    if apart < 0.0 {
+        let message = format!("cohesive element {id} is inside out");
+        let help = "give the nodes of one face so that its right-hand normal points to the \
+                    opposite face, then those of the opposite face";
         few.error("inverted", path, message, help);
     }
 }

@@ -62,7 +62,7 @@ fn shape(shape: Shape) -> CellShape {
     match shape {
         Shape::Quad4 => CellShape::Quad,
         Shape::Tri3 => CellShape::Triangle,
-        Shape::Hex8 => CellShape::Hexahedron,
+        Shape::Hex8 | Shape::Cohesive8 => CellShape::Hexahedron,
         Shape::Tet4 => CellShape::Tetrahedron,
         Shape::Wedge6 => CellShape::Wedge,
         Shape::Tet10 => CellShape::QuadraticTetrahedron,

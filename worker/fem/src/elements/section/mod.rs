@@ -30,6 +30,7 @@ pub use step::StepQuantities;
 use crate::columns::ElementState;
 use crate::materials::{
     DIRECTION_COLUMNS, Elastic, MAX_LAYER_POINTS, MAX_POINTS, PlaneStress, PointReal, Points,
+    SIZE_COLUMN,
 };
 use crate::parameter::Values;
 use crumple_math::lanes::{Each, Real};
@@ -89,6 +90,10 @@ pub struct Section {
     /// Columns of a point: stress xx, yy, xy and those of the law.
     stride: usize,
     thinning: bool,
+    /// Column of a point with the size of the element, if the law has one.
+    size: Option<usize>,
+    /// Number of failed points through the thickness from which on an element has failed.
+    failed_points: usize,
     /// Columns of a point with the direction of the law: cosine less 1, sine.
     direction: Option<[usize; 2]>,
     /// Factor on the transverse shear: 0 in membranes, which have none.
@@ -208,6 +213,8 @@ impl Section {
             weight,
             stride: 3 + history.len(),
             thinning: values.flag("thinning"),
+            size: law_column(history, SIZE_COLUMN, 3),
+            failed_points: law.failed_points(points),
             direction: law_column(history, DIRECTION_COLUMNS[0], 3)
                 .zip(law_column(history, DIRECTION_COLUMNS[1], 3))
                 .map(|(cosine, sine)| [cosine, sine]),
@@ -232,7 +239,7 @@ impl Section {
     /// shear.
     pub fn of_membrane(self) -> Self {
         let (zeta, weight) = gauss_legendre(1);
-        Self { points: 1, zeta, weight, shear: 0.0, ..self }
+        Self { points: 1, failed_points: 1, zeta, weight, shear: 0.0, ..self }
     }
 
     /// Makes each element store its offset in a column of the section.
@@ -294,10 +301,15 @@ impl Section {
     }
 
     /// Stores what determines the mass of an element: its volume at the start, from `area`
-    /// [length^2], and its [`Self::inertia_per_mass`].
+    /// [length^2], and its [`Self::inertia_per_mass`]; and its size, if the law needs it.
     pub fn measure(&self, history: &mut [f64], own: OwnSection, area: f64, floor: f64) {
         (history[VOLUME], history[INERTIA]) =
             (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
+        let Some(size) = self.size else { return };
+        for k in 0..self.planar * self.points {
+            let (plane, layer) = (k / self.points, k % self.points);
+            history[plane * self.each() + POINTS + layer * self.stride + size] = area.sqrt();
+        }
     }
 
     /// Stores the direction of the law at each point in the axes e1, e2 and normal of an element
@@ -369,15 +381,14 @@ impl Section {
     /// Returns true if all columns are zero except those that are set at the start.
     pub fn is_unstrained(&self, history: ElementState<'_>) -> bool {
         let (each, all, own) = (self.each(), self.point_columns(), self.columns());
-        // Directions of the law are set at the start and say nothing of strain.
-        let is_direction = |column: usize| {
-            self.direction.is_some_and(|directions| {
-                let within = column % each;
-                within >= POINTS && directions.contains(&((within - POINTS) % self.stride))
-            })
+        // Directions of the law and the size are set at the start and say nothing of strain.
+        let of_start = || self.direction.iter().flatten().chain(&self.size);
+        let is_of_start = |column: usize| {
+            let within = column % each;
+            within >= POINTS && of_start().any(|&set| set == (within - POINTS) % self.stride)
         };
         history.is_zero_where(|column| {
-            column >= own || column < all && column % each >= SHEAR && !is_direction(column)
+            column >= own || column < all && column % each >= SHEAR && !is_of_start(column)
         })
     }
 
@@ -494,11 +505,16 @@ impl Section {
         self.plastic_strain.map(|_| self.initial_yield_stress)
     }
 
-    /// Returns the lanes in which all points have failed; `None` if the law never fails.
+    /// Returns the lanes in which as many points have failed as remove an element; `None` if the
+    /// law never fails.
     #[inline(always)]
     pub fn failed_lanes<R: Real>(&self, history: &[R]) -> Option<R::Mask> {
         let column = self.failed?;
         let marks = (0..self.points).map(|k| history[POINTS + k * self.stride + column]);
+        if self.failed_points < self.points {
+            let count = marks.fold(R::zero(), |count, mark| count + mark);
+            return Some(count.gt(R::splat(self.failed_points as f64 - 0.5)));
+        }
         Some(marks.fold(R::splat(1.0), Real::min).gt(R::splat(0.5)))
     }
 
@@ -570,14 +586,15 @@ impl Section {
         self.failed.is_some() || self.deletes
     }
 
-    /// Returns true if all points of one element have failed.
+    /// Returns true if as many points of one element have failed as remove it.
     pub fn has_failed(&self, history: ElementState<'_>) -> bool {
         let each = self.each();
         let mark = |p: usize, k: usize, column: usize| {
             history.at(p * each + POINTS + k * self.stride + column)
         };
         self.failed.is_some_and(|column| {
-            (0..self.planar).all(|p| (0..self.points).all(|k| mark(p, k, column) > 0.5))
+            let failed = |p: usize| (0..self.points).filter(|&k| mark(p, k, column) > 0.5).count();
+            (0..self.planar).all(|p| failed(p) >= self.failed_points)
         })
     }
 

@@ -31,6 +31,7 @@ pub const LAW: Law = Law {
     }],
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 struct BlatzKo {

@@ -26,6 +26,7 @@ pub const LAW: Law = Law {
     parameters: PARAMETERS,
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 const PARAMETERS: &[ParameterRow] = &[

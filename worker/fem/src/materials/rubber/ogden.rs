@@ -30,6 +30,7 @@ pub const LAW: Law = Law {
     }],
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 struct Ogden {

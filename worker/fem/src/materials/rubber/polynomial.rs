@@ -33,6 +33,7 @@ pub const LAW: Law = Law {
     }],
     build: None,
     solid: Some(solid),
+    cohesive: None,
 };
 
 struct Polynomial {

@@ -55,6 +55,7 @@ impl StarterConverter {
                 rigid: None,
                 skin,
                 has_axes: false,
+                cohesive: None,
                 turn: 0.0,
                 elastic: matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1"),
                 weld: None,

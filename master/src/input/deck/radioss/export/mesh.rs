@@ -19,7 +19,7 @@ fn keyword(shape: Shape) -> Option<&'static str> {
         Shape::Truss2 => "TRUSS",
         Shape::Line2 => "SPRING",
         Shape::Tet10 => "TETRA10",
-        Shape::Point1 => return None,
+        Shape::Point1 | Shape::Cohesive8 => return None,
     })
 }
 

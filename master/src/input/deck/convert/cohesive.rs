@@ -1,0 +1,142 @@
+//! Converts materials of cohesive elements, and parts that have them (LS-DYNA Keyword User's
+//! Manual, vol. II, materials 138 and 184).
+
+use super::DeckConverter;
+use super::materials::DeckMaterial;
+use super::parts::Shapes;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
+use crate::input::job::tree::Place;
+
+/// Keywords of this file.
+pub const KEYWORDS: [&str; 2] = ["MAT_COHESIVE_MIXED_MODE", "MAT_COHESIVE_ELASTIC"];
+
+/// Formulation of cohesive elements between solids.
+pub(super) const ELFORM: i64 = 19;
+
+/// Integration of the elements of a material.
+#[derive(Clone, Copy, Debug)]
+pub struct CohesiveIntegration {
+    /// `intfail`: above 0 points of Gauss, otherwise at the nodes; its size is the number of failed
+    /// points from which on an element is removed, 0 for none.
+    pub intfail: f64,
+    /// Place of the field.
+    pub place: Place,
+}
+
+impl DeckConverter {
+    /// Converts the parameters of a cohesive material.
+    pub(super) fn cohesive(
+        &mut self,
+        keyword: &str,
+        record: &CardRecord,
+        table: &mut JobTable,
+    ) -> CohesiveIntegration {
+        match record.integer("roflg") {
+            0 => {}
+            1 => {
+                table.put("density_per_area", record.place("roflg"), true);
+            }
+            _ => self.unsupported_value(record, "roflg", "use 0 (per volume) or 1 (per area)"),
+        }
+        let number = |table: &mut JobTable, field: &str, key: &str| {
+            table.put(key, record.place(field), record.real(field));
+        };
+        number(table, "en", "stiffness_normal");
+        number(table, "et", "stiffness_shear");
+        if keyword == "MAT_COHESIVE_ELASTIC" {
+            table.put("law", record.head, "cohesive_elastic");
+            for (field, key) in [("fn_fail", "strength_normal"), ("ft_fail", "strength_shear")] {
+                if record.real(field) != 0.0 {
+                    number(table, field, key);
+                }
+            }
+        } else {
+            table.put("law", record.head, "cohesive_mixed_mode");
+            self.mixed_mode(record, table);
+        }
+        CohesiveIntegration { intfail: record.real("intfail"), place: record.place("intfail") }
+    }
+
+    fn mixed_mode(&mut self, record: &CardRecord, table: &mut JobTable) {
+        let id = record.integer("mid");
+        for (toughness, peak, end, keys) in [
+            ("gic", "t", "und", ["toughness_normal", "strength_normal"]),
+            ("giic", "s", "utd", ["toughness_shear", "strength_shear"]),
+        ] {
+            let [work, strength, opening] = [toughness, peak, end].map(|f| record.real(f));
+            if work < 0.0 {
+                self.unsupported_value(record, toughness, "a curve over the size of the element");
+                continue;
+            }
+            table.put(keys[0], record.place(toughness), work);
+            if strength < 0.0 {
+                self.unsupported_value(record, peak, "a curve over the size of the element");
+            } else if strength > 0.0 {
+                table.put(keys[1], record.place(peak), strength);
+                if opening != 0.0 {
+                    let of = format!("material {id}");
+                    self.map(of, format!("{end} {opening}"), format!("not used: {peak} is given"));
+                }
+            } else if opening > 0.0 {
+                table.put(keys[1], record.place(end), 2.0 * work / opening);
+            } else {
+                let message = format!("{}: neither `{peak}` nor `{end}` is given", record.name());
+                let help = format!(
+                    "give the strength {peak}, or the opening {end} at separation, from which it \
+                     follows as 2 {toughness}/{end}"
+                );
+                self.trouble.error(record.place(peak), message, help);
+            }
+        }
+        let (exponent, place) = (record.real("xmu"), record.place("xmu"));
+        if exponent < 0.0 {
+            table.put("benzeggagh_kenane", place, -exponent);
+            table.put("stiffness_exponent", record.place("gamma"), record.real("gamma"));
+        } else {
+            table.put("power_exponent", place, exponent);
+        }
+    }
+
+    /// Checks that cohesive elements have a cohesive material, and others do not. Returns true if
+    /// the part is one of cohesive elements, with their keys in `table`.
+    pub(super) fn cohesive_part(
+        &mut self,
+        record: &CardRecord,
+        (elform, at): (i64, Place),
+        material: &DeckMaterial,
+        shapes: Shapes,
+        table: &mut JobTable,
+    ) -> bool {
+        let id = record.integer("pid");
+        let is_cohesive = elform == ELFORM;
+        match (is_cohesive, material.cohesive) {
+            (false, None) => return false,
+            (true, Some(integration)) => {
+                table.put("element", at, "cohesive");
+                let rule = if integration.intfail > 0.0 { "gauss" } else { "nodes" };
+                table.put("integration", integration.place, rule);
+                table.put("failed_points", integration.place, integration.intfail.abs() as i64);
+                self.map(format!("part {id}"), "solids, elform 19", "cohesive elements");
+            }
+            (true, None) => {
+                let message = format!("part {id}: its material is not for cohesive elements");
+                let help = "give it a *MAT_COHESIVE_MIXED_MODE or *MAT_COHESIVE_ELASTIC, or a \
+                            *SECTION_SOLID with another elform";
+                self.trouble.error(record.place("mid"), message, help);
+            }
+            (false, Some(_)) => {
+                let message = format!("part {id}: its material is for cohesive elements only");
+                let help = "give it a *SECTION_SOLID with elform 19, or another material";
+                self.trouble.error(record.place("mid"), message, help);
+            }
+        }
+        if is_cohesive && shapes.have_others_than_hexahedra() {
+            let message = format!("part {id}: cohesive elements of elform 19 have eight nodes");
+            let help = "move wedges and tetrahedra to another part; cohesive wedges (elform 21) \
+                        are not supported";
+            self.trouble.error(record.place("secid"), message, help);
+        }
+        true
+    }
+}

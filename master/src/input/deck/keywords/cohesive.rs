@@ -1,0 +1,32 @@
+//! Materials of cohesive elements.
+
+use super::title;
+use crate::input::deck::table::{
+    Keyword,
+    Times::{self, *},
+};
+
+const TITLE: (&str, Times) = ("heading:l", Count(title));
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new(
+        "MAT_COHESIVE_MIXED_MODE",
+        &[
+            TITLE,
+            ("mid:i! ro:r! roflg:i intfail:r en:r! et:r! gic:r! giic:r!", Once),
+            ("xmu:r! t:r s:r und:r utd:r gamma:r=1", Once),
+        ],
+        "law `cohesive_mixed_mode`, for solids of elform 19: xmu above 0 is `power_exponent`, \
+         below 0 `benzeggagh_kenane`; a strength t or s that is blank follows from und or utd; \
+         intfail is `integration` and `failed_points` of the part",
+    )
+    .aliases(&["MAT_138"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_COHESIVE_ELASTIC",
+        &[TITLE, ("mid:i! ro:r! roflg:i intfail:r et:r! en:r! fn_fail:r ft_fail:r", Once)],
+        "law `cohesive_elastic`, for solids of elform 19; intfail as in MAT_COHESIVE_MIXED_MODE",
+    )
+    .aliases(&["MAT_184"])
+    .options(&["TITLE"]),
+];

@@ -1,0 +1,118 @@
+//! Cohesive elements of decks: parameters, what is refused, written decks. Units mm, ms, kg, so kN
+//! and GPa.
+
+use crate::base::{BASE, MOVES, model_of};
+use crumple::input::job::Model;
+use crumple_proto::mesh::Shape;
+use crumple_tests::program::{crumple_with, run};
+use std::fs;
+
+const STEEL: &str = "*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n";
+const MIXED: &str = "*MAT_138\n3,1e-6,1,2,20.0,8.0,8e-4,2.4e-3\n-2.0,0.04,,,0.192,1.5\n";
+
+/// The base with a second cube on the first one, on nodes of its own, and a part 3 of one element
+/// without thickness between them.
+fn bonded(section: &str, material: &str) -> String {
+    let more = "*PART\nbond\n3,3,3\n*NODE\n21,0,0,10\n22,10,0,10\n23,10,10,10\n24,0,10,10\n\
+                25,0,0,20\n26,10,0,20\n27,10,10,20\n28,0,10,20\n\
+                *ELEMENT_SOLID\n2,2,21,22,23,24,25,26,27,28\n3,3,5,6,7,8,21,22,23,24\n";
+    // The plate of the base would be inside the second cube.
+    let base = BASE.replace(",12\n", ",40\n");
+    format!("{base}{STEEL}{MOVES}{more}*SECTION_SOLID\n3,{section}\n{material}")
+}
+
+fn parameter(model: &Model, key: &str) -> String {
+    let bond = model.job.material.iter().find(|m| m.law.starts_with("cohesive")).expect("a bond");
+    bond.parameters.get(key).map_or(String::new(), |value| value.to_string())
+}
+
+#[test]
+fn fields_become_parameters() {
+    let model = model_of(&bonded("19", MIXED));
+    for (key, value) in [
+        ("density_per_area", "true"),
+        ("stiffness_normal", "20.0"),
+        ("stiffness_shear", "8.0"),
+        ("toughness_normal", "0.0008"),
+        ("toughness_shear", "0.0024"),
+        ("strength_normal", "0.04"),
+        ("strength_shear", "0.024999999999999998"),
+        ("benzeggagh_kenane", "2.0"),
+        ("stiffness_exponent", "1.5"),
+        ("power_exponent", ""),
+    ] {
+        assert_eq!(parameter(&model, key), value, "{key}");
+    }
+    let part = model.job.part.iter().find(|p| p.id == 3).expect("the bond");
+    assert_eq!(part.element.as_deref(), Some("cohesive"));
+    let key = |key: &str| part.parameters[key].to_string();
+    assert_eq!((key("integration"), key("failed_points")), ("gauss".into(), "2".into()));
+    let cohesive = model.mesh.elements.iter().filter(|e| e.shape == Shape::Cohesive8).count();
+    assert_eq!(cohesive, 1);
+    let elastic = "*MAT_COHESIVE_ELASTIC\n3,1e-6,1,-3,8.0,20.0,0.04\n";
+    let model = model_of(&bonded("19", elastic));
+    for (key, value) in [
+        ("stiffness_normal", "20.0"),
+        ("stiffness_shear", "8.0"),
+        ("strength_normal", "0.04"),
+        ("strength_shear", ""),
+    ] {
+        assert_eq!(parameter(&model, key), value, "{key}");
+    }
+    let part = model.job.part.iter().find(|p| p.id == 3).expect("the bond");
+    let key = |key: &str| part.parameters[key].to_string();
+    assert_eq!((key("integration"), key("failed_points")), ("nodes".into(), "3".into()));
+}
+
+#[test]
+fn what_is_not_supported_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    let without = MIXED.replace(",0.192,", ",,");
+    for (section, material, words) in [
+        ("1", MIXED, &["its material is for cohesive elements only"][..]),
+        ("20", MIXED, &["its material is for cohesive elements only"]),
+        ("19", STEEL.replace("\n1,", "\n3,").as_str(), &["is not for cohesive elements"]),
+        ("19", without.as_str(), &["neither `s` nor `utd` is given", "2 giic/utd"]),
+        (
+            "19",
+            "*MAT_138\n3,1e-6,2,1,20.0,8.0,-8e-4,2.4e-3\n1.0,-4,0.02\n",
+            &["`roflg` = 2", "`gic` = -0.0008"],
+        ),
+        (
+            "19",
+            "*MAT_138\n3,1e-6,1,7,20.0,8.0,8e-5,2.4e-3\n1.0,0.1,0.02\n",
+            &["toughness_normal is 0.00008", "failed_points is 7"],
+        ),
+    ] {
+        fs::write(&path, format!("{}*END\n", bonded(section, material))).unwrap();
+        let text = crumple::input::job::read(&path, &[]).err().expect(material).to_string();
+        for word in words {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+    }
+}
+
+/// A written deck has the same digest as the one it was read from.
+#[test]
+fn a_written_deck_is_the_same_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let elastic = "*MAT_184\n3,1e-6,1,-3,8.0,20.0,0.04\n";
+    let power = "*MAT_138\n3,1e-6,1,1,20.0,8.0,8e-4,2.4e-3\n1.5,0.04,0.02\n";
+    for (k, material) in [MIXED, power, elastic].into_iter().enumerate() {
+        let [first, second] =
+            ["first", "second"].map(|name| folder.path().join(format!("{name}{k}.k")));
+        let pull = "*INITIAL_VELOCITY_GENERATION\n2,2,0,0.0,0.0,1.0\n";
+        fs::write(&first, format!("{}{pull}*END\n", bonded("19", material))).unwrap();
+        let digest = |path: &std::path::Path| {
+            let deck = path.to_str().unwrap();
+            let sets = ["--set", "time.max_cycles=200", "--set", "output.field_interval=-1"];
+            run(crumple_with(&[&["run", deck][..], &sets[..]].concat())).with_code(0).digest()
+        };
+        let [from, to] = [&first, &second].map(|path| path.to_str().unwrap().to_string());
+        run(crumple_with(&["export-deck", &from, "--out", &to])).with_code(0);
+        let text = fs::read_to_string(&second).unwrap();
+        assert!(text.contains("*MAT_COHESIVE_"), "{text}");
+        assert_eq!(digest(&first), digest(&second), "{material}");
+    }
+}

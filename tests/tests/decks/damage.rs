@@ -1,0 +1,134 @@
+//! Damage that decks add to materials: parameters, what is refused, written decks. Units mm, ms,
+//! kg, so kN and GPa.
+
+use crate::base::{BASE, MOVES, model_of};
+use crumple::input::job::Model;
+use crumple_tests::program::{crumple_with, run};
+use std::fs;
+
+const METAL: &str = "*MAT_024\n1,7.85e-6,207.0,0.3,0.25,1.0\n\n\n\n";
+const CURVES: &str = "*DEFINE_CURVE\n31\n0.0,0.5\n0.33,0.3\n0.66,0.4\n*DEFINE_CURVE\n32\n0.0,0.2\n\
+    0.66,0.1\n*DEFINE_CURVE\n33\n1.0,1.0\n20.0,0.6\n";
+
+fn deck(cards: &str) -> String {
+    format!("{BASE}{MOVES}{METAL}{cards}{CURVES}")
+}
+
+fn parameter(model: &Model, key: &str) -> String {
+    let metal = model.job.material.iter().find(|m| m.law == "j2").expect("a metal");
+    metal.parameters.get(key).map_or(String::new(), |value| value.to_string())
+}
+
+/// Both keywords give the same damage.
+#[test]
+fn fields_become_parameters() {
+    let own = "*MAT_ADD_DAMAGE_GISSMO\n1,,1,,2\n31,-32,2.0,,1.5,33\n";
+    let of_erosion = "*MAT_ADD_EROSION\n1,,,,,,2\n\n1,1,31,-32,2.0,,1.5,33\n";
+    for card in [own, of_erosion] {
+        let model = model_of(&deck(card));
+        for (key, value) in [
+            ("gissmo_failure_strain", "[[0.0, 0.5], [0.33, 0.3], [0.66, 0.4]]"),
+            ("gissmo_critical_strain", "[[0.0, 0.2], [0.66, 0.1]]"),
+            ("gissmo_critical_damage", ""),
+            ("gissmo_exponent", "2.0"),
+            ("gissmo_fading_exponent", "1.5"),
+            ("gissmo_size_factors", "[[1.0, 1.0], [20.0, 0.6]]"),
+            ("gissmo_failed_points", "2.0"),
+        ] {
+            assert_eq!(parameter(&model, key), value, "{key}: {card}");
+        }
+    }
+    let fixed = model_of(&deck("*MAT_ADD_DAMAGE_GISSMO\n1,,1,,-67.0\n31,0.15\n"));
+    for (key, value) in [
+        ("gissmo_critical_strain", "[[0.0, 0.15]]"),
+        ("gissmo_exponent", "1.0"),
+        ("gissmo_fading_exponent", "1.0"),
+        ("gissmo_size_factors", ""),
+        ("gissmo_failed_points", "-67.0"),
+    ] {
+        assert_eq!(parameter(&fixed, key), value, "{key}");
+    }
+    let damage = model_of(&deck("*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,,,0.3\n"));
+    assert_eq!(parameter(&damage, "gissmo_critical_damage"), "0.3");
+    assert_eq!(parameter(&damage, "gissmo_failed_points"), "1.0");
+    // Damage that is only shown, and one that is not asked for.
+    let shown = model_of(&deck("*MAT_ADD_DAMAGE_GISSMO\n1\n31\n"));
+    assert_eq!(parameter(&shown, "gissmo_failure_strain"), "");
+    assert!(shown.mapping.iter().any(|entry| entry.asked == "GISSMO with dtyp 0"));
+    let none = model_of(&deck("*MAT_ADD_EROSION\n1,,,,-0.4,,3\n"));
+    assert_eq!(parameter(&none, "gissmo_failure_strain"), "");
+    assert!(none.mapping.iter().any(|entry| entry.asked == "numfip 3"));
+}
+
+#[test]
+fn what_is_not_supported_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    for (card, words) in [
+        (
+            "*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,-99,1.0,,-32,-33,2\n32,0.5,0.4,32,1,,0.7,1\n",
+            &[
+                "no *DEFINE_CURVE with the id 99",
+                "`fadexp` = -32",
+                "`lcregd` = -33",
+                "`instf` = 2",
+                "`lcsrs` = 32",
+                "`shrf` = 0.5",
+                "`biaxf` = 0.4",
+                "`lcdlim` = 32",
+                "`midfail` = 1",
+                "`soft` = 0.7",
+                "`lp2bi` = 1",
+            ][..],
+        ),
+        ("*MAT_ADD_DAMAGE_GISSMO\n1,,61\n31\n", &["`dtyp` = 61"]),
+        ("*MAT_ADD_DAMAGE_GISSMO\n7,,1\n31\n", &["no *MAT_... with the id 7"]),
+        ("*MAT_ADD_EROSION\n1\n\n2,1,31\n", &["`idam` = 2"]),
+        ("*MAT_ADD_DAMAGE_GISSMO\n1,,1\n33,,,1.0\n", &["gissmo_critical_damage is 1"]),
+    ] {
+        fs::write(&path, format!("{}*END\n", deck(card))).unwrap();
+        let text = crumple::input::job::read(&path, &[]).err().expect(card).to_string();
+        for word in words {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+    }
+    // A law without plastic strain.
+    let text = format!(
+        "{BASE}{MOVES}*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31\n\
+         {CURVES}*END\n"
+    );
+    fs::write(&path, text).unwrap();
+    let text = crumple::input::job::read(&path, &[]).err().expect("errors").to_string();
+    assert!(text.contains("no plastic strain"), "{text}");
+}
+
+/// A plate that is torn has the same digest on 1, 2 and 3 workers, and as a written deck; elements
+/// of it fail.
+#[test]
+fn a_torn_plate_has_one_digest() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["first.k", "second.k"].map(|name| folder.path().join(name));
+    let card = "*MAT_ADD_DAMAGE_GISSMO\n1,,1,,2\n31,-32,2.0,,1.5,33\n";
+    let pull = "*SET_NODE_LIST\n1\n13,16\n*BOUNDARY_PRESCRIBED_MOTION_SET\n1,1,0,7\n\
+                *DEFINE_CURVE\n7\n0,30\n10,30\n*BOUNDARY_SPC_NODE\n11,0,1,1,1,1,1,1\n\
+                14,0,1,1,1,1,1,1\n";
+    fs::write(&first, format!("{}{pull}*END\n", deck(card))).unwrap();
+    let ended = |path: &std::path::Path, workers: &str| {
+        let deck = path.to_str().unwrap();
+        let quiet = ["--set", "output.field_interval=-1", "--set", "time.end_time=0.4"];
+        let run_of = [&["run", deck, "--workers", workers][..], &quiet[..]].concat();
+        run(crumple_with(&run_of)).with_code(0)
+    };
+    let one = ended(&first, "1");
+    assert!(
+        one.summary()["parts"][0]["failed"].as_u64().is_some_and(|n| n > 0),
+        "{}",
+        one.summary()
+    );
+    for workers in ["2", "3"] {
+        assert_eq!(one.digest(), ended(&first, workers).digest(), "{workers} workers");
+    }
+    let [from, to] = [&first, &second].map(|path| path.to_str().unwrap());
+    run(crumple_with(&["export-deck", from, "--out", to])).with_code(0);
+    assert_eq!(one.digest(), ended(&second, "1").digest());
+}

@@ -1,0 +1,276 @@
+//! Anisotropic plasticity of sheets (Barlat & Lian 1989), as in `*MAT_3-PARAMETER_BARLAT` (LS-DYNA
+//! Keyword User's Manual, vol. II, material 36). Elasticity is isotropic. The yield surface is in
+//! `barlat/surface.rs`; its parameters follow from the ratios of the plastic strains across and
+//! through the sheet in tension at 0, 45 and 90 degrees to the axis a, the direction of rolling:
+//! ```text
+//! a = 2 - 2 sqrt(R0/(1 + R0) R90/(1 + R90)),   h = sqrt(R0/(1 + R0) (1 + R90)/R90)
+//! ```
+//! and p such that the ratio at 45 degrees is R45. With m = 2 and ratios of one it is the von Mises
+//! condition.
+//!
+//! Yield stress in tension along a: `yield_stress` and `hardening_modulus`, the table `hardening`,
+//! or `swift = [k, e0, n]`, `k (e0 + g)^n` with the effective plastic strain g.
+//!
+//! Each lane that yields is returned alone, in double precision.
+//!
+//! Not included: strain rates, kinematic hardening, ratios that change with the strain, transverse
+//! shear in the yield condition.
+
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use self::surface::{Surface, Yielded};
+use super::axes::{ANGLE, DIRECTION, DIRECTION_COLUMNS, Orientation, stress_across, stress_along};
+use super::j2;
+use super::parameters::Parameters;
+use super::polyline::{Beyond, RampCurve};
+use super::{
+    DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, PlaneStress, Points,
+};
+use crumple_math::lanes::{LANES, LANES32, Lane, Lane32, Lanes, Real};
+use crumple_proto::partition::{Material, Param};
+use crumple_proto::problem::Problem;
+
+/// The row of this law.
+pub const LAW: Law = Law {
+    name: "barlat",
+    meaning: "Anisotropic plasticity of sheets (Barlat and Lian 1989).",
+    constants: ELASTIC,
+    parameters: &[
+        DIRECTION,
+        ANGLE,
+        row(
+            "exponent",
+            DefaultValue::Number(8.0),
+            "Exponent m, 2 or above: 6 of bcc metals, 8 of fcc metals.",
+        ),
+        row(
+            RATIOS[0],
+            DefaultValue::Number(1.0),
+            "Plastic strain across over that through the sheet in tension along a.",
+        ),
+        row(RATIOS[1], DefaultValue::Number(1.0), "The same in tension at 45 degrees."),
+        row(RATIOS[2], DefaultValue::Number(1.0), "The same in tension along b."),
+        ParameterRow {
+            otherwise: DefaultValue::Depends("needed without `hardening` and `swift`"),
+            ..j2::HARDENING[0]
+        },
+        j2::HARDENING[1],
+        j2::HARDENING[2],
+        ParameterRow {
+            key: SWIFT,
+            form: Form::List("[k, e0, n]"),
+            otherwise: DefaultValue::Absent,
+            range: None,
+            meaning: "Yield stress `k (e0 + eps_p)^n` in place of the other keys of hardening; k \
+                      is a stress [force/length^2].",
+        },
+    ],
+    build: Some(build),
+    solid: None,
+    cohesive: None,
+};
+
+const RATIOS: [&str; 3] = ["lankford_0", "lankford_45", "lankford_90"];
+const SWIFT: &str = "swift";
+
+const fn row(key: &'static str, otherwise: DefaultValue, meaning: &'static str) -> ParameterRow {
+    ParameterRow { key, form: Form::Number, otherwise, range: None, meaning }
+}
+
+/// Columns of a point: stress, effective plastic strain, direction of the axis a.
+const STRAIN: usize = 3;
+const COSINE: usize = 4;
+const SINE: usize = 5;
+const COLUMNS: usize = 6;
+const HISTORY: [&str; 3] = ["plastic_strain", DIRECTION_COLUMNS[0], DIRECTION_COLUMNS[1]];
+
+/// Yield stress over the effective plastic strain.
+enum Hardening {
+    /// Straight lines.
+    Lines(RampCurve),
+    /// `k (e0 + g)^n`.
+    Swift { k: f64, e0: f64, n: f64 },
+}
+
+impl Hardening {
+    /// Returns the yield stress and its slope [force/length^2].
+    fn at(&self, strain: f64) -> [f64; 2] {
+        match self {
+            Hardening::Lines(curve) => curve.at(strain),
+            Hardening::Swift { k, e0, n } => {
+                let value = k * (e0 + strain).powf(*n);
+                [value, n * value / (e0 + strain)]
+            }
+        }
+    }
+}
+
+struct Barlat {
+    elastic: Elastic,
+    orientation: Orientation,
+    surface: Surface,
+    hardening: Hardening,
+}
+
+fn build(material: &Material) -> LawResult {
+    Parameters::new(material).shell_law(read)
+}
+
+fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Barlat, Vec<Problem>> {
+    let orientation = Orientation::read(&mut parameters);
+    let m = parameters.optional("exponent", "2 or above", |m| m >= 2.0).unwrap_or(8.0);
+    let mut ratio = |key| parameters.optional(key, "above 0", |r| r > 0.0).unwrap_or(1.0);
+    let surface = Surface::new(m, RATIOS.map(&mut ratio));
+    if surface.is_none() {
+        let help = "use a ratio nearer to those at 0 and 90 degrees";
+        parameters.wrong(RATIOS[1], "cannot be reached with this exponent", help);
+    }
+    let swift = swift(&mut parameters);
+    let hardening = match swift {
+        Some([k, e0, n]) => {
+            for key in ["yield_stress", "hardening_modulus", "hardening"] {
+                if parameters.get(key).is_some() {
+                    let what = format!("is given together with {key}");
+                    parameters.wrong(SWIFT, what, "give only one of them");
+                }
+            }
+            Hardening::Swift { k, e0, n }
+        }
+        None => {
+            let (yield_stress, slope, ramps) = j2::hardening(&mut parameters);
+            // Only a hardening modulus has no last point.
+            let beyond = if ramps.is_empty() { Beyond::Straight } else { Beyond::Constant };
+            let points = j2::rows_of(yield_stress, slope, &ramps);
+            let points: Vec<[f64; 2]> = points.iter().map(|row| [row[1], row[2]]).collect();
+            Hardening::Lines(RampCurve::new(&points, 1.0, beyond))
+        }
+    };
+    parameters.finish()?;
+    let surface = surface.expect("its absence is a problem");
+    Ok(Barlat { elastic, orientation, surface, hardening })
+}
+
+/// Returns k, e0 and n.
+fn swift(parameters: &mut Parameters<'_>) -> Option<[f64; 3]> {
+    let list = match parameters.get(SWIFT)? {
+        Param::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok(),
+        _ => None,
+    };
+    let sound =
+        |&[k, e0, n]: &[f64; 3]| [k, e0, n].iter().all(|x| x.is_finite() && *x > 0.0) && n <= 1.0;
+    let list = list.filter(sound);
+    if list.is_none() {
+        parameters.wrong(SWIFT, "is not [k, e0, n]", "give three numbers above 0, n at most 1");
+    }
+    Some(list.unwrap_or([1.0; 3]))
+}
+
+impl Barlat {
+    /// Updates the points of a group of so many lanes; `lanes` makes one of their numbers.
+    #[inline(always)]
+    fn points<R: Real>(
+        &self,
+        points: Points<'_, R>,
+        count: usize,
+        lanes: impl Fn(&[f64; LANES32]) -> R,
+    ) {
+        let [c11, c12, g] = self.elastic.plane_stress();
+        let (v11, v12, vg) = (R::splat(c11), R::splat(c12), R::splat(g));
+        let thinning = R::splat(self.elastic.thinning());
+        let [h, p] = self.surface.weights().map(R::splat);
+        let bound = R::splat(self.surface.bound());
+        let (half, one) = (R::splat(0.5), R::splat(1.0));
+        let states = points.state.as_chunks_mut::<COLUMNS>().0;
+        for ((state, eps), eps_z) in
+            states.iter_mut().zip(points.strain).zip(points.thickness_strain)
+        {
+            let before = [state[0], state[1], state[2]];
+            state[0] = v11.mul_add(eps[0], v12.mul_add(eps[1], before[0]));
+            state[1] = v11.mul_add(eps[1], v12.mul_add(eps[0], before[1]));
+            state[2] = vg.mul_add(eps[2], before[2]);
+
+            // Lanes that certainly stay below the yield stress need no powers.
+            let (c, s) = (state[COSINE] + one, state[SINE]);
+            let trial = stress_along([state[0], state[1], state[2]], c, s);
+            let u = half * (trial[0] - h * trial[1]);
+            let t = p * trial[2];
+            let most = (half * (trial[0] + h * trial[1])).abs() + u.mul_add(u, t * t).sqrt();
+            let yield_stress = self.lane_yield_stress(state[STRAIN], count, &lanes);
+            let near = (bound * most).gt(yield_stress);
+            if R::any(near) {
+                let marks = R::select(near, one, R::zero());
+                let before = stress_along(before, c, s);
+                let mut after = [[0.0; LANES32]; 4];
+                for lane in 0..count {
+                    let of = |v: &[R; 3]| v.map(|x| x.lane(lane));
+                    let plastic_strain = state[STRAIN].lane(lane);
+                    let trial = of(&trial);
+                    let mut now = Yielded { stress: trial, plastic_strain };
+                    let [limit, _] = self.hardening.at(plastic_strain);
+                    if marks.lane(lane) > 0.5 && self.surface.equivalent(trial) > limit {
+                        let before = Yielded { stress: of(&before), plastic_strain };
+                        let hardening = |strain| self.hardening.at(strain);
+                        now = self.surface.returned(before, trial, [c11, c12, g], &hardening);
+                    }
+                    for k in 0..3 {
+                        after[k][lane] = now.stress[k] - trial[k];
+                    }
+                    after[3][lane] = now.plastic_strain;
+                }
+                let [a, b, ab, strain] = after.each_ref().map(&lanes);
+                // The increment is turned, not the stress, which would gather round-off.
+                let more = stress_across([a, b, ab], c, s);
+                (0..3).for_each(|k| state[k] += more[k]);
+                state[STRAIN] = strain;
+            }
+            let change = (state[0] - before[0]) + (state[1] - before[1]);
+            *eps_z = thinning.mul_add(change, -(eps[0] + eps[1]));
+        }
+    }
+
+    /// Returns the yield stress of all lanes.
+    #[inline(always)]
+    fn lane_yield_stress<R: Real>(
+        &self,
+        strain: R,
+        count: usize,
+        lanes: &impl Fn(&[f64; LANES32]) -> R,
+    ) -> R {
+        match &self.hardening {
+            Hardening::Lines(curve) => curve.at(strain)[0],
+            Hardening::Swift { .. } => {
+                let mut of_lanes = [0.0; LANES32];
+                for (lane, value) in of_lanes.iter_mut().enumerate().take(count) {
+                    *value = self.hardening.at(strain.lane(lane))[0];
+                }
+                lanes(&of_lanes)
+            }
+        }
+    }
+}
+
+impl PlaneStress for Barlat {
+    fn history(&self) -> &[&'static str] {
+        &HISTORY
+    }
+    fn elastic(&self) -> Elastic {
+        self.elastic
+    }
+    fn initial_yield_stress(&self) -> f64 {
+        self.hardening.at(0.0)[0]
+    }
+    fn orientation(&self, _point: usize) -> Option<Orientation> {
+        Some(self.orientation)
+    }
+    fn update(&self, points: Points<'_, Lane>, _dt: f64) {
+        self.points(points, LANES, |all| Lane::from_array(std::array::from_fn(|k| all[k])));
+    }
+    fn update_short(&self, points: Points<'_, Lane32>, _dt: f64) {
+        self.points(points, LANES32, |all| Lane32::from_array(*all));
+    }
+    fn update_one(&self, points: Points<'_, f64>, _dt: f64) {
+        self.points(points, 1, |all| all[0]);
+    }
+}

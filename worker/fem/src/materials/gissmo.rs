@@ -1,0 +1,454 @@
+//! Damage by plastic strain over the triaxiality of stress, which any plastic law can have, as
+//! `*MAT_ADD_DAMAGE_GISSMO` (Neukamm, Feucht & Haufe 2009; LS-DYNA Keyword User's Manual, vol. II).
+//!
+//! With the triaxiality eta, the mean stress over the von Mises stress, and the plastic strain e:
+//! ```text
+//! dD = n/(c e_f(eta)) D^(1 - 1/n) de,   dF = n/e_c(eta) F^(1 - 1/n) de
+//! sigma = (1 - ((D - D_c)/(1 - D_c))^m) sigma~   where F >= 1,   sigma~ before
+//! ```
+//! D_c is the damage at which F reaches one, or a constant; a point fails at D = 1. The roots of D
+//! and F, `D^(1/n)`, grow by `de/(c e_f)`, which is the law without an error of the step. c is a
+//! factor of the size of the element: the root of the area of a shell, the cube root of the volume
+//! of a solid.
+//!
+//! The law computes the effective stress sigma~, from which eta follows. The state holds sigma, so
+//! that elements see only the stress that acts.
+//!
+//! Not included: strain rates, Lode's angle, sizes that depend on the triaxiality.
+
+#[cfg(test)]
+mod tests;
+
+use super::parameters::Parameters;
+use super::polyline::{Beyond, RampCurve};
+use super::tensor::{deviator, inner, trace};
+use super::{
+    DefaultValue, Elastic, Form, LawResult, MaterialAxes, Orientation, ParameterRow, PlaneStress,
+    PointReal, Points, Solid, SolidLawResult, SolidPoint,
+};
+use crate::materials::plasticity::Plasticity;
+use crumple_math::lanes::{Lane, Lane32, Real};
+use crumple_proto::partition::Material;
+use crumple_proto::problem::Problem;
+
+const FAILURE: &str = "gissmo_failure_strain";
+const CRITICAL: &str = "gissmo_critical_strain";
+const CRITICAL_DAMAGE: &str = "gissmo_critical_damage";
+const EXPONENT: &str = "gissmo_exponent";
+const FADING: &str = "gissmo_fading_exponent";
+/// The key of the factors by size.
+pub const SIZES: &str = "gissmo_size_factors";
+const POINTS: &str = "gissmo_failed_points";
+
+/// Column of the size of the element, which the element stores [length].
+pub const SIZE_COLUMN: &str = "size";
+
+const CURVE: &str = "[[triaxiality, strain], ...]";
+
+/// Creates a row of a curve.
+const fn curve(key: &'static str, meaning: &'static str) -> ParameterRow {
+    ParameterRow {
+        key,
+        form: Form::List(CURVE),
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning,
+    }
+}
+
+/// Creates a row of a number.
+const fn number(key: &'static str, otherwise: DefaultValue, meaning: &'static str) -> ParameterRow {
+    ParameterRow { key, form: Form::Number, otherwise, range: None, meaning }
+}
+
+/// Keys of all plastic laws.
+pub const GISSMO: &[ParameterRow] = &[
+    curve(
+        FAILURE,
+        "Plastic strain to failure over the triaxiality, constant beyond the points: damage by \
+         GISSMO.",
+    ),
+    curve(
+        CRITICAL,
+        "Plastic strain over the triaxiality from which on damage reduces the stress; without it \
+         and `gissmo_critical_damage` the stress acts until failure.",
+    ),
+    number(
+        CRITICAL_DAMAGE,
+        DefaultValue::Absent,
+        "Damage from which on it reduces the stress, in place of `gissmo_critical_strain`.",
+    ),
+    number(
+        EXPONENT,
+        DefaultValue::Number(1.0),
+        "Exponent n of damage: at a constant triaxiality it is the n-th power of the plastic \
+         strain over that to failure.",
+    ),
+    number(FADING, DefaultValue::Number(1.0), "Exponent m of the loss of stress."),
+    ParameterRow {
+        key: SIZES,
+        form: Form::List("[[size, factor], ...]"),
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Factor on the strain to failure over the size of the element [length]: root of \
+                  the area, cube root of the volume; constant beyond the points.",
+    },
+    number(
+        POINTS,
+        DefaultValue::Absent,
+        "Number of failed points through the thickness from which on a shell is removed, below 0 a \
+         percentage; without it all.",
+    ),
+];
+
+/// Damage of a material.
+pub struct GissmoInput {
+    failure: RampCurve,
+    critical: Critical,
+    exponent: f64,
+    fading: f64,
+    sizes: Option<RampCurve>,
+    failed_points: Option<f64>,
+}
+
+/// Start of the loss of stress.
+enum Critical {
+    /// Where F, with these strains, reaches one.
+    Strain(RampCurve),
+    /// At this damage.
+    Damage(f64),
+}
+
+/// Returns the material without its damage, and the damage; or all its problems.
+pub fn split(material: &Material) -> Result<(Material, Option<GissmoInput>), Vec<Problem>> {
+    let is_own = |key: &str| key.starts_with("gissmo_");
+    if !material.parameters.keys().any(|key| is_own(key)) {
+        return Ok((material.clone(), None));
+    }
+    let (mut own, mut rest) = (material.clone(), material.clone());
+    own.parameters.retain(|key, _| is_own(key));
+    rest.parameters.retain(|key, _| !is_own(key));
+    let mut parameters = Parameters::new(&own);
+    let strains = |points: &[f64; 2]| points[1] > 0.0;
+    let wanted = "and strains above 0";
+    let failure = ascending(&mut parameters, FAILURE, (CURVE, wanted), strains);
+    if !parameters.given(FAILURE) {
+        parameters.wrong(FAILURE, "is missing", "the other keys of damage need it");
+    }
+    let of_critical = ascending(&mut parameters, CRITICAL, (CURVE, wanted), strains);
+    let share = |d: f64| (0.0..1.0).contains(&d);
+    let damage = parameters.optional(CRITICAL_DAMAGE, "from 0 to below 1", share);
+    if of_critical.is_some() && damage.is_some() {
+        parameters.wrong(
+            CRITICAL_DAMAGE,
+            format!("is given with {CRITICAL}"),
+            "remove one of them",
+        );
+    }
+    let mut exponent = |key| parameters.optional(key, "above 0", |n| n > 0.0).unwrap_or(1.0);
+    let [exponent, fading] = [EXPONENT, FADING].map(&mut exponent);
+    let sizes = ascending(
+        &mut parameters,
+        SIZES,
+        ("[[size, factor], ...]", "sizes from 0 on and factors above 0"),
+        |point| point[0] >= 0.0 && point[1] > 0.0,
+    );
+    let count = |n: f64| n >= 1.0 && n.fract() == 0.0 || (-100.0..0.0).contains(&n);
+    let failed_points =
+        parameters.optional(POINTS, "a whole number from 1 on, or from -100 to below 0", count);
+    parameters.finish()?;
+    let ramps = |points: Vec<[f64; 2]>| RampCurve::new(&points, 1.0, Beyond::Constant);
+    let critical = match of_critical {
+        Some(points) => Critical::Strain(ramps(points)),
+        None => Critical::Damage(damage.unwrap_or(1.0)),
+    };
+    let failure = ramps(failure.unwrap_or_default());
+    let sizes = sizes.map(ramps);
+    let input = GissmoInput { failure, critical, exponent, fading, sizes, failed_points };
+    Ok((rest, Some(input)))
+}
+
+/// Returns the points of an optional curve whose abscissas ascend. Reports an error, and returns no
+/// points, if they do not, or if `fits` does not accept one.
+fn ascending(
+    parameters: &mut Parameters<'_>,
+    key: &'static str,
+    (form, wanted): (&str, &str),
+    fits: impl Fn(&[f64; 2]) -> bool,
+) -> Option<Vec<[f64; 2]>> {
+    let rows = parameters.rows::<2>(key, form)?;
+    let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0]);
+    if !(ascends && rows.iter().all(fits)) {
+        let help = format!("give {form} with increasing abscissas, {wanted}");
+        parameters.wrong(key, "is not such a curve", help);
+    }
+    Some(rows)
+}
+
+/// A law with damage.
+struct Gissmo<L: ?Sized> {
+    law: Box<L>,
+    input: GissmoInput,
+    names: Vec<&'static str>,
+    /// Number of columns of stress and of the law without damage.
+    own: usize,
+    /// Columns with those of stress: plastic strain, failure, root of damage, root of F and damage
+    /// at which it reached one, size.
+    plastic_strain: usize,
+    failed: usize,
+    root: usize,
+    forming: Option<[usize; 2]>,
+    size: Option<usize>,
+}
+
+impl<L: ?Sized> Gissmo<L> {
+    fn new(
+        material: &Material,
+        law: Box<L>,
+        input: GissmoInput,
+        (stress, mut names): (usize, Vec<&'static str>),
+    ) -> Result<Self, Vec<Problem>> {
+        let own = stress + names.len();
+        let Some(plastic_strain) = names.iter().position(|name| *name == "plastic_strain") else {
+            let what = format!("material '{}': {FAILURE} is given", material.name);
+            let message = format!("{what}, but the law has no plastic strain");
+            return Err(vec![Problem::error(FAILURE, message, "remove it")]);
+        };
+        let mut column = |name: &'static str| {
+            let found = names.iter().position(|known| *known == name);
+            stress
+                + found.unwrap_or_else(|| {
+                    names.push(name);
+                    names.len() - 1
+                })
+        };
+        let root = column("gissmo damage root");
+        let forming = matches!(input.critical, Critical::Strain(_))
+            .then(|| ["gissmo forming root", "gissmo critical damage"].map(&mut column));
+        let size = input.sizes.is_some().then(|| column(SIZE_COLUMN));
+        let failed = column("failed");
+        let plastic_strain = stress + plastic_strain;
+        Ok(Self { law, input, names, own, plastic_strain, failed, root, forming, size })
+    }
+
+    /// Returns the damage with this root.
+    #[inline(always)]
+    fn damage<R: Real>(&self, root: R) -> R {
+        let root = Real::min(root, R::splat(1.0));
+        match self.input.exponent {
+            1.0 => root,
+            n => {
+                let any = root.gt(R::zero());
+                R::select(any, root.powf_where(n, any), R::zero())
+            }
+        }
+    }
+
+    /// Returns the share of the effective stress that acts.
+    #[inline(always)]
+    fn intact<R: Real>(&self, state: &[R]) -> R {
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let critical = match (&self.input.critical, self.forming) {
+            (Critical::Damage(1.0), _) => return one,
+            (Critical::Damage(damage), _) => R::splat(*damage),
+            (Critical::Strain(_), Some([forming, critical])) => {
+                R::select(state[forming].ge(one), state[critical], one)
+            }
+            (Critical::Strain(_), None) => return one,
+        };
+        let room = one - critical;
+        let fades = room.gt(zero);
+        let beyond = (self.damage(state[self.root]) - critical) / R::select(fades, room, one);
+        let beyond = Real::min(Real::max(R::select(fades, beyond, zero), zero), one);
+        let lost = match self.input.fading {
+            1.0 => beyond,
+            m => {
+                let any = beyond.gt(zero);
+                R::select(any, beyond.powf_where(m, any), zero)
+            }
+        };
+        one - lost
+    }
+
+    /// Adds the damage of an increment of plastic strain at this effective stress (xx, yy, zz, xy,
+    /// yz, zx).
+    #[inline(always)]
+    fn accumulate<R: Real>(&self, state: &mut [R], sig: &[R; 6], plastic_strain: R) {
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let s = deviator(sig);
+        let mises = (R::splat(1.5) * inner(&s, &s)).sqrt();
+        let is_loaded = mises.gt(zero);
+        let triaxiality = R::splat(1.0 / 3.0) * trace(sig) / R::select(is_loaded, mises, one);
+        let mut limit = self.input.failure.at(triaxiality)[0];
+        if let (Some(curve), Some(size)) = (&self.input.sizes, self.size) {
+            limit = limit * curve.at(state[size])[0];
+        }
+        let (before, more) = (state[self.root], plastic_strain / limit);
+        state[self.root] = before + more;
+        if let (Critical::Strain(curve), Some([forming, critical])) =
+            (&self.input.critical, self.forming)
+        {
+            let old = state[forming];
+            let step = plastic_strain / curve.at(triaxiality)[0];
+            let new = old + step;
+            let reached = R::both(old.lt(one), new.ge(one));
+            // The part of the step before F = 1.
+            let part = (one - old) / R::select(reached, step, one);
+            let damage = self.damage(part.mul_add(more, before));
+            state[forming] = new;
+            state[critical] = R::select(reached, damage, state[critical]);
+        }
+    }
+
+    /// Updates a point by `law`, which sees the effective stress. Returns the share of it that acts
+    /// before and after.
+    #[inline(always)]
+    fn update_point<R: Real>(
+        &self,
+        stress: usize,
+        state: &mut [R],
+        law: impl FnOnce(&mut [R]),
+    ) -> [R; 2] {
+        let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
+        let alive = state[self.failed].lt(half);
+        let before = R::select(alive, self.intact(state), one);
+        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, *s / before, zero));
+        let plastic_strain = state[self.plastic_strain];
+        law(&mut state[..self.own]);
+        // A failed point keeps its plastic strain, whatever the law inside does.
+        let now = R::select(alive, state[self.plastic_strain], plastic_strain);
+        state[self.plastic_strain] = now;
+        let sig = match stress {
+            3 => [state[0], state[1], zero, state[2], zero, zero],
+            _ => std::array::from_fn(|c| state[c]),
+        };
+        self.accumulate(state, &sig, now - plastic_strain);
+        let after = self.intact(state);
+        // Round-off of the sum must not delay failure by a step.
+        let whole = R::splat(1.0 - f64::max(1e-12, 16.0 * R::EPSILON));
+        let stays = R::both(state[self.failed].lt(half), state[self.root].lt(whole));
+        let alive = R::both(alive, stays);
+        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, after * *s, zero));
+        state[self.failed] = R::select(alive, zero, one);
+        [before, after]
+    }
+}
+
+impl Gissmo<dyn PlaneStress> {
+    #[inline(always)]
+    fn shell<R: PointReal>(&self, points: Points<'_, R>, dt: f64) {
+        let states = points.state.chunks_exact_mut(3 + self.names.len());
+        for ((state, eps), through) in states.zip(points.strain).zip(points.thickness_strain) {
+            self.update_point(3, state, |state| {
+                let (strain, thickness_strain) =
+                    (std::slice::from_ref(eps), std::slice::from_mut(through));
+                R::update(&*self.law, Points { state, strain, thickness_strain }, dt);
+            });
+        }
+    }
+}
+
+impl Gissmo<dyn Solid> {
+    #[inline(always)]
+    fn solid<R: PointReal>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
+        let (state, strain) = (point.state, point.strain);
+        let mut left = R::splat(1.0);
+        let [before, after] = self.update_point(6, state, |state| {
+            left = R::update_solid(&*self.law, SolidPoint { state, strain }, dt);
+        });
+        left * (after / before)
+    }
+}
+
+/// Adds damage to a law of shells, if there is any.
+pub fn shell(
+    material: &Material,
+    law: Box<dyn PlaneStress>,
+    input: Option<GissmoInput>,
+) -> LawResult {
+    let Some(input) = input else { return Ok(law) };
+    let columns = (3, law.history().to_vec());
+    Ok(Box::new(Gissmo::new(material, law, input, columns)?))
+}
+
+/// Adds damage to a law of solids, if there is any.
+pub fn solid(
+    material: &Material,
+    law: Box<dyn Solid>,
+    input: Option<GissmoInput>,
+) -> SolidLawResult {
+    let Some(input) = input else { return Ok(law) };
+    let columns = (6, law.history().to_vec());
+    Ok(Box::new(Gissmo::new(material, law, input, columns)?))
+}
+
+impl PlaneStress for Gissmo<dyn PlaneStress> {
+    fn history(&self) -> &[&'static str] {
+        &self.names
+    }
+    fn elastic(&self) -> Elastic {
+        self.law.elastic()
+    }
+    fn initial_yield_stress(&self) -> f64 {
+        self.law.initial_yield_stress()
+    }
+    fn thins(&self) -> bool {
+        self.law.thins()
+    }
+    fn failed_points(&self, points: usize) -> usize {
+        match self.input.failed_points {
+            None => points,
+            // Round-off must not make a whole percentage of the points one more.
+            Some(n) if n < 0.0 => (-0.01 * n * points as f64 - 1e-9).ceil().max(1.0) as usize,
+            Some(n) => (n as usize).min(points),
+        }
+    }
+    fn orientation(&self, point: usize) -> Option<Orientation> {
+        self.law.orientation(point)
+    }
+    fn transverse_shear(&self, point: usize) -> Option<[f64; 2]> {
+        self.law.transverse_shear(point)
+    }
+    fn stabilising(&self) -> Elastic {
+        self.law.stabilising()
+    }
+    fn rate_dependent(&self) -> Option<&Plasticity> {
+        self.law.rate_dependent()
+    }
+    fn update(&self, points: Points<'_, Lane>, dt: f64) {
+        self.shell(points, dt);
+    }
+    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
+        self.shell(points, dt);
+    }
+    fn update_one(&self, points: Points<'_, f64>, dt: f64) {
+        self.shell(points, dt);
+    }
+}
+
+impl Solid for Gissmo<dyn Solid> {
+    fn history(&self) -> &[&'static str] {
+        &self.names
+    }
+    fn tensors(&self) -> usize {
+        self.law.tensors()
+    }
+    fn axes(&self) -> Option<MaterialAxes> {
+        self.law.axes()
+    }
+    fn elastic(&self) -> Elastic {
+        self.law.elastic()
+    }
+    fn averages_volume(&self) -> bool {
+        self.law.averages_volume()
+    }
+    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
+        self.solid(point, dt)
+    }
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32 {
+        self.solid(point, dt)
+    }
+    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
+        self.solid(point, dt)
+    }
+}
