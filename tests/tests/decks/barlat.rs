@@ -31,7 +31,7 @@ fn fields_become_parameters() {
         ("lankford_45", "0.43"),
         ("lankford_90", "0.71"),
         ("yield_stress", "0.12"),
-        ("hardening_modulus", "0.707070707070707"),
+        ("hardening_modulus", "0.7070707070707071"),
         ("direction", "[1.0, 1.0, 0.0]"),
         ("angle", ""),
     ] {

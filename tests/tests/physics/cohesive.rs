@@ -122,7 +122,7 @@ fn wrong_cohesive_elements_are_refused() {
     };
     let text = refused(job(1.0, "").replace("element = \"cohesive\"", "failed_points = 5"));
     assert!(text.contains("for cohesive elements only"), "{text}");
-    assert!(text.contains("has no volume"), "{text}");
+    assert!(text.contains("is inverted or twisted"), "{text}");
     let text = refused(job(1.0, "").replace(
         "material = \"arm\"\n[[part]]",
         "material = \"arm\"\nelement = \"cohesive\"\n[[part]]",
