@@ -102,8 +102,11 @@ fn a_written_deck_is_the_same_model() {
     for (k, material) in [MIXED, power, elastic].into_iter().enumerate() {
         let [first, second] =
             ["first", "second"].map(|name| folder.path().join(format!("{name}{k}.k")));
-        let pull = "*INITIAL_VELOCITY_GENERATION\n2,2,0,0.0,0.0,1.0\n";
-        fs::write(&first, format!("{}{pull}*END\n", bonded("19", material))).unwrap();
+        // The upper cube lifts off.
+        let nodes = (21..29).map(|node| format!("{node},0,0,1.0\n")).collect::<String>();
+        let lift = format!("*INITIAL_VELOCITY_NODE\n{nodes}");
+        let text = bonded("19", material).replace(MOVES, "");
+        fs::write(&first, format!("{text}{lift}*END\n")).unwrap();
         let digest = |path: &std::path::Path| {
             let deck = path.to_str().unwrap();
             let sets = ["--set", "time.max_cycles=200", "--set", "output.field_interval=-1"];

@@ -60,6 +60,21 @@ fn fields_become_parameters() {
     assert!(none.mapping.iter().any(|entry| entry.asked == "numfip 3"));
 }
 
+/// In a file with an offset of curves the negative id of the critical curve moves too.
+#[test]
+fn ids_of_curves_have_the_offset_of_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, own) = (folder.path().join("deck.k"), folder.path().join("own.k"));
+    let card = "*MAT_ADD_DAMAGE_GISSMO\n1,,1,,2\n31,-32,2.0,,1.5,33\n";
+    fs::write(&own, format!("*KEYWORD\n{METAL}{card}{CURVES}*END\n")).unwrap();
+    // Another curve has the id without the offset.
+    let other = "*DEFINE_CURVE\n32\n0.0,7.0\n1.0,8.0\n";
+    let include = "*INCLUDE_TRANSFORM\nown.k\n0,0,0,0,0,500\n";
+    fs::write(&path, format!("{BASE}{MOVES}{other}{include}\n\n\n*END\n")).unwrap();
+    let model = crumple::input::job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(parameter(&model, "gissmo_critical_strain"), "[[0.0, 0.2], [0.66, 0.1]]");
+}
+
 #[test]
 fn what_is_not_supported_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -110,12 +125,12 @@ fn a_torn_plate_has_one_digest() {
     let [first, second] = ["first.k", "second.k"].map(|name| folder.path().join(name));
     let card = "*MAT_ADD_DAMAGE_GISSMO\n1,,1,,2\n31,-32,2.0,,1.5,33\n";
     let pull = "*SET_NODE_LIST\n1\n13,16\n*BOUNDARY_PRESCRIBED_MOTION_SET\n1,1,0,7\n\
-                *DEFINE_CURVE\n7\n0,30\n10,30\n*BOUNDARY_SPC_NODE\n11,0,1,1,1,1,1,1\n\
+                *DEFINE_CURVE\n7\n0,0\n0.2,30\n10,30\n*BOUNDARY_SPC_NODE\n11,0,1,1,1,1,1,1\n\
                 14,0,1,1,1,1,1,1\n";
-    fs::write(&first, format!("{}{pull}*END\n", deck(card))).unwrap();
+    fs::write(&first, format!("{}{pull}*END\n", deck(card).replace(MOVES, ""))).unwrap();
     let ended = |path: &std::path::Path, workers: &str| {
         let deck = path.to_str().unwrap();
-        let quiet = ["--set", "output.field_interval=-1", "--set", "time.end_time=0.4"];
+        let quiet = ["--set", "output.field_interval=-1", "--set", "end_time=0.7"];
         let run_of = [&["run", deck, "--workers", workers][..], &quiet[..]].concat();
         run(crumple_with(&run_of)).with_code(0)
     };

@@ -212,6 +212,17 @@ impl Submodel {
         }
     }
 
+    /// Changes the ids of curves that fields give as negative numbers.
+    fn negative_curves(&self, record: &mut CardRecord, fields: &[&str]) {
+        for field in fields {
+            let given = record.real(field);
+            if given < 0.0 {
+                let curve = self.id(OffsetKind::Function, -given as i64);
+                record.put(field, -(curve as f64));
+            }
+        }
+    }
+
     /// Changes fields that depend on several others.
     fn special(&self, record: &mut CardRecord, trouble: &mut Trouble) {
         match record.row.keyword.name {
@@ -234,15 +245,9 @@ impl Submodel {
                 trouble.warning(record.place("parm"), message, help);
             }
             "SET_SEGMENT" | "LOAD_SEGMENT" if self.map.reflects() => reverse_faces(record),
-            name if name.starts_with("AIRBAG_") => {
-                // A negative number is the id of a curve.
-                for field in ["cn", "area"] {
-                    let given = record.real(field);
-                    if given < 0.0 {
-                        let curve = self.id(OffsetKind::Function, -given as i64);
-                        record.put(field, -(curve as f64));
-                    }
-                }
+            name if name.starts_with("AIRBAG_") => self.negative_curves(record, &["cn", "area"]),
+            "MAT_ADD_DAMAGE_GISSMO" | "MAT_ADD_EROSION" => {
+                self.negative_curves(record, &["ecrit"]);
             }
             "PART" if record.line("ixx").is_some() => self.inertia(record),
             "INITIAL_VELOCITY_GENERATION" if record.real("nx") == -999.0 => {
