@@ -207,6 +207,9 @@ pub struct JobOptions {
     /// it.
     #[arg(long)]
     pub allow_unsupported: bool,
+    /// Case of a deck that has several (*CASE).
+    #[arg(long, value_name = "N")]
+    pub case: Option<u64>,
     /// Refuse to read files of the job outside this folder: meshes, decks and what they include.
     #[arg(long, value_name = "DIR")]
     pub within: Option<PathBuf>,
@@ -550,7 +553,8 @@ impl JobOptions {
     /// Returns all `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
         let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());
-        self.set.iter().cloned().chain(allowed).collect()
+        let case = self.case.map(|case| format!("mesh.case={case}"));
+        self.set.iter().cloned().chain(allowed).chain(case).collect()
     }
 
     /// Returns all `key=value`, in order, with the time at which the run ends as the last.

@@ -14,7 +14,7 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 /// Version of the format of manifests and files. It changes with every change of their content.
-pub const FORMAT: u32 = 9;
+pub const FORMAT: u32 = 10;
 /// Largest count in a checkpoint, such as a number of cycles. A larger one was not counted but is
 /// wrong, and could overflow.
 pub const MOST: u64 = 1 << 53;

@@ -37,7 +37,7 @@ pub use spring::{
     ElastoplasticSpring, HysteresisSpring, MaxwellSpring, OneSidedSpring, SpringHardening,
     SpringInput, SpringSide,
 };
-pub use tie::TieInput;
+pub use tie::{TieFailureInput, TieInput, TieLimits};
 pub use truss::TrussInput;
 pub use wall::WallInput;
 
@@ -188,6 +188,9 @@ pub struct MeshSource {
     /// Keywords of the deck that are not read, such as `DEFORMABLE_TO_RIGID`.
     #[serde(default)]
     pub leave_out: Vec<String>,
+    /// Case of the deck that is read (`*CASE`, `*CASE_BEGIN_n`); needed if it has several.
+    #[serde(default)]
+    pub case: Option<u64>,
     /// Ignore unsupported content of the deck or the mesh file. Without it, unsupported content is
     /// an error.
     #[serde(default)]

@@ -25,6 +25,22 @@ pub struct Tie {
     /// True if the arm has the mean rotation of the positions of the masters, and moments act on
     /// them as forces. Otherwise the arm has the mean of their rotations.
     pub mean: bool,
+    /// Limits at which the slave is released, if it can come off its face.
+    pub failure: Option<TieStrength>,
+}
+
+/// Limits of the force between a slave and its face, and the face.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TieStrength {
+    /// Tension and shear at which the slave is released without the other; infinite without a
+    /// limit [force].
+    pub limits: [f64; 2],
+    /// Their exponents.
+    pub exponents: [f64; 2],
+    /// Distance over which the force falls to zero after the failure [length].
+    pub opening: f64,
+    /// Corners of the face, in an order that turns its normal towards the slave.
+    pub corners: [NodeId; 4],
 }
 
 impl Tie {

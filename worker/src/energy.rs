@@ -24,27 +24,27 @@ pub struct Ledger {
     pub wall: WorkSum,
     /// Work of loads, damping and prescribed motion.
     pub external: WorkSum,
-    /// Work of joints on rigid bodies: minus what they store and absorb.
-    pub joints: WorkSum,
+    /// Work of joints on rigid bodies and of bonds on nodes: minus what they store and absorb.
+    pub links: WorkSum,
 }
 
 impl Ledger {
     /// Adds the ledger of another worker.
     pub fn add(&mut self, o: &Self) {
-        let Self { contact: ContactWork { total, friction, starting }, wall, external, joints } = o;
+        let Self { contact: ContactWork { total, friction, starting }, wall, external, links } = o;
         self.contact.total.merge(total);
         self.contact.friction.merge(friction);
         self.contact.starting.merge(starting);
         self.wall.merge(wall);
         self.external.merge(external);
-        self.joints.merge(joints);
+        self.links.merge(links);
     }
 
     /// Begins a step, before its first work is added.
     pub fn begin_step(&mut self, cycle: u64) {
-        let Self { contact: ContactWork { total, friction, starting }, wall, external, joints } =
+        let Self { contact: ContactWork { total, friction, starting }, wall, external, links } =
             self;
-        for sum in [total, friction, starting, wall, external, joints] {
+        for sum in [total, friction, starting, wall, external, links] {
             sum.begin_step(cycle.is_multiple_of(CARRY_EVERY));
         }
     }
@@ -61,7 +61,7 @@ impl Ledger {
         let of_elements =
             |kind: usize| -> ExactSum { blocks.energies().map(|(_, e)| e[kind]).collect() };
         let mut internal = of_elements(0);
-        internal.remove(&self.joints.at_present());
+        internal.remove(&self.links.at_present());
         Energies {
             kinetic,
             swing,

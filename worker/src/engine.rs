@@ -10,7 +10,7 @@ use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum_sums};
-use crate::erosion::erode;
+use crate::erosion::{EVERY, erode};
 use crate::fem::blocks::Blocks;
 use crate::fem::particles::Particles;
 use crate::histories::{Histories, HistoryState};
@@ -239,6 +239,22 @@ impl Engine {
         } else {
             self.update_surface(comm, &failures)
         }
+    }
+
+    /// Releases the slaves of ties that have broken, in some cycles. All workers call this
+    /// together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn release_broken_ties(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let due = self.clock.cycle.is_multiple_of(EVERY) && self.constraints.ties.has_broken();
+        if !due {
+            return Ok(());
+        }
+        let cycle = self.clock.cycle;
+        let _span = tracing::debug_span!("redecomposition", kind = "ties", cycle).entered();
+        self.constraints.release_broken(comm, &mut self.nodes, self.clock.dt)?;
+        self.renew(comm, self.tree.clone())
     }
 
     /// Updates the contact surface after failures; elements and boxes stay.

@@ -324,6 +324,11 @@ impl Loads {
         }
     }
 
+    /// Returns the acceleration of gravity in this step [length/time^2].
+    pub fn gravity(&self) -> Row {
+        if self.gravity.is_empty() { [0.0; 4] } else { self.falling }
+    }
+
     /// Damps the velocities without contact; contact forces act on velocities by
     /// [`StepSizes::dt_damped`]. With the damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b
     /// = a mid / 2` (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).

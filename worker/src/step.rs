@@ -73,6 +73,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     if cycle.agreed.eroded {
         engine.erode(comm)?; // new surfaces without failed elements
     }
+    engine.release_broken_ties(comm)?;
     engine.switch_bodies(comm)?;
     Ok(cycle.agreed)
 }
@@ -332,12 +333,13 @@ fn enforce_contact(
 ///
 /// [`Constraints`]: crate::constraints::Constraints
 fn react(engine: &mut Engine, comm: &mut dyn Transport, cycle: &mut Cycle) -> Result<(), RankLost> {
-    let Engine { clock, nodes, contact, constraints, ledger, .. } = engine;
+    let Engine { clock, nodes, contact, constraints, ledger, loads, .. } = engine;
     ledger.begin_step(clock.cycle);
     if clock.cycle.is_multiple_of(CARRY_EVERY) {
         constraints.walls.carry();
     }
-    constraints.react(comm, nodes, contact.as_ref(), (clock.time, cycle.steps), ledger)
+    constraints.react(comm, nodes, contact.as_ref(), (clock.time, cycle.steps), ledger)?;
+    constraints.find_broken(comm, nodes, contact.as_ref(), (cycle.steps, loads.gravity()))
 }
 
 /// Adds the work of the step to the ledger. The velocities at its end are final here.

@@ -57,4 +57,50 @@ pub struct TieInput {
     /// force on a node acts on the face with its moment.
     #[serde(default)]
     pub offset: bool,
+    /// Limits at which nodes tied to a surface come off; then they are in contact as all others.
+    #[serde(default)]
+    pub failure: Option<TieFailureInput>,
+}
+
+/// Failure of tied nodes. A node comes off its face when `(N/normal)^n + (S/shear)^m >= 1`, with
+/// the tension N perpendicular to the face and the shear S along it that its tie transmits;
+/// compression does not count. With a limit of 0 its term is left out.
+///
+/// Damage over `opening` follows: the force between node and face, which at first is that of the
+/// failure, falls linearly with the distance that they part. Until then it draws them back along
+/// a secant; it never pushes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TieFailureInput {
+    /// Kind of the limits: `force` on each node, or `stress` [force/length^2], the force over the
+    /// node's share of the tied faces at the start.
+    #[serde(default)]
+    pub limits: TieLimits,
+    /// Limit of the tension [force], or [force/length^2] with `stress`.
+    #[serde(default)]
+    pub normal: f64,
+    /// Limit of the shear [force], or [force/length^2] with `stress`.
+    #[serde(default)]
+    pub shear: f64,
+    /// Exponents n and m; default 2 and 2.
+    #[serde(default = "squares")]
+    pub exponents: [f64; 2],
+    /// Distance over which the force falls to zero after the failure [length]; 0 for at once.
+    #[serde(default)]
+    pub opening: f64,
+}
+
+fn squares() -> [f64; 2] {
+    [2.0; 2]
+}
+
+/// Meaning of the limits of a tie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TieLimits {
+    /// Force on each node.
+    #[default]
+    Force,
+    /// Force over area.
+    Stress,
 }

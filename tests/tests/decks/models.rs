@@ -520,6 +520,13 @@ fn a_second_value_of_a_parameter_is_noticed() {
     let last = twice("*PARAMETER_DUPLICATION\n2\n").unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(last.job.end_time, 5.0);
     assert!(twice("*PARAMETER_DUPLICATION\n3\n").is_err());
+    for (flag, end) in [(5, 4.0), (4, 5.0)] {
+        let silent = twice(&format!("*PARAMETER_DUPLICATION\n{flag}\n")).unwrap();
+        assert_eq!(silent.job.end_time, end, "{flag}");
+        assert!(!silent.warnings.iter().any(|w| w.message.contains("two values")), "{flag}");
+    }
+    let wrong = twice("*PARAMETER_DUPLICATION\n7\n").err().unwrap_or_default();
+    assert!(wrong.contains("dflag is 7"), "{wrong}");
 }
 
 /// The inertia card of a rigid part sets mass, inertia and motion of its body; another centre of

@@ -1,12 +1,12 @@
 //! Constraints on velocities: prescribed motion, rigid bodies, rigid walls and ties, and the order
-//! in which they act.
+//! in which they act; and the bonds that ties leave when they fail.
 //!
-//! [`Constraints`] owns all four. Every method calls them in the order of their precedence in that
-//! stage of the step; where two constraints act on one node, the later one decides:
+//! [`Constraints`] owns all of them. Every method calls them in the order of their precedence in
+//! that stage of the step; where two constraints act on one node, the later one decides:
 //!
 //! | stage | order |
 //! |---|---|
-//! | forces | ties: forces on slaves go to their masters |
+//! | forces | forces of bonds; ties: forces on slaves go to their masters |
 //! | velocities without contact | prescribed motion, bodies, joints, motion of walls, tied slaves |
 //! | during contact | walls stop single nodes; rigid bodies and joints carry their members |
 //! | after contact | masters of ties, walls, rigid bodies, joints, tied slaves |
@@ -14,6 +14,7 @@
 //!
 //! After contact, masters have the contact forces of their slaves before they reach a wall.
 
+pub mod bonds;
 pub mod prescribed;
 pub mod rigid;
 mod state;
@@ -27,6 +28,7 @@ use crate::math::row::Row;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crate::work::WorkSum;
+use bonds::Bonds;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
 use crumple_proto::transport::{RankLost, Transport};
@@ -47,6 +49,8 @@ pub struct Constraints {
     pub walls: Walls,
     /// Tied nodes.
     pub ties: Ties,
+    /// Bonds of ties that have failed.
+    pub bonds: Bonds,
     /// Touched nodes with their velocities after contact and before walls [length/time].
     before_walls: Vec<(u32, Row)>,
 }
@@ -78,6 +82,7 @@ impl Constraints {
             bodies: Bodies::new(comm, settings, nodes)?,
             walls: Walls::new(&settings.walls, &settings.loads.curves),
             ties,
+            bonds: Bonds::default(),
             before_walls: Vec::new(),
         })
     }
@@ -109,7 +114,38 @@ impl Constraints {
         failed: &[ElemId],
         nodes: &mut Nodes,
     ) -> Result<bool, RankLost> {
+        self.bonds.remove_failed(comm, failed)?;
         self.ties.release_failed(comm, failed, nodes)
+    }
+
+    /// Finds the ties that the forces of this step break, with the acceleration of gravity.
+    /// Velocities at the end of the step must be known. Collective if ties can fail.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn find_broken(
+        &mut self,
+        comm: &mut dyn Transport,
+        nodes: &Nodes,
+        contact: Option<&Contact>,
+        now: (StepSizes, Row),
+    ) -> Result<(), RankLost> {
+        self.ties.find_broken(comm, nodes, contact, now)
+    }
+
+    /// Releases the slaves of ties that have broken, and adds their bonds. The local mesh must be
+    /// built again then. Collective.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn release_broken(
+        &mut self,
+        comm: &mut dyn Transport,
+        nodes: &mut Nodes,
+        dt: f64,
+    ) -> Result<(), RankLost> {
+        let released = self.ties.release_broken(nodes);
+        self.bonds.add(comm, released, nodes, dt)
     }
 
     /// Constrains and frees nodes whose motions begin or have ended, before any acceleration.
@@ -126,6 +162,7 @@ impl Constraints {
         comm: &mut dyn Transport,
         nodes: &mut Nodes,
     ) -> Result<(), RankLost> {
+        self.bonds.add_forces(comm, nodes)?;
         self.ties.distribute_forces(comm, nodes)
     }
 
@@ -181,6 +218,9 @@ impl Constraints {
         }
         self.bodies.finish(nodes, &mut self.walls, time, steps, ledger);
         self.ties.update_slave_velocities(comm, nodes, steps.dt)?;
+        if !self.bonds.is_empty() {
+            self.bonds.add_work(nodes, steps, &mut ledger.links);
+        }
         if nodes.me == 0 {
             ledger.wall.add(self.walls.work_on_masses()); // all workers know it: count it once
         }

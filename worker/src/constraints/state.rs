@@ -1,7 +1,8 @@
-//! State of all constraints for a checkpoint. Every worker has all rigid bodies, walls and ties
-//! with the same values, so it is stored once.
+//! State of all constraints for a checkpoint. Every worker has all rigid bodies, walls, ties and
+//! bonds with the same values, so it is stored once.
 
 use super::Constraints;
+use super::bonds::Bonds;
 use super::prescribed::Prescribed;
 use super::rigid::Bodies;
 use super::ties::Ties;
@@ -16,6 +17,7 @@ pub struct ConstraintState {
     bodies: Bodies,
     walls: Vec<WallState>,
     ties: Ties,
+    bonds: Bonds,
 }
 
 /// State of all constraints, as it is written.
@@ -24,6 +26,7 @@ pub struct ConstraintStateView<'a> {
     bodies: &'a Bodies,
     walls: Vec<WallState>,
     ties: &'a Ties,
+    bonds: &'a Bonds,
 }
 
 impl ConstraintState {
@@ -41,7 +44,8 @@ impl ConstraintState {
             return Err(format!("rigid wall {wall} differs from that of the job"));
         }
         self.bodies.validate(settings)?;
-        self.ties.validate(&settings.ties)
+        self.ties.validate(&settings.ties)?;
+        self.bonds.validate(&settings.ties)
     }
 }
 
@@ -62,8 +66,8 @@ impl Constraints {
     /// [`Walls::impulses`], are sums of one worker and not part of it.
     pub fn state(&self) -> ConstraintStateView<'_> {
         // Prescribed motions are functions of time; `before_walls` belongs to one step.
-        let Self { prescribed: _, bodies, walls, ties, before_walls: _ } = self;
-        ConstraintStateView { bodies, walls: walls.state(), ties }
+        let Self { prescribed: _, bodies, walls, ties, bonds, before_walls: _ } = self;
+        ConstraintStateView { bodies, walls: walls.state(), ties, bonds }
     }
 
     /// Builds the constraints of a run that continues from a state.
@@ -78,6 +82,7 @@ impl Constraints {
             bodies,
             walls,
             ties: state.ties,
+            bonds: state.bonds,
             before_walls: Vec::new(),
         }
     }

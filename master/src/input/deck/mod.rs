@@ -1,6 +1,7 @@
 //! Keyword decks of LS-DYNA and Radioss: reading, and conversion to a job.
 //!
-//! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `fields.rs`, `number.rs`: fields of a line
+//! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `cases.rs`: the blocks of one case;
+//!    `fields.rs`, `number.rs`: fields of a line
 //! 2. `table.rs`, `keywords`: the table of keywords and their cards; `record.rs` reads cards by
 //!    it; `parameters.rs`, `expression.rs`: `&name`; `submodel.rs`, `roles.rs`, `affine.rs`:
 //!    included files with other ids, units or position
@@ -11,6 +12,7 @@
 //! The reader of cards does not know models. No input may cause a panic here.
 
 mod affine;
+mod cases;
 mod convert;
 mod diagnostics;
 pub mod export;
@@ -97,14 +99,27 @@ pub fn is_deck(path: &Path) -> bool {
     matches!(extension.as_str(), "k" | "key" | "dyn" | "rad")
 }
 
-/// Reads a deck without the keywords in `leave_out`. Unsupported content is ignored if that is
-/// allowed, otherwise it is an error.
-pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck {
+/// Choice of the content of a deck that is read.
+#[derive(Clone, Debug, Default)]
+pub struct DeckChoice {
+    /// Keywords that are not read.
+    pub leave_out: Vec<String>,
+    /// Ignore unsupported content; otherwise it is an error.
+    pub allow_unsupported: bool,
+    /// The case that is read, if there are several.
+    pub case: Option<u64>,
+}
+
+/// Reads a deck.
+pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
+    let DeckChoice { leave_out, allow_unsupported, case } = choice;
     let mut trouble = Trouble::default();
     let (mut texts, tree, mut built) = match sniff::format(path, &mut trouble) {
         DeckFormat::LsDyna => {
-            let texts = text::Texts::read(path, &mut trouble);
-            let (tree, built) = convert::build(&texts, leave_out, trouble);
+            let mut texts = text::Texts::read(path, &mut trouble);
+            let chosen = cases::select(&mut texts, *case, &mut trouble);
+            let (tree, mut built) = convert::build(&texts, leave_out, trouble);
+            built.mapping.splice(0..0, chosen);
             (texts, tree, built)
         }
         DeckFormat::Radioss => {
@@ -115,7 +130,7 @@ pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck 
     };
     let unsupported = report_unsupported(
         std::mem::take(&mut built.unsupported),
-        allow_unsupported,
+        *allow_unsupported,
         &texts.files,
         &mut built.trouble,
     );
@@ -156,7 +171,7 @@ pub struct DeckMesh {
 /// # Errors
 /// All problems of the deck, with file and line in their texts.
 pub fn mesh_of(path: &Path, allow_unsupported: bool) -> Result<DeckMesh, Vec<Problem>> {
-    let deck = read(path, &[], allow_unsupported);
+    let deck = read(path, &DeckChoice { allow_unsupported, ..DeckChoice::default() });
     let errors: Vec<Problem> = deck
         .findings
         .iter()

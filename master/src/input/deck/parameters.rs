@@ -35,8 +35,12 @@ enum Duplicates {
     /// The first value stays, with a warning.
     #[default]
     KeepFirst,
+    /// The first value stays.
+    KeepSilently,
     /// The second value is taken, with a warning.
     TakeLast,
+    /// The second value is taken.
+    TakeSilently,
     /// It is an error.
     Refuse,
 }
@@ -70,16 +74,24 @@ impl DeckParameters {
     }
 
     /// Reads the card of `*PARAMETER_DUPLICATION`: 1 and 5 keep the first value, 2 and 4 take the
-    /// last one, 3 refuses a second one.
-    pub fn read_duplication(&mut self, block: &KeywordBlock, texts: &Texts) {
+    /// last one, 3 refuses a second one; 4 and 5 without a warning.
+    pub fn read_duplication(&mut self, block: &KeywordBlock, texts: &Texts, trouble: &mut Trouble) {
         let Some(&span) = block.lines.first() else { return };
         let line = String::from_utf8_lossy(texts.line(block, span)).into_owned();
         let first = line.split(',').next().unwrap_or_default();
         let flag: String = first.chars().take(10).collect();
-        self.duplicates = match number::integer(flag.trim().as_bytes()) {
-            Some(2 | 4) => Duplicates::TakeLast,
-            Some(3) => Duplicates::Refuse,
-            _ => Duplicates::KeepFirst,
+        self.duplicates = match (flag.trim(), number::integer(flag.trim().as_bytes())) {
+            ("", _) | (_, Some(0 | 1)) => Duplicates::KeepFirst,
+            (_, Some(2)) => Duplicates::TakeLast,
+            (_, Some(3)) => Duplicates::Refuse,
+            (_, Some(4)) => Duplicates::TakeSilently,
+            (_, Some(5)) => Duplicates::KeepSilently,
+            (flag, _) => {
+                let message = format!("*PARAMETER_DUPLICATION: dflag is {flag}");
+                let help = "give 1 or 5 (the first value holds), 2 or 4 (the last one), or 3 (an \
+                            error)";
+                return trouble.error(block.place(), message, help);
+            }
         };
     }
 
@@ -182,6 +194,8 @@ impl DeckParameters {
                     let help = "the first one holds; *PARAMETER_DUPLICATION with 2 takes the last";
                     return trouble.warning(place, message, help);
                 }
+                Duplicates::KeepSilently => return,
+                Duplicates::TakeSilently => {}
                 Duplicates::TakeLast => {
                     trouble.warning(place, message, "the last one holds from here on");
                 }

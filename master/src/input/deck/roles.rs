@@ -78,6 +78,8 @@ fn dimension(letter: &str) -> Option<UnitPowers> {
         "p" => [1, -1, -2],
         "f" => [1, 1, -2],
         "q" => [1, 2, -2],
+        // Stress per length.
+        "n" => [1, -2, -2],
         // Force per length and per velocity.
         "k" => [1, 0, -2],
         "c" => [1, 0, -1],
@@ -297,7 +299,9 @@ const ROLES: &[(&str, &str)] = &[
     (
         "CONTACT_*",
         "cid=#r surfa=1 surfb=1 surfatyp=1 surfbtyp=1 fs=1 fd=1 dc=1/v vc=p vdc=1 penchk=1 bt=t \
-         dt=t sfsa=1 sfsb=1 sast=l sbst=l sfsat=1 sfsbt=1 fsf=1 vsf=1 tiedid=1 region=1 sldthk=l",
+         dt=t sfsa=1 sfsb=1 sast=l sbst=l sfsat=1 sfsbt=1 fsf=1 vsf=1 tiedid=1 region=1 sldthk=l \
+         nflf=f sflf=f nen=1 mes=1 nfls=p sfls=p tblcid=#f:l:p thkoff=1 option=1 param=l eraten=k \
+         erates=k ct2cn=1 cn=n",
     ),
     (
         "RIGIDWALL_*",

@@ -229,12 +229,17 @@ fn under_deck(
         Some(tree::NodeContent::Array(items)) => items.iter().filter_map(words).collect(),
         _ => Vec::new(),
     };
-    let allowed = matches!(
+    let allow_unsupported = matches!(
         mesh.get("allow_unsupported").map(|n| &n.kind),
         Some(tree::NodeContent::Boolean(true))
     );
+    let case = match mesh.get("case").map(|n| &n.kind) {
+        Some(tree::NodeContent::Integer(case)) => u64::try_from(*case).ok(),
+        _ => None,
+    };
     let file = path.parent().unwrap_or(Path::new("")).join(name);
-    let mut deck = deck::read(&file, &leave_out, allowed);
+    let choice = deck::DeckChoice { leave_out, allow_unsupported, case };
+    let mut deck = deck::read(&file, &choice);
     contact::from_list(&mut sources.job.tree);
     let own = std::mem::replace(&mut sources.job.tree, Node::table(tree::Place::Whole));
     let from_deck = std::mem::replace(&mut deck.tree, Node::table(tree::Place::Whole));

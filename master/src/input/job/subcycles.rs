@@ -10,11 +10,11 @@ use super::state::ElementStart;
 use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Time;
-use crumple_proto::mesh::{MAX_CORNERS, Mesh, Shape};
+use crumple_proto::mesh::{MAX_CORNERS, Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Relative round-off by which a stable step may be below the outer step.
 const SLACK: f64 = 1e-9;
@@ -72,11 +72,20 @@ impl Neighbours {
         let bodies = settings.rigid.iter().map(|body| places(&mut body.nodes.iter().copied()));
         let touching = settings.contact.as_ref().filter(|_| !time.subcycle_contact);
         let touches = |part: u32| touching.is_some_and(|c| c.takes_part(part));
+        // The force of a tie that can fail is that of one cycle.
+        let breakable = settings.ties.iter().filter(|tie| tie.failure.is_some());
+        let held: HashSet<NodeId> =
+            breakable.flat_map(|tie| tie.masters.iter().map(|m| m.0).chain([tie.node])).collect();
+        let is_kept = |e: &MeshElement| {
+            touches(e.part)
+                || e.shape == Shape::Tet4
+                || !held.is_empty() && e.corners().iter().any(|n| held.contains(n))
+        };
         Self {
             elements: mesh.elements.iter().map(|e| e.nodes.map(|n| place[&n])).collect(),
             joined: settings.ties.iter().map(tied).chain(bodies).collect(),
             nodes: mesh.nodes.len(),
-            kept: mesh.elements.iter().map(|e| touches(e.part) || e.shape == Shape::Tet4).collect(),
+            kept: mesh.elements.iter().map(is_kept).collect(),
         }
     }
 

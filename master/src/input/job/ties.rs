@@ -1,6 +1,7 @@
 //! Ties of a job: search for the face of each tied node, checks, and conversion to numbers and
 //! ids.
 
+mod failure;
 pub mod mean;
 mod surface;
 
@@ -106,6 +107,8 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Resolv
         let help = "remove it from one of the sets";
         findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
     }
+    let direct: Vec<Tie> = projected.iter().map(|s| s.tie.clone()).collect();
+    failure::refuse_chains(&direct, findings);
     let mut given = BTreeMap::new();
     for s in &projected {
         let node = &mut mesh.nodes[s.node];
@@ -173,6 +176,7 @@ fn tied_nodes(
     let path = |key: &str| format!("tie.{entry}.{key}");
     let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
     check_entry(job, spec, path, findings);
+    failure::check(spec, path, findings);
     if let Some(node) = spec.node {
         let carrier = sets.labelled(node).unwrap_or(NodeId(node));
         return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
@@ -190,6 +194,7 @@ fn tied_nodes(
     }
     let tied = |(&node, foot): (&usize, Option<Foot>)| Some(surface.tied(entry, node, &foot?));
     let mut projected: Vec<Projected> = nodes.iter().zip(found).filter_map(tied).collect();
+    surface.scale_limits(entry, &mut projected, findings);
     if job.contact.is_some() {
         surface.face_back(&mut projected, thickest);
     }
@@ -262,6 +267,7 @@ fn to_node(
             rotations: spec.rotations,
             offset: false,
             mean: false,
+            failure: None,
         },
         entry,
         node,
@@ -451,6 +457,10 @@ pub fn join(
     });
     let help = "remove them from the tie's nodes, or from [[fix]], [[symmetry]] and [[motion]]";
     list(held, "have another constraint or motion", help);
+    let breaking =
+        nodes(&|t| t.failure.is_some() && t.masters.iter().any(|c| body_of.contains_key(&c.0)));
+    let help = "tie the nodes of the body to the other side, or remove `failure`";
+    list(breaking, "can fail and are on faces of rigid bodies, whose members they become", help);
     let body = |t: &Tie| {
         let mut all = t.masters.iter().map(|c| body_of.get(&c.0).copied());
         let first = all.next().flatten();

@@ -1,6 +1,7 @@
 //! Nodes tied to surfaces. Units mm, ms, kg.
 
 mod contact;
+mod failure;
 mod jobs;
 mod mean;
 mod motion;

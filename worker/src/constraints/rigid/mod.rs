@@ -452,7 +452,7 @@ impl Bodies {
             for (body, (impulse, angular)) in self.bodies.iter().zip(&of_joints) {
                 // As for walls, damping takes a part of forces.
                 let felt = body.work(impulse, angular);
-                ledger.joints.add(felt * given);
+                ledger.links.add(felt * given);
                 ledger.external.add(felt * (1.0 - given));
             }
         }

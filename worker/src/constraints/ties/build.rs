@@ -29,6 +29,8 @@ impl Ties {
         let slaves = of_owners(comm, nodes, &tied)?;
         all.slave_masses = slaves.iter().map(|s| [s.mass, s.inertia]).collect();
         let mut masters = of_owners(comm, nodes, &all.masters)?;
+        let own: Vec<f64> = masters.iter().map(|m| m.mass).collect();
+        all.breakable = all.breakable_of(&own);
         let arms = all.arms_of(&slaves, &masters);
         all.added_inertia = all.inertia_of_slaves(&arms);
         all.share_momentum(&slaves, &arms, &mut masters);
@@ -41,6 +43,7 @@ impl Ties {
     fn of_jobs(jobs: Vec<Tie>, rotations: bool) -> Self {
         let mut masters: Vec<NodeId> =
             jobs.iter().flat_map(|t| t.masters.iter().map(|c| c.0)).collect();
+        masters.extend(jobs.iter().flat_map(|t| &t.failure).flat_map(|f| f.corners));
         masters.sort_unstable();
         masters.dedup();
         let number = |id: NodeId| masters.partition_point(|&c| c < id) as u32;

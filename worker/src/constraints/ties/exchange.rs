@@ -57,10 +57,12 @@ impl Ties {
         // Forces on a slave that follows a mean motion depend on the positions of all masters.
         let of_means = self.force_sources.iter().filter(|&&t| self.definitions[t as usize].mean);
         let needed = self.local_slaves.iter().chain(of_means);
-        let followed = needed.flat_map(|&t| &self.shares[t as usize]);
+        let followed = needed.flat_map(|&t| self.shares[t as usize].iter().map(|s| s.0));
+        let of_faces = self.local_slaves.iter().filter_map(|&t| *self.breakable.get(t as usize)?);
         let mut carriers: Vec<u64> = followed
-            .filter(|s| !is_held(self.master_index[s.0 as usize]))
-            .map(|s| u64::from(s.0))
+            .chain(of_faces.flat_map(|breakable| breakable.corners))
+            .filter(|&c| !is_held(self.master_index[c as usize]))
+            .map(u64::from)
             .collect();
         carriers.sort_unstable();
         carriers.dedup();

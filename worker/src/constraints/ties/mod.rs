@@ -17,8 +17,9 @@
 //! A slave can also follow the mean motion of any set of masters, see `mean.rs`.
 //!
 //! If a slave starts with another velocity than its masters, the difference acts on them as an
-//! impulse, so that the momentum of the mesh is conserved. When the element of its face fails,
-//! the slave is released. It takes back its mass, and the momentum of this mass at the face.
+//! impulse, so that the momentum of the mesh is conserved. When the element of its face fails, or
+//! the tie itself, see `failure.rs`, the slave is released. It takes back its mass, and the
+//! momentum of this mass at the face.
 //!
 //! Contact uses the original mass of a slave, which is less than the mass of its masters.
 //! Contact forces of one step are therefore too small rather than too large. They are added to
@@ -29,7 +30,8 @@
 //! of a slave, so that all workers compute the same bits.
 
 mod build;
-mod exchange;
+pub(super) mod exchange;
+pub(super) mod failure;
 mod mean;
 pub mod project;
 
@@ -41,6 +43,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::tie::Tie;
 use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
 use exchange::{Link, PackedNode, receive, send};
+use failure::{Breakable, BrokenTies};
 use mean::MeanRotation;
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
@@ -68,7 +71,11 @@ pub struct Ties {
     /// Original mass and inertia of each slave, and the inertia that it adds to its masters.
     slave_masses: Vec<[f64; 2]>,
     added_inertia: Vec<f64>,
-    /// All masters, ascending.
+    /// For each tie what it has if it can fail; empty if none can.
+    breakable: Vec<Option<Breakable>>,
+    /// Ties that have broken and are not released yet.
+    broken: BrokenTies,
+    /// All masters and corners of faces of ties that can fail, ascending.
     masters: Vec<NodeId>,
     /// Masters of each tie by number, with their weights.
     shares: Vec<Vec<(u32, f64)>>,
@@ -123,7 +130,14 @@ impl Ties {
         let is_of = |(shares, tie): (&Vec<(u32, f64)>, &Tie)| {
             shares.len() == tie.masters.len() && shares.iter().zip(&tie.masters).all(is_share)
         };
-        let are_complete = of_ties.iter().chain([&self.slave_loads.len()]).all(|&n| n == ties)
+        let is_face = |b: &Option<Breakable>| {
+            b.is_none_or(|b| b.corners.iter().all(|&c| (c as usize) < masters))
+        };
+        let can_fail = (self.breakable.is_empty() || self.breakable.len() == ties)
+            && self.breakable.iter().all(is_face)
+            && (self.broken.is_empty() || !self.breakable.is_empty());
+        let are_complete = can_fail
+            && of_ties.iter().chain([&self.slave_loads.len()]).all(|&n| n == ties)
             && of_masters.iter().chain([&self.contact_forces.len()]).all(|&n| n == masters)
             && self.masters.is_sorted_by(|a, b| a < b)
             && self.shares.iter().zip(&self.definitions).all(is_of);
@@ -210,7 +224,13 @@ impl Ties {
             (0..self.definitions.len()).filter(|t| !holds(t)).map(|t| t as u64).collect();
         let released: BTreeSet<usize> =
             gather_all(comm, here)?.into_iter().flatten().map(|t| t as usize).collect();
-        for &t in &released {
+        self.release(&released, nodes);
+        Ok(!released.is_empty())
+    }
+
+    /// Releases the slaves of ties, which take back their masses.
+    fn release(&mut self, released: &BTreeSet<usize>, nodes: &mut Nodes) {
+        for &t in released {
             self.add_masses(t, -1.0, nodes);
             if let Some(n) = nodes.index_of(self.definitions[t].node).map(|n| n as usize) {
                 if self.has_arm(&self.definitions[t]) {
@@ -231,15 +251,15 @@ impl Ties {
                 nodes.invert_mass(n);
             }
         }
-        keep(&mut self.definitions, &released);
-        keep(&mut self.shares, &released);
-        keep(&mut self.slave_masses, &released);
-        keep(&mut self.added_inertia, &released);
+        keep(&mut self.definitions, released);
+        keep(&mut self.shares, released);
+        keep(&mut self.slave_masses, released);
+        keep(&mut self.added_inertia, released);
+        keep(&mut self.breakable, released);
         self.slave_loads.truncate(self.definitions.len());
         if self.definitions.is_empty() {
             *self = Self::default();
         }
-        Ok(!released.is_empty())
     }
 
     /// Finds the slaves and masters that are present here, and sets up the exchange.
@@ -319,7 +339,7 @@ impl Ties {
         if self.is_empty() {
             return Ok(());
         }
-        if self.arms {
+        if self.arms || self.can_fail() {
             self.exchange_positions(comm, nodes)?;
         }
         for t in 0..self.local_slaves.len() {

@@ -76,6 +76,8 @@ impl DeckConverter {
         for (keyword, single) in KEYWORDS {
             found.extend(self.take_records(keyword).into_iter().map(|record| (single, record)));
         }
+        let broken = std::mem::take(&mut self.broken_contacts);
+        found.extend(broken.into_iter().map(|record| (false, record)));
         found.sort_by_key(|(single, record)| (!single, written(record.head)));
         let mut tables = Vec::new();
         let names = names(found.iter().map(|f| &f.1), "contact ", ["heading", "cid"]);
@@ -157,8 +159,12 @@ impl DeckConverter {
         if record.has("MORTAR") {
             self.mortar(record, name, &mut table);
         }
-        self.thickness(record, name, single, &mut table);
         let keyword = record.row.keyword.name;
+        // In ties a negative value is the distance of tied nodes.
+        let is_distance = ["sast", "sbst"].iter().any(|side| record.real(side) < 0.0);
+        if !(is_distance && keyword.contains("TIEBREAK")) {
+            self.thickness(record, name, single, &mut table);
+        }
         let of_shells = !keyword.contains("AUTOMATIC") && !single;
         if of_shells && record.integer("shlthk") == 0 {
             self.map(name, "shlthk 0: shells without thickness", "shells with their thickness");

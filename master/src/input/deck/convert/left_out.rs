@@ -10,10 +10,9 @@ use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
 /// Start of the names of keywords, and what a model lacks without them; the first that fits.
-const LOST: [(&str, &str); 23] = [
+const LOST: [(&str, &str); 22] = [
     ("AIRBAG_", "bags have no pressure"),
     ("BOUNDARY_", "nodes lack this boundary condition"),
-    ("CASE", "keywords of all cases act at once: give each case a deck of its own"),
     ("CONSTRAINED_JOINT", "bodies move without this joint"),
     ("CONSTRAINED_", "nodes and bodies move without this constraint"),
     ("CONTACT_", "surfaces of this contact go through each other"),

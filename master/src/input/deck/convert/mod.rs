@@ -37,6 +37,7 @@ mod spring_laws;
 mod springs;
 mod switches;
 mod tables;
+mod tiebreaks;
 mod ties;
 mod transformation;
 pub mod tree;
@@ -105,6 +106,8 @@ pub struct DeckConverter {
     with_offset: Vec<(i64, bool)>,
     /// Individual friction of parts.
     part_friction: BTreeMap<i64, contact::Friction>,
+    /// Contacts that are left of ties that fail.
+    broken_contacts: Vec<CardRecord>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     /// Names of rigid bodies by node, for joints.
@@ -174,6 +177,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.pressures();
     b.airbags();
     b.walls();
+    b.tiebreaks();
     b.contacts(sections.defaults.shifted);
     b.ties();
     b.interpolations();
@@ -230,6 +234,7 @@ impl DeckConverter {
             spring_directions: BTreeMap::new(),
             with_offset: Vec::new(),
             part_friction: BTreeMap::new(),
+            broken_contacts: Vec::new(),
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),
             end_time: 0.0,
@@ -337,7 +342,7 @@ impl DeckConverter {
             Effect::Model => {}
         }
         if name == "PARAMETER_DUPLICATION" {
-            return parameters.read_duplication(block, texts);
+            return parameters.read_duplication(block, texts, &mut self.trouble);
         }
         if name.starts_with("PARAMETER") {
             return parameters.read(block, texts, &mut self.trouble);

@@ -17,6 +17,17 @@ const KEYWORDS: [(&str, bool); 4] = [
 ];
 const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
 
+/// A card that ties nodes to a surface.
+pub(super) struct TieCard<'a> {
+    pub record: &'a CardRecord,
+    /// Start of the names of its node sets.
+    pub label: &'a str,
+    /// Name of the tie.
+    pub name: String,
+    pub rotations: bool,
+    pub offset: bool,
+}
+
 impl DeckConverter {
     pub(super) fn ties(&mut self) {
         let mut found: Vec<(CardRecord, bool)> = Vec::new();
@@ -99,21 +110,42 @@ impl DeckConverter {
     }
 
     fn tie(&mut self, record: &CardRecord, (number, name): (usize, String), rotations: bool) {
-        let of = format!("tie {number}");
-        let (Some(nodes), Some(surface)) =
-            (self.tied_nodes(record, number), self.surface(record, number))
-        else {
-            return;
-        };
+        let (of, label) = (format!("tie {number}"), format!("tie-{number}"));
+        let offset = OFFSETS.iter().find(|o| record.has(o));
+        let card = TieCard { record, label: &label, name, rotations, offset: offset.is_some() };
+        let Some(table) = self.tie_table(card) else { return };
         if record.has("MORTAR") {
             self.map(&of, "MORTAR", "the tie without MORTAR");
         }
-        let offset = OFFSETS.iter().find(|o| record.has(o));
+        let asked =
+            record.row.keyword.name.replace("CONTACT_", "").to_lowercase().replace('_', " ");
+        let asked = offset
+            .map_or(asked.clone(), |o| format!("{asked}, {}", o.to_lowercase().replace('_', " ")));
+        let used = match (offset, rotations) {
+            (None, false) => "displacements tied, nodes moved onto the surface",
+            (None, true) => "displacements and rotations tied, nodes moved onto the surface",
+            (Some(_), false) => {
+                "displacements tied at the end of arms that rotate with the surface, by a \
+                 constraint"
+            }
+            (Some(_), true) => {
+                "displacements, at the end of arms, and rotations tied, by a constraint"
+            }
+        };
+        self.map(of, asked, used);
+        self.add("tie", table);
+    }
+
+    /// Returns the table of a tie; none if it has no nodes or no surface.
+    pub(super) fn tie_table(&mut self, card: TieCard<'_>) -> Option<JobTable> {
+        let TieCard { record, label, name, rotations, offset } = card;
+        let nodes = self.tied_nodes(record, label);
+        let (nodes, surface) = (nodes?, self.surface(record, label)?);
         let mut table = JobTable::new(record.head)
             .with("name", record.head, name)
             .with("nodes", record.place("surfa"), nodes)
             .with("rotations", record.head, rotations)
-            .with("offset", record.head, offset.is_some());
+            .with("offset", record.head, offset);
         match surface {
             TiedSurface::Parts(parts) => table.put("parts", record.place("surfb"), parts),
             TiedSurface::Faces(set) => table.put("faces", record.place("surfb"), set),
@@ -137,27 +169,11 @@ impl DeckConverter {
             let field = if birth > 0.0 { "bt" } else { "dt" };
             self.unsupported_value(record, field, "ties with a birth or death time within the run");
         }
-        let asked =
-            record.row.keyword.name.replace("CONTACT_", "").to_lowercase().replace('_', " ");
-        let asked = offset
-            .map_or(asked.clone(), |o| format!("{asked}, {}", o.to_lowercase().replace('_', " ")));
-        let used = match (offset, rotations) {
-            (None, false) => "displacements tied, nodes moved onto the surface",
-            (None, true) => "displacements and rotations tied, nodes moved onto the surface",
-            (Some(_), false) => {
-                "displacements tied at the end of arms that rotate with the surface, by a \
-                 constraint"
-            }
-            (Some(_), true) => {
-                "displacements, at the end of arms, and rotations tied, by a constraint"
-            }
-        };
-        self.map(of, asked, used);
-        self.add("tie", table);
+        Some(table)
     }
 
     /// Returns the name of a set with the nodes of the first side.
-    fn tied_nodes(&mut self, record: &CardRecord, number: usize) -> Option<String> {
+    fn tied_nodes(&mut self, record: &CardRecord, label: &str) -> Option<String> {
         let (id, place) = (record.integer("surfa"), record.place("surfa"));
         match record.integer("surfatyp") {
             4 => self.node_set(id, place),
@@ -166,7 +182,7 @@ impl DeckConverter {
                 (!parts.is_empty()).then(|| self.nodes_of_parts(&parts))
             }
             3 => self.has_part(id, place).then(|| self.nodes_of_parts(&[id])),
-            0 => self.nodes_of_segments(record, "surfa", format!("tie-{number}-nodes")),
+            0 => self.nodes_of_segments(record, "surfa", format!("{label}-nodes")),
             _ => {
                 self.unsupported_card(
                     record,
@@ -179,14 +195,14 @@ impl DeckConverter {
     }
 
     /// Returns the surface of the second side.
-    fn surface(&mut self, record: &CardRecord, number: usize) -> Option<TiedSurface> {
+    fn surface(&mut self, record: &CardRecord, label: &str) -> Option<TiedSurface> {
         let (id, place) = (record.integer("surfb"), record.place("surfb"));
         match record.integer("surfbtyp") {
             2 => Some(TiedSurface::Parts(self.part_set(id, place)))
                 .filter(|s| !matches!(s, TiedSurface::Parts(p) if p.is_empty())),
             3 => self.has_part(id, place).then(|| TiedSurface::Parts(vec![id])),
             0 => self
-                .nodes_of_segments(record, "surfb", format!("tie-{number}-faces"))
+                .nodes_of_segments(record, "surfb", format!("{label}-faces"))
                 .map(TiedSurface::Faces),
             _ => {
                 self.unsupported_card(

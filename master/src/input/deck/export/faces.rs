@@ -54,7 +54,7 @@ impl TieCards {
     /// Returns the cards of a tie, or `None` if there are none.
     fn new(tie: &TieInput, model: &Model) -> Option<Self> {
         let nodes = |set: &str| model.mesh.node_sets.get(set);
-        if tie.node.is_some() {
+        if tie.node.is_some() || tie.failure.is_some() {
             return None;
         }
         if let Some(of) = &tie.mean_of {

@@ -8,20 +8,38 @@ use crate::input::deck::table::{
     UnusedFields, ignored, no_effect, refused,
 };
 
-const CARDS: &[(&str, Times)] = &[
-    ("cid:i heading:a70", Count(id)),
-    ("ignore_mpp:i bckt:r lcbckt:r ns2trk:r inititr:r parmax:r unused:r cparm8:r", Count(mpp)),
-    ("surfa:i surfb:i surfatyp:i surfbtyp:i saboxid:i sbboxid:i sapr:i sbpr:i", Once),
-    ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Maybe),
-    ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Maybe),
-    ("isym:i erosop:i iadj:i", Count(eroding)),
-    ("soft:i sofscl:r=0.1 lcidab:i maxpar:r=1.025 sbopt:r=2 depth:i=2 bsort:i frcfrq:i=1", Maybe),
-    ("penmax:r thkopt:i shlthk:i snlog:i isym_b:i i2d3d:i sldthk:r sldstf:r", Maybe),
-    ("igap:i=1 ignore:i dprfac:r dtstif:r edgek:r unused:r flangl:r cid_rcf:i", Maybe),
-    ("q2tri:i dtpchk:r sfnbr:r fnlscl:r dnlscl:r tcso:i tiedid:i shledg:i", Maybe),
-    ("sharec:i cparm8:r ipback:i srnde:i fricsf:r=1 icor:i ftorq:i region:i", Maybe),
-    ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
-];
+/// The cards of a contact; those of ties that fail have one more in their middle.
+macro_rules! cards {
+    ($($failure:expr)?) => {
+        &[
+            ("cid:i heading:a70", Count(id)),
+            (MPP_CARD, Count(mpp)),
+            ("surfa:i surfb:i surfatyp:i surfbtyp:i saboxid:i sbboxid:i sapr:i sbpr:i", Once),
+            ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Maybe),
+            ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Maybe),
+            ("isym:i erosop:i iadj:i", Count(eroding)),
+            $(($failure, Once),)?
+            (SOFT_CARD, Maybe),
+            ("penmax:r thkopt:i shlthk:i snlog:i isym_b:i i2d3d:i sldthk:r sldstf:r", Maybe),
+            ("igap:i=1 ignore:i dprfac:r dtstif:r edgek:r unused:r flangl:r cid_rcf:i", Maybe),
+            ("q2tri:i dtpchk:r sfnbr:r fnlscl:r dnlscl:r tcso:i tiedid:i shledg:i", Maybe),
+            ("sharec:i cparm8:r ipback:i srnde:i fricsf:r=1 icor:i ftorq:i region:i", Maybe),
+            ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
+        ]
+    };
+}
+
+const MPP_CARD: &str = "ignore_mpp:i bckt:r lcbckt:r ns2trk:r inititr:r parmax:r unused:r cparm8:r";
+const SOFT_CARD: &str =
+    "soft:i sofscl:r=0.1 lcidab:i maxpar:r=1.025 sbopt:r=2 depth:i=2 bsort:i frcfrq:i=1";
+
+type ContactCards = &'static [(&'static str, Times)];
+
+const CARDS: ContactCards = cards!();
+const BY_FORCE: ContactCards = cards!("nflf:r! sflf:r! nen:r=2 mes:r=2");
+const BY_STRESS: ContactCards = cards!("nfls:r! sfls:r! tblcid:i thkoff:i");
+const BY_OPTION: ContactCards =
+    cards!("option:i! nfls:r sfls:r param:r eraten:r erates:r ct2cn:r cn:r");
 
 const UNUSED: &[UnusedFields] = &[
     no_effect(
@@ -43,6 +61,8 @@ const UNUSED: &[UnusedFields] = &[
     ignored("sharec ftorq ignroff swtpr", "friction acts at the surfaces of all segments"),
     refused("fricsf", "a factor on the friction: give fs and fd with this factor"),
     refused("region", "contact in a part of space"),
+    no_effect("eraten erates ct2cn cn", "the options of ties that use it are not supported"),
+    refused("tblcid", "a stress over the gap by a curve: give option 6 of an AUTOMATIC tiebreak"),
     refused("tiedid", "ties that do not start at the surface: use an OFFSET option"),
 ];
 
@@ -81,6 +101,20 @@ const fn tied(name: &'static str, note: &'static str) -> Keyword {
         "BEAM_OFFSET",
         "CONSTRAINED_OFFSET",
     ])
+}
+
+const BREAKING: &str = "`[[tie]]` of the nodes of surfa that are on the faces of surfb at the \
+    start, with a `failure` by the forces nflf, sflf and the exponents nen, mes. When it fails, \
+    the nodes are in contact with the parts of surfb";
+const BREAKING_ONLY: &str = "the same, without contact after the failure";
+const BREAKING_STRESS: &str = "the same with stresses nfls, sfls on the tied faces; thkoff 1 keeps \
+    nodes at their positions";
+const BREAKING_OPTION: &str = "the same with `offset`. option 1 ties without failure, 2 and 3 fail \
+    by the stresses nfls, sfls, 6 and 8 with damage over the opening param; negative ones tie \
+    rotations too. Nodes that come into contact later do not stick";
+
+const fn breaking(name: &'static str, cards: ContactCards, note: &'static str) -> Keyword {
+    Keyword::new(name, cards, note).options(&["ID", "TITLE", "MPP"]).unused(UNUSED)
 }
 
 const WALL_UNUSED: &[UnusedFields] = &[
@@ -151,6 +185,11 @@ pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_ERODING_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_ERODING_NODES_TO_SURFACE", PAIR),
     contact("CONTACT_FORCE_TRANSDUCER_PENALTY", TRANSDUCER).aliases(&["CONTACT_FORCE_TRANSDUCER"]),
+    breaking("CONTACT_TIEBREAK_NODES_TO_SURFACE", BY_FORCE, BREAKING),
+    breaking("CONTACT_TIEBREAK_NODES_ONLY", BY_FORCE, BREAKING_ONLY),
+    breaking("CONTACT_TIEBREAK_SURFACE_TO_SURFACE", BY_STRESS, BREAKING_STRESS),
+    breaking("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION),
+    breaking("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION),
     tied("CONTACT_TIED_NODES_TO_SURFACE", TIED),
     tied("CONTACT_TIED_SURFACE_TO_SURFACE", TIED),
     tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),

@@ -163,7 +163,8 @@ mod tests {
     /// it. Mesh data and parameters are read by position.
     #[test]
     fn every_field_has_a_fate() {
-        const BY_POSITION: [&str; 6] = [
+        const BY_POSITION: [&str; 7] = [
+            "CASE",
             "NODE",
             "ELEMENT_SHELL",
             "ELEMENT_SOLID",

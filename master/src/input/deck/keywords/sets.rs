@@ -32,8 +32,22 @@ pub const KEYWORDS: &[Keyword] = &[
         "PARAMETER_DUPLICATION",
         &[("dflag:i=1", Once)],
         "for a second value of a parameter: 1 and 5 keep the first one, 2 and 4 take the last one, \
-         3 is an error",
+         3 is an error; 1 and 2 warn of it",
     ),
+    Keyword::new(
+        "CASE",
+        &[("caseid:i! jobid:a70", Once), ("commands:l", Maybe), ("scid:i*8", Rest)],
+        "a case of the deck: keywords of its subcases scid (of subcase caseid without any), and \
+         those of no subcase. `--case` or `mesh.case` chooses it; a single one needs no choice. \
+         commands is not used",
+    ),
+    Keyword::new(
+        "CASE_BEGIN",
+        &[],
+        "CASE_BEGIN_n: the keywords up to CASE_END_n belong to subcase n, as does a keyword with \
+         CID=n on its line. Without CASE each subcase is a case",
+    ),
+    Keyword::new("CASE_END", &[], "the end of CASE_BEGIN_n"),
     Keyword::new("SET_NODE_LIST", LIST, "node set `set-SID`, and the same set under its title")
         .aliases(&["SET_NODE"])
         .unused(ATTRIBUTES)

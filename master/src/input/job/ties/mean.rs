@@ -78,6 +78,7 @@ pub(super) fn to_mean(
             rotations: spec.rotations,
             offset: true,
             mean: true,
+            failure: None,
         },
         entry,
         node,
@@ -139,6 +140,7 @@ mod tests {
             rotations: false,
             offset: true,
             mean: true,
+            failure: None,
         };
         for arm in [[0.0, 0.0, 0.0], [0.0, 0.0, 0.7], [2.0, 0.0, 0.0]] {
             let at = |id: &NodeId| if id.0 == 9 { arm } else { corners[id.0 as usize - 1] };

@@ -1,7 +1,7 @@
 //! The surface of a tie: search for the face of each tied node, and for nodes near faces between
 //! tied nodes.
 
-use super::{Projected, TieContext, name, whole};
+use super::{Projected, TieContext, failure, name, whole};
 use crate::input::job::loads::outer_faces;
 use crate::input::job::validate::JobProblems;
 use crumple_proto::ids::NodeId;
@@ -28,6 +28,8 @@ pub(super) struct TieSurface<'a> {
     /// Nodes of each face, and their places.
     corners: Vec<[NodeId; 4]>,
     places: Vec<FaceCorners>,
+    /// Mean centres of the elements of nodes, if ties can fail [length].
+    centres: HashMap<NodeId, [f64; 3]>,
 }
 
 impl<'a> TieSurface<'a> {
@@ -63,7 +65,11 @@ impl<'a> TieSurface<'a> {
         }
         let corners: Vec<[NodeId; 4]> = faces.iter().map(|&face| corners_of(mesh, face)).collect();
         let places = corners.iter().map(|c| c.map(|id| context.place(id))).collect();
-        Some(Self { spec, context, faces, corners, places })
+        let centres = match spec.failure {
+            Some(_) => failure::centres(context),
+            None => HashMap::new(),
+        };
+        Some(Self { spec, context, faces, corners, places, centres })
     }
 
     fn element(&self, face: usize) -> &MeshElement {
@@ -126,6 +132,9 @@ impl<'a> TieSurface<'a> {
         let is_rigid = self.context.rigid.contains(&element.part);
         let stays = is_rigid || spec.offset && turns;
         let moved = foot.distance / diagonal(&self.places[foot.face]);
+        let centre = self.centres.get(&self.id(node)).copied().unwrap_or(foot.point);
+        let facing =
+            failure::facing(self.corners[foot.face], &self.places[foot.face], foot.point, centre);
         Projected {
             tie: Tie {
                 node: self.id(node),
@@ -135,12 +144,24 @@ impl<'a> TieSurface<'a> {
                 rotations: spec.rotations && turns,
                 offset: spec.offset && turns && !is_rigid,
                 mean: false,
+                failure: failure::strength(spec, facing),
             },
             entry,
             node,
             point: if stays { self.context.mesh.nodes[node].x } else { foot.point },
             moved: if stays { 0.0 } else { moved },
         }
+    }
+
+    /// Multiplies limits of stresses by the areas of the nodes.
+    pub(super) fn scale_limits(
+        &self,
+        entry: usize,
+        projected: &mut [Projected],
+        findings: &mut JobProblems,
+    ) {
+        let own: HashSet<(usize, usize)> = self.faces.iter().copied().collect();
+        failure::scale(self.context, entry, |face| own.contains(face), projected, findings);
     }
 
     /// Records which nodes of the surface project onto faces between tied nodes. `thickest` is the

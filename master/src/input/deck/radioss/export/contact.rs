@@ -104,7 +104,11 @@ impl StarterWriter<'_> {
     pub(super) fn ties(&mut self) {
         let ties = &self.model.job.tie;
         let has_no_card = |t: &TieInput| {
-            t.faces.is_some() || t.node.is_some() || t.mean_of.is_some() || t.name.is_empty()
+            t.faces.is_some()
+                || t.node.is_some()
+                || t.mean_of.is_some()
+                || t.failure.is_some()
+                || t.name.is_empty()
         };
         if ties.iter().any(has_no_card) {
             return list(&mut self.deck, "tie", ties);

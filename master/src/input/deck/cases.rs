@@ -1,0 +1,223 @@
+//! Cases of a deck: `*CASE`, and keywords between `*CASE_BEGIN_n` and `*CASE_END_n` or with `CID=n`
+//! on their line, which belong to subcase n. One case is read; keywords of no subcase belong to
+//! all.
+//!
+//! Blocks of subcases may nest and overlap: a keyword belongs to all that are open. Without
+//! `*CASE` each subcase is a case of its own.
+
+use super::Mapping;
+use super::diagnostics::Trouble;
+use super::number;
+use super::text::{KeywordBlock, Texts};
+use crate::input::job::tree::Place;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Subcases by number, with the place where each is named first.
+type Subcases = BTreeMap<i64, Place>;
+
+/// A case of `*CASE`.
+struct Case {
+    /// Name of the job, for messages.
+    job: String,
+    subcases: BTreeSet<i64>,
+    place: Place,
+}
+
+/// Keeps the keywords of one case: that of `wanted`, or the only one. Returns the choice for the
+/// mapping, if the deck has cases.
+pub fn select(texts: &mut Texts, wanted: Option<u64>, trouble: &mut Trouble) -> Option<Mapping> {
+    let is_case = |block: &KeywordBlock| block.name == "CASE" || block.name.starts_with("CASE_");
+    let marked = |block: &KeywordBlock| subcase_on_line(texts, block).is_some();
+    if !texts.blocks.iter().any(|block| is_case(block) || marked(block)) {
+        if let Some(case) = wanted {
+            let message = format!("the deck has no cases, and case {case} is chosen");
+            trouble.error(Place::Whole, message, "remove --case, and mesh.case from the job");
+        }
+        return None;
+    }
+    let (members, named) = members(texts, trouble);
+    let cases = cases(texts, &named, trouble);
+    let Some((id, case)) = choose(&cases, wanted, trouble) else {
+        // Other problems depend on the choice.
+        trouble.unsure();
+        texts.blocks.clear();
+        return None;
+    };
+    for (&subcase, &place) in &named {
+        if !cases.values().any(|case| case.subcases.contains(&subcase)) {
+            let message = format!("subcase {subcase} belongs to no *CASE");
+            trouble.warning(place, message, "its keywords are not read: add it to a *CASE");
+        }
+    }
+    let of_case = |of: &BTreeSet<i64>| of.is_empty() || !of.is_disjoint(&case.subcases);
+    let mut members = members.iter();
+    // New numbers of files of *INCLUDE_TRANSFORM; 0 for those of other cases, and outside of them.
+    let mut numbers = vec![0];
+    texts.blocks.retain_mut(|block| {
+        let number = numbers.get(block.submodel as usize).copied().unwrap_or(0);
+        let stays = members.next().is_some_and(of_case) && (block.submodel == 0 || number > 0);
+        block.submodel = number;
+        if block.name == "INCLUDE_TRANSFORM" {
+            let next = 1 + numbers.iter().max().copied().unwrap_or(0);
+            numbers.push(if stays { next } else { 0 });
+        }
+        stays && !is_case(block)
+    });
+    let list: Vec<String> = case.subcases.iter().map(i64::to_string).collect();
+    let used = format!("keywords of the subcases {}, and those of no subcase", list.join(", "));
+    Some(Mapping { of: "deck".into(), asked: format!("case {}", shown(id, case)), used })
+}
+
+/// Returns the subcases of each block, and all that blocks have.
+fn members(texts: &Texts, trouble: &mut Trouble) -> (Vec<BTreeSet<i64>>, Subcases) {
+    let (mut open, mut named) = (Subcases::new(), Subcases::new());
+    let mut members = Vec::with_capacity(texts.blocks.len());
+    for block in &texts.blocks {
+        let place = block.place();
+        let marker = ["CASE_BEGIN", "CASE_END"]
+            .into_iter()
+            .find_map(|word| block.name.strip_prefix(word).map(|rest| (word, number_of(rest))));
+        match marker {
+            Some((word, None)) => {
+                let message = format!("*{} has no number of a subcase", block.name);
+                trouble.error(place, message, format!("write *{word}_n with a number n above 0"));
+            }
+            Some(("CASE_BEGIN", Some(n))) => {
+                named.entry(n).or_insert(place);
+                if open.insert(n, place).is_some() {
+                    let message = format!("subcase {n} begins again before it ends");
+                    trouble.error(place, message, format!("write *CASE_END_{n} above this line"));
+                }
+            }
+            Some((_, Some(n))) => {
+                if open.remove(&n).is_none() {
+                    let message = format!("subcase {n} ends, but it has not begun");
+                    let help = format!("write *CASE_BEGIN_{n} above it, or remove this line");
+                    trouble.error(place, message, help);
+                }
+            }
+            None => {}
+        }
+        let mut of: BTreeSet<i64> = open.keys().copied().collect();
+        if let Some(n) = subcase_on_line(texts, block) {
+            named.entry(n).or_insert(place);
+            of.insert(n);
+        }
+        members.push(of);
+    }
+    for (n, place) in open {
+        let help = format!("write *CASE_END_{n} after its last keyword");
+        trouble.error(place, format!("subcase {n} does not end"), help);
+    }
+    (members, named)
+}
+
+/// Returns the number after the underscore of a name.
+fn number_of(rest: &str) -> Option<i64> {
+    number::integer(rest.strip_prefix('_')?.as_bytes()).filter(|n| *n > 0)
+}
+
+/// Returns the subcase of `CID=n` on the line of a keyword.
+fn subcase_on_line(texts: &Texts, block: &KeywordBlock) -> Option<i64> {
+    let line = String::from_utf8_lossy(texts.line(block, block.head)).to_ascii_uppercase();
+    let mut words = line.split(|c: char| c.is_ascii_whitespace() || c == ',').skip(1);
+    let digits = words.find_map(|word| word.strip_prefix("CID="))?;
+    number::integer(digits.as_bytes())
+}
+
+/// Reads the cards of `*CASE`: id and name of the job, then a command line, then subcases. Without
+/// any, each subcase is a case.
+fn cases(texts: &Texts, named: &Subcases, trouble: &mut Trouble) -> BTreeMap<i64, Case> {
+    let mut cases = BTreeMap::new();
+    for block in texts.blocks.iter().filter(|block| block.name == "CASE") {
+        let place = block.place();
+        let line = |at: usize| {
+            block.lines.get(at).map(|&span| String::from_utf8_lossy(texts.line(block, span)))
+        };
+        let words = |at: usize| -> Vec<String> {
+            let text = line(at).unwrap_or_default();
+            let words = text.split(|c: char| c.is_ascii_whitespace() || c == ',');
+            words.filter(|word| !word.is_empty()).map(String::from).collect()
+        };
+        let head = words(0);
+        let id = head.first().and_then(|word| number::integer(word.as_bytes()));
+        let Some(id) = id.filter(|id| *id > 0) else {
+            let help = "write its id, a whole number above 0, on the line after the keyword";
+            trouble.error(place, "*CASE has no id", help);
+            continue;
+        };
+        let numbers = |at: usize| -> Option<BTreeSet<i64>> {
+            words(at).iter().map(|word| number::integer(word.as_bytes())).collect()
+        };
+        // Both the command line and the subcases may be missing.
+        let mut subcases = BTreeSet::new();
+        for at in 1..block.lines.len() {
+            match numbers(at) {
+                Some(more) => subcases.extend(more),
+                None if at == 1 => {
+                    let help = "give options to `crumple run`";
+                    trouble.warning(
+                        place,
+                        format!("case {id}: its command line is not used"),
+                        help,
+                    );
+                }
+                None => {
+                    let message = format!("case {id}: its subcases are not numbers");
+                    trouble.error(place, message, "write whole numbers, ten columns each");
+                }
+            }
+        }
+        subcases.remove(&0);
+        if subcases.is_empty() {
+            subcases.insert(id);
+        }
+        let job = head.get(1).cloned().unwrap_or_default();
+        if cases.insert(id, Case { job, subcases, place }).is_some() {
+            trouble.error(
+                place,
+                format!("case {id} is defined twice"),
+                "remove one, or renumber it",
+            );
+        }
+    }
+    if cases.is_empty() {
+        let of = |(&n, &place): (&i64, &Place)| {
+            (n, Case { job: String::new(), subcases: BTreeSet::from([n]), place })
+        };
+        cases.extend(named.iter().map(of));
+    }
+    cases
+}
+
+/// Returns the case that is read; an error lists all if it is not clear which.
+fn choose<'c>(
+    cases: &'c BTreeMap<i64, Case>,
+    wanted: Option<u64>,
+    trouble: &mut Trouble,
+) -> Option<(i64, &'c Case)> {
+    let first = cases.iter().next()?;
+    let list: Vec<String> = cases.iter().map(|(&id, case)| shown(id, case)).collect();
+    let list = list.join(", ");
+    let help = format!("choose one with --case N, or with mesh.case = N in a job: {list}");
+    match wanted {
+        None if cases.len() == 1 => Some((*first.0, first.1)),
+        None => {
+            let message = format!("the deck has {} cases, and none is chosen", cases.len());
+            trouble.error(first.1.place, message, help);
+            None
+        }
+        Some(wanted) => {
+            let found = i64::try_from(wanted).ok().and_then(|id| cases.get_key_value(&id));
+            if found.is_none() {
+                trouble.error(first.1.place, format!("the deck has no case {wanted}"), help);
+            }
+            found.map(|(&id, case)| (id, case))
+        }
+    }
+}
+
+/// Returns the id of a case and the name of its job.
+fn shown(id: i64, case: &Case) -> String {
+    if case.job.is_empty() { id.to_string() } else { format!("{id} ({})", case.job) }
+}
