@@ -94,7 +94,7 @@ fn every_scene_is_the_same_as_a_deck() {
         let _ = writeln!(left, "{name}");
         match export(&model) {
             Ok(deck) => {
-                deck.left.iter().for_each(|line| drop(writeln!(left, "  {line}")));
+                deck.left.iter().for_each(|line| writeln!(left, "  {line}").unwrap());
                 let again = read_back(&deck.text, &few);
                 assert_same(&model, &again, &name);
                 assert_same_motion(&model, &again, &name);
@@ -130,7 +130,7 @@ fn no_list_of_a_job_is_lost() {
         let _ = writeln!(fates, "[[{list}]] {fate}");
     }
     let _ = writeln!(fates, "\nnot on cards alone:");
-    deck.left.iter().for_each(|line| drop(writeln!(fates, "  {line}")));
+    deck.left.iter().for_each(|line| writeln!(fates, "  {line}").unwrap());
     assert_same(&model, &again, "every list");
     assert_same_motion(&model, &again, "every list");
     // A second export: names from a deck must not be mistaken for others.
@@ -160,9 +160,9 @@ fn every_law_keeps_its_keys() {
             assert_eq!(back.parameters.get(key), Some(param), "{}: {key}", material.name);
         }
         let added = back.parameters.keys().filter(|key| !material.parameters.contains_key(*key));
-        added.for_each(|key| drop(writeln!(left, "{}: {key} is added", material.name)));
+        added.for_each(|key| writeln!(left, "{}: {key} is added", material.name).unwrap());
     }
-    deck.left.iter().for_each(|line| drop(writeln!(left, "{line}")));
+    deck.left.iter().for_each(|line| writeln!(left, "{line}").unwrap());
     assert_same(&model, &again, "every law");
     assert_same_motion(&model, &again, "every law");
     expect_test::expect_file!["../../decks/exported/every-law.txt"].assert_eq(&left);
