@@ -88,7 +88,9 @@ fn a_shell_goes_with_so_many_failed_points() {
             for k in [0, 3] {
                 patch.w[k][1] = -0.01;
             }
-            (0..60).for_each(|_| drop(patch.step(1.0)));
+            for _ in 0..60 {
+                patch.step(1.0);
+            }
             let failed = columns(&patch, " failed");
             let count = failed.iter().filter(|mark| **mark > 0.5).count();
             assert_eq!(count, 2, "the outer points of {wanted:?}: {failed:?}");
