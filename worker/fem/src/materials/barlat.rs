@@ -20,7 +20,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-use self::surface::{Surface, Yielded};
+use self::surface::{BarlatSurface, YieldState};
 use super::axes::{ANGLE, DIRECTION, DIRECTION_COLUMNS, Orientation, stress_across, stress_along};
 use super::j2;
 use super::parameters::Parameters;
@@ -110,7 +110,7 @@ impl Hardening {
 struct Barlat {
     elastic: Elastic,
     orientation: Orientation,
-    surface: Surface,
+    surface: BarlatSurface,
     hardening: Hardening,
 }
 
@@ -122,7 +122,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Barlat, Vec<
     let orientation = Orientation::read(&mut parameters);
     let m = parameters.optional("exponent", "2 or above", |m| m >= 2.0).unwrap_or(8.0);
     let mut ratio = |key| parameters.optional(key, "above 0", |r| r > 0.0).unwrap_or(1.0);
-    let surface = Surface::new(m, RATIOS.map(&mut ratio));
+    let surface = BarlatSurface::new(m, RATIOS.map(&mut ratio));
     if surface.is_none() {
         let help = "use a ratio nearer to those at 0 and 90 degrees";
         parameters.wrong(RATIOS[1], "cannot be reached with this exponent", help);
@@ -203,21 +203,23 @@ impl Barlat {
                 let marks = R::select(near, one, R::zero());
                 let before = stress_along(before, c, s);
                 let mut after = [[0.0; LANES32]; 4];
-                for lane in 0..count {
+                let [of_a, of_b, of_ab, of_strain] = &mut after;
+                let numbers = of_a.iter_mut().zip(of_b).zip(of_ab).zip(of_strain).take(count);
+                for (lane, (((a, b), ab), strain)) in numbers.enumerate() {
                     let of = |v: &[R; 3]| v.map(|x| x.lane(lane));
                     let plastic_strain = state[STRAIN].lane(lane);
                     let trial = of(&trial);
-                    let mut now = Yielded { stress: trial, plastic_strain };
+                    let mut now = YieldState { stress: trial, plastic_strain };
                     let [limit, _] = self.hardening.at(plastic_strain);
                     if marks.lane(lane) > 0.5 && self.surface.equivalent(trial) > limit {
-                        let before = Yielded { stress: of(&before), plastic_strain };
+                        let before = YieldState { stress: of(&before), plastic_strain };
                         let hardening = |strain| self.hardening.at(strain);
                         now = self.surface.returned(before, trial, [c11, c12, g], &hardening);
                     }
-                    for k in 0..3 {
-                        after[k][lane] = now.stress[k] - trial[k];
-                    }
-                    after[3][lane] = now.plastic_strain;
+                    *a = now.stress[0] - trial[0];
+                    *b = now.stress[1] - trial[1];
+                    *ab = now.stress[2] - trial[2];
+                    *strain = now.plastic_strain;
                 }
                 let [a, b, ab, strain] = after.each_ref().map(&lanes);
                 // The increment is turned, not the stress, which would gather round-off.

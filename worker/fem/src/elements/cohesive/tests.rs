@@ -58,10 +58,8 @@ fn resultants(surface: &Surface) -> [V3; 2] {
 
 /// Moves the second face by `way`, in one step.
 fn open(surface: &mut Surface, way: [f64; 3]) {
-    let start: Vec<[f64; 3]> = surface.x.iter().map(|x| [x[0], x[1], x[2]]).collect();
-    let to = |k: usize| [0, 1, 2].map(|i| start[k][i] + if k < 4 { 0.0 } else { way[i] });
-    for k in 0..8 {
-        (0..3).for_each(|i| surface.v[k][i] = to(k)[i] - start[k][i]);
+    for (k, v) in surface.v.iter_mut().enumerate() {
+        v[..3].copy_from_slice(if k < 4 { &[0.0; 3] } else { &way });
     }
     surface.step(1.0);
 }
@@ -139,10 +137,10 @@ fn the_energy_is_the_work_on_the_nodes() {
                     (0..3).for_each(|i| v[i] = way[i] / steps as f64);
                 }
                 energy += surface.step(1.0).internal;
-                for c in 0..8 {
+                for (c, before) in before.iter_mut().enumerate() {
                     let now = V3::from(surface.corner(0, c).0);
-                    work += 0.5 * (before[c] + now).dot(&V3::from(xyz(&surface.v[c])));
-                    before[c] = now;
+                    work += 0.5 * (*before + now).dot(&V3::from(xyz(&surface.v[c])));
+                    *before = now;
                 }
             }
         }
@@ -172,7 +170,7 @@ fn growth(nodes: &[[f64; 3]; 8], integration: &str, dt: f64) -> f64 {
             let opened = (0..3).map(|i| (surface.v[c][i] * dt).abs()).fold(0.0, f64::max);
             most = most.max(opened / small);
         }
-        if !(most < 1e8) {
+        if most.is_nan() || most >= 1e8 {
             return f64::INFINITY;
         }
     }

@@ -28,7 +28,7 @@ const NO_DEVIATOR: f64 = 1e-9;
 
 /// Parameters of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
+pub struct BarlatSurface {
     m: f64,
     a: f64,
     h: f64,
@@ -44,12 +44,12 @@ struct Derivatives {
 
 /// A stress with its effective plastic strain.
 #[derive(Clone, Copy, Debug)]
-pub struct Yielded {
+pub struct YieldState {
     pub stress: Three,
     pub plastic_strain: f64,
 }
 
-impl Surface {
+impl BarlatSurface {
     /// Returns the surface with the exponent m, 2 or above, and the ratios of the plastic strains
     /// across and through the sheet in tension at 0, 45 and 90 degrees to the axis a; `None` if no
     /// p gives that at 45 degrees.
@@ -147,11 +147,11 @@ impl Surface {
     /// `hardening` gives the yield stress and its slope at a plastic strain.
     pub fn returned(
         &self,
-        before: Yielded,
+        before: YieldState,
         trial: Three,
         stiffness: Three,
         hardening: &impl Fn(f64) -> [f64; 2],
-    ) -> Yielded {
+    ) -> YieldState {
         let mut parts = 1_u32;
         for _ in 0..DIVISIONS {
             if let Some(after) = self.in_parts(parts, before, trial, stiffness, hardening) {
@@ -163,22 +163,22 @@ impl Surface {
         // ends on the surface.
         let [yield_stress, _] = hardening(before.plastic_strain);
         let factor = yield_stress / self.equivalent(trial);
-        Yielded { stress: trial.map(|s| factor * s), ..before }
+        YieldState { stress: trial.map(|s| factor * s), ..before }
     }
 
     fn in_parts(
         &self,
         parts: u32,
-        before: Yielded,
+        before: YieldState,
         trial: Three,
         stiffness: Three,
         hardening: &impl Fn(f64) -> [f64; 2],
-    ) -> Option<Yielded> {
+    ) -> Option<YieldState> {
         let part = 1.0 / f64::from(parts);
         let more: Three = std::array::from_fn(|i| part * (trial[i] - before.stress[i]));
         (0..parts).try_fold(before, |state, _| {
             let trial = std::array::from_fn(|i| state.stress[i] + more[i]);
-            let elastic = Yielded { stress: trial, ..state };
+            let elastic = YieldState { stress: trial, ..state };
             if self.equivalent(trial) <= hardening(state.plastic_strain)[0] {
                 return Some(elastic);
             }
@@ -190,11 +190,11 @@ impl Surface {
     /// converge.
     fn closest(
         &self,
-        trial: Yielded,
+        trial: YieldState,
         [c11, c12, g]: Three,
         hardening: &impl Fn(f64) -> [f64; 2],
-    ) -> Option<Yielded> {
-        let Yielded { stress: trial, plastic_strain: before } = trial;
+    ) -> Option<YieldState> {
+        let YieldState { stress: trial, plastic_strain: before } = trial;
         let times_c = |v: Three| [c11 * v[0] + c12 * v[1], c12 * v[0] + c11 * v[1], g * v[2]];
         let [yield_stress, _] = hardening(before);
         let factor = yield_stress / self.equivalent(trial);
@@ -209,7 +209,7 @@ impl Surface {
             let rest: Three = std::array::from_fn(|i| stress[i] - trial[i] + y * along[i]);
             let off = value - sig_y;
             if off.abs() <= TOLERANCE * sig_y && length(rest) <= TOLERANCE * sig_y {
-                return (y >= 0.0).then_some(Yielded { stress, plastic_strain: before + y });
+                return (y >= 0.0).then_some(YieldState { stress, plastic_strain: before + y });
             }
             // (1 + y C N) ds = -rest - dy C n
             let columns = second.map(times_c);

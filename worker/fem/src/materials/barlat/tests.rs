@@ -23,12 +23,12 @@ const SHEETS: [(f64, [f64; 3]); 5] = [
     (14.0, [0.8, 1.1, 0.6]),
 ];
 
-fn surface(&(m, ratios): &(f64, [f64; 3])) -> Surface {
-    Surface::new(m, ratios).expect("ratios in reach")
+fn surface(&(m, ratios): &(f64, [f64; 3])) -> BarlatSurface {
+    BarlatSurface::new(m, ratios).expect("ratios in reach")
 }
 
 /// Gradient of the equivalent stress by central differences: an error of 1e-10.
-fn gradient(surface: &Surface, stress: Three) -> Three {
+fn gradient(surface: &BarlatSurface, stress: Three) -> Three {
     let size = 1e-5 * stress.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
     std::array::from_fn(|k| {
         let at = |by: f64| {
@@ -59,7 +59,7 @@ fn tension_has_the_given_ratios() {
             assert!((work - surface.equivalent(stress)).abs() < 1e-9, "{of:?}");
         }
         assert!((surface.equivalent([YIELD, 0.0, 0.0]) - YIELD).abs() < 1e-15);
-        assert!(Surface::new(of.0, [1.0, 1e9, 1.0]).is_none());
+        assert!(BarlatSurface::new(of.0, [1.0, 1e9, 1.0]).is_none());
     }
 }
 
@@ -74,7 +74,7 @@ fn special_cases_are_those_of_mises_and_tresca() {
         let exact = (a * a - a * b + b * b + 3.0 * ab * ab).sqrt();
         assert!((mises.equivalent([a, b, ab]) - exact).abs() < 1e-12);
     }
-    let tresca = Surface::new(200.0, [1.0; 3]).expect("ratios in reach");
+    let tresca = BarlatSurface::new(200.0, [1.0; 3]).expect("ratios in reach");
     // (1 + 2^(m-1))^(1/m) of a shear stress of one: 2 except for a factor 2^(-1/m).
     let shear = tresca.equivalent([1.0, -1.0, 0.0]);
     assert!((shear - 2.0 * 0.5_f64.powf(1.0 / 200.0)).abs() < 1e-9, "{shear}");
@@ -100,9 +100,9 @@ fn trials_return_to_the_closest_point() {
                 }
                 let factor = size * YIELD / surface.equivalent(trial);
                 let trial = trial.map(|s| factor * s);
-                let before = Yielded { stress: [0.0; 3], plastic_strain: 0.0 };
+                let before = YieldState { stress: [0.0; 3], plastic_strain: 0.0 };
                 let hardening = |strain: f64| [YIELD + 0.3 * strain, 0.3];
-                let Yielded { stress, plastic_strain: y } =
+                let YieldState { stress, plastic_strain: y } =
                     surface.returned(before, trial, [c11, c12, g], &hardening);
                 let off = surface.equivalent(stress) / hardening(y)[0] - 1.0;
                 assert!(off.abs() < 1e-10, "{of:?} {size} {k}: {off}");
@@ -163,7 +163,9 @@ fn tension_follows_the_hardening() {
     let curve = table(&[[0.0, YIELD], [0.01, 0.2], [0.05, 0.24]]);
     let swift = Param::List(vec![0.5, 0.003, 0.22]);
     type Curve = fn(f64) -> f64;
-    let forms: [(&[(&str, f64)], Vec<(&str, Param)>, Curve); 3] = [
+    type Numbers<'a> = &'a [(&'a str, f64)];
+    type Lists<'a> = Vec<(&'a str, Param)>;
+    let forms: [(Numbers<'_>, Lists<'_>, Curve); 3] = [
         (&linear, vec![], |g| YIELD + 0.5 * g),
         (&[], vec![("hardening", curve)], |g| match g {
             _ if g < 0.01 => YIELD + 5.0 * g,

@@ -4,7 +4,7 @@
 //! t_n >= N   or   sqrt(t_s^2 + t_t^2) >= S
 //! ```
 
-use super::{Cohesive, CohesiveLawResult, CohesivePoint, FACE, Face, HISTORY, face, row};
+use super::{Cohesive, CohesiveFace, CohesiveLawResult, CohesivePoint, FACE, HISTORY, face, row};
 use crate::materials::parameters::Parameters;
 use crate::materials::{DefaultValue, Law};
 use crumple_proto::partition::Material;
@@ -35,7 +35,7 @@ pub const LAW: Law = Law {
 };
 
 struct ElasticFace {
-    face: Face,
+    face: CohesiveFace,
     /// Limits of the tractions [force/length^2].
     strength: [f64; 2],
 }
@@ -52,7 +52,7 @@ fn build(material: &Material) -> CohesiveLawResult {
 
 /// Returns a law without failure with these stiffnesses [force/length^3].
 pub fn law(stiffness: f64) -> Box<dyn Cohesive> {
-    let face = Face { stiffness: [stiffness; 2], density: 1.0, per_area: true };
+    let face = CohesiveFace { stiffness: [stiffness; 2], density: 1.0, per_area: true };
     Box::new(ElasticFace { face, strength: [f64::INFINITY; 2] })
 }
 
@@ -60,7 +60,7 @@ impl Cohesive for ElasticFace {
     fn history(&self) -> &'static [&'static str] {
         &HISTORY
     }
-    fn face(&self) -> Face {
+    fn face(&self) -> CohesiveFace {
         self.face
     }
     fn update(&self, point: CohesivePoint<'_>) -> [f64; 3] {

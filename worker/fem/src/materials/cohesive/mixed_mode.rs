@@ -18,7 +18,7 @@
 //! only with g = 1 or equal stiffnesses. A point without damage that would have `u_f < u_0` breaks
 //! at u_0. D is the largest so far, also if the mixture changes.
 
-use super::{Cohesive, CohesiveLawResult, CohesivePoint, FACE, Face, HISTORY, face, row};
+use super::{Cohesive, CohesiveFace, CohesiveLawResult, CohesivePoint, FACE, HISTORY, face, row};
 use crate::materials::parameters::Parameters;
 use crate::materials::{DefaultValue, Law};
 use crumple_proto::partition::Material;
@@ -82,7 +82,7 @@ enum Mixture {
 }
 
 struct MixedMode {
-    face: Face,
+    face: CohesiveFace,
     /// Openings at the peaks of pure modes [length].
     peak: [f64; 2],
     /// Toughnesses [force/length].
@@ -176,7 +176,7 @@ impl Cohesive for MixedMode {
     fn history(&self) -> &'static [&'static str] {
         &HISTORY
     }
-    fn face(&self) -> Face {
+    fn face(&self) -> CohesiveFace {
         self.face
     }
     fn update(&self, point: CohesivePoint<'_>) -> [f64; 3] {

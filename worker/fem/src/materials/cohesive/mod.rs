@@ -37,7 +37,7 @@ pub trait Cohesive: Send + Sync {
     fn history(&self) -> &'static [&'static str];
 
     /// Returns stiffness and mass.
-    fn face(&self) -> Face;
+    fn face(&self) -> CohesiveFace;
 
     /// Updates the history and returns the traction along the directions of the opening
     /// [force/length^2].
@@ -46,7 +46,7 @@ pub trait Cohesive: Send + Sync {
 
 /// Stiffness and mass of a cohesive surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
+pub struct CohesiveFace {
     /// Stiffness along the normal and in the surface [force/length^3].
     pub stiffness: [f64; 2],
     /// Density [mass/length^2 or mass/length^3].
@@ -58,7 +58,7 @@ pub struct Face {
 /// Columns of the history of all laws: damage, and 1 from failure on.
 const HISTORY: [&str; 2] = ["damage", "failed"];
 
-impl Face {
+impl CohesiveFace {
     /// Raises the damage of a point to `damage`, 1 at most, and returns its traction
     /// [force/length^2].
     fn traction(&self, point: CohesivePoint<'_>, damage: f64) -> [f64; 3] {
@@ -98,9 +98,9 @@ const FACE: [ParameterRow; 3] = [
 ];
 
 /// Reads stiffness and mass.
-fn face(parameters: &mut Parameters<'_>) -> Face {
+fn face(parameters: &mut Parameters<'_>) -> CohesiveFace {
     let density = parameters.density();
     let stiffness = ["stiffness_normal", "stiffness_shear"]
         .map(|key| parameters.required(key, "above 0", |k| k > 0.0));
-    Face { stiffness, density, per_area: parameters.flag("density_per_area") }
+    CohesiveFace { stiffness, density, per_area: parameters.flag("density_per_area") }
 }
