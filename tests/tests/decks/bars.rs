@@ -86,7 +86,7 @@ fn what_has_no_card_is_named() {
     fs::write(&source, job()).unwrap();
     let asked = ["export-deck", &source.to_string_lossy(), "--out", &deck.to_string_lossy()];
     let said = run(crumple_with(&asked)).with_code(0).said();
-    assert!(said.contains("no card for contact_radius"), "{said}");
+    assert!(said.contains("part.beam.contact_radius: no card for 1"), "{said}");
     let general = job().replace("law = \"elastic\"", "law = \"j2\"\nyield_stress = 0.3");
     fs::write(&source, general).unwrap();
     let said = run(crumple_with(&asked)).with_code(2).said();

@@ -31,6 +31,11 @@ fn jobs() -> Vec<PathBuf> {
     jobs
 }
 
+/// Returns lines, each after two blanks.
+fn indented(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("  {line}\n")).collect()
+}
+
 /// Returns the model of a deck with this text.
 fn read_back(text: &str, sets: &[String]) -> Model {
     let folder = tempfile::tempdir().unwrap();
@@ -94,12 +99,12 @@ fn every_scene_is_the_same_as_a_deck() {
         let _ = writeln!(left, "{name}");
         match export(&model) {
             Ok(deck) => {
-                deck.left.iter().for_each(|line| writeln!(left, "  {line}").unwrap());
+                left += &indented(&deck.left);
                 let again = read_back(&deck.text, &few);
                 assert_same(&model, &again, &name);
                 assert_same_motion(&model, &again, &name);
             }
-            Err(refused) => drop(writeln!(left, "  refused: {refused}")),
+            Err(refused) => left += &indented(&[format!("refused: {refused}")]),
         }
     }
     expect_test::expect_file!["../../decks/exported/scenes.txt"].assert_eq(&left);
@@ -124,13 +129,15 @@ fn no_list_of_a_job_is_lost() {
         assert!(count(&before) > 0, "{list}: add an entry of it to {}", path.display());
         // Sets by rule become lists of nodes.
         assert!(list == "set" || count(&after) >= count(&before), "{list}: entries are lost");
-        let is_comment =
-            deck.left.iter().any(|line| line.starts_with(&format!("{list}: no card for")));
-        let fate = if is_comment { "in comments" } else { "on cards" };
+        let start = format!("{list}: no card for ");
+        let fate = match deck.left.iter().find_map(|line| line.strip_prefix(&start)) {
+            Some(number) => format!("{number} of {} in comments", count(&before)),
+            None => "on cards".to_string(),
+        };
         let _ = writeln!(fates, "[[{list}]] {fate}");
     }
     let _ = writeln!(fates, "\nnot on cards alone:");
-    deck.left.iter().for_each(|line| writeln!(fates, "  {line}").unwrap());
+    fates += &indented(&deck.left);
     assert_same(&model, &again, "every list");
     assert_same_motion(&model, &again, "every list");
     // A second export: names from a deck must not be mistaken for others.
@@ -160,9 +167,9 @@ fn every_law_keeps_its_keys() {
             assert_eq!(back.parameters.get(key), Some(param), "{}: {key}", material.name);
         }
         let added = back.parameters.keys().filter(|key| !material.parameters.contains_key(*key));
-        added.for_each(|key| writeln!(left, "{}: {key} is added", material.name).unwrap());
+        left.extend(added.map(|key| format!("{}: {key} is added\n", material.name)));
     }
-    deck.left.iter().for_each(|line| writeln!(left, "{line}").unwrap());
+    left.extend(deck.left.iter().map(|line| format!("{line}\n")));
     assert_same(&model, &again, "every law");
     assert_same_motion(&model, &again, "every law");
     expect_test::expect_file!["../../decks/exported/every-law.txt"].assert_eq(&left);

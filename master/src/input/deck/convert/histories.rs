@@ -273,7 +273,11 @@ impl DeckConverter {
         for record in self.take_records("DATABASE_HISTORY_NODE_SET") {
             for (set, place) in ids(&record, "id") {
                 if let Some(name) = self.node_set(set, place) {
-                    histories.push((place, JobTable::new(record.head).with("nodes", place, name)));
+                    let mut table = JobTable::new(record.head).with("nodes", place, name);
+                    if let Some(title) = self.node_set_titles.get(&set) {
+                        table.put("name", place, title.as_str());
+                    }
+                    histories.push((place, table));
                 }
             }
         }

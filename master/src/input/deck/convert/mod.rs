@@ -82,6 +82,8 @@ pub struct DeckConverter {
     boxes: HashMap<i64, [[f64; 2]; 3]>,
     axes: HashMap<i64, [[f64; 3]; 3]>,
     node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
+    /// Titles of node sets that are names in the job, too.
+    node_set_titles: BTreeMap<i64, String>,
     part_sets: BTreeMap<i64, Vec<(i64, Place)>>,
     segment_sets: BTreeMap<i64, Vec<segments::DeckSegment>>,
     /// Sets of elements, in the order of [`sets::ELEMENT_SETS`].
@@ -219,6 +221,7 @@ impl DeckConverter {
             boxes: HashMap::new(),
             axes: HashMap::new(),
             node_sets: BTreeMap::new(),
+            node_set_titles: BTreeMap::new(),
             part_sets: BTreeMap::new(),
             segment_sets: BTreeMap::new(),
             element_sets: Default::default(),

@@ -162,7 +162,10 @@ impl DeckConverter {
             match record.in_submodel {
                 // The file may be included several times.
                 true => drop(self.rows.add_new_set(&title, nodes.clone(), *place)),
-                false => self.rows.add_set(title, nodes.clone(), *place),
+                false => {
+                    self.rows.add_set(title.clone(), nodes.clone(), *place);
+                    self.node_set_titles.insert(record.integer("sid"), title);
+                }
             }
         }
     }

@@ -52,10 +52,19 @@ enum NodeCard {
     Named,
 }
 
-fn node_card(history: &NodeHistory) -> Option<NodeCard> {
+/// Returns the set whose title names a history of a set; `None` if no set has this name and these
+/// nodes.
+fn titled<'h>(history: &'h NodeHistory, model: &Model) -> Option<&'h str> {
+    let set = history.nodes.as_deref()?;
+    let title = if history.name.is_empty() { set } else { &history.name };
+    let nodes = |name: &str| model.mesh.node_sets.get(name);
+    (fits(title) && nodes(title).is_some() && nodes(title) == nodes(set)).then_some(title)
+}
+
+fn node_card(history: &NodeHistory, model: &Model) -> Option<NodeCard> {
     let name = history.name.as_str();
     match (&history.nodes, history.ids.as_slice()) {
-        (Some(set), []) if (name.is_empty() || name == set) && fits(set) => Some(NodeCard::Set),
+        (Some(_), []) => titled(history, model).map(|_| NodeCard::Set),
         (None, ids) if name.is_empty() && !ids.is_empty() => Some(NodeCard::List),
         (None, [_]) if fits(name) => Some(NodeCard::Named),
         _ => None,
@@ -64,14 +73,14 @@ fn node_card(history: &NodeHistory) -> Option<NodeCard> {
 
 fn nodes(deck: &mut DeckWriter, model: &Model, set: impl Fn(&str) -> CardValue) {
     let all = &model.job.output.node;
-    let cards: Vec<NodeCard> = all.iter().map_while(node_card).collect();
+    let cards: Vec<NodeCard> = all.iter().map_while(|history| node_card(history, model)).collect();
     let count = cards.chunk_by(|a, b| a <= b).next().map_or(0, <[_]>::len);
     for (history, card) in all.iter().zip(&cards[..count]) {
         let ids: Vec<CardValue> = history.ids.iter().map(|&id| Id(id)).collect();
         match card {
             NodeCard::Set => {
                 deck.keyword("DATABASE_HISTORY_NODE_SET");
-                deck.card(&[set(history.nodes.as_deref().unwrap_or_default())]);
+                deck.card(&[set(titled(history, model).unwrap_or_default())]);
             }
             NodeCard::List => {
                 deck.keyword("DATABASE_HISTORY_NODE");

@@ -75,7 +75,10 @@ pub(in crate::input::deck) fn differing<T: Serialize>(
     let keys = difference(own, default, carried);
     if !keys.is_empty() {
         deck.note_leaves(name, &keys, LeftReason::NoCard);
-        deck.rest.insert(name.into(), Value::Table(keys));
+        let table = deck.rest.entry(name).or_insert_with(|| Value::Table(Table::new()));
+        if let Value::Table(table) = table {
+            table.extend(keys);
+        }
     }
 }
 

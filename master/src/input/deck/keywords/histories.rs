@@ -60,7 +60,11 @@ pub const KEYWORDS: &[Keyword] = &[
         NAMED,
         "the same, one node per line, with its heading as name",
     ),
-    Keyword::new("DATABASE_HISTORY_NODE_SET", LIST, "the same by node sets"),
+    Keyword::new(
+        "DATABASE_HISTORY_NODE_SET",
+        LIST,
+        "the same by node sets, with their titles as names",
+    ),
     elements("SET_SHELL_LIST", &["SET_SHELL"]),
     ranges("SET_SHELL_LIST_GENERATE", &["SET_SHELL_GENERATE"]),
     elements("SET_SOLID", &["SET_SOLID_LIST"]),
