@@ -385,6 +385,7 @@ fn advance(
     }
     constraints.advance(nodes, cycle.steps.dt);
     clock.advance();
-    clock.select_dt(settings, airbags.limit(cycle.agreed.stable_dt));
+    let stable_dt = constraints.bonds.limit(airbags.limit(cycle.agreed.stable_dt));
+    clock.select_dt(settings, stable_dt);
     Ok(())
 }

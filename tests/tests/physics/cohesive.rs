@@ -95,6 +95,8 @@ fn a_crack_grows_as_beam_theory_says() {
     // All work of the ends is in the arms, the bond and slow motion: the ledger is closed.
     let energy = end.ledger.energies(&end.nodes, &end.blocks).values();
     assert!(energy.kinetic < 1e-3 * energy.internal, "slow: {} J", energy.kinetic);
+    let left = energy.balance(0.0);
+    assert!(left.abs() < 1e-6 * energy.external, "{left} of {}", energy.external);
 }
 
 #[test]

@@ -78,6 +78,16 @@ const LAST_STEPS: f64 = 1000.0;
 /// is much longer than a period of any motion that the step resolves coarsely.
 const HELD: u64 = 256;
 
+/// Returns the stable step of a mesh whose squared frequencies grow by at most `frequency2`
+/// [1/time^2], from that without the growth [time].
+pub fn stiffened(stable_dt: f64, frequency2: f64) -> f64 {
+    if frequency2 > 0.0 {
+        1.0 / (1.0 / (stable_dt * stable_dt) + 0.25 * frequency2).sqrt()
+    } else {
+        stable_dt
+    }
+}
+
 impl Clock {
     /// Checks that the clock of a checkpoint shows what its manifest says.
     ///

@@ -18,7 +18,7 @@ use crate::constraints::Constraints;
 use crate::curve::Curve;
 use crate::loads::{BagSums, Loads};
 use crate::nodes::Nodes;
-use crate::time::Clock;
+use crate::time::{Clock, stiffened};
 use crumple_proto::airbag::{BagLaw, ResolvedAirbag};
 use crumple_proto::exact_sum::{ExactSum, WORDS};
 use crumple_proto::histories::BagState;
@@ -172,11 +172,7 @@ impl Airbags {
 
     /// Returns the stable step of the model, from that of its elements [time].
     pub fn limit(&self, stable_dt: f64) -> f64 {
-        if self.frequency2 > 0.0 {
-            1.0 / (1.0 / (stable_dt * stable_dt) + 0.25 * self.frequency2).sqrt()
-        } else {
-            stable_dt
-        }
+        stiffened(stable_dt, self.frequency2)
     }
 
     /// Returns what is wrong if a bag has no valid next state; equal on all workers.

@@ -12,6 +12,7 @@ mod cohesive;
 mod composites;
 pub(in crate::input::deck) mod contact;
 mod curves;
+mod damage;
 mod discrete_beams;
 mod faces;
 mod histories;

@@ -107,8 +107,8 @@ fn torn(end_time: f64) -> Scene {
 }
 
 /// Two blocks tear their bonds: these take the work under their curve, stress times area times
-/// opening over two, and momentum is kept to round-off. No energy is gained; the releases lose
-/// that of the motion of masters against each other.
+/// opening over two, and momentum is kept to round-off. The balance of energy has what the releases
+/// lose, the motion of masters against each other.
 #[test]
 fn bonds_take_the_work_under_their_curve() {
     let model = model(&torn(0.06)).unwrap();
@@ -131,12 +131,12 @@ fn bonds_take_the_work_under_their_curve() {
     assert!(had && gone == [true; 2], "{gone:?}");
     let exact = 0.5 * STRESS * 16.0 * OPENING;
     let work = works.last().copied().unwrap();
-    // A step opens by 5 % of the opening: the last one errs by a quarter of its square.
-    assert!((work / exact - 1.0).abs() < 2e-3, "{work} {exact}");
+    // The nodes do not part exactly along the forces of the failure, which are oblique.
+    assert!((work / exact - 1.0).abs() < 1e-2, "{work} {exact}");
     let mass = RHO * 128.0;
     assert!(watch.changed[0] < 1e-12 * mass * 4.0, "momentum: {:?}", watch.changed);
     // The elements alone, before the failure, keep the balance to 2e-7.
-    assert!(gained < 1e-6 && last > -0.01, "{gained} gained, {last} at the end");
+    assert!(gained < 1e-6 && last.abs() < 1e-6, "{gained} gained, {last} at the end");
 }
 
 /// A patch is torn from a plate whose nodes all have the same velocity: the energy of the run has
@@ -150,7 +150,7 @@ fn the_energy_has_the_work_of_bonds() {
     assert!(end.constraints.ties.is_empty() && end.constraints.bonds.is_empty());
     let exact = 0.5 * normal * 14.0 * 19.0 * opening;
     let work = -end.ledger.links.total();
-    // A step opens by 5 % of the opening, as above.
+    // A step opens by 5 % of the opening: the last one errs by a quarter of its square.
     assert!((work / exact - 1.0).abs() < 2e-3, "{work} {exact}");
     let energies = end.ledger.energies(&end.nodes, &end.blocks).values();
     assert!(
@@ -240,6 +240,20 @@ fn wrong_failures_are_refused() {
     );
     let bare = model(&scene).err().expect("errors");
     assert!(bare.contains("3 nodes have no area"), "{bare}");
+    // A plate in the plane of the other one: its tension has no direction, its shear has.
+    let mut scene = steel(0.01);
+    plate(&mut scene, 1, [[0.0, 0.0], [40.0, 40.0]], 0.0, [4, 4]);
+    let patch = plate(&mut scene, 2, [[13.0, 12.0], [27.0, 31.0]], 0.0, [3, 2]);
+    scene.set_named("patch", patch.all());
+    let tied = |limits: &str| {
+        let mut scene = scene.clone();
+        let tie = "[[tie]]\nnodes = \"patch\"\nparts = [1]\nfailure =";
+        scene.add(&format!("{tie} {{ {limits} }}"));
+        model(&scene).err()
+    };
+    let flat = tied("normal = 1.0").expect("errors");
+    assert!(flat.contains("tension cannot be told from compression"), "{flat}");
+    assert_eq!(tied("shear = 1.0"), None);
     let (mut scene, second) = bars(0.01, 0.0);
     scene.set_named("third", &second.layer(0, 1)[..2]);
     scene.add(&format!(

@@ -144,10 +144,8 @@ impl PlaneStress for Layered {
         self.laws.iter().all(|law| law.thins())
     }
     fn failed_points(&self, points: usize) -> usize {
-        match &self.laws[..] {
-            [law] => law.failed_points(points),
-            _ => points,
-        }
+        // The law that asks for the fewest decides.
+        self.laws.iter().map(|law| law.failed_points(points)).min().unwrap_or(points)
     }
     fn orientation(&self, point: usize) -> Option<Orientation> {
         let of = self.law_of(point).orientation(point)?;

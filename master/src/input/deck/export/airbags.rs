@@ -31,16 +31,16 @@ enum BagCard<'b> {
     /// A pressure over the volume.
     Table,
     /// A gas of constant mass.
-    Closed(Gas),
+    Closed(BagGas),
     /// A gas that leaves, without an inflow.
-    Leaking(Gas, Vents<'b>),
+    Leaking(BagGas, Vents<'b>),
     /// A gas with an inflow.
-    Filled(Gas, &'b InflowInput, Vents<'b>),
+    Filled(BagGas, &'b InflowInput, Vents<'b>),
 }
 
 /// A gas at the start.
 #[derive(Clone, Copy)]
-struct Gas {
+struct BagGas {
     cv: f64,
     cp: f64,
     temperature: f64,
@@ -91,7 +91,7 @@ impl<'b> BagCard<'b> {
         if !bag.pressure_over_volume.is_empty() {
             return Some(Self::Table);
         }
-        let gas = Gas {
+        let gas = BagGas {
             cv: bag.cv?,
             cp: bag.cp?,
             temperature: bag.temperature?,
@@ -208,7 +208,7 @@ fn keep_list(exact: &mut Table, key: &str, list: &[impl Serialize]) {
     }
 }
 
-fn closed(bag: &AirbagInput, gas: &Gas, exact: &mut Table) -> Vec<CardValue> {
+fn closed(bag: &AirbagInput, gas: &BagGas, exact: &mut Table) -> Vec<CardValue> {
     let gamma = gas.cp / gas.cv;
     let density = gas.pressure / ((gas.cp - gas.cv) * gas.temperature);
     let cv = 1.0 / (gamma - 1.0);
@@ -222,7 +222,7 @@ fn closed(bag: &AirbagInput, gas: &Gas, exact: &mut Table) -> Vec<CardValue> {
 fn leaking(
     deck: &mut DeckWriter,
     bag: &AirbagInput,
-    (gas, vents): (&Gas, &Vents<'_>),
+    (gas, vents): (&BagGas, &Vents<'_>),
     exact: &mut Table,
 ) -> Vec<Vec<CardValue>> {
     let ambient = bag.ambient_pressure;
@@ -263,7 +263,7 @@ fn leaking(
 fn filled(
     deck: &mut DeckWriter,
     bag: &AirbagInput,
-    (gas, inflow, vents): (&Gas, &InflowInput, &Vents<'_>),
+    (gas, inflow, vents): (&BagGas, &InflowInput, &Vents<'_>),
     curves: &mut TimeCurves<'_>,
     exact: &mut Table,
 ) -> Vec<Vec<CardValue>> {

@@ -2,7 +2,7 @@
 //! of the material.
 
 use super::{Blank, CardValue, DeckWriter, Id, Number, line, named, points};
-use super::{barlat, cohesive, composites, metals, soft_materials, writer::LeftReason};
+use super::{barlat, cohesive, composites, damage, metals, soft_materials, writer::LeftReason};
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
@@ -173,6 +173,7 @@ pub fn write<'m>(
         let cards = MaterialCards { material, mid, turned, part };
         let mut read = law(deck, &cards);
         erosion(deck, &cards, &mut read);
+        damage::gissmo(deck, &cards, &mut read);
         if material.law == "johnson_cook" && of_solids(material) {
             equations.extend(equation(deck, &cards, &mut read).map(|id| (&*material.name, id)));
         }

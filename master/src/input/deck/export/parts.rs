@@ -61,12 +61,12 @@ pub fn write(
             ));
         }
         if !part.layer.is_empty() {
-            let hourglass = hourglass(deck, part, shells);
+            let hourglass = hourglass(deck, (model, part), shells);
             composites::part(deck, part, materials, hourglass);
             continue;
         }
         section(deck, part, shells);
-        let hourglass = hourglass(deck, part, shells);
+        let hourglass = hourglass(deck, (model, part), shells);
         let contact = contact_fields(part).filter(|_| shells);
         deck.keyword(if contact.is_some() { "PART_CONTACT" } else { "PART" });
         deck.text(&line(&part.name));
@@ -136,7 +136,7 @@ fn is_membrane(part: &Part) -> bool {
 }
 
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
-fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
+fn hourglass(deck: &mut DeckWriter, (model, part): (&Model, &Part), shells: bool) -> bool {
     let solids = !shells && !is_cohesive(part);
     let by_card = solids || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
@@ -168,12 +168,13 @@ fn hourglass(deck: &mut DeckWriter, part: &Part, shells: bool) -> bool {
         "hourglass" | "warping" | "membrane" => by_card,
         "hourglass_coefficient" => coefficient.is_some(),
         "bulk_viscosity" => !viscosity.is_empty(),
-        _ => false,
+        _ => cohesive::is_on_card(key, part),
     };
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
     for (key, value) in part.parameters.iter().filter(|(key, _)| !on_card(key)) {
         own.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
     }
+    own.extend(cohesive::differing(part, &model.settings.parts));
     // A deck has no drilling stiffness for this formulation.
     if let (Some("belytschko_tsay"), None, false) =
         (part.element.as_deref(), given("drilling"), is_membrane(part))

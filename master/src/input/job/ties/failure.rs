@@ -5,12 +5,15 @@ use crate::input::job::loads::outer_faces;
 use crate::input::job::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{TieFailureInput, TieInput, TieLimits};
-use crumple_proto::mesh::once_each;
+use crumple_proto::mesh::{face_key, once_each};
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::{Tie, TieStrength};
-use crumple_worker::constraints::ties::project::FaceCorners;
+use crumple_worker::constraints::ties::project::{FaceCorners, diagonal};
 use nalgebra::Vector3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+
+/// Distance from the plane of a face, over its size, below which it is round-off.
+const NO_SIDE: f64 = 1e-6;
 
 /// Checks the limits of an entry; `path` returns the path of a key.
 pub(super) fn check(spec: &TieInput, path: impl Fn(&str) -> String, findings: &mut JobProblems) {
@@ -91,9 +94,14 @@ pub(super) fn scale(
     tied.sort_unstable();
     let mut areas: HashMap<NodeId, f64> = HashMap::new();
     let between = outer_faces(mesh, free, |_| true, Some(&tied));
+    // A skin of shells has the nodes of the faces of its solids: the area is there once.
+    let mut seen: HashSet<[NodeId; 4]> = HashSet::new();
     for (element, face) in between.into_iter().filter(|face| !own(face)) {
         let element = &mesh.elements[element];
         let corners = &element.shape.faces()[face];
+        if !seen.insert(face_key(corners.map(|k| element.nodes[k]))) {
+            continue;
+        }
         let [a, b, c, d] = corners.map(|k| Vector3::from(context.place(element.nodes[k])));
         let area = 0.5 * (c - a).cross(&(d - b)).norm();
         let corners = once_each(corners);
@@ -120,6 +128,42 @@ pub(super) fn scale(
         let help = "add the other nodes of their faces to the set, or give the limits as forces \
                     (limits = \"force\")";
         findings.add(Problem::error(format!("tie.{entry}.failure.limits"), message, help));
+    }
+}
+
+/// Reports nodes in the plane of their face, with elements on neither side of it, if their tension
+/// has a limit. `centres` are the mean centres of the elements of nodes [length].
+pub(super) fn refuse_without_side(
+    context: &TieContext<'_>,
+    entry: usize,
+    centres: &HashMap<NodeId, [f64; 3]>,
+    projected: &[Projected],
+    findings: &mut JobProblems,
+) {
+    let place = |id: NodeId| Vector3::from(context.place(id));
+    let has_no_side = |tie: &Tie| {
+        let Some(strength) = tie.failure.as_ref().filter(|f| f.limits[0].is_finite()) else {
+            return false;
+        };
+        let corners = strength.corners.map(place);
+        let normal = (corners[2] - corners[0]).cross(&(corners[3] - corners[1])).normalize();
+        let foot: Vector3<f64> = tie.masters.iter().map(|&(id, share)| place(id) * share).sum();
+        let centre = centres.get(&tie.node).map_or(foot, |&c| Vector3::from(c));
+        let size = diagonal(&corners.map(Into::into));
+        normal.dot(&(centre - foot)).abs() <= NO_SIDE * size
+    };
+    let nodes: Vec<NodeId> =
+        projected.iter().map(|s| &s.tie).filter(|tie| has_no_side(tie)).map(|t| t.node).collect();
+    if !nodes.is_empty() {
+        let message = format!(
+            "{}: {} nodes are in the plane of their face with elements on neither side, so that \
+             tension cannot be told from compression: {}",
+            name(context.job, entry),
+            nodes.len(),
+            named(&nodes)
+        );
+        let help = "put them half a thickness off the face; or give only a limit of the shear";
+        findings.add(Problem::error(format!("tie.{entry}.failure"), message, help));
     }
 }
 

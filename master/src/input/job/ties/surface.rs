@@ -153,7 +153,8 @@ impl<'a> TieSurface<'a> {
         }
     }
 
-    /// Multiplies limits of stresses by the areas of the nodes.
+    /// Multiplies limits of stresses by the areas of the nodes. Reports nodes whose limits have no
+    /// meaning.
     pub(super) fn scale_limits(
         &self,
         entry: usize,
@@ -161,6 +162,7 @@ impl<'a> TieSurface<'a> {
         findings: &mut JobProblems,
     ) {
         let own: HashSet<(usize, usize)> = self.faces.iter().copied().collect();
+        failure::refuse_without_side(self.context, entry, &self.centres, projected, findings);
         failure::scale(self.context, entry, |face| own.contains(face), projected, findings);
     }
 
