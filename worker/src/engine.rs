@@ -242,8 +242,7 @@ impl Engine {
     }
 
     /// Releases the slaves of ties that have broken, in some cycles. All workers call this
-    /// together. The kinetic energy that is lost counts as work of external forces, as where parts
-    /// become rigid.
+    /// together.
     ///
     /// # Errors
     /// A worker is gone.
@@ -254,12 +253,8 @@ impl Engine {
         }
         let cycle = self.clock.cycle;
         let _span = tracing::debug_span!("redecomposition", kind = "ties", cycle).entered();
-        // Slaves and masters keep their velocities, but not their masses.
-        let before = self.energies(true).stored();
         let dt = self.clock.steps(0.0).dt_stable;
         self.constraints.release_broken(comm, &mut self.nodes, dt)?;
-        let after = self.energies(true).stored();
-        self.ledger.external.transfer(&before, &after);
         self.renew(comm, self.tree.clone())
     }
 

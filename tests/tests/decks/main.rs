@@ -23,6 +23,7 @@ mod mesh_details;
 mod mesh_files;
 mod models;
 mod odd_files;
+mod particles;
 mod radioss;
 mod rigid_joints;
 mod runs;

@@ -1,9 +1,9 @@
 //! Bonds: springs that hold nodes near the faces from which their ties have released them, until
 //! they have parted by the opening of the failure.
 //!
-//! A tie is rigid until it fails with the force `F_0` of its limit, in the direction n. From then on
-//! s is the position of the slave relative to its point on the face, in the axes of the face, less
-//! that of the failure and without the part of it that is a compression. The force is
+//! A tie is rigid until it fails with the force `F_0` of its limit, in the direction n. Then s is
+//! the position of the slave relative to its point on the face, in the axes of the face, less that
+//! of the failure and without the part of it that is a compression. The force is
 //!
 //! `F = |F_0| (1 - D) (c s/q + (1 - c) n),  D = q/w,  c = min(1, q/s_0),  s_0 = |F_0|/k_0`,
 //!

@@ -22,6 +22,7 @@ mod loads;
 mod materials;
 mod mesh;
 mod metals;
+mod particles;
 mod parts;
 mod rest;
 mod soft_materials;
@@ -35,7 +36,6 @@ pub(in crate::input::deck) use writer::{DeckWriter, line, named};
 
 use crate::input::job::{Model, Report};
 use crumple_proto::job::Job;
-use crumple_proto::mesh::Shape;
 use curves::TimeCurves;
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -56,12 +56,6 @@ pub struct ExportedDeck {
 /// # Errors
 /// A text if the model has something that a deck cannot have.
 pub fn export(model: &Model) -> Result<ExportedDeck, String> {
-    let particles = model.mesh.elements.iter().filter(|e| e.shape == Shape::Point1).count();
-    if particles > 0 {
-        return Err(format!(
-            "{particles} particles cannot be written as a deck: remove them from the mesh"
-        ));
-    }
     let job = &model.job;
     let mut deck = DeckWriter {
         curves: most("curve-", job.curve.iter().map(|c| c.name.as_str())),

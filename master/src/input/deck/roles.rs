@@ -126,6 +126,9 @@ const ROLES: &[(&str, &str)] = &[
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
     ("ELEMENT_BEAM", "rt1=1 rr1=1 rt2=1 rr2=1 local=1 vx=@d"),
     ("ELEMENT_DISCRETE", "s=1 pf=1 offset=l"),
+    ("ELEMENT_SPH", "mass=m nend=#n"),
+    ("SECTION_SPH", "cslh=1 hmin=1 hmax=1 sphini=l death=t start=t sphkern=1"),
+    ("CONTROL_SPH", "idim=1 form=1 dt=t start=t maxv=v ql=1"),
     (
         "PART",
         "grav=1 adpopt=1 xc=@x tm=m ircs=1 vtx=@v vrx=@w ixx=i ixy=i ixz=i iyy=i iyz=i izz=i \
@@ -194,6 +197,7 @@ const ROLES: &[(&str, &str)] = &[
          lcyc=#f:w:p lcyt=#f:w:p lcsc=#f:w:p dt=1",
     ),
     ("EOS_GRUNEISEN", "c=v s1=1 s2=1 s3=1 gamao=1 a=1 e0=p v0=1 lcid=#f:t:1"),
+    ("EOS_MURNAGHAN", "gamma=1 k0=p v0=1"),
     ("EOS_LINEAR_POLYNOMIAL", "c0=p c1=p c2=p c3=p c4=1 c5=1 c6=1 e0=p v0=1"),
     ("MAT_NULL", "ro=d pc=p mu=1 terod=1 cerod=1 ym=p pr=1"),
     (

@@ -397,6 +397,10 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
             roles.insert("xc", FieldRole::Number([0, 1, 0])); // without a spin no centre moves
         }
     }
+    let is_volume = line.real("mass") < 0.0 || record.has("VOLUME");
+    if keyword == "ELEMENT_SPH" && is_volume {
+        roles.insert("mass", FieldRole::Number([0, 3, 0]));
+    }
     if line.word("ptype").eq_ignore_ascii_case("PSET") {
         roles.insert("pid", id(OffsetKind::Set));
         roles.insert("rpid", id(OffsetKind::Set));

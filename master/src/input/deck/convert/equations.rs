@@ -12,6 +12,9 @@ const EQUATIONS: [(&str, &str, [&str; 6]); 2] = [
     ("EOS_LINEAR_POLYNOMIAL", "eos_polynomial", ["c1", "c2", "c3", "c4", "c5", "c6"]),
 ];
 
+/// The keyword for particles.
+pub(super) const MURNAGHAN: &str = "EOS_MURNAGHAN";
+
 /// The equation of a part of solids.
 #[derive(Debug)]
 pub struct PartEquation {
@@ -21,24 +24,33 @@ pub struct PartEquation {
     pub place: Place,
 }
 
-/// The key of an equation, and its constants.
-type Constants = (&'static str, [f64; 6], Place);
-
 impl DeckConverter {
-    /// Gives each material the equation of its parts.
-    pub(super) fn equations_of_state(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
-        let mut equations: BTreeMap<i64, Constants> = BTreeMap::new();
-        for (keyword, key, fields) in EQUATIONS {
+    /// Reads the cards of equations.
+    pub(super) fn read_equations(&mut self) {
+        for keyword in EQUATIONS.map(|equation| equation.0).into_iter().chain([MURNAGHAN]) {
             for record in self.take_records(keyword) {
                 let (id, place) = (record.integer("eosid"), record.place("eosid"));
                 self.starting_state(&record);
-                let constants = fields.map(|field| record.real(field));
-                if equations.insert(id, (key, constants, record.place(fields[0]))).is_some() {
+                if self.equation_cards.insert(id, record).is_some() {
                     let message = format!("there are two equations of state with the id {id}");
                     self.trouble.error(place, message, "give each a different id");
                 }
             }
         }
+    }
+
+    /// Returns the card of the equation of state of a part. Reports one that does not exist.
+    pub(super) fn equation_card(&mut self, eosid: i64, place: Place) -> Option<CardRecord> {
+        let found = self.equation_cards.get(&eosid).cloned();
+        if found.is_none() {
+            let known: Vec<String> = self.equation_cards.keys().map(i64::to_string).collect();
+            self.missing(place, "*EOS_...", eosid, &known);
+        }
+        found
+    }
+
+    /// Gives each material the equation of its parts.
+    pub(super) fn equations_of_state(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
         let mut first: BTreeMap<i64, [i64; 2]> = BTreeMap::new();
         for PartEquation { ids: [part, mid, eosid], place } in std::mem::take(&mut self.equations) {
             let Some(material) = materials.get_mut(&mid) else { continue };
@@ -61,13 +73,16 @@ impl DeckConverter {
             if eosid == 0 || other != part {
                 continue;
             }
-            let Some(&(key, constants, at)) = equations.get(&eosid) else {
-                let known: Vec<String> = equations.keys().map(i64::to_string).collect();
-                self.missing(place, "*EOS_...", eosid, &known);
+            let Some(card) = self.equation_card(eosid, place) else { continue };
+            let of_solids = EQUATIONS.iter().find(|e| e.0 == card.row.keyword.name);
+            let Some(&(_, key, fields)) = of_solids else {
+                let message = format!("part {part}: {} is for particles only", card.name());
+                let help = "give it an *EOS_GRUNEISEN or an *EOS_LINEAR_POLYNOMIAL";
+                self.trouble.error(place, message, help);
                 continue;
             };
             if let Some(table) = &mut material.table {
-                table.put(key, at, constants);
+                table.put(key, card.place(fields[0]), fields.map(|field| card.real(field)));
                 if let Some((pressure, at)) = material.least_pressure {
                     table.put("eos_min_pressure", at, pressure);
                 }

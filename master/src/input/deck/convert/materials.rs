@@ -19,6 +19,8 @@ pub struct DeckMaterial {
     pub rigid: Option<Vec<&'static str>>,
     /// True if it carries no load.
     pub skin: bool,
+    /// Its card, if particles can have it.
+    pub fluid: Option<CardRecord>,
     /// True if it is elastic.
     pub elastic: bool,
     /// True if it has axes in the plane of a shell.
@@ -112,6 +114,7 @@ impl DeckConverter {
                 let material = DeckMaterial {
                     name,
                     skin,
+                    fluid: skin.then(|| record.clone()),
                     table,
                     rigid,
                     elastic,

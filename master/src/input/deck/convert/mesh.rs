@@ -26,11 +26,13 @@ pub struct Rows {
     pub solids: Vec<MeshElement>,
     pub springs: Vec<MeshElement>,
     pub beams: Vec<MeshElement>,
+    pub particles: Vec<MeshElement>,
     node_lines: Vec<LineSpan>,
     shell_lines: Vec<LineSpan>,
     solid_lines: Vec<LineSpan>,
     spring_lines: Vec<LineSpan>,
     beam_lines: Vec<LineSpan>,
+    particle_lines: Vec<LineSpan>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
     /// Names that two different node sets have, with the place of the second one.
     pub same_names: Vec<(String, Place)>,
@@ -398,6 +400,13 @@ impl Rows {
         self.beam_lines.push((file, start, end));
     }
 
+    /// Adds a particle, which is written at `place`.
+    pub fn particle(&mut self, id: ElemId, part: u32, node: NodeId, place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.particles.push(MeshElement::new(id, part, Shape::Point1, &[node]));
+        self.particle_lines.push((file, start, end));
+    }
+
     /// Returns the place of the `index`-th beam.
     pub fn beam_place(&self, index: usize) -> Place {
         self.beam_lines.get(index).map_or(Place::Whole, |&(file, start, end)| Place::Deck {
@@ -461,9 +470,10 @@ impl Rows {
         self.sets.contains_key(name)
     }
 
-    /// Returns shells, then solids, then springs, then beams.
+    /// Returns shells, then solids, then springs, then beams, then particles.
     pub fn elements(&self) -> impl Iterator<Item = &MeshElement> {
-        self.shells.iter().chain(&self.solids).chain(&self.springs).chain(&self.beams)
+        let solid = self.shells.iter().chain(&self.solids);
+        solid.chain(&self.springs).chain(&self.beams).chain(&self.particles)
     }
 
     /// Returns the nodes of all elements of the parts that `of` accepts, ascending.
@@ -496,9 +506,13 @@ impl Rows {
 
     /// Returns the number of elements of each kind, in the order of [`Rows::finish`].
     pub fn lists(&self) -> ListLengths {
-        let [shells, solids, springs, beams] =
-            [&self.shells, &self.solids, &self.springs, &self.beams].map(|list| list.len());
-        vec![("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
+        vec![
+            ("shells", self.shells.len()),
+            ("solids", self.solids.len()),
+            ("springs", self.springs.len()),
+            ("beams", self.beams.len()),
+            ("particles", self.particles.len()),
+        ]
     }
 
     /// Returns the mesh and the places of its data.
@@ -507,12 +521,14 @@ impl Rows {
         elements.extend(self.solids);
         elements.extend(self.springs);
         elements.extend(self.beams);
+        elements.extend(self.particles);
         let places = Places {
             nodes: self.node_lines,
             shells: self.shell_lines,
             solids: self.solid_lines,
             springs: self.spring_lines,
             beams: self.beam_lines,
+            particles: self.particle_lines,
             sets: self.sets.iter().map(|(name, (_, place))| (name.clone(), *place)).collect(),
         };
         let node_sets = self.sets.into_iter().map(|(name, (nodes, _))| (name, nodes)).collect();
@@ -563,6 +579,7 @@ pub struct Places {
     solids: Vec<LineSpan>,
     springs: Vec<LineSpan>,
     beams: Vec<LineSpan>,
+    particles: Vec<LineSpan>,
     sets: BTreeMap<String, Place>,
 }
 
@@ -577,6 +594,7 @@ impl Places {
             "solids" => &self.solids,
             "springs" => &self.springs,
             "beams" => &self.beams,
+            "particles" => &self.particles,
             "node_sets" => return self.sets.get(rest).copied(),
             _ => return None,
         };

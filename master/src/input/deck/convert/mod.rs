@@ -24,6 +24,7 @@ pub mod mesh;
 mod metals;
 mod motion;
 mod names;
+pub(in crate::input::deck) mod particles;
 mod parts;
 pub mod radioss;
 mod rigid;
@@ -90,6 +91,10 @@ pub struct DeckConverter {
     element_sets: [sets::ElementSets; 3],
     parts: BTreeMap<i64, parts::DeckPart>,
     used_materials: Vec<i64>,
+    /// Mass or volume of the particles of a part, with the place of its first particle.
+    particle_sizes: BTreeMap<i64, (particles::ParticleSize, Place)>,
+    /// Cards of equations of state.
+    equation_cards: BTreeMap<i64, CardRecord>,
     /// Equations of state of parts of solids, in the order of the deck.
     equations: Vec<equations::PartEquation>,
     /// Scales of the forces of springs by part, with their places.
@@ -150,6 +155,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.discrete_beam_laws();
     b.beams();
     b.rows.number_apart(&mut b.mapping);
+    b.particles();
     b.control();
     b.implicit();
     b.curves();
@@ -157,6 +163,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.space();
     let mut materials = b.materials();
     let sections = b.sections();
+    b.read_equations();
     b.parts(&materials, &sections);
     b.sets();
     b.node_transforms();
@@ -227,6 +234,8 @@ impl DeckConverter {
             element_sets: Default::default(),
             parts: BTreeMap::new(),
             used_materials: Vec::new(),
+            particle_sizes: BTreeMap::new(),
+            equation_cards: BTreeMap::new(),
             equations: Vec::new(),
             spring_scales: BTreeMap::new(),
             spring_laws: BTreeMap::new(),

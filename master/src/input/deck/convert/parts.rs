@@ -95,14 +95,20 @@ impl DeckConverter {
                 self.parts.insert(id, part);
                 continue;
             };
+            if section.kind == SectionKind::Particle {
+                let part = DeckPart { rigid: None, material: None, inertia: None, place };
+                self.parts.insert(id, part);
+                self.refuse_inertia(&record);
+                self.particle_part(&record, &name, material, (section, sections));
+                continue;
+            }
             let elements = PartElements {
                 shapes: shapes.get(&id).copied().unwrap_or_default(),
                 thickness: own_thickness.get(&id).map(Vec::as_slice),
             };
             let table = self.part_table(&record, name, material, (section, sections), elements);
-            if material.rigid.is_none() && record.line("tm").is_some() {
-                let message = format!("part {id}: *PART_INERTIA of a part that is not rigid");
-                self.unsupported(record.place("tm"), message, "*PART_INERTIA".into());
+            if material.rigid.is_none() {
+                self.refuse_inertia(&record);
             }
             let part = DeckPart {
                 rigid: material.rigid.clone(),
@@ -117,6 +123,15 @@ impl DeckConverter {
             self.add("part", table);
         }
         self.parts_with_layers(materials, sections, &mut names);
+    }
+
+    /// Refuses the mass properties of a part that is not rigid.
+    fn refuse_inertia(&mut self, record: &CardRecord) {
+        if record.line("tm").is_some() {
+            let id = record.integer("pid");
+            let message = format!("part {id}: *PART_INERTIA of a part that is not rigid");
+            self.unsupported(record.place("tm"), message, "*PART_INERTIA".into());
+        }
     }
 
     /// Returns id and name of a part, and adds the name to those taken; `None` after an error.
@@ -187,7 +202,7 @@ impl DeckConverter {
                 }
             }
             SectionKind::Beam => self.beam_part(record, section, material, &mut table),
-            SectionKind::Discrete => {}
+            SectionKind::Discrete | SectionKind::Particle => {}
         }
         self.check_material(record, material, section.kind, &mut table);
         table
@@ -260,6 +275,14 @@ impl DeckConverter {
             (false, _) => {}
             (true, SectionKind::Shell) => {
                 table.put("skin", record.place("mid"), true);
+                for field in ["pc", "mu", "terod", "cerod"] {
+                    if let Some(given) = material.fluid.as_ref().map(|card| card.real(field))
+                        && given != 0.0
+                    {
+                        let why = "not used: it is for fluids and failure of solids";
+                        self.map("*MAT_NULL", format!("{field} {given}"), why);
+                    }
+                }
                 self.map(
                     format!("part {id}"),
                     "*MAT_NULL",
@@ -267,7 +290,10 @@ impl DeckConverter {
                 );
             }
             (true, _) => {
-                let message = format!("part {id}: *MAT_NULL is supported for shells only");
+                let message = format!(
+                    "part {id}: *MAT_NULL is supported for shells and \
+                     particles only"
+                );
                 self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
             }
         }
@@ -358,14 +384,19 @@ impl DeckConverter {
                 return;
             }
         };
-        let own = sections
-            .hourglass
-            .get(&record.integer("hgid"))
-            .and_then(|h| h.1.map(|bulk| (bulk, h.2)));
-        if let Some((bulk, place)) = own.or(sections.defaults.bulk) {
+        if let Some((bulk, place)) = sections.bulk_viscosity(record.integer("hgid")) {
             table.put("bulk_viscosity", place, bulk);
         }
         self.map(format!("part {id}"), format!("solids, elform {elform}"), became);
+    }
+
+    /// Reports an hourglass control that a part refers to and that does not exist.
+    pub(super) fn check_hourglass(&mut self, record: &CardRecord, sections: &Sections) {
+        let hgid = record.integer("hgid");
+        if hgid != 0 && !sections.hourglass.contains_key(&hgid) {
+            let known: Vec<String> = sections.hourglass.keys().map(i64::to_string).collect();
+            self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
+        }
     }
 
     /// Converts the hourglass control of a part. Returns the name of the form and its origin.
@@ -379,10 +410,7 @@ impl DeckConverter {
     ) -> (&'static str, &'static str) {
         let hgid = record.integer("hgid");
         let own = sections.hourglass.get(&hgid).map(|h| (h.0, h.2));
-        if hgid != 0 && own.is_none() {
-            let known: Vec<String> = sections.hourglass.keys().map(i64::to_string).collect();
-            self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
-        }
+        self.check_hourglass(record, sections);
         let given = own.or(sections.defaults.hourglass);
         let none = DeckHourglass { form: 0, coefficient: 0.0 };
         let (DeckHourglass { form, coefficient }, place) =

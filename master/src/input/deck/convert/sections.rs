@@ -25,6 +25,8 @@ pub enum SectionKind {
     Discrete,
     /// Beams.
     Beam,
+    /// Particles.
+    Particle,
 }
 
 /// Settings for all parts from `*CONTROL_SHELL`, `*CONTROL_HOURGLASS` and
@@ -55,6 +57,15 @@ pub struct Sections {
     pub by_id: HashMap<i64, DeckSection>,
     pub defaults: Defaults,
     pub hourglass: HashMap<i64, (DeckHourglass, Option<[f64; 2]>, Place)>,
+}
+
+impl Sections {
+    /// Returns the linear and quadratic viscosity of parts with an hourglass control, 0 for none,
+    /// and its place; `None` if the deck has none for them.
+    pub fn bulk_viscosity(&self, hgid: i64) -> Option<([f64; 2], Place)> {
+        let own = self.hourglass.get(&hgid).and_then(|h| h.1.map(|bulk| (bulk, h.2)));
+        own.or(self.defaults.bulk)
+    }
 }
 
 /// A formulation of shells: name in the job, and true if it includes warping or is a membrane.
@@ -105,6 +116,7 @@ impl DeckConverter {
             ("SECTION_SOLID", SectionKind::Solid),
             ("SECTION_BEAM", SectionKind::Beam),
             ("SECTION_DISCRETE", SectionKind::Discrete),
+            ("SECTION_SPH", SectionKind::Particle),
         ];
         for (keyword, kind) in kinds {
             for record in self.take_records(keyword) {

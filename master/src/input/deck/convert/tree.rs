@@ -59,6 +59,11 @@ impl JobTable {
         self.entries.contains_key(key)
     }
 
+    /// Returns true if the table has a key that begins so.
+    pub fn has_start(&self, start: &str) -> bool {
+        self.entries.keys().any(|key| key.starts_with(start))
+    }
+
     fn into_node(self) -> Node {
         Node { kind: NodeContent::Table(self.entries), place: self.place }
     }

@@ -1,6 +1,6 @@
 //! Writes nodes and elements.
 
-use super::{Blank, DeckWriter, Id, Number, beams, springs};
+use super::{Blank, DeckWriter, Id, Number, beams, particles, springs};
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{MeshElement, OwnSection, Shape};
@@ -18,6 +18,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model) {
     let springs = model.mesh.elements.iter().filter(|e| !discrete.contains(&e.part));
     springs::elements(deck, springs, &model.settings.parts);
     beams::elements(deck, model, &discrete);
+    particles::elements(deck, model);
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
         let of = |shape: Shape| match shells {
             true => shape.is_shell(),

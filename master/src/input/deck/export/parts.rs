@@ -2,7 +2,7 @@
 
 use super::{
     Blank, CardValue, DeckWriter, Id, Number, beams, cohesive, composites, discrete_beams, line,
-    springs,
+    particles, springs,
 };
 use crate::input::job::Model;
 use crumple_proto::job::{Part, Setting};
@@ -11,8 +11,8 @@ use crumple_worker::fem::elements::{COHESIVE, HourglassForm, formulation, points
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
-/// Writes the parts. Parts of springs and discrete beams get individual materials, with ids from
-/// `next` on.
+/// Writes the parts. Parts of springs, discrete beams and particles get individual materials,
+/// with ids from `next` on.
 pub fn write(
     deck: &mut DeckWriter,
     model: &Model,
@@ -33,6 +33,11 @@ pub fn write(
         }
         if let Some(beam) = &part.discrete_beam {
             discrete_beams::part(deck, part, beam, next);
+            next += 1;
+            continue;
+        }
+        if let Some(fluid) = &part.particles {
+            particles::part(deck, part, fluid, next);
             next += 1;
             continue;
         }

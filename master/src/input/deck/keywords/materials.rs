@@ -315,10 +315,10 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],
-        "parts of shells are `skin`; solids (fluids) are not supported. ym and pr are for contact \
-         that needs a stiffness",
+        "parts of shells are `skin`; those of particles are a fluid, see SECTION_SPH: mu (its \
+         viscosity), terod and cerod (its erosion) are not supported. Solids (fluids) are not \
+         supported. ym and pr are for contact that needs a stiffness",
     )
-    .unused(&[no_effect("pc mu terod cerod", "they are for fluids and failure of solids")])
     .aliases(&["MAT_009", "MAT_9"])
     .options(&["TITLE"]),
 ];

@@ -12,6 +12,7 @@ mod joints;
 mod loads;
 mod materials;
 mod mesh;
+mod particles;
 mod parts;
 mod sets;
 mod soft_materials;
@@ -26,6 +27,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Mesh", mesh::KEYWORDS),
     ("Parts and sections", parts::KEYWORDS),
     ("Materials", materials::KEYWORDS),
+    ("Particles", particles::KEYWORDS),
     ("Composites", composites::KEYWORDS),
     ("Cohesive elements", cohesive::KEYWORDS),
     ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),

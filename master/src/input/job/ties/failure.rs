@@ -157,7 +157,7 @@ pub(super) fn refuse_without_side(
     if !nodes.is_empty() {
         let message = format!(
             "{}: {} nodes are in the plane of their face with elements on neither side, so that \
-             tension cannot be told from compression: {}",
+             tension and compression are the same: {}",
             name(context.job, entry),
             nodes.len(),
             named(&nodes)

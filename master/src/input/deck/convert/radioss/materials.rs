@@ -54,6 +54,7 @@ impl StarterConverter {
                 table: Some(table),
                 rigid: None,
                 skin,
+                fluid: None,
                 has_axes: false,
                 cohesive: None,
                 turn: 0.0,
