@@ -4,6 +4,7 @@
 //! `*INCLUDE` is replaced by the included file. Text before `*KEYWORD`, comments (`$`), and text
 //! after `*END` in its file are ignored. This module knows no other keyword.
 
+use super::cases;
 use super::diagnostics::Trouble;
 use super::fields::CardFormat;
 use super::number;
@@ -328,6 +329,15 @@ impl DeckReader<'_> {
                     self.file(&found, name, Some(place), format);
                 }
             }
+        let without_block = ["INCLUDE", "INCLUDE_PATH", "INCLUDE_PATH_RELATIVE"];
+        if without_block.contains(&block.name.as_str())
+            && cases::subcase_on_line(&line(block.head)).is_some()
+        {
+            let message = format!("{}: CID is not supported here", block.shown());
+            let help = "write *CASE_BEGIN_n above *INCLUDE and *CASE_END_n below it; folders of \
+                        *INCLUDE_PATH are those of all cases";
+            self.trouble.error(block.place(), message, help);
+        }
             "INCLUDE_TRANSFORM" => self.include_transform(block, line, folder, format),
             "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
                 let root = if block.name == "INCLUDE_PATH" {
