@@ -84,6 +84,16 @@ fn what_is_not_supported_is_refused() {
             "*MAT_138\n3,1e-6,1,7,20.0,8.0,8e-5,2.4e-3\n1.0,0.1,0.02\n",
             &["toughness_normal is 0.00008", "failed_points is 7"],
         ),
+        (
+            "19",
+            "*MAT_138\n3,1e-6,,2.5,20.0,8.0,8e-4,2.4e-3\n1.0,0.04,0.02\n",
+            &["`intfail` = 2.5 is not supported"],
+        ),
+        (
+            "19",
+            "*MAT_138\n3,1e-6,0,1,20.0,8.0,8e-4,2.4e-3\n1.0,0.04,0.02\n",
+            &["cohesive element 3 has no thickness", "density_per_area = true (roflg 1"],
+        ),
     ] {
         fs::write(&path, format!("{}*END\n", bonded(section, material))).unwrap();
         let text = crumple::input::job::read(&path, &[]).err().expect(material).to_string();

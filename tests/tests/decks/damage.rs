@@ -60,6 +60,37 @@ fn fields_become_parameters() {
     assert!(none.mapping.iter().any(|entry| entry.asked == "numfip 3"));
 }
 
+/// A material has one damage, and each criterion once: the error names the lines of both cards.
+#[test]
+fn two_cards_for_one_material_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    let damage = "*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,,,0.3\n";
+    let erosion = "*MAT_ADD_EROSION\n1,,0.5\n\n1,1,31,0.2\n";
+    for (cards, what, distance) in [
+        (format!("{damage}{damage}"), "damage", 3),
+        // The criteria of erosion are read first.
+        (format!("{damage}{erosion}"), "damage", 4),
+        (format!("{erosion}*MAT_ADD_EROSION\n1,,0.6\n"), "mxpres", 4),
+    ] {
+        let text = format!("{}*END\n", deck(&cards));
+        fs::write(&path, &text).unwrap();
+        let report = crumple::input::job::read(&path, &[]).err().expect("errors").to_string();
+        let line_of = |which: &str| {
+            let words = format!("material 1 has {what} by two cards: this is the {which} one");
+            let after = report.split(&words).nth(1).unwrap_or_else(|| panic!("{words}: {report}"));
+            let number = after.split("deck.k:").nth(1).expect("a place");
+            number.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse::<usize>().unwrap()
+        };
+        assert_eq!(line_of("first").abs_diff(line_of("second")), distance, "{report}");
+    }
+    // The critical strain is used, not the critical damage.
+    let mixed = model_of(&deck("*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,0.15,,0.3\n"));
+    assert_eq!(parameter(&mixed, "gissmo_critical_strain"), "[[0.0, 0.15]]");
+    let said = mixed.mapping.iter().find(|entry| entry.asked == "dcrit 0.3").expect("a mapping");
+    assert_eq!((said.of.as_str(), said.used.as_str()), ("material 1", "not used: ecrit is given"));
+}
+
 /// In a file with an offset of curves the negative id of the critical curve moves too.
 #[test]
 fn ids_of_curves_have_the_offset_of_their_file() {
@@ -99,6 +130,22 @@ fn what_is_not_supported_is_refused() {
         ("*MAT_ADD_DAMAGE_GISSMO\n1,,61\n31\n", &["`dtyp` = 61"]),
         ("*MAT_ADD_DAMAGE_GISSMO\n7,,1\n31\n", &["no *MAT_... with the id 7"]),
         ("*MAT_ADD_EROSION\n1\n\n2,1,31\n", &["`idam` = 2"]),
+        (
+            "*MAT_ADD_EROSION\n1\n\n1,1,31,,,0.3\n1,0.5,3,32,0.5,0.4,32,1\n,0.7,1\n32\n",
+            &[
+                "`sizflg` = 1",
+                "`lcsrs` = 32",
+                "`shrf` = 0.5",
+                "`biaxf` = 0.4",
+                "`lcdlim` = 32",
+                "`midfail` = 1",
+                "`soft` = 0.7",
+                "`lp2bi` = 1",
+                "`lcfld` = 32",
+            ],
+        ),
+        // Without damage the forming limits follow directly.
+        ("*MAT_ADD_EROSION\n1\n\n0\n32\n", &["`lcfld` = 32"]),
         ("*MAT_ADD_DAMAGE_GISSMO\n1,,1\n33,,,1.0\n", &["gissmo_critical_damage is 1"]),
     ] {
         fs::write(&path, format!("{}*END\n", deck(card))).unwrap();

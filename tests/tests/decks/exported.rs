@@ -1,5 +1,7 @@
 //! Every scene as an exported deck: read back, it is the same model with the same bits. What stays
-//! in comments is pinned, so that a new key without a card fails here until its fate is decided.
+//! in comments is pinned, so that a new key without a card fails here until its fate is decided, if
+//! a scene or one of the jobs `every-*.toml` gives it. These jobs need every list and every law,
+//! and only the keys that somebody has added to them.
 
 use crumple::input::deck::export::export;
 use crumple::input::job::{Model, read};

@@ -98,6 +98,36 @@ fn numbers_of_joints_do_not_collide() {
     assert_eq!(joints(lines).len(), 3);
 }
 
+/// A heading may be the name that another joint gets from its id, before or after it.
+#[test]
+fn names_of_joints_do_not_collide() {
+    let named = "*CONSTRAINED_JOINT_SPHERICAL_ID\n5,joint-3\n25,26\n";
+    let other = "*CONSTRAINED_JOINT_LOCKING_ID\n3\n23,24\n";
+    for (lines, names) in [
+        (format!("{named}{other}"), ["joint-3", "joint-3 (3)"]),
+        (format!("{other}{named}"), ["joint-3", "joint-3 (5)"]),
+    ] {
+        let model = deck(&lines).unwrap_or_else(|report| panic!("{report}"));
+        let found: Vec<&str> = model.job.joint.iter().map(|joint| joint.name.as_str()).collect();
+        assert_eq!(found, names);
+    }
+}
+
+/// An included file is read where it is included: its joints precede those that follow.
+#[test]
+fn joints_are_in_the_order_of_the_deck() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, own, job] = ["deck.k", "own.k", "job.toml"].map(|name| folder.path().join(name));
+    fs::write(&own, "*KEYWORD\n*CONSTRAINED_JOINT_LOCKING_ID\n2,inner\n23,24\n*END\n").unwrap();
+    let joint = |id, name| format!("*CONSTRAINED_JOINT_SPHERICAL_ID\n{id},{name}\n25,26\n");
+    let lines = format!("{}*INCLUDE\nown.k\n{}", joint(1, "outer"), joint(3, "last"));
+    fs::write(&path, format!("{BASE}{lines}*END\n")).unwrap();
+    fs::write(&job, "[mesh]\ndeck = \"deck.k\"\n[time]\ndt_max = 0.01\n").unwrap();
+    let model = read(&job, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let names: Vec<&str> = model.job.joint.iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["outer", "inner", "last"]);
+}
+
 /// Faults name the card, the field and what to do.
 #[test]
 fn faults_of_joints_are_named() {

@@ -65,6 +65,9 @@ fn other_options_are_refused() {
         (automatic, "6,0.02,0.03", "param is 0 with option 6"),
         ("TIEBREAK_SURFACE_TO_SURFACE", "0.02,0.03,5", "`tblcid` = 5"),
         ("TIEBREAK_SURFACE_TO_SURFACE", "0.0,0.0", "has no limit"),
+        ("TIEBREAK_SURFACE_TO_SURFACE", "-7.0,0.03", "`nfls` = -7 is not supported: a curve"),
+        (automatic, "2,0.02,-7.0", "`sfls` = -7 is not supported: a curve"),
+        (automatic, "4,-7.0,0.03", "`nfls` = -7 is not supported: a curve"),
     ] {
         let report = refused(&card(keyword, limits));
         assert!(report.contains(words), "{keyword} {limits}: {report}");

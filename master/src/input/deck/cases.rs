@@ -7,7 +7,12 @@
 
 use super::Mapping;
 use super::diagnostics::Trouble;
+use super::fields::{CardFormat, split};
+use super::keywords;
 use super::number;
+use super::parameters::DeckParameters;
+use super::record::{CardRecord, Cards};
+use super::table::Card;
 use super::text::{KeywordBlock, Texts};
 use crate::input::job::tree::Place;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,21 +28,27 @@ struct Case {
     place: Place,
 }
 
+/// Reports a case that is chosen from a deck without cases.
+pub fn report_none(wanted: Option<u64>, trouble: &mut Trouble) {
+    if let Some(case) = wanted {
+        let message = format!("the deck has no cases, and case {case} is chosen");
+        trouble.error(Place::Whole, message, "remove --case, and mesh.case from the job");
+    }
+}
+
 /// Keeps the keywords of one case: that of `wanted`, or the only one. Returns the choice for the
 /// mapping, if the deck has cases.
 pub fn select(texts: &mut Texts, wanted: Option<u64>, trouble: &mut Trouble) -> Option<Mapping> {
     let is_case = |block: &KeywordBlock| block.name == "CASE" || block.name.starts_with("CASE_");
-    let marked = |block: &KeywordBlock| subcase_on_line(texts, block).is_some();
-    if !texts.blocks.iter().any(|block| is_case(block) || marked(block)) {
-        if let Some(case) = wanted {
-            let message = format!("the deck has no cases, and case {case} is chosen");
-            trouble.error(Place::Whole, message, "remove --case, and mesh.case from the job");
-        }
+    let marked = |block: &KeywordBlock| subcase_on_line(&head(texts, block)).is_some();
+    let Some(first) = texts.blocks.iter().find(|block| is_case(block) || marked(block)) else {
+        report_none(wanted, trouble);
         return None;
-    }
+    };
+    let first = first.place();
     let (members, named) = members(texts, trouble);
     let cases = cases(texts, &named, trouble);
-    let Some((id, case)) = choose(&cases, wanted, trouble) else {
+    let Some((id, case)) = choose(&cases, wanted, first, trouble) else {
         // Other problems depend on the choice.
         trouble.unsure();
         texts.blocks.clear();
@@ -96,12 +107,25 @@ fn members(texts: &Texts, trouble: &mut Trouble) -> (Vec<BTreeSet<i64>>, Subcase
                     trouble.error(place, message, help);
                 }
             }
+            None if block.name.starts_with("CASE_") => {
+                let message = format!("*{} is not supported", block.name);
+                let help = "cases have the keywords *CASE, *CASE_BEGIN_n and *CASE_END_n: remove \
+                            this one, or correct its name";
+                trouble.error(place, message, help);
+            }
             None => {}
         }
         let mut of: BTreeSet<i64> = open.keys().copied().collect();
-        if let Some(n) = subcase_on_line(texts, block) {
-            named.entry(n).or_insert(place);
-            of.insert(n);
+        match subcase_on_line(&head(texts, block)) {
+            Some(Ok(n)) => {
+                named.entry(n).or_insert(place);
+                of.insert(n);
+            }
+            Some(Err(given)) => {
+                let message = format!("*{}: CID is `{given}`, not a number above 0", block.name);
+                trouble.error(place, message, "write CID=n with the number n of its subcase");
+            }
+            None => {}
         }
         members.push(of);
     }
@@ -117,12 +141,21 @@ fn number_of(rest: &str) -> Option<i64> {
     number::integer(rest.strip_prefix('_')?.as_bytes()).filter(|n| *n > 0)
 }
 
-/// Returns the subcase of `CID=n` on the line of a keyword.
-fn subcase_on_line(texts: &Texts, block: &KeywordBlock) -> Option<i64> {
-    let line = String::from_utf8_lossy(texts.line(block, block.head)).to_ascii_uppercase();
-    let mut words = line.split(|c: char| c.is_ascii_whitespace() || c == ',').skip(1);
-    let digits = words.find_map(|word| word.strip_prefix("CID="))?;
-    number::integer(digits.as_bytes())
+/// Returns the line of a keyword.
+fn head(texts: &Texts, block: &KeywordBlock) -> String {
+    String::from_utf8_lossy(texts.line(block, block.head)).into_owned()
+}
+
+/// Returns the subcase of `CID=n` on the line of a keyword, or its text if that is no number above
+/// 0; `None` without `CID`.
+pub fn subcase_on_line(line: &str) -> Option<Result<i64, String>> {
+    let spaced = line.to_ascii_uppercase().replace('=', " = ");
+    let words = spaced.split(|c: char| c.is_ascii_whitespace() || c == ',');
+    let mut words = words.skip(1).filter(|word| !word.is_empty());
+    words.find(|word| *word == "CID")?;
+    let given = words.find(|word| *word != "=").unwrap_or_default();
+    let number = number::integer(given.as_bytes()).filter(|n| *n > 0);
+    Some(number.ok_or_else(|| given.to_string()))
 }
 
 /// Reads the cards of `*CASE`: id and name of the job, then a command line, then subcases. Without
@@ -130,55 +163,24 @@ fn subcase_on_line(texts: &Texts, block: &KeywordBlock) -> Option<i64> {
 fn cases(texts: &Texts, named: &Subcases, trouble: &mut Trouble) -> BTreeMap<i64, Case> {
     let mut cases = BTreeMap::new();
     for block in texts.blocks.iter().filter(|block| block.name == "CASE") {
-        let place = block.place();
-        let line = |at: usize| {
-            block.lines.get(at).map(|&span| String::from_utf8_lossy(texts.line(block, span)))
-        };
-        let words = |at: usize| -> Vec<String> {
-            let text = line(at).unwrap_or_default();
-            let words = text.split(|c: char| c.is_ascii_whitespace() || c == ',');
-            words.filter(|word| !word.is_empty()).map(String::from).collect()
-        };
-        let head = words(0);
-        let id = head.first().and_then(|word| number::integer(word.as_bytes()));
-        let Some(id) = id.filter(|id| *id > 0) else {
-            let help = "write its id, a whole number above 0, on the line after the keyword";
-            trouble.error(place, "*CASE has no id", help);
-            continue;
-        };
-        let numbers = |at: usize| -> Option<BTreeSet<i64>> {
-            words(at).iter().map(|word| number::integer(word.as_bytes())).collect()
-        };
-        // Both the command line and the subcases may be missing.
-        let mut subcases = BTreeSet::new();
-        for at in 1..block.lines.len() {
-            match numbers(at) {
-                Some(more) => subcases.extend(more),
-                None if at == 1 => {
-                    let help = "give options to `crumple run`";
-                    trouble.warning(
-                        place,
-                        format!("case {id}: its command line is not used"),
-                        help,
-                    );
+        let Some((row, _)) = keywords::find(&block.name) else { continue };
+        let parameters = DeckParameters::default();
+        let records = Cards::of(texts, &parameters, trouble).records(row, &[], block);
+        for record in &records {
+            let id = record.integer("caseid");
+            if id <= 0 {
+                if !record.is_blank("caseid") {
+                    let help = "write a whole number above 0";
+                    trouble.error(record.place("caseid"), format!("*CASE has the id {id}"), help);
                 }
-                None => {
-                    let message = format!("case {id}: its subcases are not numbers");
-                    trouble.error(place, message, "write whole numbers, ten columns each");
-                }
+                continue;
             }
-        }
-        subcases.remove(&0);
-        if subcases.is_empty() {
-            subcases.insert(id);
-        }
-        let job = head.get(1).cloned().unwrap_or_default();
-        if cases.insert(id, Case { job, subcases, place }).is_some() {
-            trouble.error(
-                place,
-                format!("case {id} is defined twice"),
-                "remove one, or renumber it",
-            );
+            let subcases = subcases(texts, block, record, trouble);
+            let case = Case { job: record.word("jobid").into(), subcases, place: block.place() };
+            if cases.insert(id, case).is_some() {
+                let message = format!("case {id} is defined twice");
+                trouble.error(block.place(), message, "remove one, or renumber it");
+            }
         }
     }
     if cases.is_empty() {
@@ -190,13 +192,62 @@ fn cases(texts: &Texts, named: &Subcases, trouble: &mut Trouble) -> BTreeMap<i64
     cases
 }
 
-/// Returns the case that is read; an error lists all if it is not clear which.
+/// Returns the subcases of a case, its own number if it has no others. The command line before
+/// them may be missing.
+fn subcases(
+    texts: &Texts,
+    block: &KeywordBlock,
+    record: &CardRecord,
+    trouble: &mut Trouble,
+) -> BTreeSet<i64> {
+    let id = record.integer("caseid");
+    let mut subcases: BTreeSet<i64> =
+        record.lines("scid").flat_map(|line| line.integers("scid").map(|(n, _)| n)).collect();
+    let second = block.lines.get(1).map_or(&[][..], |&line| texts.line(block, line));
+    let mut words = second.split(|b| b.is_ascii_whitespace() || *b == b',');
+    if !words.all(|word| word.is_empty() || number::integer(word).is_some()) {
+        let message = format!("case {id}: its command line is not used");
+        trouble.warning(record.place("commands"), message, "give options to `crumple run`");
+    } else {
+        let cards = record.row.cards.iter().map(|(card, _)| card);
+        let card = cards.filter(|card| card.index("scid").is_some()).next_back();
+        match card.and_then(|card| numbers(second, card, block.format)) {
+            Some(more) => subcases.extend(more),
+            None => {
+                let message = format!("case {id}: its subcases are not in their columns");
+                let help = "write whole numbers, ten columns each, or with commas between them";
+                trouble.error(record.place("commands"), message, help);
+            }
+        }
+    }
+    subcases.remove(&0);
+    if subcases.is_empty() {
+        subcases.insert(id);
+    }
+    subcases
+}
+
+/// Returns the numbers of a line by the columns of a card; `None` if there is other text.
+fn numbers(line: &[u8], card: &Card, format: CardFormat) -> Option<Vec<i64>> {
+    let fields = split(line, card, format);
+    let texts = (0..fields.count()).map(|index| fields.text(line, index));
+    texts.filter(|text| !text.is_empty()).map(number::integer).collect()
+}
+
+/// Returns the case that is read; an error lists all if it is not clear which. `mark` is the place
+/// of the first keyword of cases.
 fn choose<'c>(
     cases: &'c BTreeMap<i64, Case>,
     wanted: Option<u64>,
+    mark: Place,
     trouble: &mut Trouble,
 ) -> Option<(i64, &'c Case)> {
-    let first = cases.iter().next()?;
+    let Some(first) = cases.iter().next() else {
+        let help = "write *CASE with its id, or *CASE_BEGIN_n and *CASE_END_n around the keywords \
+                    of a subcase n";
+        trouble.error(mark, "the deck has keywords of cases, but no case", help);
+        return None;
+    };
     let list: Vec<String> = cases.iter().map(|(&id, case)| shown(id, case)).collect();
     let list = list.join(", ");
     let help = format!("choose one with --case N, or with mesh.case = N in a job: {list}");

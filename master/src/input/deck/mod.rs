@@ -123,6 +123,7 @@ pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
             (texts, tree, built)
         }
         DeckFormat::Radioss => {
+            cases::report_none(*case, &mut trouble);
             let texts = radioss::text::read(path, &mut trouble);
             let (tree, built) = convert::radioss::build(&texts, leave_out, trouble);
             (texts, tree, built)
@@ -170,8 +171,8 @@ pub struct DeckMesh {
 ///
 /// # Errors
 /// All problems of the deck, with file and line in their texts.
-pub fn mesh_of(path: &Path, allow_unsupported: bool) -> Result<DeckMesh, Vec<Problem>> {
-    let deck = read(path, &DeckChoice { allow_unsupported, ..DeckChoice::default() });
+pub fn mesh_of(path: &Path, choice: &DeckChoice) -> Result<DeckMesh, Vec<Problem>> {
+    let deck = read(path, choice);
     let errors: Vec<Problem> = deck
         .findings
         .iter()

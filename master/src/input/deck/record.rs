@@ -191,6 +191,8 @@ pub struct CardRecord {
     pub options: Vec<&'static str>,
     /// The keyword's own line.
     pub head: Place,
+    /// Number of its block in the order of the deck.
+    pub block: usize,
     /// True if it is in a file that `*INCLUDE_TRANSFORM` changes.
     pub in_submodel: bool,
     /// Its lines.
@@ -315,6 +317,7 @@ impl Cards<'_> {
                 written: block.name.clone(),
                 options: options.to_vec(),
                 head: block.place(),
+                block: block.number,
                 in_submodel: false,
                 lines: Vec::new(),
             };

@@ -4,6 +4,7 @@
 //! `*INCLUDE` is replaced by the included file. Text before `*KEYWORD`, comments (`$`), and text
 //! after `*END` in its file are ignored. This module knows no other keyword.
 
+use super::cases;
 use super::diagnostics::Trouble;
 use super::fields::CardFormat;
 use super::number;
@@ -40,6 +41,8 @@ pub struct Text {
 pub struct KeywordBlock {
     /// Number of its file.
     pub file: u32,
+    /// Its number in the order of the deck, in which an included file is at its `*INCLUDE`.
+    pub number: usize,
     /// Bytes of the keyword's own line.
     pub head: (u32, u32),
     /// Name in capitals: without asterisk, or with the slashes of Radioss and without ids.
@@ -94,6 +97,11 @@ impl Texts {
             .as_bytes()
             .get(line.0 as usize..line.1 as usize)
             .unwrap_or_default()
+    }
+
+    /// Adds a block and numbers it.
+    pub(super) fn push(&mut self, block: KeywordBlock) {
+        self.blocks.push(KeywordBlock { number: self.blocks.len(), ..block });
     }
 
     /// Reads a deck and all files that it includes, and reports problems.
@@ -249,7 +257,8 @@ impl DeckReader<'_> {
         name: String,
         format: CardFormat,
     ) -> KeywordBlock {
-        KeywordBlock { file, head, name, format, lines: Vec::new(), submodel: self.submodel }
+        let (lines, submodel) = (Vec::new(), self.submodel);
+        KeywordBlock { file, number: 0, head, name, format, lines, submodel }
     }
 
     /// Reads the file of `*INCLUDE_TRANSFORM`. Its block keeps the cards after the name, and
@@ -274,7 +283,7 @@ impl DeckReader<'_> {
         };
         let place = block.span(span, 0, (span.1 - span.0) as usize);
         let found = self.resolve_include(&name, folder, place);
-        self.texts.blocks.push(block);
+        self.texts.push(block);
         self.submodels += 1;
         let outer = std::mem::replace(&mut self.submodel, self.submodels);
         self.file(&found, name, Some(place), format);
@@ -320,6 +329,15 @@ impl DeckReader<'_> {
             String::from_utf8_lossy(&bytes[span.0 as usize..span.1 as usize]).into_owned()
         };
         let folder = path.parent().unwrap_or(Path::new(""));
+        let without_block = ["INCLUDE", "INCLUDE_PATH", "INCLUDE_PATH_RELATIVE"];
+        if without_block.contains(&block.name.as_str())
+            && cases::subcase_on_line(&line(block.head)).is_some()
+        {
+            let message = format!("{}: CID is not supported here", block.shown());
+            let help = "write *CASE_BEGIN_n above *INCLUDE and *CASE_END_n below it; folders of \
+                        *INCLUDE_PATH are those of all cases";
+            self.trouble.error(block.place(), message, help);
+        }
         match block.name.as_str() {
             "INCLUDE" => {
                 for (name, span) in names(&block.lines, line) {
@@ -345,7 +363,7 @@ impl DeckReader<'_> {
                 while block.lines.last().is_some_and(|l| l.0 == l.1) && block.lines.len() > 64 {
                     block.lines.pop();
                 }
-                self.texts.blocks.push(block);
+                self.texts.push(block);
             }
         }
     }

@@ -36,6 +36,10 @@ pub(super) fn read_mesh(
     };
     let in_folder = |name: &String| path.parent().unwrap_or(Path::new("")).join(name);
     let count = count_sources(given);
+    let foreign = given.file.as_ref().filter(|file| !mesh_file::is_own_format(&in_folder(file)));
+    if let Some(case) = given.case.filter(|_| given.deck.is_none() && foreign.is_none()) {
+        findings.add(mesh_file::without_cases(case));
+    }
     let read = if let Some(deck) = deck.filter(|_| count == 0) {
         let mut mesh = deck.mesh;
         mesh.node_sets.extend(own_sets());
@@ -47,7 +51,7 @@ pub(super) fn read_mesh(
         if mesh_file::is_own_format(&file) {
             return read_toml_mesh(given, &file, sources, findings);
         }
-        let mut mesh = read_foreign_mesh(&file, given.allow_unsupported, sources, findings)?;
+        let mut mesh = read_foreign_mesh(&file, given, sources, findings)?;
         mesh.node_sets.extend(own_sets());
         mesh::PlacedMesh::elsewhere(mesh, "mesh.file")
     } else if let Some(generator) = &given.generator {
@@ -119,11 +123,11 @@ fn check_own_sets(given: &MeshSource, findings: &mut JobProblems) -> bool {
 /// Reads a mesh file of another program. Reports errors and returns `None` if it is faulty.
 fn read_foreign_mesh(
     file: &Path,
-    allowed: bool,
+    given: &MeshSource,
     sources: &mut SourceFiles,
     findings: &mut JobProblems,
 ) -> Option<Mesh> {
-    match mesh_file::read(file, allowed) {
+    match mesh_file::read(file, given.allow_unsupported, given.case) {
         Ok(read) => {
             sources.mesh_rows = read.rows;
             sources.mesh_files = read.files;

@@ -9,7 +9,7 @@ use super::units;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MaterialSpec};
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
@@ -262,7 +262,8 @@ pub fn elements(
     let part_of: HashMap<u32, usize> =
         settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
     let mut start = ElementStart::default();
-    let mut unsound = (0, None);
+    // Numbers of elements, with the first one.
+    let (mut unsound, mut massless) = ((0, None), (0, None));
     let mut bodies: Vec<Option<usize>> = Vec::new();
     for element in &mesh.elements {
         let part = part_of[&element.part];
@@ -271,7 +272,9 @@ pub fn elements(
         let mass = formulation.corner_mass(&x, element.own).0 * element.shape.corners() as f64;
         let dt = formulation.stable_dt(&x, element.own);
         let sound = dt.is_finite() && dt > 0.0 && mass.is_finite() && mass > 0.0;
-        if !sound && formulation.discrete().is_none() {
+        if element.shape == Shape::Cohesive8 && mass == 0.0 {
+            massless = (massless.0 + 1, massless.1.or(Some(element.id)));
+        } else if !sound && formulation.discrete().is_none() {
             unsound = (unsound.0 + 1, unsound.1.or(Some(element.id)));
         }
         let wanted = job.time.mass_scaling_dt;
@@ -299,7 +302,7 @@ pub fn elements(
     springs::steps(mesh, settings, blocks, nodes, &mut start, findings);
     let (added, limit) =
         (scaled_mass(&start) / deformable_mass(&start), job.time.mass_scaling_limit);
-    if unsound.0 == 0 && added > limit {
+    if unsound.0 + massless.0 == 0 && added > limit {
         let message =
             format!("mass scaling would add {:.1} % of the structure's mass", 100.0 * added);
         let help = format!(
@@ -311,6 +314,18 @@ pub fn elements(
     if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
         let help = "add dt_max to [time]: rigid bodies and parts with skin = true set no time step";
         findings.add(Problem::error("time", "all elements are rigid or have skin = true", help));
+    }
+    if let (count, Some(first)) = massless {
+        let message = match count {
+            1 => format!("cohesive element {first} has no thickness, and so no mass"),
+            n => format!(
+                "{n} cohesive elements have no thickness, and so no mass; the first is element \
+                 {first}"
+            ),
+        };
+        let help = "its material has a density per volume: set density_per_area = true (roflg 1 in \
+                    a deck) and give a mass per area, or move its two faces apart";
+        findings.add(Problem::error("mesh", message, help));
     }
     if let (count, Some(first)) = unsound {
         let message = match count {

@@ -227,11 +227,17 @@ fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Reads a mesh file. With `allowed`, what is not supported is left out.
+/// Returns the problem of a case that is chosen for a mesh without cases.
+pub fn without_cases(case: u64) -> Problem {
+    let message = format!("case {case} is chosen, and the mesh is not from a deck with cases");
+    Problem::error("mesh.case", message, "remove --case, and mesh.case from the job")
+}
+
+/// Reads a mesh file. With `allowed`, what is not supported is left out; `case` is that of a deck.
 ///
 /// # Errors
 /// All problems: the file cannot be read, is of no known format, or its content is faulty.
-pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
+pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, Vec<Problem>> {
     let shown = path.display();
     let one = |message: String, help: &str| vec![Problem::error(KEY, message, help)];
     let found = confine::check(path).and_then(|()| std::fs::read(path));
@@ -249,6 +255,9 @@ pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
     };
     let mut reading = MeshReading::new(path, allowed);
     warn_of_extension(&mut reading, format, path);
+    if let Some(case) = case.filter(|_| !matches!(format.reader, FormatReader::Deck)) {
+        return Err(vec![without_cases(case)]);
+    }
     match format.reader {
         Bytes(reader) => reader(&mut reading, &bytes),
         FormatReader::Exodus => match exodus::read(path) {
@@ -260,7 +269,7 @@ pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
                     .collect());
             }
         },
-        FormatReader::Deck => read_deck(&mut reading, path)?,
+        FormatReader::Deck => read_deck(&mut reading, path, case)?,
         Refused(cure) => {
             let message = format!("{shown} is a file of the format {}", format.name);
             return Err(one(message, cure));
@@ -278,8 +287,14 @@ pub fn read(path: &Path, allowed: bool) -> Result<ReadMesh, Vec<Problem>> {
 }
 
 /// Reads the mesh of a deck: nodes, elements and groups of nodes.
-fn read_deck(reading: &mut MeshReading, path: &Path) -> Result<(), Vec<Problem>> {
-    let found = deck::mesh_of(path, reading.allowed)?;
+fn read_deck(
+    reading: &mut MeshReading,
+    path: &Path,
+    case: Option<u64>,
+) -> Result<(), Vec<Problem>> {
+    let allow_unsupported = reading.allowed;
+    let choice = deck::DeckChoice { allow_unsupported, case, ..deck::DeckChoice::default() };
+    let found = deck::mesh_of(path, &choice)?;
     reading.mesh = FileMesh::from_mesh(&found.mesh);
     for (id, name) in found.parts {
         let part = reading.mesh.part_with_id(id, &name);

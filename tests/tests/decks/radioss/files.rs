@@ -76,7 +76,7 @@ fn a_deck_is_a_mesh_file_and_can_be_imported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plate_0000.rad");
     fs::write(&path, with("/GRNOD/NODE/5\n=rim\ni11 i14") + "/END\n").unwrap();
-    let found = mesh_file::read(&path, false).unwrap_or_else(|p| panic!("{p:?}"));
+    let found = mesh_file::read(&path, false, None).unwrap_or_else(|p| panic!("{p:?}"));
     assert_eq!((found.mesh.nodes.len(), found.mesh.elements.len()), (14, 3));
     let names: Vec<&str> = found.mesh.parts.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["plate", "cube"]);
@@ -84,13 +84,25 @@ fn a_deck_is_a_mesh_file_and_can_be_imported() {
     assert!(found.warnings.iter().any(|w| w.help.contains("mesh.deck")), "{:?}", found.warnings);
     let broken = folder.path().join("broken_0000.rad");
     fs::write(&broken, "/BEGIN\nx\n      2022         0\n/NODE\n        1x\n").unwrap();
-    let problems = mesh_file::read(&broken, false).err().unwrap();
+    let problems = mesh_file::read(&broken, false, None).err().unwrap();
     assert!(problems[0].message.contains("broken_0000.rad:5: /NODE: `nid`"), "{problems:?}");
     let out = folder.path().join("imported");
     let args = ["import", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
     run(crumple_with(&args)).with_code(0);
     let imported = read_at(Path::new(&out), &[]).unwrap();
     assert_eq!((imported.job.end_time, imported.mesh.elements.len()), (10.0, 3));
+}
+
+/// Decks of this format have no cases: a choice of one is an error, not ignored.
+#[test]
+fn a_case_of_this_format_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate_0000.rad");
+    fs::write(&path, with("") + "/END\n").unwrap();
+    let report = read_at(&path, &["mesh.case=2"]).err().expect("errors");
+    assert!(report.contains("the deck has no cases, and case 2 is chosen"), "{report}");
+    let problems = mesh_file::read(&path, false, Some(2)).err().expect("errors");
+    assert!(problems[0].message.contains("case 2 is chosen"), "{problems:?}");
 }
 
 /// Keys after `$crumple:` override the cards; a keyword can be left out.

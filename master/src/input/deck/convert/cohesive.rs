@@ -55,7 +55,11 @@ impl DeckConverter {
             table.put("law", record.head, "cohesive_mixed_mode");
             self.mixed_mode(record, table);
         }
-        CohesiveIntegration { intfail: record.real("intfail"), place: record.place("intfail") }
+        let intfail = record.real("intfail");
+        if intfail.fract() != 0.0 {
+            self.unsupported_value(record, "intfail", "a number of points is whole");
+        }
+        CohesiveIntegration { intfail, place: record.place("intfail") }
     }
 
     fn mixed_mode(&mut self, record: &CardRecord, table: &mut JobTable) {

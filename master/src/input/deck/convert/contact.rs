@@ -78,7 +78,7 @@ impl DeckConverter {
         }
         let broken = std::mem::take(&mut self.broken_contacts);
         found.extend(broken.into_iter().map(|record| (false, record)));
-        found.sort_by_key(|(single, record)| (!single, written(record.head)));
+        found.sort_by_key(|(single, record)| (!single, record.block));
         let mut tables = Vec::new();
         let names = names(found.iter().map(|f| &f.1), "contact ", ["heading", "cid"]);
         for (name, (single, record)) in names.iter().zip(&found) {
@@ -466,14 +466,6 @@ impl DeckConverter {
         for field in ["saboxid", "sbboxid"].iter().filter(|f| record.integer(f) != 0) {
             self.unsupported_value(record, field, "contact is defined by parts");
         }
-    }
-}
-
-/// Returns the position of a card in its file, after the number of the file.
-fn written(place: Place) -> (u32, u32) {
-    match place {
-        Place::Deck { file, start, .. } => (file, start),
-        _ => (0, 0),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Converts joints between rigid bodies, and their resistance.
 
 use super::DeckConverter;
+use super::names::unique;
 use super::sets::id;
 use super::space::unit;
 use super::tree::JobTable;
@@ -101,13 +102,11 @@ impl DeckConverter {
                 free += 1;
                 free
             });
-            // A heading that another joint has is no name.
             let name = match joint.heading.as_str() {
                 "" => format!("joint-{id}"),
-                heading if names.contains(heading) => format!("{heading} ({id})"),
                 heading => heading.to_string(),
             };
-            names.insert(name.clone());
+            let name = unique(name, id, &mut names);
             joint.table.put("name", joint.table.place(), name);
             self.add("joint", joint.table);
         }

@@ -400,10 +400,7 @@ impl DeckConverter {
     fn take_in_order(&mut self, keywords: &[&str]) -> Vec<CardRecord> {
         let mut all: Vec<CardRecord> =
             keywords.iter().flat_map(|keyword| self.take_records(keyword)).collect();
-        all.sort_by_key(|record| match record.head {
-            Place::Deck { file, start, .. } => (file, start),
-            _ => (0, 0),
-        });
+        all.sort_by_key(|record| record.block);
         all
     }
 

@@ -118,7 +118,12 @@ impl DeckConverter {
                 let value = sign * record.real(field);
                 if given(field) && (value > 0.0 || matches!(field, "voleps" | "mnpres" | "mxpres"))
                 {
-                    table.put(key, record.place(field), value);
+                    match table.place_of(key) {
+                        Some(first) => {
+                            self.second_card(&record, field, [first, record.place(field)]);
+                        }
+                        None => table.put(key, record.place(field), value),
+                    }
                 }
             }
             if record.integer("idam") == 1 {

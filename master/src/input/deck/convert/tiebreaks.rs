@@ -50,7 +50,7 @@ impl DeckConverter {
             let asked = match limits {
                 LimitsOfTie::Forces => Some(forces(&record)),
                 LimitsOfTie::Stresses => Some(TiebreakRequest {
-                    failure: Some(stresses(&record)),
+                    failure: Some(self.stresses(&record)),
                     offset: record.integer("thkoff") != 0,
                     ..TiebreakRequest::default()
                 }),
@@ -83,14 +83,14 @@ impl DeckConverter {
             TiebreakRequest { rotations: option < 0, offset: true, ..TiebreakRequest::default() };
         match option {
             1 | -1 => {}
-            2 | 3 | -2 | -3 => asked.failure = Some(stresses(record)),
+            2 | 3 | -2 | -3 => asked.failure = Some(self.stresses(record)),
             4 => {
                 let why = "sliding of nodes that are tied to the surface: the tie holds them along \
                            it too, and fails by tension";
                 self.unsupported_value(record, "option", why);
                 let mut limits = JobTable::new(record.head);
                 limits.put("limits", record.head, "stress");
-                limits.put("normal", record.place("nfls"), record.real("nfls"));
+                self.limit(record, "nfls", ("normal", &mut limits));
                 asked.failure = Some(limits);
             }
             6 | 8 => {
@@ -103,7 +103,7 @@ impl DeckConverter {
                     self.trouble.error(place, message, help);
                     return None;
                 }
-                let mut limits = stresses(record);
+                let mut limits = self.stresses(record);
                 limits.put("opening", place, opening);
                 asked.failure = Some(limits);
             }
@@ -120,6 +120,23 @@ impl DeckConverter {
         }
         Some(asked)
     }
+
+    /// Returns limits as stresses.
+    fn stresses(&mut self, record: &CardRecord) -> JobTable {
+        let mut limits = JobTable::new(record.head);
+        limits.put("limits", record.head, "stress");
+        self.limit(record, "nfls", ("normal", &mut limits));
+        self.limit(record, "sfls", ("shear", &mut limits));
+        limits
+    }
+
+    /// Sets a limit of stress. A negative one is a curve.
+    fn limit(&mut self, record: &CardRecord, field: &str, (key, limits): (&str, &mut JobTable)) {
+        match record.real(field) {
+            limit if limit < 0.0 => self.unsupported_value(record, field, "a curve; give a stress"),
+            limit => limits.put(key, record.place(field), limit),
+        }
+    }
 }
 
 /// Returns limits as forces.
@@ -132,13 +149,4 @@ fn forces(record: &CardRecord) -> TiebreakRequest {
         limits.put("exponents", record.place("nen"), [nen, mes]);
     }
     TiebreakRequest { failure: Some(limits), ..TiebreakRequest::default() }
-}
-
-/// Returns limits as stresses.
-fn stresses(record: &CardRecord) -> JobTable {
-    let mut limits = JobTable::new(record.head);
-    limits.put("limits", record.head, "stress");
-    limits.put("normal", record.place("nfls"), record.real("nfls"));
-    limits.put("shear", record.place("sfls"), record.real("sfls"));
-    limits
 }

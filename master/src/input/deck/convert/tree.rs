@@ -54,6 +54,11 @@ impl JobTable {
         }
     }
 
+    /// Returns the place of a key; `None` without it.
+    pub fn place_of(&self, key: &str) -> Option<Place> {
+        Some(self.entries.get(key)?.key)
+    }
+
     /// Returns true if the table has a key.
     pub fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)

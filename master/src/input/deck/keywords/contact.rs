@@ -41,30 +41,47 @@ const BY_STRESS: ContactCards = cards!("nfls:r! sfls:r! tblcid:i thkoff:i");
 const BY_OPTION: ContactCards =
     cards!("option:i! nfls:r sfls:r param:r eraten:r erates:r ct2cn:r cn:r");
 
-const UNUSED: &[UnusedFields] = &[
-    no_effect(
-        "ignore_mpp bckt lcbckt ns2trk inititr parmax unused cparm8",
-        "they direct the search of another program",
-    ),
-    no_effect("sapr sbpr cid_rcf", "force transducers select what is recorded"),
-    no_effect(
-        "vdc sfsa sfsb fsf vsf soft sofscl maxpar sbopt depth bsort frcfrq penmax snlog sldstf \
-         dtstif dprfac sfnbr fnlscl dnlscl pstiff fstol tetfac tcso",
-        "contact needs no stiffness, damping or search from the deck",
-    ),
-    no_effect("penchk igap ignore erosop iadj q2tri dtpchk", "it has no counterpart here"),
-    no_effect("shlthk thkopt", "contact always includes the thickness of shells"),
-    ignored("isym isym_b", "faces on a plane of symmetry are in contact as all others"),
-    ignored("lcidab", "no thickness depends on time"),
-    ignored("edgek flangl shledg srnde", "edges of shells are round and have one thickness"),
-    no_effect("i2d3d 2dbinr ssftyp ipback icor", "it has no counterpart here"),
-    ignored("sharec ftorq ignroff swtpr", "friction acts at the surfaces of all segments"),
-    refused("fricsf", "a factor on the friction: give fs and fd with this factor"),
-    refused("region", "contact in a part of space"),
-    no_effect("eraten erates ct2cn cn", "the options of ties that use it are not supported"),
-    refused("tblcid", "a stress over the gap by a curve: give option 6 of an AUTOMATIC tiebreak"),
-    refused("tiedid", "ties that do not start at the surface: use an OFFSET option"),
-];
+/// The fates of the fields of a contact, after those of its own card.
+macro_rules! unused {
+    ($($own:expr),*) => {
+        &[
+            $($own,)*
+            no_effect(
+                "ignore_mpp bckt lcbckt ns2trk inititr parmax unused cparm8",
+                "they direct the search of another program",
+            ),
+            no_effect("sapr sbpr cid_rcf", "force transducers select what is recorded"),
+            no_effect(
+                "vdc sfsa sfsb fsf vsf soft sofscl maxpar sbopt depth bsort frcfrq penmax snlog \
+                 sldstf dtstif dprfac sfnbr fnlscl dnlscl pstiff fstol tetfac tcso",
+                "contact needs no stiffness, damping or search from the deck",
+            ),
+            no_effect("penchk igap ignore erosop iadj q2tri dtpchk", "it has no counterpart here"),
+            no_effect("shlthk thkopt", "contact always includes the thickness of shells"),
+            ignored("isym isym_b", "faces on a plane of symmetry are in contact as all others"),
+            ignored("lcidab", "no thickness depends on time"),
+            ignored(
+                "edgek flangl shledg srnde",
+                "edges of shells are round and have one thickness",
+            ),
+            no_effect("i2d3d 2dbinr ssftyp ipback icor", "it has no counterpart here"),
+            ignored("sharec ftorq ignroff swtpr", "friction acts at the surfaces of all segments"),
+            refused("fricsf", "a factor on the friction: give fs and fd with this factor"),
+            refused("region", "contact in a part of space"),
+            refused("tiedid", "ties that do not start at the surface: use an OFFSET option"),
+        ]
+    };
+}
+
+const UNUSED: &[UnusedFields] = unused!();
+const UNUSED_BY_STRESS: &[UnusedFields] = unused!(refused(
+    "tblcid",
+    "a stress over the gap by a curve: give option 6 of an AUTOMATIC tiebreak"
+));
+const UNUSED_BY_OPTION: &[UnusedFields] = unused!(no_effect(
+    "eraten erates ct2cn cn",
+    "the options of ties that use it are not supported"
+));
 
 const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]]`: contact of its \
     parts with each other and with themselves. fs, fd and dc are the friction, vc its limit, sast \
@@ -106,12 +123,16 @@ const fn tied(name: &'static str, note: &'static str) -> Keyword {
 const BREAKING: &str = "`[[tie]]` of the nodes of surfa that are on the faces of surfb at the \
     start, with a `failure` by the forces nflf, sflf and the exponents nen, mes. When it fails, \
     the nodes are in contact with the parts of surfb";
-const BREAKING_ONLY: &str = "the same, without contact after the failure";
-const BREAKING_STRESS: &str = "the same with stresses nfls, sfls on the tied faces; thkoff 1 keeps \
-    nodes at their positions";
-const BREAKING_OPTION: &str = "the same with `offset`. option 1 ties without failure, 2 and 3 fail \
-    by the stresses nfls, sfls, 6 and 8 with damage over the opening param; negative ones tie \
-    rotations too. Nodes that come into contact later do not stick";
+const BREAKING_ONLY: &str = "`[[tie]]` as by CONTACT_TIEBREAK_NODES_TO_SURFACE; when it fails, no \
+    contact follows";
+const BREAKING_STRESS: &str = "`[[tie]]` of the nodes of surfa that are on the faces of surfb at \
+    the start, with a `failure` by the stresses nfls, sfls on the tied faces. When it fails, the \
+    nodes are in contact with the parts of surfb. thkoff 1 keeps nodes at their positions";
+const BREAKING_OPTION: &str = "`[[tie]]` with `offset` of the nodes of surfa that are on the faces \
+    of surfb at the start. option 1 ties without failure, 2 and 3 fail by the stresses nfls, sfls, \
+    6 and 8 with damage over the opening param; negative ones tie rotations too. When it fails, \
+    the nodes are in contact with the parts of surfb. Nodes that come into contact later do not \
+    stick";
 
 const fn breaking(name: &'static str, cards: ContactCards, note: &'static str) -> Keyword {
     Keyword::new(name, cards, note).options(&["ID", "TITLE", "MPP"]).unused(UNUSED)
@@ -187,9 +208,12 @@ pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_FORCE_TRANSDUCER_PENALTY", TRANSDUCER).aliases(&["CONTACT_FORCE_TRANSDUCER"]),
     breaking("CONTACT_TIEBREAK_NODES_TO_SURFACE", BY_FORCE, BREAKING),
     breaking("CONTACT_TIEBREAK_NODES_ONLY", BY_FORCE, BREAKING_ONLY),
-    breaking("CONTACT_TIEBREAK_SURFACE_TO_SURFACE", BY_STRESS, BREAKING_STRESS),
-    breaking("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION),
-    breaking("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION),
+    breaking("CONTACT_TIEBREAK_SURFACE_TO_SURFACE", BY_STRESS, BREAKING_STRESS)
+        .unused(UNUSED_BY_STRESS),
+    breaking("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION)
+        .unused(UNUSED_BY_OPTION),
+    breaking("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION)
+        .unused(UNUSED_BY_OPTION),
     tied("CONTACT_TIED_NODES_TO_SURFACE", TIED),
     tied("CONTACT_TIED_SURFACE_TO_SURFACE", TIED),
     tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),

@@ -37,13 +37,20 @@ pub const KEYWORDS: &[Keyword] = &[
             ("mid:i! excl:r mxpres:r mneps:r effeps:r voleps:r numfip:r ncs:r", Once),
             ("mnpres:r sigp1:r sigvm:r mxeps:r epssh:r sigth:r impulse:r failtm:r", Maybe),
             ("idam:i dmgtyp:r lcsdg:i ecrit:r dmgexp:r dcrit:r fadexp:r lcregd:i", Maybe),
+            ("sizflg:i refsz:r nahsv:i lcsrs:r shrf:r biaxf:r lcdlim:r midfail:r", AtMost(damage)),
+            ("hisvn:r soft:r lp2bi:r", AtMost(damage)),
             ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
         ],
         "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, voleps, and effeps \
          below 0 (plastic strain); idam 1 with dmgtyp 1 is damage as in MAT_ADD_DAMAGE_GISSMO; \
          the other criteria are not supported",
     )
-    .unused(&[no_effect("nsff", "it is for lcfld")])
+    .unused(&[
+        refused("sizflg", "sizes that change with the element: use 0, its size at the start"),
+        ignored("refsz nahsv", "it is for output"),
+        no_effect("hisvn", "it is for tables"),
+        no_effect("nsff", "it is for lcfld"),
+    ])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_ADD_DAMAGE_GISSMO",
@@ -57,11 +64,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "keys `gissmo_...` of the material, for dtyp 1: lcsdg and ecrit below 0 are curves over \
          the triaxiality, lcregd is one over the size; numfip is for shells",
     )
-    .unused(&[
-        no_effect("unused", "no field of the format"),
-        ignored("refsz", "it is for output"),
-        no_effect("hisvn rgtr1 rgtr2", "they are for tables and reduction factors"),
-    ])
+    .unused(&[no_effect("unused", "no field of the format"), DAMAGE_OUTPUT, DAMAGE_TABLES])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_FABRIC",
@@ -244,6 +247,11 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_126"])
     .options(&["TITLE"]),
 ];
+
+/// Returns 1 if failure that is added comes with damage.
+fn damage(record: &CardRecord) -> usize {
+    usize::from(record.integer("idam") != 0)
+}
 
 /// Returns 1 if a honeycomb has axes by a vector v.
 fn more_axes(record: &CardRecord) -> usize {

@@ -75,12 +75,12 @@ impl DeckReader<'_> {
         for (line, span) in lines(bytes, 0) {
             match line.first() {
                 Some(b'#') if starts_with_word(line, INCLUDE) => {
-                    self.texts.blocks.extend(block.take());
+                    block.take().into_iter().for_each(|block| self.texts.push(block));
                     self.include(line, file, span, path, format);
                 }
                 Some(b'#' | b'$') => copy_fragment(bytes, line, span, &mut fragment),
                 Some(b'/') => {
-                    self.texts.blocks.extend(block.take());
+                    block.take().into_iter().for_each(|block| self.texts.push(block));
                     let head = begin(line, file, span, format);
                     if ends_engine && is_engine_end(line) {
                         (ends_engine, format) = (false, CardFormat::Columns);
@@ -98,7 +98,7 @@ impl DeckReader<'_> {
                 },
             }
         }
-        self.texts.blocks.extend(block.take());
+        block.take().into_iter().for_each(|block| self.texts.push(block));
         if let Some((line, (start, end))) = stray {
             self.report_stray_line(line, Place::Deck { file, start, end });
         }
@@ -178,7 +178,7 @@ fn begin(line: &[u8], file: u32, head: (u32, u32), format: CardFormat) -> Keywor
         at = part_end + 1;
     }
     let tail = (head.0 + at.min(line.len()) as u32, head.1);
-    KeywordBlock { file, head, name, format, lines: vec![tail], submodel: 0 }
+    KeywordBlock { file, number: 0, head, name, format, lines: vec![tail], submodel: 0 }
 }
 
 #[cfg(test)]

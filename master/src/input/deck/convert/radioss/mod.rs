@@ -229,13 +229,7 @@ impl StarterConverter {
 
     /// Returns all records of keywords in the order of the deck.
     fn take(&mut self, names: &[&str]) -> Vec<CardRecord> {
-        let mut records: Vec<CardRecord> =
-            names.iter().flat_map(|name| self.deck.take_records(name)).collect();
-        records.sort_by_key(|record| match record.head {
-            Place::Deck { file, start, .. } => (file, start),
-            _ => (0, 0),
-        });
-        records
+        self.deck.take_in_order(names)
     }
 
     /// Returns the existing part of an id, or reports that there is none.
