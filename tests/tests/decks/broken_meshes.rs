@@ -54,7 +54,7 @@ fn every_broken_file_is_reported_with_place_and_cure() {
             assert!(text.contains(of("replace")), "{name}: {case}");
             let path = scratch.path().join(name);
             fs::write(&path, text.replacen(of("replace"), of("by"), 1)).unwrap();
-            let Err(problems) = read(&path, false) else {
+            let Err(problems) = read(&path, false, None) else {
                 wrong += &format!("{name}: no error: {case}\n");
                 continue;
             };
@@ -80,7 +80,7 @@ fn cut_files_do_not_panic() {
         let path = scratch.path().join(name);
         for length in (0..bytes.len()).step_by(1 + bytes.len() / 400) {
             fs::write(&path, &bytes[..length]).unwrap();
-            let _ = read(&path, length % 2 == 0);
+            let _ = read(&path, length % 2 == 0, None);
         }
     }
 }
@@ -137,7 +137,7 @@ proptest! {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join(name);
         fs::write(&path, &bytes).unwrap();
-        match read(&path, allowed) {
+        match read(&path, allowed, None) {
             Ok(found) => {
                 let mesh = found.mesh.to_mesh();
                 prop_assert_eq!(mesh.elements.len(), found.mesh.elements.len());

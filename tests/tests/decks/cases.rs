@@ -173,11 +173,12 @@ fn a_case_is_chosen_on_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
     fs::write(&path, format!("{BASE}{STEEL}{MOVES}{CASES}*END\n")).unwrap();
-    let [deck, out] = [&path, &folder.path().join("imported")].map(|p| p.to_str().unwrap());
+    let job = folder.path().join("imported");
+    let [deck, out] = [&path, &job].map(|path| path.to_str().unwrap());
     let checked = run(crumple_with(&["check", deck, "--case", "4"])).with_code(0);
     assert!(checked.said().contains("case 4 (hard)"), "{}", checked.said());
     run(crumple_with(&["check", deck])).with_code(2);
     run(crumple_with(&["import", deck, "--out", out, "--case", "4"])).with_code(0);
-    let imported = read(std::path::Path::new(out), &[]).unwrap_or_else(|report| panic!("{report}"));
+    let imported = read(&job, &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(gravity(&imported), [[0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]);
 }

@@ -16,7 +16,7 @@ fn read_text(name: &str, text: &[u8], allowed: bool) -> Result<ReadMesh, Vec<Pro
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     fs::write(&path, text).unwrap();
-    read(&path, allowed)
+    read(&path, allowed, None)
 }
 
 fn good(name: &str, text: &str) -> ReadMesh {
@@ -68,7 +68,8 @@ fn files_of_the_tutorials_are_read() {
         ("third-party/meshio/06_unstructured.vtk", 42, 12, 1, &["part_1"][..]),
     ] {
         let path = root().join("tests/meshes").join(file);
-        let found = read(&path, false).unwrap_or_else(|problems| panic!("{file}: {problems:?}"));
+        let found =
+            read(&path, false, None).unwrap_or_else(|problems| panic!("{file}: {problems:?}"));
         let mesh = &found.mesh;
         let counts = (mesh.nodes.len(), mesh.elements.len(), mesh.parts.len());
         assert_eq!(counts, (nodes, elements, parts), "{file}");
@@ -258,7 +259,7 @@ fn a_file_is_included_once_whatever_its_path() {
     for second in ["./more.inp", "sub/../more.inp", "./a.inp"] {
         let lines = format!("*Include, input=more.inp\n*Include, input={second}\n*End Part");
         fs::write(&path, changed(&plate, "*End Part", &lines)).unwrap();
-        let problems = read(&path, false).err().unwrap();
+        let problems = read(&path, false, None).err().unwrap();
         let wanted = format!("`{second}` is included twice");
         assert!(problems[0].message.contains(&wanted), "{problems:?}");
     }

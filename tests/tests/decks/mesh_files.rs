@@ -14,7 +14,7 @@ fn meshes() -> PathBuf {
 
 fn good(file: &str) -> ReadMesh {
     let path = meshes().join(file);
-    read(&path, false).unwrap_or_else(|problems| panic!("{}: {problems:?}", path.display()))
+    read(&path, false, None).unwrap_or_else(|problems| panic!("{}: {problems:?}", path.display()))
 }
 
 /// Returns the numbers of nodes, elements and parts, and the names of the node sets.
@@ -60,13 +60,13 @@ fn files_of_other_projects_are_read() {
         ("meshio/cylinder.fem", "18 elements of type pyramid with 5 nodes"),
         ("vtkio/hexahedron_lz4.vtu", "data are compressed by vtkLZ4DataCompressor"),
     ] {
-        let problems = read(&meshes().join("third-party").join(file), false).err().unwrap();
+        let problems = read(&meshes().join("third-party").join(file), false, None).err().unwrap();
         assert!(problems.iter().any(|p| p.message.contains(wanted)), "{file}: {problems:?}");
         assert!(problems.iter().all(|p| !p.help.is_empty()), "{file}: {problems:?}");
     }
     // Without its pyramids, the file of HyperMesh (Nastran) has the cells that meshio counts.
     let path = meshes().join("third-party/meshio/cylinder.fem");
-    let found = read(&path, true).unwrap_or_else(|problems| panic!("{problems:?}")).mesh;
+    let found = read(&path, true, None).unwrap_or_else(|problems| panic!("{problems:?}")).mesh;
     let count = |shape| found.elements.iter().filter(|e| e.shape == shape).count();
     let counts = [Shape::Quad4, Shape::Tri3, Shape::Tet4].map(count);
     assert_eq!((found.nodes.len(), counts), (33, [18, 4, 63]));
@@ -163,7 +163,7 @@ fn a_wrong_extension_is_named() {
     ] {
         let path = folder.path().join(name);
         fs::write(&path, plate(content)).unwrap();
-        let found = read(&path, false).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let found = read(&path, false, None).unwrap_or_else(|problems| panic!("{problems:?}"));
         let message = &found.warnings[0].message;
         assert!(wanted.iter().all(|text| message.contains(text)), "{message}");
     }
@@ -179,11 +179,11 @@ fn a_wrong_extension_is_named() {
     ] {
         let path = folder.path().join(name);
         fs::write(&path, text).unwrap();
-        let problems = read(&path, false).err().unwrap();
+        let problems = read(&path, false, None).err().unwrap();
         assert!(problems[0].message.contains(wanted), "{name}: {problems:?}");
         assert!(!problems[0].help.is_empty(), "{name}");
     }
-    let problems = read(Path::new("/nowhere/a.msh"), false).err().unwrap();
+    let problems = read(Path::new("/nowhere/a.msh"), false, None).err().unwrap();
     assert!(problems[0].message.contains("there is no file"), "{problems:?}");
 }
 
@@ -195,10 +195,10 @@ fn unsupported_elements_are_refused_or_left_out() {
     let text = fs::read_to_string(meshes().join("broken/plate.inp")).unwrap();
     let more = "*Element, type=C3D5\n9, 1, 2, 5, 4, 3\n*Element, type=MASS\n10, 1\n*Nset, nset=rim";
     fs::write(&path, text.replace("*Nset, nset=rim", more)).unwrap();
-    let problems = read(&path, false).err().unwrap();
+    let problems = read(&path, false, None).err().unwrap();
     assert!(problems[0].message.contains("pyramid with 5 nodes"), "{problems:?}");
     assert!(problems[0].help.contains("hexahedra") && problems[0].help.contains("--allow"));
-    let found = read(&path, true).unwrap_or_else(|problems| panic!("{problems:?}"));
+    let found = read(&path, true, None).unwrap_or_else(|problems| panic!("{problems:?}"));
     assert_eq!((found.mesh.elements.len(), found.warnings.len()), (2, 1));
     assert_eq!(found.warnings[0].severity, Severity::Warning);
     let fate = |what: &str| found.rows.iter().find(|row| row.what == what).map(|row| row.fate);

@@ -81,7 +81,7 @@ fn all_formats_have_one_order_of_nodes() {
         let path = folder.path().join(name);
         fs::write(&path, text).unwrap();
         let mesh =
-            read(&path, false).unwrap_or_else(|problems| panic!("{name}: {problems:?}")).mesh;
+            read(&path, false, None).unwrap_or_else(|problems| panic!("{name}: {problems:?}")).mesh;
         let [element] = &mesh.elements[..] else { panic!("{name}: {}", mesh.elements.len()) };
         assert_eq!(element.shape, Shape::Tet10, "{name}");
         let at = |id: u64| mesh.nodes.iter().find(|n| n.id == id).unwrap().x;
@@ -106,7 +106,7 @@ fn an_element_without_some_nodes_on_edges_is_an_error() {
     let lacks = text.replace("CTETRA,2,1,1,2,3,4,5,6,+", "CTETRA,2,1,1,2,3,4,,6,+");
     assert_ne!(lacks, text);
     fs::write(&path, lacks).unwrap();
-    let problems = read(&path, false).err().expect("it is refused");
+    let problems = read(&path, false, None).err().expect("it is refused");
     assert!(problems[0].message.contains("element 2 lacks nodes on its edges"), "{problems:?}");
 }
 

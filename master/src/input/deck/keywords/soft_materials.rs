@@ -64,7 +64,11 @@ pub const KEYWORDS: &[Keyword] = &[
         "keys `gissmo_...` of the material, for dtyp 1: lcsdg and ecrit below 0 are curves over \
          the triaxiality, lcregd is one over the size; numfip is for shells",
     )
-    .unused(&[no_effect("unused", "no field of the format"), DAMAGE_OUTPUT, DAMAGE_TABLES])
+    .unused(&[
+        no_effect("unused", "no field of the format"),
+        ignored("refsz", "it is for output"),
+        no_effect("hisvn rgtr1 rgtr2", "they are for tables and reduction factors"),
+    ])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_FABRIC",
