@@ -505,9 +505,6 @@ pub struct ImportArgs {
     /// failing.
     #[arg(long)]
     pub allow_unsupported: bool,
-    /// Case of a deck that has several (*CASE).
-    #[arg(long, value_name = "N")]
-    pub case: Option<u64>,
 }
 
 /// `crumple convert`.

@@ -385,7 +385,8 @@ fn advance(
     }
     constraints.advance(nodes, cycle.steps.dt);
     clock.advance();
-    let stable_dt = constraints.bonds.limit(airbags.limit(cycle.agreed.stable_dt));
+    let stable_dt = airbags.limit(cycle.agreed.stable_dt);
+    let stable_dt = constraints.bonds.limit(stable_dt, settings.safety);
     clock.select_dt(settings, stable_dt);
     Ok(())
 }

@@ -141,18 +141,10 @@ fn included_files_have_the_case_of_marks() {
     }
 }
 
-/// The choice reaches a deck that is a mesh file. Without a deck it is an error.
+/// A case of a mesh without cases is an error: of a mesh file, and of a job with a generator.
 #[test]
-fn a_case_is_chosen_for_a_mesh_file() {
+fn a_case_that_nothing_uses_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let deck = folder.path().join("deck.k");
-    let nodes = "*CASE_BEGIN_1\n*SET_NODE_LIST_TITLE\nrim\n7\n11,14\n*CASE_END_1\n\
-                 *CASE_BEGIN_2\n*SET_NODE_LIST_TITLE\nrim\n7\n13,16\n*CASE_END_2\n";
-    fs::write(&deck, format!("{BASE}{STEEL}{MOVES}{nodes}*END\n")).unwrap();
-    let found = mesh_file::read(&deck, false, Some(2)).unwrap_or_else(|p| panic!("{p:?}"));
-    assert_eq!(found.mesh.node_sets["rim"], [13, 16]);
-    let problems = mesh_file::read(&deck, false, None).err().expect("errors");
-    assert!(problems[0].message.contains("the deck has 2 cases, and none is chosen"));
     let flat = folder.path().join("plate.stl");
     fs::write(
         &flat,
@@ -167,18 +159,14 @@ fn a_case_is_chosen_for_a_mesh_file() {
     assert!(report.contains("case 2 is chosen, and the mesh is not from a deck"), "{report}");
 }
 
-/// `--case` chooses on the command line, and `crumple import` writes the choice to the job.
+/// `--case` chooses on the command line.
 #[test]
 fn a_case_is_chosen_on_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
     fs::write(&path, format!("{BASE}{STEEL}{MOVES}{CASES}*END\n")).unwrap();
-    let job = folder.path().join("imported");
-    let [deck, out] = [&path, &job].map(|path| path.to_str().unwrap());
+    let deck = path.to_str().unwrap();
     let checked = run(crumple_with(&["check", deck, "--case", "4"])).with_code(0);
     assert!(checked.said().contains("case 4 (hard)"), "{}", checked.said());
     run(crumple_with(&["check", deck])).with_code(2);
-    run(crumple_with(&["import", deck, "--out", out, "--case", "4"])).with_code(0);
-    let imported = read(&job, &[]).unwrap_or_else(|report| panic!("{report}"));
-    assert_eq!(gravity(&imported), [[0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]);
 }

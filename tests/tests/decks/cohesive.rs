@@ -92,7 +92,7 @@ fn what_is_not_supported_is_refused() {
         (
             "19",
             "*MAT_138\n3,1e-6,0,1,20.0,8.0,8e-4,2.4e-3\n1.0,0.04,0.02\n",
-            &["cohesive element 3 has no thickness", "density_per_area = true (roflg 1"],
+            &["has no thickness, and so no mass", "density_per_area = true (roflg 1"],
         ),
     ] {
         fs::write(&path, format!("{}*END\n", bonded(section, material))).unwrap();

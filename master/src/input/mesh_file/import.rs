@@ -32,7 +32,7 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = args.out.clone().unwrap_or_else(|| PathBuf::from(&name));
     let job = folder.join("job.toml");
-    let read = read(file, args.allow_unsupported, args.case)?;
+    let read = read(file, args.allow_unsupported, None)?;
     if std::fs::symlink_metadata(&job).is_ok() {
         let message = format!("{} exists", job.display());
         let help = "name another folder with --out, or remove it: your changes would be lost";
@@ -41,7 +41,7 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
     let copied = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let copies = copies(&folder, file, &read)?;
     let text = match read.format.reader {
-        super::FormatReader::Deck => job_text::of_deck(&name, &copied, args),
+        super::FormatReader::Deck => job_text::of_deck(&name, &copied, args.allow_unsupported),
         _ => job_text::write(&job_text::ImportedJob {
             name: &name,
             file: &copied,

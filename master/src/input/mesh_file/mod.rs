@@ -255,7 +255,7 @@ pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, V
     };
     let mut reading = MeshReading::new(path, allowed);
     warn_of_extension(&mut reading, format, path);
-    if let Some(case) = case.filter(|_| !matches!(format.reader, FormatReader::Deck)) {
+    if let Some(case) = case.filter(|_| !matches!(format.reader, FormatReader::Deck | Refused(_))) {
         return Err(vec![without_cases(case)]);
     }
     match format.reader {

@@ -1,7 +1,6 @@
 //! Text of a job for a mesh file.
 
 use super::super::{FileMaterial, FileMesh, FilePart, ReadMesh};
-use crate::cli::ImportArgs;
 use crate::input::job::units_fit;
 use crumple_proto::job::{BeamInput, BeamSection};
 use crumple_proto::mesh::Shape;
@@ -43,17 +42,14 @@ const UNITS: [(&str, f64, f64); 4] = [
 ];
 
 /// Returns the text of a job that has a deck.
-pub fn of_deck(name: &str, file: &str, args: &ImportArgs) -> ImportedText {
+pub fn of_deck(name: &str, file: &str, allowed: bool) -> ImportedText {
     let quoted = Value::from(file);
     let mut job = format!(
         "# {name}: a job for the deck {file}, which has mesh, parts, materials, loads and the end\n\
          # of the run. Keys here override those of the deck.\n\n[mesh]\ndeck = {quoted}\n"
     );
-    if args.allow_unsupported {
+    if allowed {
         job += "allow_unsupported = true\n";
-    }
-    if let Some(case) = args.case {
-        let _ = writeln!(job, "case = {case}");
     }
     ImportedText { job, placeholders: Vec::new(), units: String::new() }
 }
