@@ -131,5 +131,5 @@ fn wrong_cohesive_elements_are_refused() {
     ));
     assert!(text.contains("is not for cohesive elements"), "{text}");
     let text = refused(job(1.0, "").replace("density_per_area = true\n", ""));
-    assert!(text.contains("no stable time step"), "without a mass: {text}");
+    assert!(text.contains("have no thickness, and so no mass"), "without a mass: {text}");
 }
