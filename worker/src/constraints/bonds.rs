@@ -16,8 +16,8 @@
 //! failure is kept: `|F_0|` is the limit in its direction.)
 //!
 //! The stiffness is `k_0 = STIFFNESS m/dt^2` with the mass of the tie and the step of the failure,
-//! so that bonds raise no eigenvalue of the mesh by more than `2 STIFFNESS / dt^2`. Where the safety
-//! factor leaves no room for that, the step is shorter while bonds hold.
+//! so that bonds raise no eigenvalue of the mesh by more than `2 STIFFNESS / dt^2`. Where the
+//! factor of safety leaves no room for that, the step is shorter while bonds hold.
 //!
 //! The reaction is divided among the masters by their weights, and with it its moment if they
 //! rotate. Without rotations of the masters the moment of the force about the point on the face,
