@@ -100,12 +100,10 @@ fn members(texts: &Texts, trouble: &mut Trouble) -> (Vec<BTreeSet<i64>>, Subcase
                     trouble.error(place, message, format!("write *CASE_END_{n} above this line"));
                 }
             }
-            Some((_, Some(n))) => {
-                if open.remove(&n).is_none() {
-                    let message = format!("subcase {n} ends, but it has not begun");
-                    let help = format!("write *CASE_BEGIN_{n} above it, or remove this line");
-                    trouble.error(place, message, help);
-                }
+            Some((_, Some(n))) if open.remove(&n).is_none() => {
+                let message = format!("subcase {n} ends, but it has not begun");
+                let help = format!("write *CASE_BEGIN_{n} above it, or remove this line");
+                trouble.error(place, message, help);
             }
             None if block.name.starts_with("CASE_") => {
                 let message = format!("*{} is not supported", block.name);
@@ -113,7 +111,7 @@ fn members(texts: &Texts, trouble: &mut Trouble) -> (Vec<BTreeSet<i64>>, Subcase
                             this one, or correct its name";
                 trouble.error(place, message, help);
             }
-            None => {}
+            _ => {}
         }
         let mut of: BTreeSet<i64> = open.keys().copied().collect();
         match subcase_on_line(&head(texts, block)) {
@@ -209,8 +207,8 @@ fn subcases(
         let message = format!("case {id}: its command line is not used");
         trouble.warning(record.place("commands"), message, "give options to `crumple run`");
     } else {
-        let cards = record.row.cards.iter().map(|(card, _)| card);
-        let card = cards.filter(|card| card.index("scid").is_some()).next_back();
+        let mut cards = record.row.cards.iter().map(|(card, _)| card);
+        let card = cards.rfind(|card| card.index("scid").is_some());
         match card.and_then(|card| numbers(second, card, block.format)) {
             Some(more) => subcases.extend(more),
             None => {

@@ -162,14 +162,15 @@ impl Ties {
             shares.iter().for_each(|&(c, share)| hung[c as usize] += share * masses[0]);
         }
         let number = |id: NodeId| self.masters.binary_search(&id).map_or(NONE, |c| c as u32);
-        let of = |((tie, shares), masses): ((&Tie, &Vec<(u32, f64)>), &[f64; 2])| {
+        let of = |t: usize| {
+            let (tie, shares) = (&self.definitions[t], &self.shares[t]);
             let strength = tie.failure.as_ref()?;
             let least =
                 |all: f64, &(c, _): &(u32, f64)| all.min(own[c as usize] / hung[c as usize]);
-            let mass = masses[0] * shares.iter().fold(1.0, least);
+            let mass = self.slave_masses[t][0] * shares.iter().fold(1.0, least);
             Some(Breakable { corners: strength.corners.map(number), mass })
         };
-        self.definitions.iter().zip(&self.shares).zip(&self.slave_masses).map(of).collect()
+        (0..self.definitions.len()).map(of).collect()
     }
 }
 

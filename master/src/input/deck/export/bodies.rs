@@ -47,7 +47,7 @@ pub fn materials(
     let leads: Vec<Option<u32>> = whole.iter().map(|body| body.parts.first().copied()).collect();
     // Decks have bodies of parts in ascending ids, then those of nodes alone, then switches.
     let in_order = leads.is_sorted_by_key(|lead| lead.map_or(u64::MAX, u64::from))
-        && job.rigid.iter().is_sorted_by_key(|body| switches::is_switched(body))
+        && job.rigid.iter().is_sorted_by_key(switches::is_switched)
         && switches::are_in_order(&switched);
     let known = job.rigid.iter().all(|b| b.fixed.iter().all(|d| DOFS.contains(&d.as_str())));
     if !in_order || !known {
