@@ -1,6 +1,7 @@
 //! The deck of tests that add a few lines: a plate of two shells above a cube.
 
 use crumple::input::job::{Model, read};
+use crumple_tests::program::{crumple_with, run};
 use std::fs;
 
 /// The plate and the cube; units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below;
@@ -14,6 +15,10 @@ pub const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,
     2,1,12,13,16,15\n*ELEMENT_SOLID\n1,2,1,2,3,4,5,6,7,8\n";
 pub const STEEL: &str = "*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n";
 pub const MOVES: &str = "*INITIAL_VELOCITY\n0\n1.0\n";
+/// Holds an end of the plate and pulls the other one.
+pub const PULLED: &str = "*SET_NODE_LIST\n1\n13,16\n*BOUNDARY_PRESCRIBED_MOTION_SET\n1,1,0,7\n\
+    *DEFINE_CURVE\n7\n0,0\n0.2,30\n10,30\n\
+    *BOUNDARY_SPC_NODE\n11,0,1,1,1,1,1,1\n14,0,1,1,1,1,1,1\n";
 
 pub fn model_of(text: &str) -> Model {
     let folder = tempfile::tempdir().unwrap();
@@ -27,12 +32,42 @@ pub fn with(lines: &str) -> Model {
     model_of(&format!("{BASE}{STEEL}{MOVES}{lines}"))
 }
 
-/// Returns the report of the base with an elastic material and these lines, which have errors.
-pub fn refused(lines: &str) -> String {
+/// Returns the report of a deck that has errors.
+pub fn report_of(text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
-    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{lines}*END\n")).unwrap();
-    read(&path, &[]).err().expect("errors").to_string()
+    fs::write(&path, format!("{text}*END\n")).unwrap();
+    read(&path, &[]).err().unwrap_or_else(|| panic!("no errors: {text}")).to_string()
+}
+
+/// Checks that the report of a deck has all these words.
+pub fn assert_refused(text: &str, words: &[&str]) {
+    let report = report_of(text);
+    for word in words {
+        assert!(report.contains(word), "{word}: {report}");
+    }
+}
+
+/// Returns the report of the base with an elastic material and these lines, which have errors.
+pub fn refused(lines: &str) -> String {
+    report_of(&format!("{BASE}{STEEL}{MOVES}{lines}"))
+}
+
+/// Checks that the run of a deck has the same digest as that of the deck that is written from it,
+/// which has these words.
+pub fn assert_same_when_written(text: &str, until: &str, words: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["from.k", "to.k"].map(|name| folder.path().join(name));
+    let [deck, written] = [&from, &to].map(|path| path.to_str().unwrap());
+    fs::write(&from, format!("{text}*END\n")).unwrap();
+    run(crumple_with(&["export-deck", deck, "--out", written])).with_code(0);
+    let made = fs::read_to_string(&to).unwrap();
+    assert!(made.contains(words), "{made}");
+    let digest = |deck: &str| {
+        let args = ["run", deck, "--set", until, "--set", "output.field_interval=-1"];
+        run(crumple_with(&args)).with_code(0).digest()
+    };
+    assert_eq!(digest(deck), digest(written), "{text}");
 }
 
 /// Reads the base with these lines, and with `--set`.

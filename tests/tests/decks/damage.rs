@@ -1,7 +1,7 @@
 //! Damage that decks add to materials: parameters, what is refused, written decks. Units mm, ms,
 //! kg, so kN and GPa.
 
-use crate::base::{BASE, MOVES, model_of};
+use crate::base::{BASE, MOVES, PULLED, assert_refused, assert_same_when_written, model_of};
 use crumple::input::job::Model;
 use crumple_tests::program::{crumple_with, run};
 use std::fs;
@@ -108,60 +108,36 @@ fn ids_of_curves_have_the_offset_of_their_file() {
 
 #[test]
 fn what_is_not_supported_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("deck.k");
+    let alone = "*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,-99,1.0,,-32,-33,2\n32,0.5,0.4,32,1,,0.7,1\n";
+    let with_criteria =
+        "*MAT_ADD_EROSION\n1\n\n1,1,31,,,0.3\n1,0.5,3,32,0.5,0.4,32,1\n,0.7,1\n32\n";
     for (card, words) in [
         (
-            "*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,-99,1.0,,-32,-33,2\n32,0.5,0.4,32,1,,0.7,1\n",
-            &[
-                "no *DEFINE_CURVE with the id 99",
-                "`fadexp` = -32",
-                "`lcregd` = -33",
-                "`instf` = 2",
-                "`lcsrs` = 32",
-                "`shrf` = 0.5",
-                "`biaxf` = 0.4",
-                "`lcdlim` = 32",
-                "`midfail` = 1",
-                "`soft` = 0.7",
-                "`lp2bi` = 1",
-            ][..],
+            alone,
+            &["no *DEFINE_CURVE with the id 99", "`fadexp` = -32", "`lcregd` = -33", "`instf` = 2"]
+                [..],
         ),
+        (with_criteria, &["`sizflg` = 1", "`lcfld` = 32"]),
         ("*MAT_ADD_DAMAGE_GISSMO\n1,,61\n31\n", &["`dtyp` = 61"]),
         ("*MAT_ADD_DAMAGE_GISSMO\n7,,1\n31\n", &["no *MAT_... with the id 7"]),
         ("*MAT_ADD_EROSION\n1\n\n2,1,31\n", &["`idam` = 2"]),
-        (
-            "*MAT_ADD_EROSION\n1\n\n1,1,31,,,0.3\n1,0.5,3,32,0.5,0.4,32,1\n,0.7,1\n32\n",
-            &[
-                "`sizflg` = 1",
-                "`lcsrs` = 32",
-                "`shrf` = 0.5",
-                "`biaxf` = 0.4",
-                "`lcdlim` = 32",
-                "`midfail` = 1",
-                "`soft` = 0.7",
-                "`lp2bi` = 1",
-                "`lcfld` = 32",
-            ],
-        ),
         // Without damage the forming limits follow directly.
         ("*MAT_ADD_EROSION\n1\n\n0\n32\n", &["`lcfld` = 32"]),
         ("*MAT_ADD_DAMAGE_GISSMO\n1,,1\n33,,,1.0\n", &["gissmo_critical_damage is 1"]),
     ] {
-        fs::write(&path, format!("{}*END\n", deck(card))).unwrap();
-        let text = crumple::input::job::read(&path, &[]).err().expect(card).to_string();
-        for word in words {
-            assert!(text.contains(word), "{word}: {text}");
-        }
+        assert_refused(&deck(card), words);
+    }
+    for card in [alone, with_criteria] {
+        let of_both = ["`shrf` = 0.5", "`biaxf` = 0.4", "`lcdlim` = 32", "`midfail` = 1"];
+        assert_refused(&deck(card), &of_both);
+        assert_refused(&deck(card), &["`lcsrs` = 32", "`soft` = 0.7", "`lp2bi` = 1"]);
     }
     // A law without plastic strain.
     let text = format!(
         "{BASE}{MOVES}*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31\n\
-         {CURVES}*END\n"
+         {CURVES}"
     );
-    fs::write(&path, text).unwrap();
-    let text = crumple::input::job::read(&path, &[]).err().expect("errors").to_string();
-    assert!(text.contains("no plastic strain"), "{text}");
+    assert_refused(&text, &["no plastic strain"]);
 }
 
 /// A plate that is torn has the same digest on 1, 2 and 3 workers, and as a written deck; elements
@@ -169,28 +145,21 @@ fn what_is_not_supported_is_refused() {
 #[test]
 fn a_torn_plate_has_one_digest() {
     let folder = tempfile::tempdir().unwrap();
-    let [first, second] = ["first.k", "second.k"].map(|name| folder.path().join(name));
+    let path = folder.path().join("deck.k");
     let card = "*MAT_ADD_DAMAGE_GISSMO\n1,,1,,2\n31,-32,2.0,,1.5,33\n";
-    let pull = "*SET_NODE_LIST\n1\n13,16\n*BOUNDARY_PRESCRIBED_MOTION_SET\n1,1,0,7\n\
-                *DEFINE_CURVE\n7\n0,0\n0.2,30\n10,30\n*BOUNDARY_SPC_NODE\n11,0,1,1,1,1,1,1\n\
-                14,0,1,1,1,1,1,1\n";
-    fs::write(&first, format!("{}{pull}*END\n", deck(card).replace(MOVES, ""))).unwrap();
-    let ended = |path: &std::path::Path, workers: &str| {
-        let deck = path.to_str().unwrap();
-        let quiet = ["--set", "output.field_interval=-1", "--set", "end_time=0.7"];
-        let run_of = [&["run", deck, "--workers", workers][..], &quiet[..]].concat();
-        run(crumple_with(&run_of)).with_code(0)
+    let text = format!("{}{PULLED}", deck(card).replace(MOVES, ""));
+    fs::write(&path, format!("{text}*END\n")).unwrap();
+    let until = "end_time=0.7";
+    let ended = |workers: &str| {
+        let quiet = ["--set", "output.field_interval=-1", "--set", until];
+        let asked = ["run", path.to_str().unwrap(), "--workers", workers];
+        run(crumple_with(&[&asked[..], &quiet[..]].concat())).with_code(0)
     };
-    let one = ended(&first, "1");
-    assert!(
-        one.summary()["parts"][0]["failed"].as_u64().is_some_and(|n| n > 0),
-        "{}",
-        one.summary()
-    );
+    let one = ended("1");
+    let failed = &one.summary()["parts"][0]["failed"];
+    assert!(failed.as_u64().is_some_and(|n| n > 0), "{failed}");
     for workers in ["2", "3"] {
-        assert_eq!(one.digest(), ended(&first, workers).digest(), "{workers} workers");
+        assert_eq!(one.digest(), ended(workers).digest(), "{workers} workers");
     }
-    let [from, to] = [&first, &second].map(|path| path.to_str().unwrap());
-    run(crumple_with(&["export-deck", from, "--out", to])).with_code(0);
-    assert_eq!(one.digest(), ended(&second, "1").digest());
+    assert_same_when_written(&text, until, "*MAT_ADD_DAMAGE_GISSMO");
 }

@@ -12,14 +12,10 @@
 //!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
-use super::tensor::{deviator, inner, trace};
-use super::{
-    DefaultValue, Elastic, Form, LawResult, MaterialAxes, Orientation, ParameterRow, PlaneStress,
-    PointReal, Points, Solid, SolidLawResult, SolidPoint,
-};
-use crate::materials::plasticity::Plasticity;
-use crate::materials::tensor::Principal;
-use crumple_math::lanes::{Lane, Lane32, Real};
+use super::tensor::{Principal, deviator, inner, trace};
+use super::wrapped::{self, Addition, PointColumns, full_stress};
+use super::{DefaultValue, Form, LawResult, ParameterRow, PlaneStress, Solid, SolidLawResult};
+use crumple_math::lanes::Real;
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -98,15 +94,11 @@ pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Probl
     if problems.is_empty() { Ok((rest, limits)) } else { Err(problems) }
 }
 
-/// A law with criteria.
-struct Eroding<L: ?Sized> {
-    law: Box<L>,
+/// Criteria of a law.
+struct Erosion {
     limits: ErosionLimits,
-    names: Vec<&'static str>,
-    /// Number of columns of stress and of the law without criteria.
-    own: usize,
-    /// Columns with those of stress: failure, plastic strain, volume, strain through the thickness,
-    /// first of the strains in the plane.
+    /// Columns: failure, plastic strain, volume, strain through the thickness, first of the strains
+    /// in the plane.
     failed: usize,
     plastic_strain: Option<usize>,
     volume: Option<usize>,
@@ -114,35 +106,24 @@ struct Eroding<L: ?Sized> {
     plane: Option<usize>,
 }
 
-impl<L: ?Sized> Eroding<L> {
+impl Erosion {
     fn new(
         material: &Material,
-        law: Box<L>,
         limits: ErosionLimits,
-        (stress, history): (usize, Vec<&'static str>),
+        columns: &mut PointColumns,
     ) -> Result<Self, Vec<Problem>> {
-        let own = stress + history.len();
-        let mut names = history;
-        let mut column = |name: &'static str| {
-            let found = names.iter().position(|known| *known == name);
-            stress
-                + found.unwrap_or_else(|| {
-                    names.push(name);
-                    names.len() - 1
-                })
-        };
-        let volume = limits[5].map(|_| column("erosion volume"));
-        let thickness = limits[6].map(|_| column("erosion thickness strain"));
-        let plane = limits[7].map(|_| PLANE_STRAIN.map(&mut column)[0]);
-        let failed = column("failed");
-        let plastic_strain =
-            names.iter().position(|name| *name == "plastic_strain").map(|at| stress + at);
+        let volume = limits[5].map(|_| columns.add("erosion volume"));
+        let thickness = limits[6].map(|_| columns.add("erosion thickness strain"));
+        let plane = limits[7].map(|_| PLANE_STRAIN.map(|name| columns.add(name))[0]);
+        let failed = columns.add("failed");
+        let plastic_strain = columns.find("plastic_strain");
+        let of_solid = columns.of_solid();
         let missing = if limits[4].is_some() && plastic_strain.is_none() {
             Some((EROSION[4].key, "the law has no plastic strain"))
-        } else if limits[5].is_some() && stress != 6 {
+        } else if limits[5].is_some() && !of_solid {
             Some((EROSION[5].key, "shells have no change of volume of their own"))
         } else {
-            let of_shells = [6, 7].into_iter().find(|&at| limits[at].is_some() && stress == 6);
+            let of_shells = [6, 7].into_iter().find(|&at| limits[at].is_some() && of_solid);
             let why = "it is for shells, and a part of solids has this material";
             of_shells.map(|at| (EROSION[at].key, why))
         };
@@ -150,7 +131,7 @@ impl<L: ?Sized> Eroding<L> {
             let message = format!("material '{}': {key} is given, but {why}", material.name);
             return Err(vec![Problem::error(key, message, "remove it")]);
         }
-        Ok(Self { law, limits, names, own, failed, plastic_strain, volume, thickness, plane })
+        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane })
     }
 
     /// Marks failure by the stress (xx, yy, zz, xy, yz, zx) and the columns; removes the stress of
@@ -197,41 +178,21 @@ impl<L: ?Sized> Eroding<L> {
     }
 }
 
-impl Eroding<dyn PlaneStress> {
+impl Addition for Erosion {
     #[inline(always)]
-    fn shell<R: PointReal>(&self, points: Points<'_, R>, dt: f64) {
-        let states = points.state.chunks_exact_mut(3 + self.names.len());
-        for ((state, eps), through) in states.zip(points.strain).zip(points.thickness_strain) {
-            let point = Points {
-                state: &mut state[..self.own],
-                strain: std::slice::from_ref(eps),
-                thickness_strain: std::slice::from_mut(&mut *through),
-            };
-            R::update(&*self.law, point, dt);
-            if let Some(column) = self.thickness {
-                state[column] += *through;
-            }
-            if let Some(column) = self.plane {
-                (0..3).for_each(|c| state[column + c] += eps[c]);
-            }
-            let (zero, sig) = (R::zero(), [state[0], state[1], state[2]]);
-            self.fail(&[sig[0], sig[1], zero, sig[2], zero, zero], state, 3);
+    fn update<R: Real>(&self, state: &mut [R], strain: &[R], law: impl FnOnce(&mut [R]) -> R) -> R {
+        let of_law = law(state);
+        if let Some(column) = self.thickness {
+            state[column] += of_law;
         }
-    }
-}
-
-impl Eroding<dyn Solid> {
-    #[inline(always)]
-    fn solid<R: PointReal>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
-        let (state, strain) = (point.state, point.strain);
-        let own = SolidPoint { state: &mut state[..self.own], strain };
-        let left = R::update_solid(&*self.law, own, dt);
+        if let Some(column) = self.plane {
+            (0..3).for_each(|c| state[column + c] += strain[c]);
+        }
         if let Some(column) = self.volume {
             state[column] += strain[0] + strain[1] + strain[2];
         }
-        let sig = std::array::from_fn(|c| state[c]);
-        self.fail(&sig, state, 6);
-        left
+        self.fail(&full_stress(state, strain.len()), state, strain.len());
+        of_law
     }
 }
 
@@ -246,8 +207,7 @@ pub fn shell(material: &Material, law: Box<dyn PlaneStress>, limits: ErosionLimi
             format!("material '{name}': {key} is given, but the law has no change of thickness");
         return Err(vec![Problem::error(key, message, "remove it")]);
     }
-    let columns = (3, law.history().to_vec());
-    Ok(Box::new(Eroding::new(material, law, limits, columns)?))
+    wrapped::shell(law, |columns| Erosion::new(material, limits, columns))
 }
 
 /// Adds criteria to a law of solids.
@@ -255,74 +215,7 @@ pub fn solid(material: &Material, law: Box<dyn Solid>, limits: ErosionLimits) ->
     if limits.iter().all(Option::is_none) {
         return Ok(law);
     }
-    let columns = (6, law.history().to_vec());
-    Ok(Box::new(Eroding::new(material, law, limits, columns)?))
-}
-
-impl PlaneStress for Eroding<dyn PlaneStress> {
-    fn history(&self) -> &[&'static str] {
-        &self.names
-    }
-    fn elastic(&self) -> Elastic {
-        self.law.elastic()
-    }
-    fn initial_yield_stress(&self) -> f64 {
-        self.law.initial_yield_stress()
-    }
-    fn thins(&self) -> bool {
-        self.law.thins()
-    }
-    fn failed_points(&self, points: usize) -> usize {
-        self.law.failed_points(points)
-    }
-    fn orientation(&self, point: usize) -> Option<Orientation> {
-        self.law.orientation(point)
-    }
-    fn transverse_shear(&self, point: usize) -> Option<[f64; 2]> {
-        self.law.transverse_shear(point)
-    }
-    fn stabilising(&self) -> Elastic {
-        self.law.stabilising()
-    }
-    fn rate_dependent(&self) -> Option<&Plasticity> {
-        self.law.rate_dependent()
-    }
-    fn update(&self, points: Points<'_, Lane>, dt: f64) {
-        self.shell(points, dt);
-    }
-    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
-        self.shell(points, dt);
-    }
-    fn update_one(&self, points: Points<'_, f64>, dt: f64) {
-        self.shell(points, dt);
-    }
-}
-
-impl Solid for Eroding<dyn Solid> {
-    fn history(&self) -> &[&'static str] {
-        &self.names
-    }
-    fn tensors(&self) -> usize {
-        self.law.tensors()
-    }
-    fn axes(&self) -> Option<MaterialAxes> {
-        self.law.axes()
-    }
-    fn elastic(&self) -> Elastic {
-        self.law.elastic()
-    }
-    fn averages_volume(&self) -> bool {
-        self.law.averages_volume()
-    }
-    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
-        self.solid(point, dt)
-    }
-    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32 {
-        self.solid(point, dt)
-    }
-    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
-        self.solid(point, dt)
-    }
+    wrapped::solid(law, |columns| Erosion::new(material, limits, columns))
 }
 
 #[cfg(test)]

@@ -11,23 +11,20 @@
 //! factor of the size of the element: the root of the area of a shell, the cube root of the volume
 //! of a solid.
 //!
-//! The law computes the effective stress sigma~, from which eta follows. The state holds sigma, so
-//! that elements see only the stress that acts.
+//! The law computes the effective stress sigma~, from which eta follows.
 //!
 //! Not included: strain rates, Lode's angle, sizes that depend on the triaxiality.
 
 #[cfg(test)]
 mod tests;
 
+use super::damaged::{Damage, DamageColumns};
 use super::parameters::Parameters;
 use super::polyline::{Beyond, RampCurve};
 use super::tensor::{deviator, inner, trace};
-use super::{
-    DefaultValue, Elastic, Form, LawResult, MaterialAxes, Orientation, ParameterRow, PlaneStress,
-    PointReal, Points, Solid, SolidLawResult, SolidPoint,
-};
-use crate::materials::plasticity::Plasticity;
-use crumple_math::lanes::{Lane, Lane32, Real};
+use super::wrapped::{self, PointColumns};
+use super::{DefaultValue, Form, LawResult, ParameterRow, PlaneStress, Solid, SolidLawResult};
+use crumple_math::lanes::Real;
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 
@@ -185,50 +182,32 @@ fn ascending(
     Some(rows)
 }
 
-/// A law with damage.
-struct Gissmo<L: ?Sized> {
-    law: Box<L>,
+/// Damage of a law.
+struct Gissmo {
     input: GissmoInput,
-    names: Vec<&'static str>,
-    /// Number of columns of stress and of the law without damage.
-    own: usize,
-    /// Columns with those of stress: plastic strain, failure, root of damage, root of F and damage
-    /// at which it reached one, size.
-    plastic_strain: usize,
-    failed: usize,
+    columns: DamageColumns,
+    /// Columns: root of damage, root of F and damage at which it reached one, size.
     root: usize,
     forming: Option<[usize; 2]>,
     size: Option<usize>,
 }
 
-impl<L: ?Sized> Gissmo<L> {
+impl Gissmo {
     fn new(
         material: &Material,
-        law: Box<L>,
         input: GissmoInput,
-        (stress, mut names): (usize, Vec<&'static str>),
+        columns: &mut PointColumns,
     ) -> Result<Self, Vec<Problem>> {
-        let own = stress + names.len();
-        let Some(plastic_strain) = names.iter().position(|name| *name == "plastic_strain") else {
+        let root = columns.add("gissmo damage root");
+        let forming = matches!(input.critical, Critical::Strain(_))
+            .then(|| ["gissmo forming root", "gissmo critical damage"].map(|c| columns.add(c)));
+        let size = input.sizes.is_some().then(|| columns.add(SIZE_COLUMN));
+        let Some(columns) = DamageColumns::new(columns) else {
             let what = format!("material '{}': {FAILURE} is given", material.name);
             let message = format!("{what}, but the law has no plastic strain");
             return Err(vec![Problem::error(FAILURE, message, "remove it")]);
         };
-        let mut column = |name: &'static str| {
-            let found = names.iter().position(|known| *known == name);
-            stress
-                + found.unwrap_or_else(|| {
-                    names.push(name);
-                    names.len() - 1
-                })
-        };
-        let root = column("gissmo damage root");
-        let forming = matches!(input.critical, Critical::Strain(_))
-            .then(|| ["gissmo forming root", "gissmo critical damage"].map(&mut column));
-        let size = input.sizes.is_some().then(|| column(SIZE_COLUMN));
-        let failed = column("failed");
-        let plastic_strain = stress + plastic_strain;
-        Ok(Self { law, input, names, own, plastic_strain, failed, root, forming, size })
+        Ok(Self { input, columns, root, forming, size })
     }
 
     /// Returns the damage with this root.
@@ -243,8 +222,13 @@ impl<L: ?Sized> Gissmo<L> {
             }
         }
     }
+}
 
-    /// Returns the share of the effective stress that acts.
+impl Damage for Gissmo {
+    fn columns(&self) -> &DamageColumns {
+        &self.columns
+    }
+
     #[inline(always)]
     fn intact<R: Real>(&self, state: &[R]) -> R {
         let (zero, one) = (R::zero(), R::splat(1.0));
@@ -270,10 +254,8 @@ impl<L: ?Sized> Gissmo<L> {
         one - lost
     }
 
-    /// Adds the damage of an increment of plastic strain at this effective stress (xx, yy, zz, xy,
-    /// yz, zx).
     #[inline(always)]
-    fn accumulate<R: Real>(&self, state: &mut [R], sig: &[R; 6], plastic_strain: R) {
+    fn grow<R: Real>(&self, state: &mut [R], sig: &[R; 6], plastic_strain: R) {
         let (zero, one) = (R::zero(), R::splat(1.0));
         let s = deviator(sig);
         let mises = (R::splat(1.5) * inner(&s, &s)).sqrt();
@@ -300,63 +282,19 @@ impl<L: ?Sized> Gissmo<L> {
         }
     }
 
-    /// Updates a point by `law`, which sees the effective stress. Returns the share of it that acts
-    /// before and after.
     #[inline(always)]
-    fn update_point<R: Real>(
-        &self,
-        stress: usize,
-        state: &mut [R],
-        law: impl FnOnce(&mut [R]),
-    ) -> [R; 2] {
-        let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
-        let alive = state[self.failed].lt(half);
-        let before = R::select(alive, self.intact(state), one);
-        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, *s / before, zero));
-        let plastic_strain = state[self.plastic_strain];
-        law(&mut state[..self.own]);
-        // A failed point keeps its plastic strain, whatever the law inside does.
-        let now = R::select(alive, state[self.plastic_strain], plastic_strain);
-        state[self.plastic_strain] = now;
-        let sig = match stress {
-            3 => [state[0], state[1], zero, state[2], zero, zero],
-            _ => std::array::from_fn(|c| state[c]),
-        };
-        self.accumulate(state, &sig, now - plastic_strain);
-        let after = self.intact(state);
+    fn holds<R: Real>(&self, state: &[R], _intact: R) -> R::Mask {
         // Round-off of the sum must not delay failure by a step.
-        let whole = R::splat(1.0 - f64::max(1e-12, 16.0 * R::EPSILON));
-        let stays = R::both(state[self.failed].lt(half), state[self.root].lt(whole));
-        let alive = R::both(alive, stays);
-        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, after * *s, zero));
-        state[self.failed] = R::select(alive, zero, one);
-        [before, after]
+        state[self.root].lt(R::splat(1.0 - f64::max(1e-12, 16.0 * R::EPSILON)))
     }
-}
 
-impl Gissmo<dyn PlaneStress> {
-    #[inline(always)]
-    fn shell<R: PointReal>(&self, points: Points<'_, R>, dt: f64) {
-        let states = points.state.chunks_exact_mut(3 + self.names.len());
-        for ((state, eps), through) in states.zip(points.strain).zip(points.thickness_strain) {
-            self.update_point(3, state, |state| {
-                let (strain, thickness_strain) =
-                    (std::slice::from_ref(eps), std::slice::from_mut(through));
-                R::update(&*self.law, Points { state, strain, thickness_strain }, dt);
-            });
+    fn failed_points(&self, points: usize, of_law: usize) -> usize {
+        match self.input.failed_points {
+            None => of_law,
+            // Round-off must not make a whole percentage of the points one more.
+            Some(n) if n < 0.0 => (-0.01 * n * points as f64 - 1e-9).ceil().max(1.0) as usize,
+            Some(n) => (n as usize).min(points),
         }
-    }
-}
-
-impl Gissmo<dyn Solid> {
-    #[inline(always)]
-    fn solid<R: PointReal>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
-        let (state, strain) = (point.state, point.strain);
-        let mut left = R::splat(1.0);
-        let [before, after] = self.update_point(6, state, |state| {
-            left = R::update_solid(&*self.law, SolidPoint { state, strain }, dt);
-        });
-        left * (after / before)
     }
 }
 
@@ -367,8 +305,7 @@ pub fn shell(
     input: Option<GissmoInput>,
 ) -> LawResult {
     let Some(input) = input else { return Ok(law) };
-    let columns = (3, law.history().to_vec());
-    Ok(Box::new(Gissmo::new(material, law, input, columns)?))
+    wrapped::shell(law, |columns| Gissmo::new(material, input, columns))
 }
 
 /// Adds damage to a law of solids, if there is any.
@@ -378,77 +315,5 @@ pub fn solid(
     input: Option<GissmoInput>,
 ) -> SolidLawResult {
     let Some(input) = input else { return Ok(law) };
-    let columns = (6, law.history().to_vec());
-    Ok(Box::new(Gissmo::new(material, law, input, columns)?))
-}
-
-impl PlaneStress for Gissmo<dyn PlaneStress> {
-    fn history(&self) -> &[&'static str] {
-        &self.names
-    }
-    fn elastic(&self) -> Elastic {
-        self.law.elastic()
-    }
-    fn initial_yield_stress(&self) -> f64 {
-        self.law.initial_yield_stress()
-    }
-    fn thins(&self) -> bool {
-        self.law.thins()
-    }
-    fn failed_points(&self, points: usize) -> usize {
-        match self.input.failed_points {
-            None => points,
-            // Round-off must not make a whole percentage of the points one more.
-            Some(n) if n < 0.0 => (-0.01 * n * points as f64 - 1e-9).ceil().max(1.0) as usize,
-            Some(n) => (n as usize).min(points),
-        }
-    }
-    fn orientation(&self, point: usize) -> Option<Orientation> {
-        self.law.orientation(point)
-    }
-    fn transverse_shear(&self, point: usize) -> Option<[f64; 2]> {
-        self.law.transverse_shear(point)
-    }
-    fn stabilising(&self) -> Elastic {
-        self.law.stabilising()
-    }
-    fn rate_dependent(&self) -> Option<&Plasticity> {
-        self.law.rate_dependent()
-    }
-    fn update(&self, points: Points<'_, Lane>, dt: f64) {
-        self.shell(points, dt);
-    }
-    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
-        self.shell(points, dt);
-    }
-    fn update_one(&self, points: Points<'_, f64>, dt: f64) {
-        self.shell(points, dt);
-    }
-}
-
-impl Solid for Gissmo<dyn Solid> {
-    fn history(&self) -> &[&'static str] {
-        &self.names
-    }
-    fn tensors(&self) -> usize {
-        self.law.tensors()
-    }
-    fn axes(&self) -> Option<MaterialAxes> {
-        self.law.axes()
-    }
-    fn elastic(&self) -> Elastic {
-        self.law.elastic()
-    }
-    fn averages_volume(&self) -> bool {
-        self.law.averages_volume()
-    }
-    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
-        self.solid(point, dt)
-    }
-    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32 {
-        self.solid(point, dt)
-    }
-    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
-        self.solid(point, dt)
-    }
+    wrapped::solid(law, |columns| Gissmo::new(material, input, columns))
 }

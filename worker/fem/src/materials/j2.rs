@@ -154,7 +154,7 @@ fn build(material: &Material) -> LawResult {
         J2Form::Isotropic(law) => Box::new(law),
         J2Form::Combined(law) => Box::new(law),
     };
-    Ok(softening::shell(law, strains))
+    softening::shell(law, strains)
 }
 
 fn solid(material: &Material) -> SolidLawResult {
@@ -165,7 +165,7 @@ fn solid(material: &Material) -> SolidLawResult {
         J2Form::Isotropic(law) => Box::new(law),
         J2Form::Combined(law) => Box::new(law),
     };
-    Ok(softening::solid(law, strains))
+    softening::solid(law, strains)
 }
 
 /// The two forms of this law.

@@ -4,7 +4,7 @@
 //! t_n >= N   or   sqrt(t_s^2 + t_t^2) >= S
 //! ```
 
-use super::{Cohesive, CohesiveFace, CohesiveLawResult, CohesivePoint, FACE, HISTORY, face, row};
+use super::{Cohesive, CohesiveFace, CohesiveLawResult, FACE, face, row};
 use crate::materials::parameters::Parameters;
 use crate::materials::{DefaultValue, Law};
 use crumple_proto::partition::Material;
@@ -57,16 +57,12 @@ pub fn law(stiffness: f64) -> Box<dyn Cohesive> {
 }
 
 impl Cohesive for ElasticFace {
-    fn history(&self) -> &'static [&'static str] {
-        &HISTORY
-    }
     fn face(&self) -> CohesiveFace {
         self.face
     }
-    fn update(&self, point: CohesivePoint<'_>) -> [f64; 3] {
+    fn damage(&self, [n, s, t]: [f64; 3]) -> f64 {
         let [normal, shear] = self.face.stiffness;
-        let [n, s, t] = point.opening;
         let fails = normal * n >= self.strength[0] || shear * s.hypot(t) >= self.strength[1];
-        self.face.traction(point, if fails { 1.0 } else { 0.0 })
+        if fails { 1.0 } else { 0.0 }
     }
 }

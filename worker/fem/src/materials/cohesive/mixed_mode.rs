@@ -18,7 +18,7 @@
 //! only with g = 1 or equal stiffnesses. A point without damage that would have `u_f < u_0` breaks
 //! at u_0. D is the largest so far, also if the mixture changes.
 
-use super::{Cohesive, CohesiveFace, CohesiveLawResult, CohesivePoint, FACE, HISTORY, face, row};
+use super::{Cohesive, CohesiveFace, CohesiveLawResult, FACE, face, row};
 use crate::materials::parameters::Parameters;
 use crate::materials::{DefaultValue, Law};
 use crumple_proto::partition::Material;
@@ -153,8 +153,13 @@ impl MixedMode {
         };
         [begin, end]
     }
+}
 
-    /// Returns the damage of a point that has come straight to this opening.
+impl Cohesive for MixedMode {
+    fn face(&self) -> CohesiveFace {
+        self.face
+    }
+
     fn damage(&self, [n, s, t]: [f64; 3]) -> f64 {
         let (normal, shear) = (n.max(0.0), s.hypot(t));
         let opening = normal.hypot(shear);
@@ -169,18 +174,5 @@ impl MixedMode {
         } else {
             end * (opening - begin) / (opening * (end - begin))
         }
-    }
-}
-
-impl Cohesive for MixedMode {
-    fn history(&self) -> &'static [&'static str] {
-        &HISTORY
-    }
-    fn face(&self) -> CohesiveFace {
-        self.face
-    }
-    fn update(&self, point: CohesivePoint<'_>) -> [f64; 3] {
-        let damage = self.damage(point.opening);
-        self.face.traction(point, damage)
     }
 }

@@ -26,22 +26,27 @@ pub type CohesiveLawResult = Result<Box<dyn Cohesive>, Vec<Problem>>;
 pub struct CohesivePoint<'a> {
     /// Opening along the normal and along two directions in the surface [length].
     pub opening: [f64; 3],
-    /// History columns of the law. Updated in place.
+    /// Columns of [`HISTORY`]. Updated in place.
     pub history: &'a mut [f64],
 }
 
 /// A law of cohesive elements.
 pub trait Cohesive: Send + Sync {
-    /// Returns the names of the history columns. All start at zero. A column `failed` is 1 at
-    /// points that only push.
-    fn history(&self) -> &'static [&'static str];
-
     /// Returns stiffness and mass.
     fn face(&self) -> CohesiveFace;
 
+    /// Returns the damage, from 0 to 1, of a point that has come straight to an opening along the
+    /// normal and along two directions in the surface [length].
+    fn damage(&self, opening: [f64; 3]) -> f64;
+}
+
+impl dyn Cohesive {
     /// Updates the history and returns the traction along the directions of the opening
     /// [force/length^2].
-    fn update(&self, point: CohesivePoint<'_>) -> [f64; 3];
+    pub fn update(&self, point: CohesivePoint<'_>) -> [f64; 3] {
+        let damage = self.damage(point.opening);
+        self.face().traction(point, damage)
+    }
 }
 
 /// Stiffness and mass of a cohesive surface.
@@ -55,8 +60,9 @@ pub struct CohesiveFace {
     pub per_area: bool,
 }
 
-/// Columns of the history of all laws: damage, and 1 from failure on.
-const HISTORY: [&str; 2] = ["damage", "failed"];
+/// Columns of the history of all laws, which start at zero: damage, and 1 from failure on, where
+/// points only push.
+pub const HISTORY: [&str; 2] = ["damage", "failed"];
 
 impl CohesiveFace {
     /// Raises the damage of a point to `damage`, 1 at most, and returns its traction

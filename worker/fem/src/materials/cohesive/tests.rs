@@ -35,7 +35,7 @@ struct Path {
 impl Path {
     fn new(material: &Material) -> Self {
         let law = build_cohesive(material).map_err(|problems| format!("{problems:?}")).unwrap();
-        let history = vec![0.0; law.history().len()];
+        let history = vec![0.0; HISTORY.len()];
         Self { law, history, opening: [0.0; 3], traction: [0.0; 3], work: [0.0; 2] }
     }
 

@@ -3,18 +3,19 @@
 //! ```text
 //! sigma = (1 - D) sigma~,   D = (eps_p - start)/(rupture - start), from 0 to 1
 //! ```
-//! The law computes the effective stress sigma~. The state holds sigma, so that elements see only
-//! the stress that acts. A point fails at D = 1 and has no stress from then on.
+//! The law computes the effective stress sigma~. A point fails at D = 1.
 //!
 //! Without regularisation the energy of rupture is in proportion to the size of the elements.
 
+use crate::materials::damaged::{Damage, DamageColumns};
 use crate::materials::parameters::Parameters;
-use crate::materials::plasticity::Plasticity;
+use crate::materials::wrapped::{self, PointColumns};
 use crate::materials::{
-    DefaultValue, Elastic, Form, ParameterRow, PlaneStress, PointReal, Points, Solid, SolidPoint,
+    DefaultValue, Form, LawResult, ParameterRow, PlaneStress, Solid, SolidLawResult,
 };
-use crumple_math::lanes::{Lane, Lane32, Real};
+use crumple_math::lanes::Real;
 use crumple_proto::partition::Param;
+use crumple_proto::problem::Problem;
 
 /// The key of the plastic strains where damage starts and is complete.
 const KEY: &str = "softening";
@@ -48,160 +49,49 @@ pub fn read(parameters: &mut Parameters<'_>) -> Option<[f64; 2]> {
     }
 }
 
-/// A law with damage.
-struct Softening<L: ?Sized> {
-    law: Box<L>,
+/// Damage of a law.
+struct Softening {
     start: f64,
     /// 1 over the range of plastic strain.
     per_range: f64,
-    names: Vec<&'static str>,
-    /// Number of columns of stress and of the law.
-    own: usize,
-    /// Columns with those of stress.
-    plastic_strain: usize,
-    failed: usize,
+    columns: DamageColumns,
 }
 
-impl<L: ?Sized> Softening<L> {
-    fn new(law: Box<L>, [start, rupture]: [f64; 2], stress: usize, names: &[&'static str]) -> Self {
-        let own = stress + names.len();
-        let mut names = names.to_vec();
-        let column = |names: &[&'static str], name| names.iter().position(|known| *known == name);
-        let plastic_strain = column(&names, "plastic_strain").expect("plastic laws have one");
-        let failed = column(&names, "failed").unwrap_or_else(|| {
-            names.push("failed");
-            names.len() - 1
-        });
-        Self {
-            law,
-            start,
-            per_range: 1.0 / (rupture - start),
-            names,
-            own,
-            plastic_strain: stress + plastic_strain,
-            failed: stress + failed,
-        }
+impl Softening {
+    fn new([start, rupture]: [f64; 2], columns: &mut PointColumns) -> Result<Self, Vec<Problem>> {
+        let columns = DamageColumns::new(columns).expect("plastic laws have a plastic strain");
+        Ok(Self { start, per_range: 1.0 / (rupture - start), columns })
+    }
+}
+
+impl Damage for Softening {
+    fn columns(&self) -> &DamageColumns {
+        &self.columns
     }
 
-    /// Returns 1 - D.
     #[inline(always)]
     fn intact<R: Real>(&self, state: &[R]) -> R {
-        let beyond = state[self.plastic_strain] - R::splat(self.start);
+        let beyond = state[self.columns.plastic_strain] - R::splat(self.start);
         let damage = Real::max(R::splat(self.per_range) * beyond, R::zero());
         Real::max(R::splat(1.0) - damage, R::zero())
     }
 
-    /// Updates a point by `law`, which sees the effective stress. Returns 1 - D before and after.
     #[inline(always)]
-    fn update_point<R: Real>(
-        &self,
-        stress: usize,
-        state: &mut [R],
-        law: impl FnOnce(&mut [R]),
-    ) -> [R; 2] {
-        let (zero, one) = (R::zero(), R::splat(1.0));
-        let alive = state[self.failed].lt(R::splat(0.5));
-        let before = R::select(alive, self.intact(state), one);
-        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, *s / before, zero));
-        let plastic_strain = state[self.plastic_strain];
-        law(&mut state[..self.own]);
-        // A failed point keeps its plastic strain, whatever the law inside does.
-        let kept = R::select(alive, state[self.plastic_strain], plastic_strain);
-        state[self.plastic_strain] = kept;
-        let after = self.intact(state);
-        let alive = R::both(R::both(alive, state[self.failed].lt(R::splat(0.5))), after.gt(zero));
-        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, after * *s, zero));
-        state[self.failed] = R::select(alive, zero, one);
-        [before, after]
-    }
-}
-
-impl Softening<dyn PlaneStress> {
-    #[inline(always)]
-    fn shell<R: PointReal>(&self, points: Points<'_, R>, dt: f64) {
-        let states = points.state.chunks_exact_mut(3 + self.names.len());
-        for ((state, eps), through) in states.zip(points.strain).zip(points.thickness_strain) {
-            self.update_point(3, state, |state| {
-                let (strain, thickness_strain) =
-                    (std::slice::from_ref(eps), std::slice::from_mut(through));
-                R::update(&*self.law, Points { state, strain, thickness_strain }, dt);
-            });
-        }
-    }
-}
-
-impl Softening<dyn Solid> {
-    #[inline(always)]
-    fn solid<R: PointReal>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
-        let (state, strain) = (point.state, point.strain);
-        let mut left = R::splat(1.0);
-        let [before, after] = self.update_point(6, state, |state| {
-            left = R::update_solid(&*self.law, SolidPoint { state, strain }, dt);
-        });
-        left * (after / before)
+    fn holds<R: Real>(&self, _state: &[R], intact: R) -> R::Mask {
+        intact.gt(R::zero())
     }
 }
 
 /// Adds damage to a law of shells, if `strains` are given.
-pub fn shell(law: Box<dyn PlaneStress>, strains: Option<[f64; 2]>) -> Box<dyn PlaneStress> {
-    let Some(strains) = strains else { return law };
-    let names = law.history().to_vec();
-    Box::new(Softening::new(law, strains, 3, &names))
+pub fn shell(law: Box<dyn PlaneStress>, strains: Option<[f64; 2]>) -> LawResult {
+    let Some(strains) = strains else { return Ok(law) };
+    wrapped::shell(law, |columns| Softening::new(strains, columns))
 }
 
 /// Adds damage to a law of solids, if `strains` are given.
-pub fn solid(law: Box<dyn Solid>, strains: Option<[f64; 2]>) -> Box<dyn Solid> {
-    let Some(strains) = strains else { return law };
-    let names = law.history().to_vec();
-    Box::new(Softening::new(law, strains, 6, &names))
-}
-
-impl PlaneStress for Softening<dyn PlaneStress> {
-    fn history(&self) -> &[&'static str] {
-        &self.names
-    }
-    fn elastic(&self) -> Elastic {
-        self.law.elastic()
-    }
-    fn initial_yield_stress(&self) -> f64 {
-        self.law.initial_yield_stress()
-    }
-    fn rate_dependent(&self) -> Option<&Plasticity> {
-        self.law.rate_dependent()
-    }
-    fn update(&self, points: Points<'_, Lane>, dt: f64) {
-        self.shell(points, dt);
-    }
-    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
-        self.shell(points, dt);
-    }
-    fn update_one(&self, points: Points<'_, f64>, dt: f64) {
-        self.shell(points, dt);
-    }
-}
-
-impl Solid for Softening<dyn Solid> {
-    fn history(&self) -> &[&'static str] {
-        &self.names
-    }
-    fn tensors(&self) -> usize {
-        self.law.tensors()
-    }
-    fn elastic(&self) -> Elastic {
-        self.law.elastic()
-    }
-    fn averages_volume(&self) -> bool {
-        self.law.averages_volume()
-    }
-    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
-        self.solid(point, dt)
-    }
-    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32 {
-        self.solid(point, dt)
-    }
-    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
-        self.solid(point, dt)
-    }
+pub fn solid(law: Box<dyn Solid>, strains: Option<[f64; 2]>) -> SolidLawResult {
+    let Some(strains) = strains else { return Ok(law) };
+    wrapped::solid(law, |columns| Softening::new(strains, columns))
 }
 
 #[cfg(test)]
