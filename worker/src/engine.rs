@@ -67,7 +67,7 @@ pub struct Engine {
     pub loads: Loads,
     /// Airbags.
     pub airbags: Airbags,
-    /// Prescribed motion, rigid bodies, rigid walls and ties.
+    /// Prescribed motion, rigid bodies, rigid walls, ties and their bonds.
     pub constraints: Constraints,
     /// Energies.
     pub ledger: Ledger,

@@ -324,7 +324,7 @@ impl Loads {
         }
     }
 
-    /// Returns the acceleration of gravity in this step [length/time^2].
+    /// Returns the acceleration of gravity that acts on all masses in this step [length/time^2].
     pub fn gravity(&self) -> Row {
         if self.gravity.is_empty() { [0.0; 4] } else { self.falling }
     }

@@ -101,8 +101,7 @@ impl Engine {
         self.halo.recv_element_forces(comm, &mut self.blocks, all)?;
         self.blocks.remove_masses(&mut self.nodes);
         erosion::leave_surface(comm, &mut self.blocks, &self.nodes, &self.halo, &gone)?;
-        self.renew_without(comm, self.tree.clone(), parts)?;
-        self.constraints.bonds.remove_absent(comm, &self.nodes)
+        self.renew_without(comm, self.tree.clone(), parts)
     }
 
     /// Makes parts rigid, or deformable again, whose time has come. All workers call this together.

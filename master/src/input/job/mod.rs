@@ -419,7 +419,7 @@ fn constrain(
     settings.rigid = rigid::resolve(job, mesh, settings, &sets, &mut nodes, findings);
     settings.joints = joints::resolve(job, findings);
     ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
-    ties::lead(&settings.ties, &mut settings.loads.motions);
+    ties::lead(&settings.ties, &mut settings.loads.motions, findings);
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
     let turning = turning_parts(job);
     settings.rotations =

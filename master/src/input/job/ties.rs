@@ -109,6 +109,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Resolv
     }
     let direct: Vec<Tie> = projected.iter().map(|s| s.tie.clone()).collect();
     failure::refuse_chains(&direct, findings);
+    failure::refuse_gravity_of_parts(job, mesh, &direct, findings);
     let mut given = BTreeMap::new();
     for s in &projected {
         let node = &mut mesh.nodes[s.node];
@@ -399,8 +400,9 @@ fn chained(job: &Job, projected: Vec<Projected>, findings: &mut JobProblems) -> 
 }
 
 /// Removes tied nodes from motions: if all masters of a node have a prescribed motion, the node
-/// follows them.
-pub fn lead(ties: &[Tie], motions: &mut [PrescribedMotion]) {
+/// follows them. Reports tied nodes that can come off, and would have no motion then.
+pub fn lead(ties: &[Tie], motions: &mut [PrescribedMotion], findings: &mut JobProblems) {
+    failure::refuse_motion(ties, motions, findings);
     let tied: HashSet<NodeId> = ties.iter().map(|t| t.node).collect();
     motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
 }

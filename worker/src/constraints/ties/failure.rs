@@ -42,6 +42,16 @@ struct Broken {
     force: [f64; 3],
 }
 
+/// A tie that has failed and holds no more.
+pub struct ReleasedTie {
+    /// Its definition.
+    pub tie: Tie,
+    /// Mass on which the stiffness of a spring in its place may be based [mass].
+    pub mass: f64,
+    /// Force on the slave at the limit, in the axes of the face [force].
+    pub force: [f64; 3],
+}
+
 /// Ties that have broken and are not released yet, by slave, with the forces of their limits.
 pub type BrokenTies = BTreeMap<NodeId, [f64; 3]>;
 
@@ -130,16 +140,15 @@ impl Ties {
         Ok(())
     }
 
-    /// Releases the slaves of broken ties. Returns these ties with their masses of springs and the
-    /// forces of their limits, by ascending slave.
-    pub fn release_broken(&mut self, nodes: &mut Nodes) -> Vec<(Tie, f64, [f64; 3])> {
+    /// Releases the slaves of broken ties, and returns these by ascending slave.
+    pub fn release_broken(&mut self, nodes: &mut Nodes) -> Vec<ReleasedTie> {
         let broken = std::mem::take(&mut self.broken);
         let gone = |t: &usize| broken.contains_key(&self.definitions[*t].node);
         let gone: BTreeSet<usize> = (0..self.definitions.len()).filter(gone).collect();
         let of = |&t: &usize| {
             let tie = self.definitions[t].clone();
             let mass = self.breakable[t].map_or(0.0, |b| b.mass);
-            (tie.clone(), mass, broken[&tie.node])
+            ReleasedTie { force: broken[&tie.node], mass, tie }
         };
         let released = gone.iter().map(of).collect();
         self.release(&gone, nodes);

@@ -251,6 +251,9 @@ impl Ties {
                 nodes.invert_mass(n);
             }
         }
+        for &t in released {
+            self.broken.remove(&self.definitions[t].node);
+        }
         keep(&mut self.definitions, released);
         keep(&mut self.shares, released);
         keep(&mut self.slave_masses, released);

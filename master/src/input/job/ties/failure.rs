@@ -3,9 +3,10 @@
 use super::{Projected, TieContext, name, named};
 use crate::input::job::loads::outer_faces;
 use crate::input::job::validate::JobProblems;
-use crumple_proto::ids::NodeId;
-use crumple_proto::job::{TieFailureInput, TieInput, TieLimits};
-use crumple_proto::mesh::{face_key, once_each};
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::{Job, TieFailureInput, TieInput, TieLimits};
+use crumple_proto::loads::PrescribedMotion;
+use crumple_proto::mesh::{Mesh, face_key, once_each};
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::{Tie, TieStrength};
 use crumple_worker::constraints::ties::project::{FaceCorners, diagonal};
@@ -176,6 +177,57 @@ pub(super) fn strength(spec: &TieInput, corners: [NodeId; 4]) -> Option<TieStren
         opening: failure.opening,
         corners,
     })
+}
+
+/// Reports ties that can fail on elements of parts with a gravity of their own, whose force on the
+/// mass of the slaves is not known to their ties.
+pub(super) fn refuse_gravity_of_parts(
+    job: &Job,
+    mesh: &Mesh,
+    ties: &[Tie],
+    findings: &mut JobProblems,
+) {
+    let breakable: Vec<&Tie> = ties.iter().filter(|tie| tie.failure.is_some()).collect();
+    if breakable.is_empty() {
+        return;
+    }
+    let on: HashSet<ElemId> = breakable.iter().flat_map(|tie| tie.faces.iter().copied()).collect();
+    let parts: HashSet<u32> =
+        mesh.elements.iter().filter(|e| on.contains(&e.id)).map(|e| e.part).collect();
+    for (entry, gravity) in job.gravity.iter().enumerate() {
+        if let Some(part) = gravity.parts.iter().find(|part| parts.contains(part)) {
+            let message = format!(
+                "ties that can fail are on part {part}, which has a gravity of its own: the force \
+                 of this gravity on tied nodes is not known to their ties"
+            );
+            let help = "let the gravity act on all, without `parts`; or remove `failure`";
+            findings.add(Problem::error(format!("gravity.{entry}.parts"), message, help));
+        }
+    }
+}
+
+/// Reports ties that can fail with slaves in a prescribed motion, which they would not have after
+/// the failure.
+pub(super) fn refuse_motion(
+    ties: &[Tie],
+    motions: &[PrescribedMotion],
+    findings: &mut JobProblems,
+) {
+    let breakable: HashSet<NodeId> =
+        ties.iter().filter(|tie| tie.failure.is_some()).map(|tie| tie.node).collect();
+    let mut nodes: Vec<NodeId> =
+        motions.iter().flat_map(|m| &m.nodes).filter(|n| breakable.contains(n)).copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    if !nodes.is_empty() {
+        let message = format!(
+            "{} tied nodes can fail and have a prescribed motion, which they would lose: {}",
+            nodes.len(),
+            named(&nodes)
+        );
+        let help = "remove them from [[motion]], or from the nodes of the tie";
+        findings.add(Problem::error("tie", message, help));
+    }
 }
 
 /// Reports ties that can fail and have tied nodes among the corners of their faces, or whose slave
