@@ -10,9 +10,9 @@
 //! with the largest `q = |s|` so far and the opening w; the term with n only while `s . n` is the
 //! largest so far. So it begins with `F_0`, falls linearly to zero as the slave moves away along n
 //! with the work `|F_0| w/2` for any `k_0`, and returns to zero along a secant when the slave comes
-//! back. No path gains energy: the first term has the energy `K s^2/2` with a K that never grows, and
-//! the second one acts only against an advance. A step that turns an advance back errs by at most
-//! `(F_0 dt)^2/(2 m)`. (Damage as in bilinear cohesive laws, such as
+//! back. No path gains energy: the first term has the energy `K s^2/2` with a K that never grows,
+//! and the second one acts only against an advance. A step that turns an advance back errs by at
+//! most `(F_0 dt)^2/(2 m)`. (Damage as in bilinear cohesive laws, such as
 //! Camanho & Davila 2002, NASA/TM-2002-211737, section 2, with a rigid start. The mode at the
 //! failure is kept: `|F_0|` is the limit in its direction.)
 //!
@@ -384,8 +384,8 @@ mod tests {
         }
     }
 
-    /// A bond adds 0.2/dt^2 to the squared frequencies. Elements at nine tenths of their stable step
-    /// leave room for it, at 0.99 they do not: `1/step^2 = 0.99^2 + 0.2/4`.
+    /// A bond adds 0.2/dt^2 to the squared frequencies. Elements at nine tenths of their stable
+    /// step leave room for it, at 0.99 they do not: `1/step^2 = 0.99^2 + 0.2/4`.
     #[test]
     fn the_step_is_shorter_only_without_room() {
         let bonds = Bonds { all: vec![Bond { frequency2: 0.2, ..bond(1.0) }], acting: Vec::new() };

@@ -84,9 +84,9 @@ fn ties_break_at_the_force_of_the_limit() {
     assert!(time * 1.001 >= exact && before * 0.999 < exact, "{before} {exact} {time}");
 }
 
-/// Gravity carries a part of the acceleration of the slave, and the tie has to overcome its damping:
-/// the force is `m (a - g)`, and `m (a + c v)` with the damping c. A field of gravity is not known
-/// to ties if it is of parts only.
+/// Gravity carries a part of the acceleration of the slave, and the tie has to overcome its
+/// damping: the force is `m (a - g)`, and `m (a + c v)` with the damping c. A field of gravity is
+/// not known to ties if it is of parts only.
 #[test]
 fn gravity_and_damping_count_in_the_force() {
     let inner = RHO * THICKNESS * (14.0 / 3.0) * (19.0 / 2.0);
