@@ -165,8 +165,9 @@ fn bonds_take_the_work_under_their_curve() {
     assert!(gained < 1e-6 && last > -0.01, "{gained} gained, {last} at the end");
 }
 
-/// Plates slide off each other, tied half a thickness apart: momentum and angular momentum are kept
-/// to round-off, also while bonds with arms act on nodes that rotate.
+/// Plates slide off each other, tied half a thickness apart: bonds with arms act on nodes that
+/// rotate, and keep momentum and angular momentum to round-off. A release does not keep the
+/// latter: until then the masters had the masses of the slaves, half a thickness away.
 #[test]
 fn bonds_with_arms_keep_both_momenta() {
     let mut scene = steel(0.06);
@@ -181,13 +182,20 @@ fn bonds_with_arms_keep_both_momenta() {
          [[initial_velocity]]\nnodes = \"patch\"\nvelocity = [2.0, 1.0, 0.0]"
     ));
     let (mut watch, mut held) = (Watch::default(), 0);
+    let (mut between, mut ties) = (Watch::default(), 0);
+    let mut angular = 0.0f64;
     let end = run_alone(&model(&scene).unwrap(), |e: &Engine| {
         watch.record(e);
+        if e.constraints.ties.count() != ties {
+            (between, ties) = (Watch::default(), e.constraints.ties.count());
+        }
+        between.record(e);
+        angular = angular.max(between.changed[1]);
         held += usize::from(!e.constraints.bonds.is_empty());
     });
     assert!(held > 5 && end.constraints.ties.is_empty(), "bonds in {held} steps");
     let mass = RHO * (40.0 * 40.0 + 14.0 * 19.0);
-    let [linear, angular] = watch.changed;
+    let linear = watch.changed[0];
     assert!(linear < 1e-12 * mass * 4.0, "{linear}");
     assert!(angular < 1e-12 * mass * 4.0 * 40.0, "{angular}");
 }

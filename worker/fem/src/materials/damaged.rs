@@ -21,7 +21,7 @@ impl DamageColumns {
 }
 
 /// Growth of damage and what it leaves of the stress.
-pub trait Damage: Send + Sync {
+pub trait DamageLaw: Send + Sync {
     /// Returns the columns of a point.
     fn columns(&self) -> &DamageColumns;
 
@@ -42,7 +42,7 @@ pub trait Damage: Send + Sync {
     }
 }
 
-impl<D: Damage> Addition for D {
+impl<D: DamageLaw> Addition for D {
     #[inline(always)]
     fn update<R: Real>(&self, state: &mut [R], strain: &[R], law: impl FnOnce(&mut [R]) -> R) -> R {
         let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
@@ -66,6 +66,6 @@ impl<D: Damage> Addition for D {
     }
 
     fn failed_points(&self, points: usize, of_law: usize) -> usize {
-        Damage::failed_points(self, points, of_law)
+        DamageLaw::failed_points(self, points, of_law)
     }
 }

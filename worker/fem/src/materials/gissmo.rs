@@ -18,7 +18,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::damaged::{Damage, DamageColumns};
+use super::damaged::{DamageColumns, DamageLaw};
 use super::parameters::Parameters;
 use super::polyline::{Beyond, RampCurve};
 use super::tensor::{deviator, inner, trace};
@@ -224,7 +224,7 @@ impl Gissmo {
     }
 }
 
-impl Damage for Gissmo {
+impl DamageLaw for Gissmo {
     fn columns(&self) -> &DamageColumns {
         &self.columns
     }

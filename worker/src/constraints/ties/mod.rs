@@ -314,6 +314,11 @@ impl Ties {
         self.partners = pairs.into_iter().map(|p| p.1).collect();
     }
 
+    /// Returns the number of ties.
+    pub fn count(&self) -> usize {
+        self.definitions.len()
+    }
+
     /// Returns true if there are no ties.
     pub fn is_empty(&self) -> bool {
         self.definitions.is_empty()

@@ -7,7 +7,7 @@
 //!
 //! Without regularisation the energy of rupture is in proportion to the size of the elements.
 
-use crate::materials::damaged::{Damage, DamageColumns};
+use crate::materials::damaged::{DamageColumns, DamageLaw};
 use crate::materials::parameters::Parameters;
 use crate::materials::wrapped::{self, PointColumns};
 use crate::materials::{
@@ -64,7 +64,7 @@ impl Softening {
     }
 }
 
-impl Damage for Softening {
+impl DamageLaw for Softening {
     fn columns(&self) -> &DamageColumns {
         &self.columns
     }
