@@ -12,10 +12,13 @@
 //! - [`disk`]: watch over operations on files
 //! - [`exit_code`]: exit codes of the program
 //! - [`transport`]: transport of messages, by threads or MPI
+//!
+//! Kernels for a GPU (`nvptx64`) use the data alone: without files and messages.
 
 pub mod airbag;
 pub mod boxes;
 pub mod checkpoint;
+#[cfg(not(target_arch = "nvptx64"))]
 pub mod disk;
 pub mod exact_sum;
 pub mod exit_code;
@@ -34,6 +37,8 @@ pub mod rigid;
 pub mod steering;
 pub mod tie;
 pub mod trace;
+#[cfg(not(target_arch = "nvptx64"))]
 pub mod transport;
 pub mod wall;
+#[cfg(not(target_arch = "nvptx64"))]
 pub mod wire;

@@ -8,6 +8,8 @@
 //! - [`particles`]: sums over the neighbours of particles
 
 pub mod assembly;
+// It measures its CPU time, for which a GPU has no clock.
+#[cfg(not(target_arch = "nvptx64"))]
 pub mod blocks;
 pub mod columns;
 pub mod elements;

@@ -19,6 +19,9 @@ pub const LANES: usize = 4;
 /// Number of elements per vector in single precision.
 pub const LANES32: usize = 8;
 
+/// True if the machine has the instruction for a product and a sum that is rounded once.
+const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "nvptx64"));
+
 /// One number of each of [`LANES`] elements; also the row of a node: x, y, z, padding.
 pub type Lane = wide::f64x4;
 /// One `f32` number of each of [`LANES32`] elements.
@@ -149,7 +152,7 @@ impl Real for f64 {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // Without the instruction, a fused product is a slow library call; vectors then round
         // twice too.
-        if cfg!(target_feature = "fma") { self.mul_add(factor, term) } else { self * factor + term }
+        if FUSED { self.mul_add(factor, term) } else { self * factor + term }
     }
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, term: Self) -> Self {
@@ -315,6 +318,33 @@ pub trait Lanes<const W: usize>: Real {
     fn to_array(self) -> [f64; W];
     /// Returns a vector of the numbers of each element, rounded.
     fn from_array(numbers: [f64; W]) -> Self;
+}
+
+/// One element per thread, for devices with thousands of threads.
+impl Lanes<1> for f64 {
+    type Row = Lane;
+
+    #[inline(always)]
+    fn row(row: Lane) -> Lane {
+        row
+    }
+    #[inline(always)]
+    fn from_rows([row]: [Lane; 1]) -> [Self; 3] {
+        let [x, y, z, _] = row.to_array();
+        [x, y, z]
+    }
+    #[inline(always)]
+    fn to_rows([x, y, z]: [Self; 3]) -> [Lane; 1] {
+        [Lane::new([x, y, z, 0.0])]
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f64; 1] {
+        [self]
+    }
+    #[inline(always)]
+    fn from_array([number]: [f64; 1]) -> Self {
+        number
+    }
 }
 
 impl Lanes<LANES> for Lane {

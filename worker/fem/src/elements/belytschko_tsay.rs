@@ -33,39 +33,43 @@ use crate::parameter::{DefaultValue, Form, ParameterRow, Values};
 use crumple_math::lanes::{Each, Real};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
+use crumple_proto::problem::Problem;
+
+/// Its keys.
+pub const PARAMETERS: [&[ParameterRow]; 2] = [
+    parameters::OF_SHELLS,
+    &[
+        ParameterRow {
+            key: "hourglass",
+            form: Form::Word(HourglassForm::OF_SHELLS),
+            otherwise: DefaultValue::Word(HourglassForm::Stiffness.word()),
+            range: None,
+            meaning: "Hourglass control (`cases/studies/README.md`, hourglass).",
+        },
+        parameters::coefficient_of_shell(
+            "Hourglass coefficient: fraction of the stiffness of the element, or of critical \
+             damping. Hourglass forces of shells with a plastic law are bounded with every \
+             form of control. See `cases/studies/README.md`, hourglass.",
+        ),
+        parameters::MEMBRANE,
+        ParameterRow {
+            key: "warping",
+            form: Form::Flag,
+            otherwise: DefaultValue::Flag(false),
+            range: None,
+            meaning: "Add the Belytschko-Wong-Chiang coupling terms for warped quads. Their \
+                      effect is small (`cases/studies/README.md`, twist, twist-thin and \
+                      panel).",
+        },
+    ],
+];
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "belytschko_tsay",
     meaning: "Belytschko-Lin-Tsay: one in-plane point, hourglass control with a coefficient.",
     shape: Shape::Quad4,
-    parameters: [
-        parameters::OF_SHELLS,
-        &[
-            ParameterRow {
-                key: "hourglass",
-                form: Form::Word(HourglassForm::OF_SHELLS),
-                otherwise: DefaultValue::Word(HourglassForm::Stiffness.word()),
-                range: None,
-                meaning: "Hourglass control (`cases/studies/README.md`, hourglass).",
-            },
-            parameters::coefficient_of_shell(
-                "Hourglass coefficient: fraction of the stiffness of the element, or of critical \
-                 damping. Hourglass forces of shells with a plastic law are bounded with every \
-                 form of control. See `cases/studies/README.md`, hourglass.",
-            ),
-            parameters::MEMBRANE,
-            ParameterRow {
-                key: "warping",
-                form: Form::Flag,
-                otherwise: DefaultValue::Flag(false),
-                range: None,
-                meaning: "Add the Belytschko-Wong-Chiang coupling terms for warped quads. Their \
-                          effect is small (`cases/studies/README.md`, twist, twist-thin and \
-                          panel).",
-            },
-        ],
-    ],
+    parameters: PARAMETERS,
     idle: parameters::idle_in_membranes,
     build: Constructor::Shell(build),
 };
@@ -92,16 +96,28 @@ pub struct BelytschkoTsay {
 }
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
+    Ok(Box::new(Shell(Quad(kernel(part, values, law)?))))
+}
+
+/// Returns the kernel of the shells of a part.
+///
+/// # Errors
+/// All problems of the part.
+pub fn kernel(
+    part: &Part,
+    values: &Values<'_>,
+    law: Box<dyn PlaneStress>,
+) -> Result<BelytschkoTsay, Vec<Problem>> {
     let section = Section::new(part, values, law)?;
     let membrane = parameters::is_membrane(part, values)?;
-    Ok(Box::new(Shell(Quad(BelytschkoTsay {
+    Ok(BelytschkoTsay {
         section: if membrane { section.of_membrane() } else { section },
         membrane,
         hourglass: HourglassForm::from_word(&values.word("hourglass")),
         hourglass_coefficient: values.number("hourglass_coefficient"),
         warping: values.flag("warping"),
         drilling: if membrane { 0.0 } else { values.number("drilling") },
-    }))))
+    })
 }
 
 /// Coupling of in-plane velocity to curvature in a warped element: corner values 1 and 2 of Bc1 and

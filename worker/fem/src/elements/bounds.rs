@@ -124,8 +124,8 @@ impl<const M: usize> Bounds<M> {
 
     /// Limits the forces of the lanes `beyond`. The others keep their bits, so that an element does
     /// not depend on its neighbours in a group.
-    #[cold]
-    #[inline(never)]
+    #[cfg_attr(target_arch = "nvptx64", inline(always))]
+    #[cfg_attr(not(target_arch = "nvptx64"), cold, inline(never))]
     fn limit<R: Real>(
         &self,
         capacity: &Capacity<R>,

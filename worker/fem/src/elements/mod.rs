@@ -36,6 +36,7 @@ mod shell;
 #[cfg(test)]
 mod shell_benchmarks;
 mod sides;
+pub mod single_shell;
 mod solid;
 #[cfg(test)]
 pub(crate) mod solid_testing;

@@ -34,8 +34,8 @@ impl Section {
     /// Returns the flow stress of the section, for limits on forces that the points do not
     /// integrate: the root mean square of the von Mises stress over all points, but at least
     /// `least` [force/length^2].
-    #[cold]
-    #[inline(never)]
+    #[cfg_attr(target_arch = "nvptx64", inline(always))]
+    #[cfg_attr(not(target_arch = "nvptx64"), cold, inline(never))]
     pub fn flow_stress<R: Real, const N: usize>(&self, columns: &[R], least: f64) -> R {
         let mut mean_square = R::zero();
         let share = 0.5 / self.planar as f64;

@@ -242,6 +242,19 @@ impl Section {
         Self { points: 1, failed_points: 1, zeta, weight, shear: 0.0, ..self }
     }
 
+    /// Returns true if an element has N points, all through the thickness at one place in the
+    /// plane, with COLUMNS columns each, and no column of an option.
+    #[inline(always)]
+    pub fn is_plain<const N: usize, const COLUMNS: usize>(&self) -> bool {
+        self.points == N
+            && self.stride == COLUMNS
+            && self.planar == 1
+            && !self.has_offset()
+            && !self.deletes
+            && self.failed.is_none()
+            && self.transverse.is_none()
+    }
+
     /// Makes each element store its offset in a column of the section.
     pub fn store_offsets(&mut self) {
         self.stores_offsets = true;

@@ -214,7 +214,8 @@ impl Plasticity {
 
     /// Bisects the bracket between y = 0, which is outside the surface, and a y that is certainly
     /// inside. Converged lanes do not change.
-    #[cold]
+    #[cfg_attr(target_arch = "nvptx64", inline(always))]
+    #[cfg_attr(not(target_arch = "nvptx64"), cold)]
     fn bisect<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) {
         let outside = |back: &Return<R>| {
             let Denominators { alpha, beta, .. } = self.denominators(back);
@@ -247,6 +248,17 @@ pub(super) fn square<R: Real>(eps: [R; 3]) -> R {
 }
 
 impl Plasticity {
+    /// Updates the points of one element with COLUMNS columns each, at most N, as
+    /// [`PlaneStress::update_one`] does, without a call through a table.
+    #[inline(always)]
+    pub fn update_points<R: Real, const N: usize, const COLUMNS: usize>(
+        &self,
+        points: Points<'_, R>,
+        dt: f64,
+    ) {
+        self.stress::<R, COLUMNS, N>(points, dt);
+    }
+
     #[inline(always)]
     fn points<R: Real>(&self, points: Points<'_, R>, dt: f64) {
         match (self.names().len(), points.strain.len() <= FEW) {
