@@ -320,7 +320,7 @@ fn points(s: &SummaryPart, bodies: &[u32]) -> Option<Advice> {
 fn law(s: &SummaryPart, bodies: &[u32]) -> Option<Advice> {
     let yielded =
         |name: &str| s.parts.iter().any(|p| p.material == name && p.plastic_strain_max > 0.0);
-    let can_yield = |p: &PartSummary| matches!(p.law.as_str(), "j2" | "johnson_cook");
+    let can_yield = |p: &PartSummary| matches!(p.law.as_str(), "j2" | "johnson_cook" | "barlat");
     let idle = |p: &PartSummary| p.elements > 0 && can_yield(p) && !yielded(&p.material);
     let mut materials: Vec<&str> =
         s.parts.iter().filter(|p| idle(p)).map(|p| p.material.as_str()).collect();

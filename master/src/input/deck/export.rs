@@ -32,7 +32,7 @@ mod walls;
 mod writer;
 
 pub(in crate::input::deck) use rest::{differing, list};
-pub(in crate::input::deck) use writer::{DeckWriter, line, named};
+pub(in crate::input::deck) use writer::{DeckWriter, line, named, table_of, value_of};
 
 use crate::input::job::{Model, Report};
 use crumple_proto::job::Job;

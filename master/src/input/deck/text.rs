@@ -2,7 +2,8 @@
 //! which they apply.
 //!
 //! `*INCLUDE` is replaced by the included file. Text before `*KEYWORD`, comments (`$`), and text
-//! after `*END` in its file are ignored. This module knows no other keyword.
+//! after `*END` in its file are ignored, and so are the blocks of cases that are not chosen
+//! (`cases.rs`).
 
 use super::cases;
 use super::diagnostics::Trouble;

@@ -100,7 +100,7 @@ fn yields(job: &Job, bears: impl Fn(&str) -> bool) -> Vec<Problem> {
         let (key, yields) = ["yield_stress", "a"]
             .into_iter()
             .find_map(|key| Some((key, number(material.parameters.get(key)?)?)))?;
-        let is_metal = matches!(material.law.as_str(), "j2" | "johnson_cook");
+        let is_metal = matches!(material.law.as_str(), "j2" | "johnson_cook" | "barlat");
         (is_metal && modulus > 0.0 && yields > LARGEST_YIELD * modulus).then(|| {
             let message = format!(
                 "material `{}`: it yields at {yields:.3e}, {:.2} of its Young's modulus",

@@ -2,13 +2,13 @@
 //! are written after `$crumple:` with the name of the bag.
 
 use super::faces::{corners, segments};
-use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, line, named, points};
+use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, line, named, points, value_of};
 use crate::input::job::Model;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{AirbagInput, InflowInput, VentInput};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use toml::{Table, Value};
+use toml::Table;
 
 /// Longest name of a bag on its card.
 const LONGEST: usize = 70;
@@ -203,9 +203,7 @@ fn keep(exact: &mut Table, key: &str, given: f64, read: f64) {
 
 /// Adds a list as a whole.
 fn keep_list(exact: &mut Table, key: &str, list: &[impl Serialize]) {
-    if let Ok(list) = Value::try_from(list) {
-        exact.insert(key.into(), list);
-    }
+    exact.insert(key.into(), value_of(&list));
 }
 
 fn closed(bag: &AirbagInput, gas: &BagGas, exact: &mut Table) -> Vec<CardValue> {

@@ -4,7 +4,7 @@
 
 use super::beams::end_of;
 use super::bodies::DeckBodies;
-use super::{Blank, CardValue, DeckWriter, Id, Number, named, points};
+use super::{Blank, CardValue, DeckWriter, Id, Number, named, points, table_of};
 use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::job::{Job, JointInput, JointKind, JointResistance};
 use std::collections::BTreeMap;
@@ -33,9 +33,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, bodies: &DeckBodies) -> JointNode
     }
     for joint in without {
         let bodies = joint.bodies.iter().map(|body| bodies.name(body).to_string()).collect();
-        if let Ok(Value::Table(table)) = Value::try_from(JointInput { bodies, ..joint.clone() }) {
-            deck.whole("joint", table);
-        }
+        deck.whole("joint", table_of(&JointInput { bodies, ..joint.clone() }));
     }
     added
 }

@@ -1,6 +1,6 @@
 //! Writes what has no card after `$crumple:`, and counts it.
 
-use super::{DeckWriter, LeftReason, TimeCurves};
+use super::{DeckWriter, LeftReason, TimeCurves, table_of};
 use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Restart, Time};
 use serde::Serialize;
 use toml::{Table, Value};
@@ -58,9 +58,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
 /// Writes a whole list without cards.
 pub(in crate::input::deck) fn list(deck: &mut DeckWriter, name: &str, entries: &[impl Serialize]) {
     for entry in entries {
-        if let Ok(Value::Table(table)) = Value::try_from(entry) {
-            deck.whole(name, table);
-        }
+        deck.whole(name, table_of(entry));
     }
 }
 
@@ -84,12 +82,8 @@ pub(in crate::input::deck) fn differing<T: Serialize>(
 
 /// Returns the keys of a table that differ from those of another one, without those on cards.
 pub(super) fn difference<T: Serialize>(own: &T, default: &T, carried: &[&str]) -> Table {
-    let (Ok(Value::Table(own)), Ok(Value::Table(default))) =
-        (Value::try_from(own), Value::try_from(default))
-    else {
-        return Table::new();
-    };
-    let keys = own
+    let default = table_of(default);
+    let keys = table_of(own)
         .into_iter()
         .filter(|(key, value)| default.get(key) != Some(value) && !carried.contains(&key.as_str()));
     keys.collect()

@@ -1,6 +1,6 @@
 //! Writes bodies that are rigid for a part of the run as cards of switches.
 
-use super::{Blank, DeckWriter, Id, Number, named};
+use super::{Blank, DeckWriter, Id, Number, named, table_of};
 use crumple_proto::job::Rigid;
 use toml::{Table, Value};
 
@@ -49,12 +49,10 @@ pub fn write(deck: &mut DeckWriter, body: &Rigid, first: u64) -> u64 {
     let mut own = Table::from_iter([named(&name(body))]);
     let rest =
         Rigid { name: String::new(), parts: Vec::new(), from: 0.0, until: None, ..body.clone() };
-    if let Ok(Value::Table(rest)) = Value::try_from(rest) {
-        let given = |value: &Value| value.as_array().is_none_or(|list| !list.is_empty());
-        own.extend(rest.into_iter().filter(|(key, value)| {
-            ["nodes", "fixed", "mass", "inertia"].contains(&key.as_str()) && given(value)
-        }));
-    }
+    let given = |value: &Value| value.as_array().is_none_or(|list| !list.is_empty());
+    own.extend(table_of(&rest).into_iter().filter(|(key, value)| {
+        ["nodes", "fixed", "mass", "inertia"].contains(&key.as_str()) && given(value)
+    }));
     if own.len() > 1 {
         deck.entry("rigid", own);
     }

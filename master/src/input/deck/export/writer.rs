@@ -2,6 +2,7 @@
 //! and an account of what has no card.
 
 use crate::input::deck::number::shortest;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
@@ -172,7 +173,7 @@ impl DeckWriter {
         );
         if !self.rest.is_empty() {
             head += "$ keys without a card, read by crumple only:\n";
-            let text = toml::to_string(&self.rest).unwrap_or_default();
+            let text = toml::to_string(&self.rest).expect("tables of a job are TOML");
             text.lines().for_each(|l| head += &format!("$crumple: {l}\n"));
         }
         if !self.parameters.is_empty() {
@@ -206,6 +207,23 @@ pub(in crate::input::deck) fn line(text: &str) -> String {
         .collect::<String>()
         .trim()
         .to_string()
+}
+
+/// Returns a value of a job as TOML.
+///
+/// # Panics
+/// If TOML has no such value. All values of a job were read from TOML.
+pub(in crate::input::deck) fn value_of(value: &impl Serialize) -> Value {
+    Value::try_from(value).expect("values of a job are TOML")
+}
+
+/// Returns an entry of a job as a table.
+///
+/// # Panics
+/// If it is none. All entries of a job were read from tables.
+pub(in crate::input::deck) fn table_of(entry: &impl Serialize) -> Table {
+    let Value::Table(table) = value_of(entry) else { panic!("an entry of a job is a table") };
+    table
 }
 
 /// Returns a name as the entry of a table.

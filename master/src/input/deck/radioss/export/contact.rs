@@ -2,6 +2,7 @@
 
 use super::{Gap, Real, StarterWriter, Whole, differing, list, named};
 use crate::input::deck::export::contact::{names, rest};
+use crate::input::deck::export::value_of;
 use crumple_proto::job::{ContactInput, TieInput};
 use toml::{Table, Value};
 
@@ -45,9 +46,7 @@ impl StarterWriter<'_> {
         };
         let in_order = all.iter().map(|c| !c.against.is_empty()).is_sorted();
         if !(in_order && all.iter().all(touches)) {
-            if let Ok(value) = Value::try_from(contact) {
-                self.deck.rest.insert("contact".into(), value);
-            }
+            self.deck.rest.insert("contact".into(), value_of(contact));
             return;
         }
         let names = names(&all);

@@ -1,6 +1,7 @@
 //! Writes parts and their properties. A property has the id of its part.
 
 use super::{Gap, Real, StarterWriter, Whole, named};
+use crate::input::deck::export::table_of;
 use crumple_proto::job::{BeamSection, Part, Setting, SpringInput};
 use crumple_proto::mesh::Shape;
 use crumple_worker::fem::elements::{HourglassForm, formulation, points_of};
@@ -193,9 +194,7 @@ impl StarterWriter<'_> {
             maxwell: spring.maxwell.clone(),
             ..SpringInput::default()
         };
-        if let Ok(Value::Table(laws)) = Value::try_from(&laws) {
-            own.extend(laws.into_iter().filter(|(_, law)| law.is_table()));
-        }
+        own.extend(table_of(&laws).into_iter().filter(|(_, law)| law.is_table()));
         if !spring.force_rate.is_empty() {
             let rows =
                 spring.force_rate.iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();
