@@ -11,8 +11,8 @@ use crate::nodes::Nodes;
 use crate::time::Clock;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::{
-    ContactShare, HistoryRequests, HistoryShares, NodeState, PartShare, SectionCut, SectionShare,
-    merge_each,
+    ContactShare, HistoryRequests, HistoryShares, NodeGroup, NodeState, PartShare, SectionCut,
+    SectionShare, merge_each,
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
@@ -150,7 +150,9 @@ impl Histories {
             let held = ids.iter().filter_map(|&id| nodes.local_index(id));
             held.filter(|&n| nodes.is_owned(n as usize)).collect()
         };
-        self.nodes = asked.nodes.iter().flat_map(|group| own(&group.nodes)).collect();
+        let axes = |group: &NodeGroup| own(group.axes.as_ref().map_or(&[], |axes| &axes[..]));
+        let of = |group: &NodeGroup| own(&group.nodes).into_iter().chain(axes(group));
+        self.nodes = asked.nodes.iter().flat_map(of).collect();
         self.nodes.sort_unstable();
         self.nodes.dedup();
         self.sections.clear();

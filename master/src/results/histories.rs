@@ -6,6 +6,7 @@
 use crate::input::job::Model;
 use crate::results::history::{self, Labels};
 use crate::results::table::{CsvTable, Tables, Unwritten};
+use crumple_proto::histories::{NodeAxes, NodeGroup};
 use crumple_proto::ids::NodeId;
 use crumple_proto::report::HistoryPart;
 use std::collections::HashMap;
@@ -17,7 +18,7 @@ pub struct HistoryFiles {
     /// Id and name per part of the settings.
     parts: Vec<(u32, String)>,
     walls: Vec<String>,
-    groups: Vec<(String, Vec<NodeId>)>,
+    groups: Vec<NodeGroup>,
     sections: Vec<String>,
     transducers: Vec<String>,
     airbags: Vec<String>,
@@ -66,7 +67,11 @@ impl HistoryFiles {
         Ok(Self {
             parts: settings.parts.iter().map(|p| (p.id, p.name.clone())).collect(),
             walls: history::wall_names(&settings.walls),
-            groups: asked.nodes.iter().map(|g| (g.name.clone(), by_label(&g.nodes))).collect(),
+            groups: asked
+                .nodes
+                .iter()
+                .map(|group| NodeGroup { nodes: by_label(&group.nodes), ..group.clone() })
+                .collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
             airbags: settings.loads.airbags.iter().map(|bag| bag.name.clone()).collect(),
@@ -155,11 +160,18 @@ impl HistoryFiles {
             pairs.flush()?;
         }
         if let Some(table) = &mut self.of_nodes {
-            for (name, nodes) in &self.groups {
+            let state = |id: &NodeId| {
+                let at = shares.nodes.binary_search_by_key(id, |n| n.id).ok()?;
+                shares.nodes.get(at)
+            };
+            for NodeGroup { name, nodes, axes } in &self.groups {
+                let places = axes.map(|nodes| nodes.map(|id| state(&id).map_or([0.0; 3], |n| n.x)));
+                // Nodes that come to be on one line have no axes any more: global ones.
+                let axes = places.and_then(NodeAxes::new);
+                let turned = |v: [f64; 3]| axes.map_or(v, |axes| axes.of(v));
                 for id in nodes {
-                    let Ok(at) = shares.nodes.binary_search_by_key(id, |n| n.id) else { continue };
-                    let n = &shares.nodes[at];
-                    let numbers = [n.x, n.u, n.v, n.a];
+                    let Some(n) = state(id) else { continue };
+                    let numbers = [n.x, turned(n.u), turned(n.v), turned(n.a)];
                     put(
                         table,
                         [time.clone(), name.clone(), id.to_string()],

@@ -1,6 +1,7 @@
 //! Keyword decks of LS-DYNA and Radioss: formats and problems, models, contacts, joints, arbitrary
 //! bytes, runs. Mesh files of other programs.
 
+mod accelerometers;
 mod airbags;
 mod barlat;
 mod bars;

@@ -124,6 +124,7 @@ const ROLES: &[(&str, &str)] = &[
     ("ELEMENT_SOLID", ""),
     ("ELEMENT_MASS", "mass=m"),
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
+    ("ELEMENT_SEATBELT_ACCELEROMETER", "sbacid=#e nid3=#n igrav=1 intopt=1 mass=m"),
     ("ELEMENT_BEAM", "rt1=1 rr1=1 rt2=1 rr2=1 local=1 vx=@d"),
     ("ELEMENT_DISCRETE", "s=1 pf=1 offset=l"),
     ("ELEMENT_SPH", "mass=m nend=#n"),

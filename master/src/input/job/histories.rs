@@ -3,7 +3,7 @@
 use super::state::NodeSets;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::histories::{
-    HistoryRequests, NodeGroup, SectionCut, Transducer, TransducerSurface,
+    HistoryRequests, NodeAxes, NodeGroup, SectionCut, Transducer, TransducerSurface,
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, NodeHistory, SectionHistory, TransducerHistory};
@@ -75,12 +75,48 @@ fn group(
     }
     nodes.sort_unstable();
     nodes.dedup();
+    let axes = match &asked.axes {
+        Some(ids) => {
+            let axes = axes(*ids, &format!("{path}.axes"), sets, findings);
+            whole &= axes.is_some();
+            axes
+        }
+        None => None,
+    };
     let name = match (&asked.name, &asked.nodes) {
         (name, _) if !name.is_empty() => name.clone(),
         (_, Some(set)) => set.clone(),
         _ => format!("nodes {i}"),
     };
-    whole.then_some(NodeGroup { name, nodes })
+    whole.then_some(NodeGroup { name, nodes, axes })
+}
+
+/// Returns the nodes of axes. Reports nodes that are not there, and axes without a plane.
+fn axes(
+    ids: [u64; 3],
+    path: &str,
+    sets: &NodeSets<'_>,
+    findings: &mut JobProblems,
+) -> Option<[NodeId; 3]> {
+    let mut found = [NodeId(0); 3];
+    for (k, id) in ids.into_iter().enumerate() {
+        let Some(node) = sets.labelled(id) else {
+            let message = format!("axes of a history name node {id}, which no element has");
+            let help = "list ids of nodes that elements have, or remove `axes`";
+            findings.add(Problem::error(path, message, help));
+            return None;
+        };
+        found[k] = node;
+    }
+    let places = ids.map(|id| sets.coordinates(id).unwrap_or_default());
+    if NodeAxes::new(places).is_none() {
+        let message =
+            format!("the nodes {}, {} and {} of axes are on one line", ids[0], ids[1], ids[2]);
+        let help = "give three nodes that span a plane";
+        findings.add(Problem::error(path, message, help));
+        return None;
+    }
+    Some(found)
 }
 
 /// Returns true if all these parts exist. Otherwise reports the missing ones.

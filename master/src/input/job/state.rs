@@ -155,6 +155,11 @@ impl<'m> NodeSets<'m> {
         self.index.get(&label).map(|&n| self.mesh.nodes[n].id)
     }
 
+    /// Returns the coordinates at the start of the node with this label [length].
+    pub fn coordinates(&self, label: u64) -> Option<[f64; 3]> {
+        self.index.get(&label).map(|&n| self.mesh.nodes[n].x)
+    }
+
     /// Returns the ids of a set's nodes that elements use, ascending. Reports an error at `path`
     /// and returns `None` if there is no such set.
     pub fn ids(&self, name: &str, path: String, findings: &mut JobProblems) -> Option<Vec<NodeId>> {

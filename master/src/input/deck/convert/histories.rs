@@ -268,8 +268,36 @@ impl DeckConverter {
         self.section(record, name, set, cut)
     }
 
-    fn node_histories(&mut self) {
+    /// Returns the histories of accelerometers, and adds their masses.
+    fn accelerometers(&mut self) -> Vec<(Place, JobTable)> {
         let mut histories = Vec::new();
+        for record in self.take_records("ELEMENT_SEATBELT_ACCELEROMETER") {
+            for line in record.lines("sbacid") {
+                let name = format!("accelerometer {}", line.integer("sbacid"));
+                let nodes = ["nid1", "nid2", "nid3"].map(|field| line.integer(field));
+                let table = JobTable::new(line.place)
+                    .with("name", line.place("sbacid"), name.as_str())
+                    .with("ids", line.place("nid1"), vec![nodes[0]])
+                    .with("axes", line.place("nid1"), nodes.to_vec());
+                histories.push((line.place, table));
+                let mass = line.real("mass");
+                if mass != 0.0 {
+                    self.rows.add_set(
+                        name.clone(),
+                        nodes.into_iter().filter_map(id).collect(),
+                        line.place,
+                    );
+                    let table = JobTable::new(line.place).with("nodes", line.place("nid1"), name);
+                    self.add("mass", table.with("mass", line.place("mass"), mass));
+                }
+            }
+        }
+        histories
+    }
+
+    fn node_histories(&mut self) {
+        // First, because a binout has only the first history of a node.
+        let mut histories = self.accelerometers();
         for record in self.take_records("DATABASE_HISTORY_NODE_SET") {
             for (set, place) in ids(&record, "id") {
                 if let Some(name) = self.node_set(set, place) {

@@ -44,6 +44,8 @@ fn fits(name: &str) -> bool {
 /// Where the nodes of a history are on cards, in the order in which they are read.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum NodeCard {
+    /// A node in axes of its own, with the number in its name.
+    Accelerometer(u64),
     /// A node set with a title.
     Set,
     /// A list without a name.
@@ -63,6 +65,12 @@ fn titled<'h>(history: &'h NodeHistory, model: &Model) -> Option<&'h str> {
 
 fn node_card(history: &NodeHistory, model: &Model) -> Option<NodeCard> {
     let name = history.name.as_str();
+    if let Some(axes) = history.axes {
+        let number = name.strip_prefix("accelerometer ")?.parse().ok()?;
+        let same = history.nodes.is_none() && history.ids == axes[..1];
+        return (same && name == format!("accelerometer {number}") && number > 0)
+            .then_some(NodeCard::Accelerometer(number));
+    }
     match (&history.nodes, history.ids.as_slice()) {
         (Some(_), []) => titled(history, model).map(|_| NodeCard::Set),
         (None, ids) if name.is_empty() && !ids.is_empty() => Some(NodeCard::List),
@@ -78,6 +86,11 @@ fn nodes(deck: &mut DeckWriter, model: &Model, set: impl Fn(&str) -> CardValue) 
     for (history, card) in all.iter().zip(&cards[..count]) {
         let ids: Vec<CardValue> = history.ids.iter().map(|&id| Id(id)).collect();
         match card {
+            NodeCard::Accelerometer(number) => {
+                deck.keyword("ELEMENT_SEATBELT_ACCELEROMETER");
+                let axes = history.axes.unwrap_or_default().map(Id);
+                deck.card(&[&[Id(*number)], &axes[..]].concat());
+            }
             NodeCard::Set => {
                 deck.keyword("DATABASE_HISTORY_NODE_SET");
                 deck.card(&[set(titled(history, model).unwrap_or_default())]);

@@ -2,7 +2,7 @@
 
 use super::id;
 use crate::input::deck::table::{
-    Effect::Harmless, Keyword, Times, Times::*, UnusedFields, no_effect,
+    Effect::Harmless, Keyword, Times, Times::*, UnusedFields, ignored, no_effect,
 };
 
 const CROSS_SECTION: (&str, Times) = ("csid:i title:a70", Count(id));
@@ -65,6 +65,16 @@ pub const KEYWORDS: &[Keyword] = &[
         LIST,
         "the same by node sets, with their titles as names",
     ),
+    Keyword::new(
+        "ELEMENT_SEATBELT_ACCELEROMETER",
+        &[("sbacid:i! nid1:i! nid2:i! nid3:i! igrav:i intopt:i mass:r", Rest)],
+        "`[[output.node]]` of nid1 with the `axes` of the three nodes, named `accelerometer` and \
+         sbacid; and `[[mass]]` of mass, a third on each node",
+    )
+    .unused(&[
+        ignored("igrav", "accelerations contain that of gravity, as with igrav 0"),
+        no_effect("intopt", "velocities are those of the node in its present axes"),
+    ]),
     elements("SET_SHELL_LIST", &["SET_SHELL"]),
     ranges("SET_SHELL_LIST_GENERATE", &["SET_SHELL_GENERATE"]),
     elements("SET_SOLID", &["SET_SOLID_LIST"]),
