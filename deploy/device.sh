@@ -9,8 +9,9 @@ arch=${GPU_ARCH:-sm_90}
 out=$PWD/target/device
 mkdir -p "$out"
 
-# The target of rustc has no standard library, on which the crates with the kernels stand. That of
-# another system without files compiles for it, except for the alignment of its memory.
+# nvptx64 has no standard library, and the crates of elements and materials need one. That of zkVM,
+# a system without files, compiles for it if it knows the alignment of memory of nvptx64: the line
+# that sed adds.
 sources=$(rustc +nightly --print sysroot)/lib/rustlib/src/rust
 if [[ ! -d $sources/library ]]; then
     echo "device.sh: the sources of the nightly toolchain are missing:" \
@@ -22,6 +23,11 @@ mkdir -p "$out/rust"
 cp -r "$sources/library" "$out/rust/library"
 sed -i '0,/target_arch = "wasm32",/s//target_arch = "wasm32",\n    target_arch = "nvptx64",/' \
     "$out/rust/library/std/src/sys/alloc/mod.rs"
+if ! grep -q nvptx64 "$out/rust/library/std/src/sys/alloc/mod.rs"; then
+    echo "device.sh: the standard library of this toolchain has another list of alignments:" \
+        "rustc 1.97 nightly is known to work" >&2
+    exit 2
+fi
 rustc +nightly -Z unstable-options --print target-spec-json --target nvptx64-nvidia-cuda |
     python3 -c 'import json, sys
 spec = json.load(sys.stdin)

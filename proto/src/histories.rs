@@ -29,41 +29,6 @@ pub struct NodeGroup {
     pub axes: Option<[NodeId; 3]>,
 }
 
-/// Axes of three nodes: rows are the unit vectors x, y and z.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NodeAxes([[f64; 3]; 3]);
-
-impl NodeAxes {
-    /// Returns the axes of nodes at these coordinates [length]: x from the first to the second, z
-    /// perpendicular to it and to the line from the first to the third; `None` if they are on one
-    /// line.
-    pub fn new([a, b, c]: [[f64; 3]; 3]) -> Option<Self> {
-        let from_first = |to: [f64; 3]| [0, 1, 2].map(|i| to[i] - a[i]);
-        let cross = |u: [f64; 3], v: [f64; 3]| {
-            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-        };
-        let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let (along, other) = (from_first(b), from_first(c));
-        let normal = cross(along, other);
-        let size = length(normal);
-        // The area of their triangle, over that of a right angle.
-        if size.is_nan() || size <= FLAT * length(along) * length(other) {
-            return None;
-        }
-        let unit = |v: [f64; 3]| v.map(|c| c / length(v));
-        let (x, z) = (unit(along), unit(normal));
-        Some(Self([x, cross(z, x), z]))
-    }
-
-    /// Returns a global vector in these axes.
-    pub fn of(&self, vector: [f64; 3]) -> [f64; 3] {
-        self.0.map(|axis| axis.iter().zip(vector).map(|(a, v)| a * v).sum())
-    }
-}
-
-/// Sine of the least angle between the sides of axes.
-const FLAT: f64 = 1e-6;
-
 /// Section through the model: nodes, and the elements on one side that end at them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SectionCut {

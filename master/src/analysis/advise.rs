@@ -5,6 +5,7 @@
 //! need features that this one did not. Times are shares of the CPU time of that run. Elements of
 //! all parts are assumed to be equally expensive.
 
+use crate::input::job::units::is_metal;
 use crate::results::summary::{Cpu, MeanMax, PartSummary};
 use crate::results::warnings::EngineeringWarning;
 use petgraph::unionfind::UnionFind;
@@ -320,7 +321,7 @@ fn points(s: &SummaryPart, bodies: &[u32]) -> Option<Advice> {
 fn law(s: &SummaryPart, bodies: &[u32]) -> Option<Advice> {
     let yielded =
         |name: &str| s.parts.iter().any(|p| p.material == name && p.plastic_strain_max > 0.0);
-    let can_yield = |p: &PartSummary| matches!(p.law.as_str(), "j2" | "johnson_cook" | "barlat");
+    let can_yield = |p: &PartSummary| is_metal(&p.law);
     let idle = |p: &PartSummary| p.elements > 0 && can_yield(p) && !yielded(&p.material);
     let mut materials: Vec<&str> =
         s.parts.iter().filter(|p| idle(p)).map(|p| p.material.as_str()).collect();

@@ -4,9 +4,10 @@
 //! Rows have the times of `history.csv` and refer to the same instants.
 
 use crate::input::job::Model;
+use crate::input::job::axes::NodeAxes;
 use crate::results::history::{self, Labels};
 use crate::results::table::{CsvTable, Tables, Unwritten};
-use crumple_proto::histories::{NodeAxes, NodeGroup};
+use crumple_proto::histories::NodeGroup;
 use crumple_proto::ids::NodeId;
 use crumple_proto::report::HistoryPart;
 use std::collections::HashMap;
@@ -165,10 +166,16 @@ impl HistoryFiles {
                 shares.nodes.get(at)
             };
             for NodeGroup { name, nodes, axes } in &self.groups {
-                let places = axes.map(|nodes| nodes.map(|id| state(&id).map_or([0.0; 3], |n| n.x)));
-                // Nodes that come to be on one line have no axes any more: global ones.
-                let axes = places.and_then(NodeAxes::new);
-                let turned = |v: [f64; 3]| axes.map_or(v, |axes| axes.of(v));
+                let current = axes.and_then(|nodes| {
+                    let [a, b, c] = nodes.map(|id| state(&id).map(|n| n.x));
+                    NodeAxes::new([a?, b?, c?])
+                });
+                // Without a node of the axes, or with all of them on one line, there is nothing to
+                // write: global components would look like those before.
+                if axes.is_some() && current.is_none() {
+                    continue;
+                }
+                let turned = |v: [f64; 3]| current.map_or(v, |axes| axes.of(v));
                 for id in nodes {
                     let Some(n) = state(id) else { continue };
                     let numbers = [n.x, turned(n.u), turned(n.v), turned(n.a)];

@@ -79,10 +79,10 @@ pub struct NodeHistory {
     /// Node ids.
     #[serde(default)]
     pub ids: Vec<u64>,
-    /// Ids of three nodes whose axes displacement, velocity and acceleration are written in, as an
-    /// accelerometer on them measures: x from the first to the second, z perpendicular to it and to
-    /// the line from the first to the third. The axes follow the nodes. Coordinates are global, and
-    /// so is all if there is no such list.
+    /// Ids of three nodes. Displacement, velocity and acceleration are written in the axes of these
+    /// nodes, which follow them, as an accelerometer has them: x from the first node to the second,
+    /// z perpendicular to it and to the line from the first to the third. Coordinates are always
+    /// global; without `axes` everything is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<[u64; 3]>,
 }

@@ -1,7 +1,7 @@
 //! The device: memory, kernels, events.
 
 use crate::scene::{Columns, SHEET, Scene};
-use crumple_device_kernels::{COLUMNS, Mesh};
+use crumple_device_kernels::{COLUMNS, Mesh, STEPS, Step};
 use cudarc::driver::{DriverError, result, sys};
 use std::error::Error;
 use std::ffi::{CString, c_void};
@@ -40,11 +40,8 @@ pub struct OnDevice<'a> {
 /// Memory of a thread for its calls [bytes].
 const STACK: usize = 32 << 10;
 
-/// Memory of the shells on the device [bytes].
-const ROOM: usize = 4096;
-
-/// A step size and the bits of the least stable step.
-type Step = [u64; 2];
+/// Memory for the parameters of the shells [bytes].
+const SHELL_BYTES: usize = 4096;
 
 impl Gpu {
     /// Loads the kernels and builds the shells.
@@ -58,12 +55,12 @@ impl Gpu {
         unsafe {
             result::ctx::set_current(result::primary_ctx::retain(device)?)?;
             let module = result::module::load_data(image.as_ptr().cast())?;
-            let shell = result::malloc_sync(ROOM)?;
+            let shell = result::malloc_sync(SHELL_BYTES)?;
             let gpu = Self { module, device, shell };
             // The compiler cannot know the depth of calls through tables.
             result::ctx::set_limit(sys::CUlimit::CU_LIMIT_STACK_SIZE, STACK)?;
             let (sheet, columns) = (upload(&[SHEET])?, upload(&[0_u64])?);
-            gpu.launch("build", [1, 1], &mut [sheet, shell, columns], Some(ROOM as u32))?;
+            gpu.launch("build", [1, 1], &mut [sheet, shell, columns], Some(SHELL_BYTES as u32))?;
             result::ctx::synchronize()?;
             let mut seen = [0_u64];
             result::memcpy_dtoh_sync(&mut seen, columns)?;
@@ -103,7 +100,6 @@ impl Gpu {
     pub fn upload(&self, scene: &Scene) -> Result<OnDevice<'_>, Box<dyn Error>> {
         let d = &scene.data;
         let counts = [d.corners.len() / 4, d.x.len()];
-        let first: Step = [0.0_f64.to_bits(), f64::INFINITY.to_bits()];
         // SAFETY: calls of the driver with valid arguments.
         unsafe {
             let buffers = vec![
@@ -111,7 +107,7 @@ impl Gpu {
                 upload(&d.history)?,
                 upload(&d.energies)?,
                 upload(&d.forces)?,
-                upload(&d.troubles)?,
+                upload(&d.trouble)?,
                 upload(&d.x)?,
                 upload(&d.v)?,
                 upload(&d.w)?,
@@ -126,7 +122,7 @@ impl Gpu {
                 history: buffers[1] as *mut _,
                 energies: buffers[2] as *mut _,
                 forces: buffers[3] as *mut _,
-                troubles: buffers[4] as *mut _,
+                trouble: buffers[4] as *const _,
                 x: buffers[5] as *mut _,
                 v: buffers[6] as *mut _,
                 w: buffers[7] as *mut _,
@@ -134,7 +130,10 @@ impl Gpu {
                 start: buffers[9] as *const _,
                 slots: buffers[10] as *const _,
             };
-            let (mesh, steps) = (upload(&[mesh])?, upload(&[first; 3])?);
+            let (mesh, steps) = (
+                upload(&[mesh])?,
+                upload(&std::array::from_fn::<_, { STEPS as usize }, _>(|_| Step::new(0.0)))?,
+            );
             Ok(OnDevice { gpu: self, host: d.clone(), buffers, mesh, steps, counts, done: 0 })
         }
     }
@@ -142,8 +141,9 @@ impl Gpu {
 
 impl OnDevice<'_> {
     fn elements(&mut self, kernel: &str, threads: u32) -> Result<(), Box<dyn Error>> {
+        assert!(threads.is_multiple_of(32), "a minimum over warps needs whole warps");
         let blocks = (self.counts[0] as u32).div_ceil(threads);
-        let step = self.steps + u64::from(self.done % 3) * size_of::<Step>() as u64;
+        let step = self.steps + u64::from(self.done % STEPS) * size_of::<Step>() as u64;
         // SAFETY: the arguments are those of the kernel.
         unsafe {
             self.gpu.launch(kernel, [blocks, threads], &mut [self.gpu.shell, self.mesh, step], None)
@@ -213,7 +213,7 @@ impl OnDevice<'_> {
         unsafe {
             result::memcpy_dtoh_sync(&mut self.host.history, b[1])?;
             result::memcpy_dtoh_sync(&mut self.host.energies, b[2])?;
-            result::memcpy_dtoh_sync(&mut self.host.troubles, b[4])?;
+            result::memcpy_dtoh_sync(&mut self.host.trouble, b[4])?;
             result::memcpy_dtoh_sync(&mut self.host.x, b[5])?;
             result::memcpy_dtoh_sync(&mut self.host.v, b[6])?;
             result::memcpy_dtoh_sync(&mut self.host.w, b[7])?;

@@ -1,8 +1,10 @@
 //! A sheet of steel shells whose one half moves against the other, with waves across: plastic
 //! strain from the first steps on. Units mm, ms, kg.
 
-use crumple_device_kernels::{COLUMNS, CORNER_COLUMNS, Mesh, POINT_COLUMNS, Sheet};
-use crumple_fem::elements::single_shell::SingleShell;
+use crumple_device_kernels::{
+    COLUMNS, CORNER_COLUMNS, Mesh, POINT_COLUMNS, POINTS, SECTION_COLUMNS, Sheet,
+};
+use crumple_fem::elements::thread_shell::ThreadShell;
 
 /// Side of a shell [mm].
 const SIDE: f64 = 5.0;
@@ -28,7 +30,7 @@ pub struct Columns {
     pub history: Vec<f64>,
     pub energies: Vec<f64>,
     pub forces: Vec<f64>,
-    pub troubles: Vec<u32>,
+    pub trouble: Vec<u32>,
     pub x: Vec<[f64; 4]>,
     pub v: Vec<[f64; 4]>,
     pub w: Vec<[f64; 4]>,
@@ -39,7 +41,7 @@ pub struct Columns {
 
 /// The sheet on the CPU.
 pub struct Scene {
-    pub shell: SingleShell,
+    pub shell: ThreadShell,
     pub data: Columns,
 }
 
@@ -88,7 +90,7 @@ impl Scene {
             history,
             energies: vec![0.0; 2 * count],
             forces: vec![0.0; CORNER_COLUMNS * count],
-            troubles: vec![0],
+            trouble: vec![0],
             w: vec![[0.0; 4]; x.len()],
             inverse: inverse.collect(),
             start,
@@ -109,7 +111,7 @@ impl Scene {
             history: d.history.as_mut_ptr(),
             energies: d.energies.as_mut_ptr(),
             forces: d.forces.as_mut_ptr(),
-            troubles: d.troubles.as_mut_ptr(),
+            trouble: d.trouble.as_mut_ptr().cast_const().cast(),
             x: d.x.as_mut_ptr(),
             v: d.v.as_mut_ptr(),
             w: d.w.as_mut_ptr(),
@@ -119,12 +121,15 @@ impl Scene {
         }
     }
 
-    /// Returns the largest plastic strain.
-    pub fn plastic_strain(&self) -> f64 {
+    /// Returns the largest plastic strain, and the share of points that have any.
+    pub fn plastic_strain(&self) -> [f64; 2] {
         let count = self.data.corners.len() / 4;
-        let of = |k: usize| 5 + k * POINT_COLUMNS + 3;
-        let columns = (0..5).flat_map(|k| &self.data.history[of(k) * count..(of(k) + 1) * count]);
-        columns.fold(0.0, |most: f64, &strain| most.max(strain))
+        let of = |k: usize| SECTION_COLUMNS + k * POINT_COLUMNS + 3;
+        let strains =
+            || (0..POINTS).flat_map(|k| &self.data.history[of(k) * count..(of(k) + 1) * count]);
+        let flowed = strains().filter(|strain| **strain > 0.0).count() as f64;
+        let most = strains().fold(0.0, |most: f64, &strain| most.max(strain));
+        [most, flowed / (POINTS * count) as f64]
     }
 
     /// See [`Columns::columns`].

@@ -1,9 +1,10 @@
 //! Requested histories of a job, in ids, and their checks.
 
+use super::axes::NodeAxes;
 use super::state::NodeSets;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::histories::{
-    HistoryRequests, NodeAxes, NodeGroup, SectionCut, Transducer, TransducerSurface,
+    HistoryRequests, NodeGroup, SectionCut, Transducer, TransducerSurface,
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, NodeHistory, SectionHistory, TransducerHistory};

@@ -19,6 +19,7 @@
 //! defect of the program.
 
 mod airbags;
+pub mod axes;
 mod contact;
 mod files;
 mod histories;
@@ -46,7 +47,7 @@ pub mod state;
 pub mod subcycles;
 mod ties;
 pub mod tree;
-mod units;
+pub mod units;
 mod unused;
 mod validate;
 mod walls;

@@ -88,6 +88,11 @@ pub fn check(job: &Job) -> Vec<Problem> {
     problems
 }
 
+/// Returns true for a law of metals: elastic in all directions alike until it yields.
+pub fn is_metal(law: &str) -> bool {
+    matches!(law, "j2" | "johnson_cook" | "barlat")
+}
+
 /// Largest yield stress over Young's modulus: that of a perfect crystal (Frenkel 1926) is a tenth
 /// to a fifth of the shear modulus.
 const LARGEST_YIELD: f64 = 0.1;
@@ -100,7 +105,7 @@ fn yields(job: &Job, bears: impl Fn(&str) -> bool) -> Vec<Problem> {
         let (key, yields) = ["yield_stress", "a"]
             .into_iter()
             .find_map(|key| Some((key, number(material.parameters.get(key)?)?)))?;
-        let is_metal = matches!(material.law.as_str(), "j2" | "johnson_cook" | "barlat");
+        let is_metal = is_metal(&material.law);
         (is_metal && modulus > 0.0 && yields > LARGEST_YIELD * modulus).then(|| {
             let message = format!(
                 "material `{}`: it yields at {yields:.3e}, {:.2} of its Young's modulus",

@@ -1,9 +1,9 @@
 //! Entry points of the device.
 
-use super::{Direct, Mesh, SAFETY, Sheet, element, node};
-use crumple_fem::elements::single_shell::SingleShell;
+use super::{Direct, Mesh, SAFETY, STEPS, Sheet, Step, element, node};
+use crumple_fem::elements::thread_shell::ThreadShell;
 use std::arch::asm;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 unsafe extern "C" {
     #[link_name = "llvm.nvvm.read.ptx.sreg.tid.x"]
@@ -22,25 +22,21 @@ fn index() -> usize {
     unsafe { block_index() as usize * block_size() as usize + thread_index() as usize }
 }
 
-/// Step sizes: the last one, and the least stable step of this one as bits.
-#[repr(C)]
-pub struct Step {
-    dt: f64,
-    least: AtomicU64,
-}
-
 /// Builds the shells at `place`, which has room for `room` bytes; one thread.
+///
+/// # Safety
+/// `place` is valid for these bytes and aligned.
 #[unsafe(no_mangle)]
 pub unsafe extern "ptx-kernel" fn build(
     sheet: &Sheet,
-    place: *mut SingleShell,
+    place: *mut ThreadShell,
     columns: &mut u64,
     room: u32,
 ) {
-    if size_of::<SingleShell>() <= room as usize {
+    if size_of::<ThreadShell>() <= room as usize {
         let shell = sheet.shell();
         *columns = shell.columns() as u64;
-        // SAFETY: the host gives a place for them.
+        // SAFETY: as the caller promises.
         unsafe { place.write(shell) };
     }
 }
@@ -52,7 +48,8 @@ fn least_of_warp(value: f64) -> f64 {
         let bits = least.to_bits();
         let (low, high) = (bits as u32, (bits >> 32) as u32);
         let (other_low, other_high): (u32, u32);
-        // SAFETY: all threads of the warp take part.
+        // SAFETY: all threads of the warp take part: blocks have whole warps, and none returns
+        // before.
         unsafe {
             asm!("shfl.sync.bfly.b32 {0}, {1}, {2}, 0x1f, 0xffffffff;",
                 out(reg32) other_low, in(reg32) low, in(reg32) distance);
@@ -69,9 +66,13 @@ fn least_of_warp(value: f64) -> f64 {
 
 macro_rules! elements {
     ($name:ident, $scalar:ty) => {
-        /// Computes all elements.
+        /// Computes all elements, in blocks of whole warps.
+        ///
+        /// # Safety
+        /// As for [`element`].
         #[unsafe(no_mangle)]
-        pub unsafe extern "ptx-kernel" fn $name(shell: &SingleShell, mesh: &Mesh, step: &Step) {
+        pub unsafe extern "ptx-kernel" fn $name(shell: &ThreadShell, mesh: &Mesh, step: &Step) {
+            // SAFETY: as the caller promises; each thread has an element of its own.
             unsafe {
                 let i = index();
                 let mut stable_dt = f64::INFINITY;
@@ -90,20 +91,24 @@ elements!(elements_direct, Direct);
 elements!(elements_table, f64);
 
 /// Assembles and moves all nodes, and prepares the next step.
+///
+/// # Safety
+/// As for [`node`]; `steps` are [`STEPS`] steps.
 #[unsafe(no_mangle)]
 pub unsafe extern "ptx-kernel" fn nodes(mesh: &Mesh, steps: *mut Step, now: u32) {
+    // SAFETY: as the caller promises; each thread has a node of its own, and only one writes the
+    // next step, which no thread reads.
     unsafe {
         let i = index();
-        let step = &*steps.add(now as usize % 3);
+        let step = &*steps.add((now % STEPS) as usize);
         let last = step.dt;
         let dt = SAFETY * f64::from_bits(step.least.load(Ordering::Relaxed));
         if i < mesh.nodes {
             node(mesh, i, 0.5 * (last + dt), dt);
         }
         if i == 0 {
-            let next = &mut *steps.add((now as usize + 1) % 3);
-            next.dt = dt;
-            next.least = AtomicU64::new(f64::INFINITY.to_bits());
+            let next = &mut *steps.add(((now + 1) % STEPS) as usize);
+            *next = Step::new(dt);
         }
     }
 }
@@ -111,19 +116,20 @@ pub unsafe extern "ptx-kernel" fn nodes(mesh: &Mesh, steps: *mut Step, now: u32)
 /// Memory of the shells, which is never freed.
 #[repr(align(16))]
 struct Heap {
-    _bytes: [u8; ROOM],
+    _bytes: [u8; HEAP_BYTES],
 }
-const ROOM: usize = 1 << 20;
-static mut HEAP: Heap = Heap { _bytes: [0; ROOM] };
+const HEAP_BYTES: usize = 1 << 20;
+static mut HEAP: Heap = Heap { _bytes: [0; HEAP_BYTES] };
 static USED: AtomicUsize = AtomicUsize::new(0);
 
 #[unsafe(no_mangle)]
 extern "C" fn sys_alloc_aligned(bytes: usize, align: usize) -> *mut u8 {
     let room = bytes + align;
     let first = USED.fetch_add(room, Ordering::Relaxed);
-    if first + room > ROOM {
+    if first + room > HEAP_BYTES {
         return std::ptr::null_mut();
     }
+    // SAFETY: each call has a part of its own.
     unsafe {
         let at = (&raw mut HEAP).cast::<u8>().add(first);
         at.add(at.align_offset(align))
@@ -135,6 +141,7 @@ macro_rules! absent {
         #[unsafe(no_mangle)]
         extern "C" fn $name($($arg: $of),*) -> $out {
             $(let _ = $arg;)*
+            // SAFETY: it ends the kernel.
             unsafe { trap() }
         }
     )*};
@@ -157,6 +164,8 @@ absent! {
 #[unsafe(no_mangle)]
 unsafe extern "C" fn memcmp(a: *const u8, b: *const u8, length: usize) -> i32 {
     for i in 0..length {
+        // SAFETY: the caller gives two places of this length. Without volatile reads the compiler
+        // would make a call of this function of the loop.
         let (x, y) = unsafe { (a.add(i).read_volatile(), b.add(i).read_volatile()) };
         if x != y {
             return i32::from(x) - i32::from(y);

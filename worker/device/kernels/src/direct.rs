@@ -1,5 +1,5 @@
-//! The scalar of a thread: an `f64` that calls its law directly. A call through a table would
-//! keep all columns in memory.
+//! The scalar of a thread: an `f64` that calls its law directly. A call through a table needs the
+//! columns of the points in memory.
 
 use super::{POINT_COLUMNS, POINTS};
 use crumple_fem::materials::plasticity::Plasticity;
@@ -138,7 +138,7 @@ impl Lanes<1> for Direct {
 impl PointReal for Direct {
     #[inline(always)]
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
-        // SAFETY: `Sheet::shell` is the only place that creates shells here, with this law.
+        // SAFETY: shells of this scalar have this law: see `element`.
         let law = unsafe { &*std::ptr::from_ref(law).cast::<Plasticity>() };
         // One point after the other needs the fewest registers. They are independent, so the bits
         // are the same.

@@ -16,7 +16,7 @@ mod direct;
 
 pub use direct::Direct;
 
-use crumple_fem::elements::single_shell::SingleShell;
+use crumple_fem::elements::thread_shell::ThreadShell;
 use crumple_fem::materials::plasticity::{
     Anisotropy, Coefficients, FailureCriterion, Plasticity, Rate, YieldCurve,
 };
@@ -24,19 +24,42 @@ use crumple_fem::materials::{Elastic, PlaneStress, PointLanes};
 use crumple_fem::nodes::NodeView;
 use crumple_proto::job::Part;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Points through the thickness.
 pub const POINTS: usize = 5;
 /// Columns of a point: stress xx, yy, xy, and the plastic strain.
 pub const POINT_COLUMNS: usize = 4;
-/// Columns of an element: five of the section, those of its points, nine of hourglass and drilling
+/// Columns of an element: those of the section and its points, nine of hourglass and drilling
 /// forces.
-pub const COLUMNS: usize = 5 + POINTS * POINT_COLUMNS + 9;
+pub const COLUMNS: usize = SECTION_COLUMNS + POINTS * POINT_COLUMNS + 9;
 /// Columns of corner forces: for each corner the force x, y, z, then for each its moment.
 pub const CORNER_COLUMNS: usize = 24;
 
 /// Part of the stable step that a step takes.
 pub const SAFETY: f64 = 0.9;
+/// Number of [`Step`]s in memory, which are used in turn: a kernel prepares the next one while its
+/// other threads read the present one, and the next kernel must not find an old minimum.
+pub const STEPS: u32 = 3;
+/// Columns of a section before those of its points.
+pub const SECTION_COLUMNS: usize = 5;
+
+/// A step.
+#[repr(C)]
+pub struct Step {
+    /// Step to the present coordinates [time].
+    pub dt: f64,
+    /// Bits of the least stable step of all elements so far [time]. Those of positive numbers have
+    /// the order of the numbers.
+    pub least: AtomicU64,
+}
+
+impl Step {
+    /// Returns a step for which no element has been computed.
+    pub fn new(dt: f64) -> Self {
+        Self { dt, least: AtomicU64::new(f64::INFINITY.to_bits()) }
+    }
+}
 
 /// Numbers of a sheet.
 #[derive(Clone, Copy)]
@@ -76,7 +99,7 @@ impl Sheet {
     ///
     /// # Panics
     /// With numbers that no part can have.
-    pub fn shell(&self) -> SingleShell {
+    pub fn shell(&self) -> ThreadShell {
         let part = Part {
             id: 1,
             name: String::new(),
@@ -97,7 +120,7 @@ impl Sheet {
             parameters: BTreeMap::new(),
         };
         let law: Box<dyn PlaneStress> = Box::new(self.law());
-        let Ok(shell) = SingleShell::new(&part, law) else { panic!("a sheet with wrong numbers") };
+        let Ok(shell) = ThreadShell::new(&part, law) else { panic!("a sheet with wrong numbers") };
         shell
     }
 }
@@ -118,8 +141,8 @@ pub struct Mesh {
     pub energies: *mut f64,
     /// Corner forces: [`CORNER_COLUMNS`] columns.
     pub forces: *mut f64,
-    /// Elements with trouble so far.
-    pub troubles: *mut u32,
+    /// 1 if an element was inverted or not finite, or strained too much in a step; else 0.
+    pub trouble: *const AtomicU32,
     /// Coordinates of the nodes: x, y, z, padding [length].
     pub x: *mut [f64; 4],
     /// Velocities of the nodes [length/time].
@@ -134,14 +157,15 @@ pub struct Mesh {
     pub slots: *const u32,
 }
 
-/// Computes element `i` over the last step `dt` and returns its stable step; see
-/// [`SingleShell::compute`].
+/// Computes element `i` over the last step `dt` [time] and returns its stable step [time]; see
+/// [`ThreadShell::compute`]. A part that it refuses is trouble.
 ///
 /// # Safety
-/// The pointers of `mesh` are valid, and no other thread uses the columns of this element.
+/// The pointers of `mesh` are valid, and no other thread uses the columns of this element; the
+/// trouble is atomic. `shell` is one of [`Sheet::shell`], whose law [`Direct`] assumes.
 #[inline(always)]
 pub unsafe fn element<L: PointLanes<1>>(
-    shell: &SingleShell,
+    shell: &ThreadShell,
     mesh: &Mesh,
     i: usize,
     dt: f64,
@@ -155,7 +179,10 @@ pub unsafe fn element<L: PointLanes<1>>(
         let mut history: [L; COLUMNS] =
             std::array::from_fn(|c| L::splat(*mesh.history.add(c * n + i)));
         let result = shell.compute::<L, POINTS, POINT_COLUMNS>(corners, &nodes, &mut history, dt);
-        let Some(result) = result else { return f64::NAN };
+        let Some(result) = result else {
+            (*mesh.trouble).store(1, Ordering::Relaxed);
+            return 0.0;
+        };
         for (c, column) in history.iter().enumerate() {
             *mesh.history.add(c * n + i) = column.lane(0);
         }
@@ -169,7 +196,7 @@ pub unsafe fn element<L: PointLanes<1>>(
             }
         }
         if !result.sound {
-            *mesh.troubles = 1;
+            (*mesh.trouble).store(1, Ordering::Relaxed);
         }
         result.stable_dt
     }
@@ -194,11 +221,11 @@ pub unsafe fn node(mesh: &Mesh, i: usize, dt_velocity: f64, dt: f64) {
                 moment[c] -= *mesh.forces.add((12 + corner * 3 + c) * n + element);
             }
         }
-        let [mass, inertia] = *mesh.inverse.add(i);
+        let [inverse_mass, inverse_inertia] = *mesh.inverse.add(i);
         let (x, v, w) = (&mut *mesh.x.add(i), &mut *mesh.v.add(i), &mut *mesh.w.add(i));
         for c in 0..3 {
-            v[c] += dt_velocity * (force[c] * mass);
-            w[c] += dt_velocity * (moment[c] * inertia);
+            v[c] += dt_velocity * (force[c] * inverse_mass);
+            w[c] += dt_velocity * (moment[c] * inverse_inertia);
             x[c] += dt * v[c];
         }
     }

@@ -35,7 +35,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 
-/// Its keys.
+/// The keys of this element in `[[part]]`.
 pub const PARAMETERS: [&[ParameterRow]; 2] = [
     parameters::OF_SHELLS,
     &[

@@ -36,7 +36,6 @@ mod shell;
 #[cfg(test)]
 mod shell_benchmarks;
 mod sides;
-pub mod single_shell;
 mod solid;
 #[cfg(test)]
 pub(crate) mod solid_testing;
@@ -51,6 +50,7 @@ mod stretched_tests;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tetrahedron;
+pub mod thread_shell;
 mod truss;
 #[cfg(test)]
 mod unstrained_tests;

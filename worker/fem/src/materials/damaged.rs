@@ -1,7 +1,7 @@
 //! Points with damage, around a law that computes the effective stress: the state holds the stress
 //! that acts, so that elements see no other. A failed point has no stress from then on.
 
-use super::wrapped::{Addition, PointColumns, full_stress};
+use super::wrapped::{LawModifier, PointColumns, full_stress};
 use crumple_math::lanes::Real;
 
 /// Columns of a point with damage.
@@ -42,7 +42,7 @@ pub trait DamageLaw: Send + Sync {
     }
 }
 
-impl<D: DamageLaw> Addition for D {
+impl<D: DamageLaw> LawModifier for D {
     #[inline(always)]
     fn update<R: Real>(&self, state: &mut [R], strain: &[R], law: impl FnOnce(&mut [R]) -> R) -> R {
         let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));

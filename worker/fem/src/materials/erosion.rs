@@ -13,7 +13,7 @@
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
 use super::tensor::{Principal, deviator, inner, trace};
-use super::wrapped::{self, Addition, PointColumns, full_stress};
+use super::wrapped::{self, LawModifier, PointColumns, full_stress};
 use super::{DefaultValue, Form, LawResult, ParameterRow, PlaneStress, Solid, SolidLawResult};
 use crumple_math::lanes::Real;
 use crumple_proto::partition::{Material, Param};
@@ -178,7 +178,7 @@ impl Erosion {
     }
 }
 
-impl Addition for Erosion {
+impl LawModifier for Erosion {
     #[inline(always)]
     fn update<R: Real>(&self, state: &mut [R], strain: &[R], law: impl FnOnce(&mut [R]) -> R) -> R {
         let of_law = law(state);

@@ -7,12 +7,13 @@ use crate::materials::plasticity::Plasticity;
 use crumple_math::lanes::{Lane, Lane32, Real};
 
 /// A damage, or criteria of failure, around a law.
-pub trait Addition: Send + Sync {
-    /// Updates a point by `law`, which returns the strain through the thickness of a shell, or the
-    /// factor on the stiffness of a solid, and returns the same with the addition.
+pub trait LawModifier: Send + Sync {
+    /// Updates a point by `law` and modifies its stress. Returns the factor on the stiffness of a
+    /// solid: that which `law` returns, with the modifier. Of a shell `law` returns the strain
+    /// through the thickness, which a modifier does not change, and the result is not used.
     ///
     /// `state` has the stress, as many components as `strain`, the columns of the law and those of
-    /// the addition. `strain` is the increment, as in [`Points`] and [`SolidPoint`].
+    /// the modifier. `strain` is the increment, as in [`Points`] and [`SolidPoint`].
     fn update<R: Real>(&self, state: &mut [R], strain: &[R], law: impl FnOnce(&mut [R]) -> R) -> R;
 
     /// Returns the number of failed points of [`PlaneStress::failed_points`]; `of_law` is that of
@@ -67,44 +68,44 @@ pub fn full_stress<R: Real>(state: &[R], components: usize) -> [R; 6] {
     }
 }
 
-/// A law with an addition.
+/// A law with a modifier.
 struct Wrapped<L: ?Sized, A> {
     law: Box<L>,
-    addition: A,
+    modifier: A,
     names: Vec<&'static str>,
     /// Number of columns of stress and of the law.
     own: usize,
 }
 
-/// Adds to a law of shells what `addition` makes of its columns, or returns its problems.
-pub fn shell<A: Addition + 'static, E>(
+/// Adds to a law of shells what `modifier` makes of its columns, or returns its problems.
+pub fn shell<A: LawModifier + 'static, E>(
     law: Box<dyn PlaneStress>,
-    addition: impl FnOnce(&mut PointColumns) -> Result<A, E>,
+    modifier: impl FnOnce(&mut PointColumns) -> Result<A, E>,
 ) -> Result<Box<dyn PlaneStress>, E> {
     let mut columns = PointColumns::new(SHELL, law.history());
     let own = SHELL + law.history().len();
-    let addition = addition(&mut columns)?;
-    Ok(Box::new(Wrapped { law, addition, names: columns.names, own }))
+    let modifier = modifier(&mut columns)?;
+    Ok(Box::new(Wrapped { law, modifier, names: columns.names, own }))
 }
 
-/// Adds to a law of solids what `addition` makes of its columns, or returns its problems.
-pub fn solid<A: Addition + 'static, E>(
+/// Adds to a law of solids what `modifier` makes of its columns, or returns its problems.
+pub fn solid<A: LawModifier + 'static, E>(
     law: Box<dyn Solid>,
-    addition: impl FnOnce(&mut PointColumns) -> Result<A, E>,
+    modifier: impl FnOnce(&mut PointColumns) -> Result<A, E>,
 ) -> Result<Box<dyn Solid>, E> {
     let mut columns = PointColumns::new(SOLID, law.history());
     let own = SOLID + law.history().len();
-    let addition = addition(&mut columns)?;
-    Ok(Box::new(Wrapped { law, addition, names: columns.names, own }))
+    let modifier = modifier(&mut columns)?;
+    Ok(Box::new(Wrapped { law, modifier, names: columns.names, own }))
 }
 
-impl<A: Addition> Wrapped<dyn PlaneStress, A> {
+impl<A: LawModifier> Wrapped<dyn PlaneStress, A> {
     #[inline(always)]
     fn points<R: PointReal>(&self, points: Points<'_, R>, dt: f64) {
         let states = points.state.chunks_exact_mut(SHELL + self.names.len());
         for ((state, eps), through) in states.zip(points.strain).zip(points.thickness_strain) {
             let strain = std::slice::from_ref(eps);
-            self.addition.update(state, eps, |state| {
+            self.modifier.update(state, eps, |state| {
                 let (state, thickness_strain) =
                     (&mut state[..self.own], std::slice::from_mut(&mut *through));
                 R::update(&*self.law, Points { state, strain, thickness_strain }, dt);
@@ -114,17 +115,17 @@ impl<A: Addition> Wrapped<dyn PlaneStress, A> {
     }
 }
 
-impl<A: Addition> Wrapped<dyn Solid, A> {
+impl<A: LawModifier> Wrapped<dyn Solid, A> {
     #[inline(always)]
     fn point<R: PointReal>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
         let strain = point.strain;
-        self.addition.update(point.state, strain, |state| {
+        self.modifier.update(point.state, strain, |state| {
             R::update_solid(&*self.law, SolidPoint { state: &mut state[..self.own], strain }, dt)
         })
     }
 }
 
-impl<A: Addition> PlaneStress for Wrapped<dyn PlaneStress, A> {
+impl<A: LawModifier> PlaneStress for Wrapped<dyn PlaneStress, A> {
     fn history(&self) -> &[&'static str] {
         &self.names
     }
@@ -138,7 +139,7 @@ impl<A: Addition> PlaneStress for Wrapped<dyn PlaneStress, A> {
         self.law.thins()
     }
     fn failed_points(&self, points: usize) -> usize {
-        self.addition.failed_points(points, self.law.failed_points(points))
+        self.modifier.failed_points(points, self.law.failed_points(points))
     }
     fn orientation(&self, point: usize) -> Option<Orientation> {
         self.law.orientation(point)
@@ -163,7 +164,7 @@ impl<A: Addition> PlaneStress for Wrapped<dyn PlaneStress, A> {
     }
 }
 
-impl<A: Addition> Solid for Wrapped<dyn Solid, A> {
+impl<A: LawModifier> Solid for Wrapped<dyn Solid, A> {
     fn history(&self) -> &[&'static str] {
         &self.names
     }

@@ -73,7 +73,7 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[
         ignored("igrav", "accelerations contain that of gravity, as with igrav 0"),
-        no_effect("intopt", "velocities are those of the node in its present axes"),
+        ignored("intopt", "velocities are those of the node in its present axes"),
     ]),
     elements("SET_SHELL_LIST", &["SET_SHELL"]),
     ranges("SET_SHELL_LIST_GENERATE", &["SET_SHELL_GENERATE"]),

@@ -374,7 +374,9 @@ impl StarterWriter<'_> {
         ];
         let mut carried: Vec<&str> =
             intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0).collect();
-        carried.push("node");
+        if !conditions::has_axes(&job.output.node) {
+            carried.push("node");
+        }
         differing(deck, "output", &job.output, &Output::default(), &carried);
         differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
         differing(deck, "elements", &job.elements, &Elements::default(), &[]);

@@ -6,7 +6,7 @@ use crate::input::job::validate::JobProblems;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, TieFailureInput, TieInput, TieLimits};
 use crumple_proto::loads::PrescribedMotion;
-use crumple_proto::mesh::{Mesh, face_key, once_each};
+use crumple_proto::mesh::{Mesh, MeshElement, face_key, once_each};
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::{Tie, TieStrength};
 use crumple_worker::constraints::ties::project::{FaceCorners, diagonal};
@@ -179,8 +179,9 @@ pub(super) fn strength(spec: &TieInput, corners: [NodeId; 4]) -> Option<TieStren
     })
 }
 
-/// Reports ties that can fail on elements of parts with a gravity of their own, whose force on the
-/// mass of the slaves is not known to their ties.
+/// Reports ties that can fail between elements of parts with a gravity of their own. Its force on
+/// the mass of the slaves is not known to their ties, and after a failure slaves and masters would
+/// keep the shares of the gravity that they had together.
 pub(super) fn refuse_gravity_of_parts(
     job: &Job,
     mesh: &Mesh,
@@ -191,14 +192,18 @@ pub(super) fn refuse_gravity_of_parts(
     if breakable.is_empty() {
         return;
     }
-    let on: HashSet<ElemId> = breakable.iter().flat_map(|tie| tie.faces.iter().copied()).collect();
-    let parts: HashSet<u32> =
-        mesh.elements.iter().filter(|e| on.contains(&e.id)).map(|e| e.part).collect();
+    let faces: HashSet<ElemId> =
+        breakable.iter().flat_map(|tie| tie.faces.iter().copied()).collect();
+    let slaves: HashSet<NodeId> = breakable.iter().map(|tie| tie.node).collect();
+    let meets = |e: &&MeshElement| {
+        faces.contains(&e.id) || e.corners().iter().any(|node| slaves.contains(node))
+    };
+    let parts: HashSet<u32> = mesh.elements.iter().filter(meets).map(|e| e.part).collect();
     for (entry, gravity) in job.gravity.iter().enumerate() {
         if let Some(part) = gravity.parts.iter().find(|part| parts.contains(part)) {
             let message = format!(
-                "ties that can fail are on part {part}, which has a gravity of its own: the force \
-                 of this gravity on tied nodes is not known to their ties"
+                "ties that can fail join part {part}, which has a gravity of its own: its force on \
+                 tied nodes is not known to their ties, nor divided again after a failure"
             );
             let help = "let the gravity act on all, without `parts`; or remove `failure`";
             findings.add(Problem::error(format!("gravity.{entry}.parts"), message, help));
@@ -215,18 +220,18 @@ pub(super) fn refuse_motion(
 ) {
     let breakable: HashSet<NodeId> =
         ties.iter().filter(|tie| tie.failure.is_some()).map(|tie| tie.node).collect();
-    let mut nodes: Vec<NodeId> =
-        motions.iter().flat_map(|m| &m.nodes).filter(|n| breakable.contains(n)).copied().collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    if !nodes.is_empty() {
-        let message = format!(
-            "{} tied nodes can fail and have a prescribed motion, which they would lose: {}",
-            nodes.len(),
-            named(&nodes)
-        );
-        let help = "remove them from [[motion]], or from the nodes of the tie";
-        findings.add(Problem::error("tie", message, help));
+    for (entry, motion) in motions.iter().enumerate() {
+        let nodes: Vec<NodeId> =
+            motion.nodes.iter().filter(|n| breakable.contains(n)).copied().collect();
+        if !nodes.is_empty() {
+            let message = format!(
+                "{} tied nodes can come off and have a prescribed motion that they would lose: {}",
+                nodes.len(),
+                named(&nodes)
+            );
+            let help = "remove them from [[motion]], or from the nodes of the tie";
+            findings.add(Problem::error(format!("motion.{entry}.nodes"), message, help));
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{Gap, Real, StarterWriter, Whole, Word, list, named};
 use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{JointInput, MotionInput, WallInput};
+use crumple_proto::job::{JointInput, MotionInput, NodeHistory, WallInput};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
@@ -372,6 +372,9 @@ impl StarterWriter<'_> {
     /// Writes nodes whose motion is recorded.
     pub(super) fn histories(&mut self) {
         let model = self.model;
+        if has_axes(&model.job.output.node) {
+            return;
+        }
         for (history, id) in model.job.output.node.iter().zip(1..) {
             let mut ids = history.ids.clone();
             if let Some(set) = history.nodes.as_ref().and_then(|s| model.mesh.node_sets.get(s)) {
@@ -384,6 +387,12 @@ impl StarterWriter<'_> {
             ids.iter().for_each(|&id| self.card(&[Whole(id), Whole(0)]));
         }
     }
+}
+
+/// Returns true if a history has axes, for which there is no card. Then all histories of nodes are
+/// written as keys, so that they keep their order.
+pub(super) fn has_axes(histories: &[NodeHistory]) -> bool {
+    histories.iter().any(|history| history.axes.is_some())
 }
 
 /// Returns the ends of both sides of a rectangle; `None` if the wall is none.

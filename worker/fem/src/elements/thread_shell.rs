@@ -13,10 +13,10 @@ use crumple_proto::mesh::OwnSection;
 use crumple_proto::problem::Problem;
 
 /// Belytschko-Tsay shells of one part.
-pub struct SingleShell(Quad<BelytschkoTsay>);
+pub struct ThreadShell(Quad<BelytschkoTsay>);
 
 /// Result of one element.
-pub struct SingleResult {
+pub struct ThreadResult {
     /// Forces on the nodes of the corners: x, y, z, padding [force].
     pub force: [[f64; 4]; 4],
     /// Moments on them [force length].
@@ -30,7 +30,7 @@ pub struct SingleResult {
     pub sound: bool,
 }
 
-impl SingleShell {
+impl ThreadShell {
     /// Creates the shells of a part with a law.
     ///
     /// # Errors
@@ -72,7 +72,7 @@ impl SingleShell {
         nodes: &NodeView<'_>,
         history: &mut [L],
         dt: f64,
-    ) -> Option<SingleResult> {
+    ) -> Option<ThreadResult> {
         if !self.0.section().is_plain::<N, COLUMNS>() {
             return None;
         }
@@ -81,16 +81,16 @@ impl SingleShell {
         let group = corners.map(|corner| [corner]);
         let totals = self.0.group::<L, 1, N>(&group, nodes, history, dt, [force, moment]);
         let [[force], [moment]] = corner_rows;
-        Some(SingleResult {
+        Some(ThreadResult {
             force,
             moment,
             stable_dt: totals.stable_dt.lane(0),
             energies: [totals.internal.lane(0), totals.hourglass.lane(0)],
-            sound: L::any(totals.sound),
+            sound: L::select(totals.sound, L::splat(1.0), L::zero()).lane(0) > 0.5,
         })
     }
 }
 
 #[cfg(test)]
-#[path = "single_shell_tests.rs"]
+#[path = "thread_shell_tests.rs"]
 mod tests;
