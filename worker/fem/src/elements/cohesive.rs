@@ -17,7 +17,7 @@
 //! so that momentum and angular momentum are conserved and a rigid motion does no work, also with a
 //! thickness. An element is removed when so many points have failed as `failed_points` says.
 //!
-//! Stable step, with m/8 at each node and K the larger stiffness. The distance alone has the
+//! Stable step, with m/8 at each node and K the largest stiffness. The distance alone has the
 //! squared frequency `2 K r/(m/8)` at most, where r is the largest row sum of `sum w N_k N_l`
 //! (Gershgorin); parallelograms reach it. The turn of the axes adds `sum w K |d|^2 (sum |grad
 //! N_k|^2 + sum N_k,1^2/|g1|^2)/2 /(m/8)`, the square of a norm of its rows. The frequencies of
@@ -207,8 +207,7 @@ impl CohesiveElement {
 
     /// Returns the stable step with these areas of the points [length^2] and this mass [time].
     fn step(&self, points: &[SurfacePoint; FOUR], areas: [f64; FOUR], mass: f64) -> f64 {
-        let [normal, shear] = self.law.face().stiffness;
-        let (stiffness, corner) = (normal.max(shear), mass / NODES as f64);
+        let (stiffness, corner) = (self.law.face().stiffest(), mass / NODES as f64);
         let mut rows = [0.0; FOUR];
         let mut turn = 0.0;
         for ((point, functions), area) in points.iter().zip(&self.points).zip(areas) {

@@ -378,6 +378,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     honeycomb::LAW,
     cohesive::mixed_mode::LAW,
     cohesive::elastic::LAW,
+    cohesive::tvergaard_hutchinson::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,

@@ -23,7 +23,10 @@ fn sample(law: &Law) -> Material {
         "compacted_volume" => 0.3,
         "stiffness_normal" => 20.0,
         "stiffness_shear" => 8.0,
-        "strength_normal" | "strength_shear" => 0.03,
+        "strength" | "strength_normal" | "strength_shear" => 0.03,
+        "separation_normal" | "separation_shear" => 0.05,
+        "peak_share" => 0.2,
+        "softening_share" => 0.5,
         "toughness_normal" => 1e-3,
         "toughness_shear" => 3e-3,
         other => panic!("{}: add a value of {other} to the sample", law.name),
@@ -135,7 +138,9 @@ fn stress(material: &Material) -> [f64; 12] {
             law.update_one(SolidPoint { state: &mut solid_state, strain: &strain }, 1e-3);
         }
         opened += 1e-3 * sign;
-        let opening = [opened, opened, -2.0 * opened];
+        // The last step presses the faces together.
+        let normal = if step == 19 { -opened } else { opened };
+        let opening = [normal, opened, -2.0 * opened];
         let traction = bond.as_ref().map_or([0.0; 3], |law| {
             law.update(CohesivePoint { opening, history: &mut bond_state })
         });

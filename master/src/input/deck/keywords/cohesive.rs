@@ -4,6 +4,7 @@ use super::title;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
+    no_effect,
 };
 
 const TITLE: (&str, Times) = ("heading:l", Count(title));
@@ -28,5 +29,20 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `cohesive_elastic`, for solids of elform 19; intfail as in MAT_COHESIVE_MIXED_MODE",
     )
     .aliases(&["MAT_184"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_COHESIVE_TH",
+        &[
+            TITLE,
+            ("mid:i! ro:r! roflg:i intfail:r sigmax:r! nls:r! tls:r! tls2:r", Once),
+            ("lamda1:r! lamda2:r! lamdaf:r! stfsf:r isw:i alpha1:r alpha2:r", Once),
+            ("dr:r alpha3:r", Maybe),
+        ],
+        "law `cohesive_tvergaard_hutchinson`, for solids of elform 19: lamda1 and lamda2 over \
+         lamdaf are its shares; points unload along the line to the origin; intfail as in \
+         MAT_COHESIVE_MIXED_MODE",
+    )
+    .unused(&[no_effect("tls2 isw alpha1 alpha2 dr alpha3", "they are for shells")])
+    .aliases(&["MAT_185"])
     .options(&["TITLE"]),
 ];

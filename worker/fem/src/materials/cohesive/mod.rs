@@ -4,16 +4,18 @@
 //! along two directions in the surface. All laws are functions of the opening and of a damage D
 //! that never falls:
 //! ```text
-//! t_n = (1 - D) K_n u_n   if u_n > 0,   else K_n u_n
+//! t_n = (1 - D) K_n u_n   if u_n > 0,   else K_p u_n
 //! t_s = (1 - D) K_s u_s,   t_t = (1 - D) K_s u_t
 //! ```
 //! So a point unloads to the origin, and a closed path takes `dD` times the stored energy of a
-//! point without damage, which is never negative. With D = 1 the faces only push.
+//! point without damage, which is never negative. With D = 1 the faces only push. K_p is K_n in
+//! most laws.
 
 pub mod elastic;
 pub mod mixed_mode;
 #[cfg(test)]
 mod tests;
+pub mod tvergaard_hutchinson;
 
 use super::parameters::Parameters;
 use super::{DefaultValue, Form, ParameterRow};
@@ -54,6 +56,8 @@ impl dyn Cohesive {
 pub struct CohesiveFace {
     /// Stiffness along the normal and in the surface [force/length^3].
     pub stiffness: [f64; 2],
+    /// Stiffness along the normal under pressure [force/length^3].
+    pub pressed: f64,
     /// Density [mass/length^2 or mass/length^3].
     pub density: f64,
     /// True if the density is one per area.
@@ -65,6 +69,12 @@ pub struct CohesiveFace {
 pub const HISTORY: [&str; 2] = ["damage", "failed"];
 
 impl CohesiveFace {
+    /// Returns the largest stiffness, for the stable step [force/length^3].
+    pub fn stiffest(&self) -> f64 {
+        let [normal, shear] = self.stiffness;
+        normal.max(shear).max(self.pressed)
+    }
+
     /// Raises the damage of a point to `damage`, 1 at most, and returns its traction
     /// [force/length^2].
     fn traction(&self, point: CohesivePoint<'_>, damage: f64) -> [f64; 3] {
@@ -73,7 +83,8 @@ impl CohesiveFace {
         let [normal, shear] = self.stiffness;
         let left = 1.0 - damage;
         let [n, s, t] = point.opening;
-        [if n > 0.0 { left * normal * n } else { normal * n }, left * shear * s, left * shear * t]
+        let normal = if n > 0.0 { left * normal } else { self.pressed };
+        [normal * n, left * shear * s, left * shear * t]
     }
 }
 
@@ -108,5 +119,6 @@ fn face(parameters: &mut Parameters<'_>) -> CohesiveFace {
     let density = parameters.density();
     let stiffness = ["stiffness_normal", "stiffness_shear"]
         .map(|key| parameters.required(key, "above 0", |k| k > 0.0));
-    CohesiveFace { stiffness, density, per_area: parameters.flag("density_per_area") }
+    let per_area = parameters.flag("density_per_area");
+    CohesiveFace { stiffness, pressed: stiffness[0], density, per_area }
 }

@@ -22,6 +22,22 @@ fn adhesive(more: &[(&str, f64)]) -> Material {
     material("cohesive_mixed_mode", &[&numbers, more].concat(), &[])
 }
 
+/// Strength [GPa], openings at separation [mm], and shares of them, of a law with a plateau.
+const SIGMA: f64 = 0.03;
+const SEPARATION: [f64; 2] = [0.04, 0.1];
+const SHARES: [f64; 2] = [0.1, 0.6];
+
+fn trilinear(more: &[(&str, f64)]) -> Material {
+    let numbers = [
+        ("strength", SIGMA),
+        ("separation_normal", SEPARATION[0]),
+        ("separation_shear", SEPARATION[1]),
+        ("peak_share", SHARES[0]),
+        ("softening_share", SHARES[1]),
+    ];
+    material("cohesive_tvergaard_hutchinson", &[&numbers, more].concat(), &[])
+}
+
 /// A point of a law on a path.
 struct Path {
     law: Box<dyn Cohesive>,
@@ -187,10 +203,10 @@ fn no_closed_path_gives_energy() {
     let elastic = [("stiffness_normal", K[0]), ("stiffness_shear", K[1])];
     let limits = [("strength_normal", T[0]), ("strength_shear", T[1])];
     let brittle = material("cohesive_elastic", &[&elastic[..], &limits].concat(), &[]);
-    let laws = [adhesive(&[]), adhesive(&[("benzeggagh_kenane", 2.0)]), brittle];
+    let laws = [adhesive(&[]), adhesive(&[("benzeggagh_kenane", 2.0)]), brittle, trilinear(&[])];
     let mut damaged = 0;
     for k in 0..300 {
-        let mut path = Path::new(&laws[k % 3]);
+        let mut path = Path::new(&laws[k % laws.len()]);
         let size = 0.01 * (1.0 + k as f64 / 30.0);
         let mut points: Vec<[f64; 3]> =
             (0..6).map(|_| [noise.next(), noise.next(), noise.next()].map(|c| size * c)).collect();
@@ -210,6 +226,96 @@ fn no_closed_path_gives_energy() {
         damaged += usize::from(path.damage() > 0.0);
     }
     assert!(damaged > 100, "the paths reach damage: {damaged}");
+}
+
+/// Tractions over increasing openings of pure modes and of mixtures are those of Tvergaard &
+/// Hutchinson 1992, and all take the same work.
+#[test]
+fn a_plateau_softens_with_one_toughness() {
+    let ([normal, shear], [first, second]) = (SEPARATION, SHARES);
+    for angle in [0.0, 0.2, 0.7, 1.1, 1.5, std::f64::consts::FRAC_PI_2] {
+        let along = direction(angle);
+        let law = trilinear(&[]);
+        let mut path = Path::new(&law);
+        // Opening at separation in this direction.
+        let end = 1.0 / (along[0] / normal).hypot(along[1].hypot(along[2]) / shear);
+        // Tractions of straight parts, whose trapezia have no error.
+        let at_l = |path: &mut Path, l: f64| {
+            let u = along.map(|c| l * end * c);
+            let t = if l <= first {
+                SIGMA * l / first
+            } else if l <= second {
+                SIGMA
+            } else {
+                SIGMA * (1.0 - l) / (1.0 - second)
+            };
+            let slip = t / l * normal / (shear * shear);
+            let wanted = [t / l * u[0] / normal, slip * u[1], slip * u[2]];
+            let got = path.to(u);
+            for c in 0..3 {
+                assert!((got[c] - wanted[c]).abs() < 1e-9 * SIGMA, "{angle} {l}: {got:?}");
+            }
+        };
+        for k in 1..=10 {
+            at_l(&mut path, first * f64::from(k) / 10.0);
+        }
+        assert!(path.damage() < 1e-15, "round-off at the peak: {}", path.damage());
+        for k in 1..=10 {
+            at_l(&mut path, first + (second - first) * f64::from(k) / 10.0);
+        }
+        for k in 1..10 {
+            at_l(&mut path, second + (1.0 - second) * f64::from(k) / 10.0);
+        }
+        assert_eq!(path.history[1], 0.0);
+        path.to(along.map(|c| (1.0 + 1e-15) * end * c));
+        assert_eq!((path.history[1], path.traction), (1.0, [0.0; 3]), "{angle}");
+        let toughness = 0.5 * SIGMA * normal * (1.0 - first + second);
+        let work = path.work[0] + path.work[1];
+        assert!((work / toughness - 1.0).abs() < 1e-9, "{angle}: {work} for {toughness}");
+    }
+}
+
+/// Unloading goes straight to the origin, and pressure meets its own stiffness, also after
+/// failure.
+#[test]
+fn a_plateau_unloads_to_the_origin() {
+    let law = trilinear(&[("pressure_factor", 5.0)]);
+    let stiffness = SIGMA / (SHARES[0] * SEPARATION[0]);
+    let mut path = Path::new(&law);
+    let far = [0.8 * SEPARATION[0], 0.0, 0.0];
+    let there = path.to(far);
+    assert!((there[0] - 0.5 * SIGMA).abs() < 1e-12 * SIGMA, "{there:?}");
+    for part in [0.5, 0.0, 1.0] {
+        let back = path.to(far.map(|u| part * u));
+        assert!((back[0] - part * there[0]).abs() < 1e-15, "{part}: {back:?}");
+    }
+    for _ in 0..2 {
+        let pressed = path.to([-1e-3, 0.0, 0.0])[0];
+        assert!((pressed / (-5e-3 * stiffness) - 1.0).abs() < 1e-12, "{pressed}");
+        path.to([0.0, 2.0 * SEPARATION[1], 0.0]);
+        assert_eq!(path.history, [1.0, 1.0]);
+    }
+    assert_eq!(path.law.face().stiffest(), 5.0 * path.law.face().stiffness[0]);
+    let mut free = Path::new(&trilinear(&[("pressure_factor", 0.0)]));
+    assert_eq!(free.to([-1.0, 0.0, 0.0])[0], 0.0);
+}
+
+/// Shares out of order, and numbers out of range.
+#[test]
+fn a_plateau_has_a_beginning_and_an_end() {
+    for (key, value, words) in [
+        ("peak_share", 0.0, "above 0, at most 1"),
+        ("softening_share", 0.05, "at least peak_share, at most 1"),
+        ("softening_share", 1.1, "at least peak_share, at most 1"),
+        ("pressure_factor", -1.0, "at least 0"),
+        ("separation_shear", 0.0, "above 0"),
+    ] {
+        let mut material = trilinear(&[]);
+        let number = crumple_proto::partition::Param::Number(value);
+        material.parameters.insert(key.into(), number);
+        let found = format!("{:?}", build_cohesive(&material).err());
+        assert!(found.contains(key) && found.contains(words), "{key}: {found}");
+    }
 }
 
 /// The elastic law fails at the limit of either traction, and pushes afterwards.
