@@ -33,7 +33,7 @@ use super::{
     SingleElement,
 };
 use crate::columns::ElementState;
-use crate::materials::{COHESIVE_HISTORY, Cohesive, CohesivePoint};
+use crate::materials::{Cohesive, CohesivePoint};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::row::{V3, xyz};
 use crumple_proto::job::Part;
@@ -116,7 +116,7 @@ fn build(part: &Part, values: &Values<'_>, law: Box<dyn Cohesive>) -> ElementRes
         return Err(vec![Problem::error("skin", message, "remove it")]);
     }
     let scale = if values.word("integration") == GAUSS { 1.0 / 3.0_f64.sqrt() } else { 1.0 };
-    let failed = COHESIVE_HISTORY.iter().position(|name| *name == "failed");
+    let failed = law.history().iter().position(|name| *name == "failed");
     Ok(Box::new(CohesiveElement {
         failed: OF_LAW + failed.expect("a cohesive law marks failure"),
         law,
@@ -195,7 +195,7 @@ fn eight(x: &[[f64; 3]]) -> [V3; NODES] {
 impl CohesiveElement {
     /// Number of columns of a point.
     fn of_point(&self) -> usize {
-        OF_LAW + COHESIVE_HISTORY.len()
+        OF_LAW + self.law.history().len()
     }
 
     /// Returns the mass of an element from areas and thicknesses of its points [mass].
@@ -267,7 +267,7 @@ impl Element for CohesiveElement {
     fn names(&self) -> Vec<String> {
         let three = |what: &'static str| ["n", "s", "t"].map(|c| format!("{what} {c}"));
         let vectors = ["start", "opening", "traction"].into_iter().flat_map(three);
-        let law = COHESIVE_HISTORY.iter().map(|name| name.to_string());
+        let law = self.law.history().iter().map(|name| name.to_string());
         let point: Vec<String> =
             std::iter::once("area".to_string()).chain(vectors).chain(law).collect();
         (0..FOUR).flat_map(|p| point.iter().map(move |name| format!("{name} {p}"))).collect()

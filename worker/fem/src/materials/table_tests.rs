@@ -1,8 +1,8 @@
 //! Checks that the tables of parameters list exactly the parameters that the laws read.
 
 use super::{
-    COHESIVE_HISTORY, CohesivePoint, DefaultValue, LAWS, Law, Points, SolidPoint, build,
-    build_cohesive, build_solid, elastic_of,
+    CohesivePoint, DefaultValue, LAWS, Law, Points, SolidPoint, build, build_cohesive, build_solid,
+    elastic_of,
 };
 use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
@@ -121,7 +121,7 @@ fn stress(material: &Material) -> [f64; 12] {
     let solid = build_solid(material).ok();
     let mut solid_state = vec![0.0; 6 + solid.as_ref().map_or(0, |law| law.history().len())];
     let bond = build_cohesive(material).ok();
-    let mut bond_state = vec![0.0; COHESIVE_HISTORY.len()];
+    let mut bond_state = vec![0.0; bond.as_ref().map_or(0, |law| law.history().len())];
     let mut sums = [0.0; 12];
     let mut opened = 0.0;
     for step in 0..20 {

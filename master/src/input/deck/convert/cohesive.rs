@@ -1,5 +1,5 @@
 //! Converts materials of cohesive elements, and parts that have them (LS-DYNA Keyword User's
-//! Manual, vol. II, materials 138, 184 and 185).
+//! Manual, vol. II, materials 138, 184, 185 and 240).
 
 use super::DeckConverter;
 use super::materials::DeckMaterial;
@@ -9,8 +9,10 @@ use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 3] =
-    ["MAT_COHESIVE_MIXED_MODE", "MAT_COHESIVE_ELASTIC", "MAT_COHESIVE_TH"];
+pub const KEYWORDS: [&str; 4] =
+    ["MAT_COHESIVE_MIXED_MODE", "MAT_COHESIVE_ELASTIC", "MAT_COHESIVE_TH", ELASTOPLASTIC];
+
+const ELASTOPLASTIC: &str = "MAT_COHESIVE_MIXED_MODE_ELASTOPLASTIC_RATE";
 
 /// Formulation of cohesive elements between solids.
 pub(super) const ELFORM: i64 = 19;
@@ -63,6 +65,7 @@ impl DeckConverter {
         match keyword {
             "MAT_COHESIVE_ELASTIC" => elastic(record, table),
             "MAT_COHESIVE_TH" => self.with_plateau(record, table),
+            ELASTOPLASTIC => self.elastoplastic(record, table),
             _ => self.mixed_mode(record, table),
         }
         let intfail = record.real("intfail");
@@ -100,6 +103,45 @@ impl DeckConverter {
             let help = "the faces pass through each other without a force; give the stiffness \
                         under pressure over that of opening, such as 1";
             self.trouble.warning(record.place("stfsf"), message, help);
+        }
+    }
+
+    fn elastoplastic(&mut self, record: &CardRecord, table: &mut JobTable) {
+        table.put("law", record.head, "cohesive_elastoplastic");
+        let thickness = record.real("thick");
+        if thickness <= 0.0 {
+            let message = format!("{}: `thick` is blank or not above 0", record.name());
+            let help = "the stiffnesses are emod and gmod over it, and it is not taken from the \
+                        nodes: give the thickness of the layer";
+            self.trouble.error(record.place("thick"), message, help);
+        }
+        if record.real("inicrt") != 0.0 {
+            self.unsupported_value(record, "inicrt", "yield is on the ellipse of strengths, 0");
+        }
+        for (modulus, toughness, strength, share, mode) in
+            [("emod", "g1c_0", "t0", "fg1", "normal"), ("gmod", "g2c_0", "s0", "fg2", "shear")]
+        {
+            let stiffness = record.real(modulus) / thickness;
+            let [work, limit, given] = [toughness, strength, share].map(|f| record.real(f));
+            table.put(&format!("stiffness_{mode}"), record.place(modulus), stiffness);
+            let rates = [(toughness, work), (strength, limit)].map(|(field, value)| {
+                if value < 0.0 {
+                    let why = "there are no rates; give the value of the rate of interest, above 0";
+                    self.unsupported_value(record, field, why);
+                }
+                value < 0.0
+            });
+            if rates.contains(&true) {
+                continue;
+            }
+            table.put(&format!("toughness_{mode}"), record.place(toughness), work);
+            table.put(&format!("strength_{mode}"), record.place(strength), limit);
+            // Below 0 it is the share of the opening from yield to separation that flow takes.
+            let of_work = match given {
+                f if f >= 0.0 => f,
+                f => -f * (2.0 - limit * limit / (stiffness * work)) / (1.0 - f),
+            };
+            table.put(&format!("plateau_{mode}"), record.place(share), of_work);
         }
     }
 

@@ -53,6 +53,7 @@ pub fn write(
         "cohesive_elastic" => ("MAT_COHESIVE_ELASTIC", elastic),
         "cohesive_mixed_mode" => ("MAT_COHESIVE_MIXED_MODE", mixed_mode),
         "cohesive_tvergaard_hutchinson" => ("MAT_COHESIVE_TH", with_plateau),
+        "cohesive_elastoplastic" => ("MAT_COHESIVE_MIXED_MODE_ELASTOPLASTIC_RATE", elastoplastic),
         _ => return false,
     };
     let keys: Vec<&str> = cards.material.parameters.keys().map(String::as_str).collect();
@@ -99,4 +100,15 @@ fn with_plateau(cards: &MaterialCards<'_>) -> InterfaceCards {
     };
     let shares = vec![first, second, Number(1.0), Number(factor)];
     (keys.map(|key| cards.field(key)).to_vec(), vec![shares])
+}
+
+fn elastoplastic(cards: &MaterialCards<'_>) -> InterfaceCards {
+    let stiffness = ["stiffness_normal", "stiffness_shear"].map(|key| cards.field(key));
+    let modes = ["normal", "shear"].map(|mode| {
+        let [work, limit, share] =
+            ["toughness", "strength", "plateau"].map(|what| cards.field(&format!("{what}_{mode}")));
+        vec![work, Blank, Blank, limit, Blank, Blank, share]
+    });
+    // Moduli are stiffnesses times the thickness.
+    ([&stiffness[..], &[Number(1.0)]].concat(), modes.to_vec())
 }
