@@ -17,7 +17,7 @@
 //! so that momentum and angular momentum are conserved and a rigid motion does no work, also with a
 //! thickness. An element is removed when so many points have failed as `failed_points` says.
 //!
-//! Stable step, with m/8 at each node and K the larger stiffness. The distance alone has the
+//! Stable step, with m/8 at each node and K the largest stiffness. The distance alone has the
 //! squared frequency `2 K r/(m/8)` at most, where r is the largest row sum of `sum w N_k N_l`
 //! (Gershgorin); parallelograms reach it. The turn of the axes adds `sum w K |d|^2 (sum |grad
 //! N_k|^2 + sum N_k,1^2/|g1|^2)/2 /(m/8)`, the square of a norm of its rows. The frequencies of
@@ -33,7 +33,7 @@ use super::{
     SingleElement,
 };
 use crate::columns::ElementState;
-use crate::materials::{COHESIVE_HISTORY, Cohesive, CohesivePoint};
+use crate::materials::{Cohesive, CohesivePoint};
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::row::{V3, xyz};
 use crumple_proto::job::Part;
@@ -116,7 +116,7 @@ fn build(part: &Part, values: &Values<'_>, law: Box<dyn Cohesive>) -> ElementRes
         return Err(vec![Problem::error("skin", message, "remove it")]);
     }
     let scale = if values.word("integration") == GAUSS { 1.0 / 3.0_f64.sqrt() } else { 1.0 };
-    let failed = COHESIVE_HISTORY.iter().position(|name| *name == "failed");
+    let failed = law.history().iter().position(|name| *name == "failed");
     Ok(Box::new(CohesiveElement {
         failed: OF_LAW + failed.expect("a cohesive law marks failure"),
         law,
@@ -195,7 +195,7 @@ fn eight(x: &[[f64; 3]]) -> [V3; NODES] {
 impl CohesiveElement {
     /// Number of columns of a point.
     fn of_point(&self) -> usize {
-        OF_LAW + COHESIVE_HISTORY.len()
+        OF_LAW + self.law.history().len()
     }
 
     /// Returns the mass of an element from areas and thicknesses of its points [mass].
@@ -207,8 +207,7 @@ impl CohesiveElement {
 
     /// Returns the stable step with these areas of the points [length^2] and this mass [time].
     fn step(&self, points: &[SurfacePoint; FOUR], areas: [f64; FOUR], mass: f64) -> f64 {
-        let [normal, shear] = self.law.face().stiffness;
-        let (stiffness, corner) = (normal.max(shear), mass / NODES as f64);
+        let (stiffness, corner) = (self.law.face().stiffest(), mass / NODES as f64);
         let mut rows = [0.0; FOUR];
         let mut turn = 0.0;
         for ((point, functions), area) in points.iter().zip(&self.points).zip(areas) {
@@ -268,7 +267,7 @@ impl Element for CohesiveElement {
     fn names(&self) -> Vec<String> {
         let three = |what: &'static str| ["n", "s", "t"].map(|c| format!("{what} {c}"));
         let vectors = ["start", "opening", "traction"].into_iter().flat_map(three);
-        let law = COHESIVE_HISTORY.iter().map(|name| name.to_string());
+        let law = self.law.history().iter().map(|name| name.to_string());
         let point: Vec<String> =
             std::iter::once("area".to_string()).chain(vectors).chain(law).collect();
         (0..FOUR).flat_map(|p| point.iter().map(move |name| format!("{name} {p}"))).collect()

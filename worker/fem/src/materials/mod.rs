@@ -30,7 +30,7 @@ mod wrapped;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
-pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint, HISTORY as COHESIVE_HISTORY};
+pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
 pub use equation_of_state::EQUATION_OF_STATE;
 pub use erosion::EROSION;
 pub use gissmo::{GISSMO, SIZE_COLUMN};
@@ -378,6 +378,8 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     honeycomb::LAW,
     cohesive::mixed_mode::LAW,
     cohesive::elastic::LAW,
+    cohesive::tvergaard_hutchinson::LAW,
+    cohesive::elastoplastic::LAW,
 ]);
 
 /// Builds the law of a shell's material. Returns all problems of the material if there are any,

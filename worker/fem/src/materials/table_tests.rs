@@ -1,8 +1,8 @@
 //! Checks that the tables of parameters list exactly the parameters that the laws read.
 
 use super::{
-    COHESIVE_HISTORY, CohesivePoint, DefaultValue, LAWS, Law, Points, SolidPoint, build,
-    build_cohesive, build_solid, elastic_of,
+    CohesivePoint, DefaultValue, LAWS, Law, Points, SolidPoint, build, build_cohesive, build_solid,
+    elastic_of,
 };
 use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
@@ -23,7 +23,10 @@ fn sample(law: &Law) -> Material {
         "compacted_volume" => 0.3,
         "stiffness_normal" => 20.0,
         "stiffness_shear" => 8.0,
-        "strength_normal" | "strength_shear" => 0.03,
+        "strength" | "strength_normal" | "strength_shear" => 0.03,
+        "separation_normal" | "separation_shear" => 0.05,
+        "peak_share" => 0.2,
+        "softening_share" => 0.5,
         "toughness_normal" => 1e-3,
         "toughness_shear" => 3e-3,
         other => panic!("{}: add a value of {other} to the sample", law.name),
@@ -118,7 +121,7 @@ fn stress(material: &Material) -> [f64; 12] {
     let solid = build_solid(material).ok();
     let mut solid_state = vec![0.0; 6 + solid.as_ref().map_or(0, |law| law.history().len())];
     let bond = build_cohesive(material).ok();
-    let mut bond_state = vec![0.0; COHESIVE_HISTORY.len()];
+    let mut bond_state = vec![0.0; bond.as_ref().map_or(0, |law| law.history().len())];
     let mut sums = [0.0; 12];
     let mut opened = 0.0;
     for step in 0..20 {
@@ -135,7 +138,9 @@ fn stress(material: &Material) -> [f64; 12] {
             law.update_one(SolidPoint { state: &mut solid_state, strain: &strain }, 1e-3);
         }
         opened += 1e-3 * sign;
-        let opening = [opened, opened, -2.0 * opened];
+        // The last step presses the faces together.
+        let normal = if step == 19 { -opened } else { opened };
+        let opening = [normal, opened, -2.0 * opened];
         let traction = bond.as_ref().map_or([0.0; 3], |law| {
             law.update(CohesivePoint { opening, history: &mut bond_state })
         });

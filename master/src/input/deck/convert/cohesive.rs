@@ -1,5 +1,5 @@
 //! Converts materials of cohesive elements, and parts that have them (LS-DYNA Keyword User's
-//! Manual, vol. II, materials 138 and 184).
+//! Manual, vol. II, materials 138, 184, 185 and 240).
 
 use super::DeckConverter;
 use super::materials::DeckMaterial;
@@ -9,7 +9,10 @@ use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 2] = ["MAT_COHESIVE_MIXED_MODE", "MAT_COHESIVE_ELASTIC"];
+pub const KEYWORDS: [&str; 4] =
+    ["MAT_COHESIVE_MIXED_MODE", "MAT_COHESIVE_ELASTIC", "MAT_COHESIVE_TH", ELASTOPLASTIC];
+
+const ELASTOPLASTIC: &str = "MAT_COHESIVE_MIXED_MODE_ELASTOPLASTIC_RATE";
 
 /// Formulation of cohesive elements between solids.
 pub(super) const ELFORM: i64 = 19;
@@ -22,6 +25,26 @@ pub struct CohesiveIntegration {
     pub intfail: f64,
     /// Place of the field.
     pub place: Place,
+}
+
+/// Fields and keys of stiffnesses.
+const STIFFNESSES: [(&str, &str); 2] = [("en", "stiffness_normal"), ("et", "stiffness_shear")];
+
+/// Puts numbers as they are.
+fn put_numbers(record: &CardRecord, table: &mut JobTable, pairs: &[(&str, &str)]) {
+    for (field, key) in pairs {
+        table.put(key, record.place(field), record.real(field));
+    }
+}
+
+fn elastic(record: &CardRecord, table: &mut JobTable) {
+    table.put("law", record.head, "cohesive_elastic");
+    put_numbers(record, table, &STIFFNESSES);
+    for (field, key) in [("fn_fail", "strength_normal"), ("ft_fail", "strength_shear")] {
+        if record.real(field) != 0.0 {
+            put_numbers(record, table, &[(field, key)]);
+        }
+    }
 }
 
 impl DeckConverter {
@@ -39,21 +62,11 @@ impl DeckConverter {
             }
             _ => self.unsupported_value(record, "roflg", "use 0 (per volume) or 1 (per area)"),
         }
-        let number = |table: &mut JobTable, field: &str, key: &str| {
-            table.put(key, record.place(field), record.real(field));
-        };
-        number(table, "en", "stiffness_normal");
-        number(table, "et", "stiffness_shear");
-        if keyword == "MAT_COHESIVE_ELASTIC" {
-            table.put("law", record.head, "cohesive_elastic");
-            for (field, key) in [("fn_fail", "strength_normal"), ("ft_fail", "strength_shear")] {
-                if record.real(field) != 0.0 {
-                    number(table, field, key);
-                }
-            }
-        } else {
-            table.put("law", record.head, "cohesive_mixed_mode");
-            self.mixed_mode(record, table);
+        match keyword {
+            "MAT_COHESIVE_ELASTIC" => elastic(record, table),
+            "MAT_COHESIVE_TH" => self.with_plateau(record, table),
+            ELASTOPLASTIC => self.elastoplastic(record, table),
+            _ => self.mixed_mode(record, table),
         }
         let intfail = record.real("intfail");
         if intfail.fract() != 0.0 {
@@ -62,7 +75,79 @@ impl DeckConverter {
         CohesiveIntegration { intfail, place: record.place("intfail") }
     }
 
+    fn with_plateau(&mut self, record: &CardRecord, table: &mut JobTable) {
+        table.put("law", record.head, "cohesive_tvergaard_hutchinson");
+        put_numbers(
+            record,
+            table,
+            &[
+                ("sigmax", "strength"),
+                ("nls", "separation_normal"),
+                ("tls", "separation_shear"),
+                ("stfsf", "pressure_factor"),
+            ],
+        );
+        let end = record.real("lamdaf");
+        if end > 0.0 {
+            for (field, key) in [("lamda1", "peak_share"), ("lamda2", "softening_share")] {
+                table.put(key, record.place(field), record.real(field) / end);
+            }
+        } else {
+            let message = format!("{}: `lamdaf` is {end}", record.name());
+            let help = "it is the opening at separation, over which lamda1 and lamda2 are taken: \
+                        give it above 0, such as 1";
+            self.trouble.error(record.place("lamdaf"), message, help);
+        }
+        if record.real("stfsf") == 0.0 {
+            let message = format!("{}: `stfsf` is blank or 0", record.name());
+            let help = "the faces pass through each other without a force; give the stiffness \
+                        under pressure over that of opening, such as 1";
+            self.trouble.warning(record.place("stfsf"), message, help);
+        }
+    }
+
+    fn elastoplastic(&mut self, record: &CardRecord, table: &mut JobTable) {
+        table.put("law", record.head, "cohesive_elastoplastic");
+        let thickness = record.real("thick");
+        if thickness <= 0.0 {
+            let message = format!("{}: `thick` is blank or not above 0", record.name());
+            let help = "the stiffnesses are emod and gmod over it, and it is not taken from the \
+                        nodes: give the thickness of the layer";
+            self.trouble.error(record.place("thick"), message, help);
+        }
+        if record.real("inicrt") != 0.0 {
+            self.unsupported_value(record, "inicrt", "yield is on the ellipse of strengths, 0");
+        }
+        for (modulus, toughness, strength, share, mode) in
+            [("emod", "g1c_0", "t0", "fg1", "normal"), ("gmod", "g2c_0", "s0", "fg2", "shear")]
+        {
+            let stiffness = record.real(modulus) / thickness;
+            let [work, limit, given] = [toughness, strength, share].map(|f| record.real(f));
+            table.put(&format!("stiffness_{mode}"), record.place(modulus), stiffness);
+            let rates = [(toughness, work), (strength, limit)].map(|(field, value)| {
+                if value < 0.0 {
+                    let why = "there are no rates; give the value of the rate of interest, above 0";
+                    self.unsupported_value(record, field, why);
+                }
+                value < 0.0
+            });
+            if rates.contains(&true) {
+                continue;
+            }
+            table.put(&format!("toughness_{mode}"), record.place(toughness), work);
+            table.put(&format!("strength_{mode}"), record.place(strength), limit);
+            // Below 0 it is the share of the opening from yield to separation that flow takes.
+            let of_work = match given {
+                f if f >= 0.0 => f,
+                f => -f * (2.0 - limit * limit / (stiffness * work)) / (1.0 - f),
+            };
+            table.put(&format!("plateau_{mode}"), record.place(share), of_work);
+        }
+    }
+
     fn mixed_mode(&mut self, record: &CardRecord, table: &mut JobTable) {
+        table.put("law", record.head, "cohesive_mixed_mode");
+        put_numbers(record, table, &STIFFNESSES);
         let id = record.integer("mid");
         for (toughness, peak, end, keys) in [
             ("gic", "t", "und", ["toughness_normal", "strength_normal"]),
@@ -125,8 +210,7 @@ impl DeckConverter {
             }
             (true, None) => {
                 let message = format!("part {id}: its material is not for cohesive elements");
-                let help = "give it a *MAT_COHESIVE_MIXED_MODE or *MAT_COHESIVE_ELASTIC, or a \
-                            *SECTION_SOLID with another elform";
+                let help = "give it a *MAT_COHESIVE_..., or a *SECTION_SOLID with another elform";
                 self.trouble.error(record.place("mid"), message, help);
             }
             (false, Some(_)) => {

@@ -194,7 +194,6 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         "j2" => metals::j2(deck, cards, &mut read),
         "johnson_cook" => metals::johnson_cook(deck, cards, &mut read),
         "barlat" => barlat::sheet(deck, cards, &mut read),
-        "cohesive_mixed_mode" | "cohesive_elastic" => cohesive::interface(deck, cards, &mut read),
         "orthotropic" => {
             composites::ply(deck, cards);
             // The ply has accounted for all of its own keys.
@@ -203,6 +202,7 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
             read.extend(own.map(|(key, param)| (key.clone(), param.clone())));
         }
         law if soft_materials::write(deck, law, cards, &mut read) => {}
+        law if cohesive::write(deck, law, cards, &mut read) => {}
         other => {
             cards.head(deck, "MAT_ELASTIC");
             deck.card(&cards.elastic());

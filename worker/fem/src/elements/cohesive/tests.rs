@@ -217,6 +217,26 @@ fn the_step_without_thickness_has_a_closed_form() {
     }
 }
 
+/// A larger stiffness under pressure shortens the step to that of a pressed element.
+#[test]
+fn the_step_is_that_of_the_largest_stiffness() {
+    let numbers = [
+        ("strength", T[0]),
+        ("separation_normal", 0.04),
+        ("separation_shear", 0.1),
+        ("peak_share", 0.05),
+        ("softening_share", 0.5),
+        ("pressure_factor", 9.0),
+    ];
+    let mut material = material("cohesive_tvergaard_hutchinson", DENSITY, &numbers);
+    material.parameters.insert("density_per_area".into(), Param::Flag(true));
+    let of = Part { element: Some(COHESIVE.into()), ..part(0.0) };
+    let surface = Surface::new(of, material, &faces(0.0), &[[0, 1, 2, 3, 4, 5, 6, 7]]);
+    let limit = surface.element.stable_dt(&faces(0.0), OwnSection::default());
+    let pressed = 9.0 * T[0] / (0.05 * 0.04);
+    assert!((limit / (DENSITY / pressed).sqrt() - 1.0).abs() < 1e-12, "{limit}");
+}
+
 /// An element goes when so many of its points have failed; with 0 it stays, and its faces push.
 #[test]
 fn an_element_goes_with_its_points() {
@@ -247,8 +267,10 @@ fn an_element_goes_with_its_points() {
 /// The work to separation of an element is toughness times area, at any orientation.
 #[test]
 fn separation_takes_toughness_times_area() {
-    for (way, toughness) in [([0.0, 0.0, 1.0], 8e-4), ([0.6, 0.8, 0.0], 2.4e-3)] {
-        let mut surface = element("cohesive_mixed_mode", part(0.0), &faces(0.0));
+    let ways = [([0.0, 0.0, 1.0], 8e-4), ([0.6, 0.8, 0.0], 2.4e-3)];
+    let laws = ["cohesive_mixed_mode", "cohesive_elastoplastic"];
+    for ((way, toughness), law) in ways.into_iter().flat_map(|way| laws.map(|law| (way, law))) {
+        let mut surface = element(law, part(0.0), &faces(0.0));
         let (peak, end) =
             if toughness == 8e-4 { (T[0] / K[0], 0.04) } else { (T[1] / K[1], 0.192) };
         let mut energy = 0.0;
@@ -259,6 +281,6 @@ fn separation_takes_toughness_times_area() {
             energy += surface.step(1.0).internal;
         }
         // The surface in the middle does not turn: the tangents of both faces are the same.
-        assert!((energy / (toughness * AREA) - 1.0).abs() < 1e-9, "{energy}");
+        assert!((energy / (toughness * AREA) - 1.0).abs() < 1e-9, "{law}: {energy}");
     }
 }

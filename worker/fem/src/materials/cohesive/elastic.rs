@@ -52,7 +52,12 @@ fn build(material: &Material) -> CohesiveLawResult {
 
 /// Returns a law without failure with these stiffnesses [force/length^3].
 pub fn law(stiffness: f64) -> Box<dyn Cohesive> {
-    let face = CohesiveFace { stiffness: [stiffness; 2], density: 1.0, per_area: true };
+    let face = CohesiveFace {
+        stiffness: [stiffness; 2],
+        pressed: stiffness,
+        density: 1.0,
+        per_area: true,
+    };
     Box::new(ElasticFace { face, strength: [f64::INFINITY; 2] })
 }
 
