@@ -267,6 +267,7 @@ const ROLES: &[(&str, &str)] = &[
     ("DEFINE_CURVE", "sidr=1 sfa=1 sfo=1 offa=1 offo=1 dattyp=1 lcint=1 a=1 o=1"),
     ("DEFINE_BOX", "xmn=1 xmx=1 ymn=1 ymx=1 zmn=1 zmx=1"),
     ("DEFINE_SD_ORIENTATION", "iop=1 xt=@d"),
+    ("DEFINE_VECTOR", "xt=@x xh=@x"),
     ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
     ("DEFINE_COORDINATE_NODES", "flag=1"),
     ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1"),

@@ -36,6 +36,7 @@ mod soft_materials;
 pub(in crate::input::deck) mod space;
 mod spring_laws;
 mod springs;
+mod stops;
 mod switches;
 mod tables;
 mod tiebreaks;

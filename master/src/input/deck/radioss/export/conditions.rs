@@ -61,6 +61,10 @@ impl StarterWriter<'_> {
                 own.insert("from".into(), body.from.into());
                 own.extend(body.until.map(|until| ("until".into(), until.into())));
             }
+            if let (false, Ok(stops)) = (body.stop.is_empty(), Value::try_from(&body.stop)) {
+                self.lose(format!("rigid body {}: it has no stops", body.name));
+                own.insert("stop".into(), stops);
+            }
             if own.len() > 1 {
                 self.rest("rigid", own);
             }
