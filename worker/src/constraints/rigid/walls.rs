@@ -152,6 +152,9 @@ impl WallContact<'_> {
         for ((number, wall), velocity) in
             self.walls.each().iter().enumerate().zip(self.velocity.iter())
         {
+            if !wall.acts() {
+                continue;
+            }
             let own = body.next.velocity - velocity;
             let speed = (own.norm() + far * body.spin(&body.next.angular).norm())
                 .max(fastest + velocity.norm() * f64::from(fastest > 0.0));

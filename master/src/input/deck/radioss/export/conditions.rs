@@ -285,6 +285,11 @@ impl StarterWriter<'_> {
         if wall.length != 0.0 {
             exact.insert("length".into(), wall.length.into());
         }
+        if wall.birth > 0.0 || wall.death.is_some() {
+            self.lose(format!("wall {name}: it stops nodes in the whole run, not in a part"));
+            exact.insert("birth".into(), wall.birth.into());
+            exact.extend(wall.death.map(|death| ("death".into(), death.into())));
+        }
         let node = self.wall_motion(wall, &mut exact);
         let group = |w: &Self, set: &Option<String>| set.as_deref().map_or(0, |s| w.group(s));
         let (mut own, except) = (group(self, &wall.nodes), group(self, &wall.except));
