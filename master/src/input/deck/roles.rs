@@ -264,6 +264,8 @@ const ROLES: &[(&str, &str)] = &[
     ("SET_SHELL*", "id=#e"),
     ("SET_SOLID*", "id=#e"),
     ("SET_DISCRETE*", "id=#e"),
+    ("SET_BEAM*", "id=#e"),
+    ("INITIAL_AXIAL_FORCE_BEAM", "bsid=#s lcid=#f:t:p scale=1 kbend=1"),
     ("DEFINE_CURVE", "sidr=1 sfa=1 sfo=1 offa=1 offo=1 dattyp=1 lcint=1 a=1 o=1"),
     ("DEFINE_BOX", "xmn=1 xmx=1 ymn=1 ymx=1 zmn=1 zmx=1"),
     ("DEFINE_SD_ORIENTATION", "iop=1 xt=@d"),

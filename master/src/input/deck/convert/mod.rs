@@ -27,6 +27,7 @@ mod names;
 pub(in crate::input::deck) mod particles;
 mod parts;
 pub mod radioss;
+mod preloads;
 mod rigid;
 mod sections;
 mod segments;
@@ -104,6 +105,8 @@ pub struct DeckConverter {
     discrete_beam_laws: BTreeMap<i64, CardRecord>,
     /// Parts of discrete beams; true if their section has a coordinate system.
     discrete_beam_parts: BTreeMap<u32, bool>,
+    /// Preloads of parts of beams.
+    preloads: BTreeMap<i64, preloads::DeckPreload>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
     /// Parts of beams that are trusses.
@@ -165,7 +168,9 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     let mut materials = b.materials();
     let sections = b.sections();
     b.read_equations();
+    b.read_preloads();
     b.parts(&materials, &sections);
+    b.preloads_without_fibres();
     b.sets();
     b.node_transforms();
     b.welds();
@@ -242,6 +247,7 @@ impl DeckConverter {
             spring_laws: BTreeMap::new(),
             discrete_beam_laws: BTreeMap::new(),
             discrete_beam_parts: BTreeMap::new(),
+            preloads: BTreeMap::new(),
             round_parts: BTreeSet::new(),
             truss_parts: BTreeSet::new(),
             spring_directions: BTreeMap::new(),

@@ -47,8 +47,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONSTRAINED_RIGID_BODY_STOPPERS",
         &[
-            ("pid:i! lcmax:i lcmin:i psidmx:i psidmn:i lcvmnx:i dir:i! vid:i", Once),
-            ("tb:r td:r=1e21 stiff:r", Maybe),
+            ("pid:i! lcmax:i lcmin:i psidmx:i psidmn:i lcvmnx:i dir:i=1 vid:i", Once),
+            ("tb:r td:r=1e21 unused:r stiff:r", Maybe),
         ],
         "`stop` of the body along x, y, z (dir 1 to 3) or a DEFINE_VECTOR (dir 4): lcmax is its \
          curve `upper`, lcmin `lower`; a positive id is for the coordinate of the centre \
@@ -59,10 +59,11 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[
         refused(
             "psidmx psidmn",
-            "bodies that stop together with this one: give each a card of its own, or join them \
-             by CONSTRAINED_RIGID_BODIES",
+            "bodies that stop when this one stops: give each a card of its own, or join them by \
+             CONSTRAINED_RIGID_BODIES",
         ),
         refused("lcvmnx", "a limit of the velocity; a DAMPING or a spring can slow the body"),
+        no_effect("unused", "no field of the format"),
         no_effect("stiff", "it is for implicit analysis"),
     ])
     .repeats(),
