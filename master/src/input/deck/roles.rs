@@ -348,6 +348,12 @@ const IDS_ONLY: &[(&str, &str)] = &[
     ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1"),
     ("DAMPING_GLOBAL", ""),
     ("DATABASE_*", ""),
+    // The dimension of a critical value is that of its sensor.
+    (
+        "SENSOR_*",
+        "cntlid=#r switid=#r sensid=#r typeid=#r nrep=1 timeoff=1 swit1=#r swit2=#r swit3=#r \
+         swit4=#r swit5=#r swit6=#r swit7=#r",
+    ),
 ];
 
 /// Roles of one keyword by field.

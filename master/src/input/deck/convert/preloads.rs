@@ -1,7 +1,7 @@
 //! Converts `*INITIAL_AXIAL_FORCE_BEAM`: preloads of beams, such as bolts.
 
-use super::sets::{ElementSets, ids};
 use super::DeckConverter;
+use super::sets::{ElementSets, ids};
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
@@ -37,8 +37,7 @@ impl DeckConverter {
         let lcid = line.integer("lcid");
         let Some(curve) = self.curve(lcid, line.place("lcid")) else { return };
         let scale = line.real("scale");
-        let points: Vec<Vec<f64>> =
-            curve.points.iter().map(|p| vec![p[0], scale * p[1]]).collect();
+        let points: Vec<Vec<f64>> = curve.points.iter().map(|p| vec![p[0], scale * p[1]]).collect();
         let bending = line.integer("kbend") != 0;
         // Beams in the set, and all beams, of each part.
         let mut counts: BTreeMap<i64, [usize; 2]> = BTreeMap::new();

@@ -11,7 +11,7 @@ use std::collections::HashSet;
 /// Names of the faces of a box, the first one last.
 const FACES: [&str; 5] = ["back", "low edge", "high edge", "low side", "high side"];
 
-const KEYWORDS: [&str; 5] = [
+pub(super) const KEYWORDS: [&str; 5] = [
     "RIGIDWALL_PLANAR",
     "RIGIDWALL_GEOMETRIC_FLAT",
     "RIGIDWALL_GEOMETRIC_PRISM",

@@ -219,6 +219,12 @@ pub const KEYWORDS: &[Keyword] = &[
     tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),
     tied("CONTACT_SPOTWELD", TURNED),
     Keyword::new(
+        "CONTACT_INTERIOR",
+        &[("psid:i!", Rest)],
+        "**not supported**: a contact inside of solids that are crushed. The report names the parts \
+         of psid",
+    ),
+    Keyword::new(
         "RIGIDWALL_PLANAR",
         WALL,
         "`[[wall]]` through the tail, with its normal towards the head; fric is the friction. \
