@@ -85,11 +85,15 @@ fn a_stop_acts_between_birth_and_death() {
         let end = run_alone(&cube(1.0, &keys), |_| {});
         (moved(&end).x, end.constraints.bodies.bodies[0].last.velocity.x)
     };
-    assert_eq!(held(5.0, 6.0).1, 3.0, "it begins after the run");
+    // 1e-12 is round-off of the momentum of the nodes.
+    assert!((held(5.0, 6.0).1 - 3.0).abs() < 1e-12, "it begins after the run");
     let (x, v) = held(0.5, 2.0);
     assert!((x - 1.5).abs() < 3.0 * 0.01 && v.abs() < 1e-12, "within a step: {x}, {v}");
     let (x, v) = held(0.0, 0.1);
-    assert!((x - 3.0).abs() < 1e-12 && v == 3.0, "it ends before the impact: {x}, {v}");
+    assert!(
+        (x - 3.0).abs() < 1e-12 && (v - 3.0).abs() < 1e-12,
+        "it ends before the impact: {x}, {v}"
+    );
 }
 
 /// A plate falls on a stopped cube, which does not yield: no bit depends on the workers, nor on an
