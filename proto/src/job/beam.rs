@@ -55,7 +55,8 @@ pub struct BeamInput {
     /// Axial stress over time, `[[time, stress], ...]` [time], [force/length^2], of beams that
     /// start with a preload, such as bolts. Until the last point, or the first one at which the
     /// stress is 0 again, all fibres have this stress, whatever the strain; before the first point
-    /// its value. From then on the stress follows the strain. All stresses have one sign.
+    /// its value. From then on the stress follows the strain. All stresses have one sign, and are
+    /// below the yield stress of the law.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub preload: Vec<[f64; 2]>,
     /// True if fibres keep their differences of stress during the preload, which is then the mean

@@ -141,7 +141,7 @@ fn equations_of_state() {
         assert_eq!(of("mat-1"), "");
         let cut = model.job.material.iter().find_map(|m| m.parameters.get("eos_min_pressure"));
         assert_eq!(cut.map(|value| value.to_string()), Some("-1.5".into()));
-        // What the engine does is what the report says.
+        // The report says the same as the job.
         let said = crumple::input::check::describe(&model);
         assert!(said.contains("eos_min_pressure of material mat-7"), "{said}");
         let warned: Vec<_> = model.warnings.iter().filter(|w| w.message.contains("`pc`")).collect();

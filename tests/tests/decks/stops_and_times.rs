@@ -1,5 +1,5 @@
-//! Stops of rigid bodies, walls with birth and death, preloads of beams, sensors, and contact inside
-//! of solids.
+//! Stops of rigid bodies, walls with birth and death, preloads of beams, sensors, and contact
+//! inside of solids.
 
 use super::base::{BASE, MOVES, STEEL, assert_same_when_written, model_of, refused, with};
 use crumple::input::check::describe;
@@ -24,7 +24,7 @@ fn stoppers_become_stops_of_the_body() {
     ));
     let model = model_of(&text);
     let stops = &model.job.rigid[0].stop;
-    let told: Vec<_> = stops
+    let found: Vec<_> = stops
         .iter()
         .map(|s| {
             (s.direction, s.lower.as_deref(), s.upper.as_deref(), s.position, s.birth, s.death)
@@ -33,7 +33,7 @@ fn stoppers_become_stops_of_the_body() {
     let (five, six) = (Some("curve-5"), Some("curve-6"));
     let along = [3.0, 4.0, 0.0];
     assert_eq!(
-        told,
+        found,
         [
             ([0.0, 0.0, 1.0], six, five, false, 0.5, Some(8.0)),
             (along, six, None, false, 0.0, None),
@@ -46,7 +46,7 @@ fn stoppers_become_stops_of_the_body() {
     assert_eq!(resolved[1].window, None);
 }
 
-/// What a stopper cannot be here is refused with a cure, and what is wrong names its place.
+/// A stopper that the engine lacks is refused with a cure, and a wrong one names its place.
 #[test]
 fn other_stoppers_are_refused() {
     let card = |fields: &str| format!("{BOUNDS}*CONSTRAINED_RIGID_BODY_STOPPERS\n{fields}\n\n");
@@ -140,6 +140,12 @@ fn axial_forces_become_preloads_of_parts() {
         assert_eq!(beam.preload_bending, bending);
         assert!(describe(&model).contains("starts with a preload"));
     }
+    // The exported deck keeps the curve in comments.
+    assert_same_when_written(
+        &format!("{BASE}{STEEL}{MOVES}{}", card(list, "1")),
+        "end_time=0.05",
+        "preload_bending",
+    );
     for (set, words) in [
         ("*SET_BEAM\n8\n31\n", "1 of the 2 beams of part 3"),
         ("*SET_BEAM\n8\n33\n", "the beams of part 4 are trusses or discrete beams"),

@@ -296,8 +296,8 @@ fn parameters_of_sheets_are_refused_in_beams() {
 
 /// A bolt of one beam between two free blocks of beams is tightened to a stress of 0.2 and then
 /// released to the elastic law. Its axial force is the stress of the curve times its area to the
-/// last digits, whatever the strain, and the forces of the bolt change no momentum. After the end of
-/// the curve the stress follows the strain from there: E times its change.
+/// last digits, whatever the strain, and the forces of the bolt change no momentum. After the end
+/// of the curve the stress follows the strain from there: E times its change.
 #[test]
 fn a_bolt_reaches_its_preload_and_keeps_momentum() {
     let (end, stress) = (0.02, 0.2);

@@ -128,7 +128,8 @@ impl Bound {
         let (place, bound) = (self.inward.dot(&(centre - from)), self.at(time + dt));
         let against = (self.at(time) - bound).min(0.0);
         let rounding = ROUNDING * (self.inward.dot(centre).abs() + bound.abs());
-        (place - bound).max(against - rounding)
+        let gap = place - bound;
+        if gap < against - rounding { against } else { gap }
     }
 }
 

@@ -221,16 +221,16 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONTACT_INTERIOR",
         &[("psid:i!", Rest)],
-        "**not supported**: a contact inside of solids that are crushed. The report names the parts \
-         of psid",
+        "**not supported**: a contact inside of solids that are crushed. The report names the \
+         parts of psid",
     ),
     Keyword::new(
         "RIGIDWALL_PLANAR",
         WALL,
         "`[[wall]]` through the tail, with its normal towards the head; fric is the friction. \
          nsid, boxid and offset select `nodes`, nsidex selects `except`. FINITE: a rectangle with \
-         `edge` and `lengths`; MOVING: `mass` and `speed`. birth and death are those of the wall: a \
-         plane with a birth ignores nodes that are behind it then. soft is not used",
+         `edge` and `lengths`; MOVING: `mass` and `speed`. birth and death are those of the wall: \
+         a plane with a birth ignores nodes that are behind it then. soft is not used",
     )
     .options(&["ID", "FINITE", "MOVING", "FORCES", "DISPLAY"])
     .unused(WALL_UNUSED)
