@@ -30,7 +30,7 @@ pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use particles::ParticlesInput;
 pub use require::{ElementReduction, Quantity, Requirement, RowReduction};
 pub use restart::{PartVelocity, Restart};
-pub use rigid::Rigid;
+pub use rigid::{Rigid, RigidStop};
 pub use set::{SetInput, SetRule};
 pub use setting::Setting;
 pub use spring::{

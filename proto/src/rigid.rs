@@ -22,6 +22,24 @@ pub struct RigidBody {
     /// Times at which its parts become rigid and deformable again [time]; `None` for a body that is
     /// rigid in the whole run. The elements of its parts compute forces at all times.
     pub window: Option<[f64; 2]>,
+    /// Bounds of the motion of its centre.
+    pub stops: Vec<BodyStop>,
+}
+
+/// Bounds of the motion of the centre of a body along a direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyStop {
+    /// Unit vector in space.
+    pub direction: [f64; 3],
+    /// Curve of the least value over time [length], by its number in the loads.
+    pub lower: Option<usize>,
+    /// Curve of the largest value over time [length].
+    pub upper: Option<usize>,
+    /// True if the bounds are for the coordinate of the centre along the direction, not for its
+    /// displacement since time 0.
+    pub of_position: bool,
+    /// Times at which it begins and ends to act [time]; `None` for the whole run.
+    pub window: Option<[f64; 2]>,
 }
 
 impl RigidBody {

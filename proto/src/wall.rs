@@ -25,6 +25,9 @@ pub struct ResolvedWall {
     pub except: Vec<NodeId>,
     /// Motion of the wall.
     pub motion: WallMotion,
+    /// Times at which it begins and ceases to stop nodes [time]; `None` for the whole run. It moves
+    /// at all times.
+    pub window: Option<[f64; 2]>,
 }
 
 /// Shape of a wall.
@@ -86,7 +89,13 @@ impl ResolvedWall {
             nodes: None,
             except: Vec::new(),
             motion: WallMotion::Still,
+            window: None,
         }
+    }
+
+    /// Returns true if the wall stops nodes in a step that starts at `time`.
+    pub fn acts_at(&self, time: f64) -> bool {
+        self.window.is_none_or(|[birth, death]| birth <= time && time < death)
     }
 
     /// Returns true if the wall acts on the node.

@@ -52,6 +52,17 @@ pub struct BeamInput {
     /// bounds it by the length of the beam.
     #[serde(default)]
     pub contact_radius: Option<f64>,
+    /// Axial stress over time, `[[time, stress], ...]` [time], [force/length^2], of beams that
+    /// start with a preload, such as bolts. Until the last point, or the first one at which the
+    /// stress is 0 again, all fibres have this stress, whatever the strain; before the first point
+    /// its value. From then on the stress follows the strain. All stresses have one sign, and are
+    /// below the yield stress of the law.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub preload: Vec<[f64; 2]>,
+    /// True if fibres keep their differences of stress during the preload, which is then the mean
+    /// stress of a section: the beam resists bending.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub preload_bending: bool,
 }
 
 impl BeamInput {
@@ -71,6 +82,8 @@ impl BeamInput {
             shear_areas: [0.0; 2],
             weld: None,
             contact_radius: None,
+            preload: Vec::new(),
+            preload_bending: false,
         }
     }
 }

@@ -37,4 +37,33 @@ pub struct Rigid {
     /// end of the run.
     #[serde(default)]
     pub until: Option<f64>,
+    /// Bounds of the motion of its centre, for a body that is rigid for the whole run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stop: Vec<RigidStop>,
+}
+
+/// Stop of a rigid body: its centre may not move beyond bounds along a direction. The impact is
+/// plastic, as on a wall, and the work is that of walls. A body that is beyond a bound when the
+/// stop begins to act is not moved back: it goes no further, and follows a bound that moves
+/// against it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigidStop {
+    /// Direction in space; it is normalised.
+    pub direction: [f64; 3],
+    /// Curve of the least displacement since time 0 along the direction [length].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower: Option<String>,
+    /// Curve of the largest displacement since time 0 along the direction [length].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upper: Option<String>,
+    /// Makes the bounds those of the coordinate of the centre along the direction [length].
+    #[serde(default)]
+    pub position: bool,
+    /// Time at which it begins to act [time].
+    #[serde(default)]
+    pub birth: f64,
+    /// Time at which it ceases to act [time]; without it the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub death: Option<f64>,
 }

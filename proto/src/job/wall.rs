@@ -63,4 +63,11 @@ pub struct WallInput {
     /// 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<String>,
+    /// Time at which it begins to stop nodes [time]. A wall moves at all times. A plane with a
+    /// birth ignores the nodes that are behind it then, as other walls do.
+    #[serde(default)]
+    pub birth: f64,
+    /// Time at which it ceases to stop nodes [time]; without it the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub death: Option<f64>,
 }

@@ -29,6 +29,7 @@ mod radioss;
 mod rigid_joints;
 mod runs;
 mod spring_laws;
+mod stops_and_times;
 mod submodels;
 mod ten_nodes;
 mod tiebreaks;

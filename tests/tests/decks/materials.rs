@@ -141,6 +141,11 @@ fn equations_of_state() {
         assert_eq!(of("mat-1"), "");
         let cut = model.job.material.iter().find_map(|m| m.parameters.get("eos_min_pressure"));
         assert_eq!(cut.map(|value| value.to_string()), Some("-1.5".into()));
+        // The report says the same as the job.
+        let said = crumple::input::check::describe(&model);
+        assert!(said.contains("eos_min_pressure of material mat-7"), "{said}");
+        let warned: Vec<_> = model.warnings.iter().filter(|w| w.message.contains("`pc`")).collect();
+        assert!(warned.is_empty(), "{warned:?}");
     }
     // Other laws have a pressure of their own, and so have shells.
     let other =
@@ -166,6 +171,36 @@ fn equations_of_state() {
         let text = crumple::input::job::read(&path, &[]).err().expect(words).to_string();
         assert!(text.contains(words), "{text}");
     }
+}
+
+/// A limit of tension that the engine does not have is a warning, and no key of the job.
+#[test]
+fn a_cut_off_of_pressure_that_does_not_act_is_ignored_aloud() {
+    let eos = "*EOS_GRUNEISEN\n3,3940.0,1.489,,,2.02,0.47\n1.0\n";
+    let with = |pc: &str, spall: &str, eosid: i64| {
+        let metal = format!(
+            "*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n*MAT_015\n7,8.93e-6,46.0,124.0,0.34\n\
+             0.09,0.292,0.31,0.025,1.09,1356.0,293.0,0.001\n383.0,{pc},{spall}\n"
+        );
+        let deck = format!("{BASE}{MOVES}{metal}{eos}");
+        model_of(&deck.replace("2,2,1\n", &format!("2,2,7,{eosid}\n")))
+    };
+    for (pc, spall, eosid, message, help) in [
+        ("-1.5", "0", 3, "`pc` = -1.5 with `spall` = 0 is ignored", "no element spalls"),
+        ("-1.5", "2", 3, "`pc` = -1.5 with `spall` = 2 is ignored", "no element spalls"),
+        ("-1.5", "3", 3, "`pc` = -1.5 with `spall` = 3 is ignored", "no element spalls"),
+        ("1.5", "1", 3, "`pc` = 1.5 with `spall` = 1 is ignored", "is below 0"),
+        ("-1.5", "1", 0, "`pc` = -1.5 of material 7 is ignored", "give its parts an eosid"),
+    ] {
+        let model = with(pc, spall, eosid);
+        let found: Vec<_> = model.warnings.iter().filter(|w| w.message.contains("`pc`")).collect();
+        let [warning] = &found[..] else { panic!("{pc} {spall} {eosid}: {found:?}") };
+        assert!(warning.message.contains(message), "{}", warning.message);
+        assert!(warning.help.contains(help), "{}", warning.help);
+        assert!(model.job.material.iter().all(|m| !m.parameters.contains_key("eos_min_pressure")));
+    }
+    let said = crumple::input::check::describe(&with("0.0", "3", 3));
+    assert!(said.contains("pc is 0, which is no limit of tension"), "{said}");
 }
 
 /// A card that asks for more than its law has says which field, and how to go on.

@@ -2,6 +2,7 @@
 //! kg.
 
 use crumple::input::job::{Model, read_text};
+use crumple_tests::restart::{Plan, run_interrupted};
 use crumple_tests::{model_of, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
 use crumple_worker::energy::momentum;
@@ -291,4 +292,82 @@ fn parameters_of_sheets_are_refused_in_beams() {
         let report = read_text("job.toml".into(), text, &[]).err().expect(key).to_string();
         assert!(report.contains(&format!("{key} is for shells, and part 1 has beams")), "{report}");
     }
+}
+
+/// A bolt of one beam between two free blocks of beams is tightened to a stress of 0.2 and then
+/// released to the elastic law. Its axial force is the stress of the curve times its area to the
+/// last digits, whatever the strain, and the forces of the bolt change no momentum. After the end
+/// of the curve the stress follows the strain from there: E times its change.
+#[test]
+fn a_bolt_reaches_its_preload_and_keeps_momentum() {
+    let (end, stress) = (0.02, 0.2);
+    let mut scene = Scene::default();
+    let nodes: Vec<u32> = (0..6).map(|i| scene.node([10.0 * f64::from(i), 0.0, 0.0])).collect();
+    let third = scene.node([0.0, 50.0, 0.0]);
+    for (k, ends) in nodes.windows(2).enumerate() {
+        scene.beam(if k == 2 { 2 } else { 1 }, [ends[0], ends[1], third]);
+    }
+    let beam = |id: u32, more: &str| {
+        format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\n{RECTANGLE}\n{more}")
+    };
+    let job = |bending: &str| {
+        let preload =
+            format!("preload = [[0.0, 0.0], [0.01, {stress}], [{end}, {stress}]]\n{bending}");
+        let text = format!(
+            "end_time = 0.04\n{}[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
+             density = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.3\n{ELASTIC}\n{}{}",
+            scene.mesh_text(),
+            beam(1, ""),
+            beam(2, &preload)
+        );
+        model_of(&text, &[])
+    };
+    for bending in ["", "preload_bending = true\n"] {
+        let model = job(bending);
+        let (mut worst, mut drift, mut free, mut freed) = (0.0f64, 0.0f64, 0.0f64, 0);
+        let (mut length, mut base) = (10.0, None);
+        run_alone(&model, |e| {
+            // The stress is that of the start of the step, with the length there.
+            let (time, (next, now)) = (e.clock.time - e.clock.last_dt, bolt(e));
+            if base.is_none() {
+                let asked = stress * (time / 0.01).min(1.0);
+                worst = worst.max((now - asked).abs());
+                base = (time >= end).then_some(length);
+            } else if let Some(base) = base {
+                free = free.max((now - stress - E * (length - base) / 10.0).abs());
+                freed += 1;
+            }
+            length = next;
+            drift = drift.max(momentum(&e.nodes).0[0].abs());
+        });
+        assert!(worst < 1e-9 * stress, "{bending}: {worst}");
+        assert!(free < 1e-9 * stress && freed > 5, "{bending}: {free} in {freed} steps");
+        // The mass of the blocks times the speed of their ends is some 1e-3.
+        assert!(drift < 1e-15, "{bending}: {drift}");
+    }
+    let model = job("");
+    let one = run_side_by_side(&model, 1, 1_000_000, 0);
+    for workers in [2, 3] {
+        assert_eq!(run_side_by_side(&model, workers, 1_000_000, 0).digest(), one.digest());
+    }
+    let count = one.pairs.len() as u64;
+    for part in [5, 15] {
+        let plan = Plan { at: count * part / 20, cycles: 1_000_000, workers: [2, 3] };
+        assert_eq!(run_interrupted(&model, plan), one.digest(), "{plan:?}");
+    }
+}
+
+/// Returns the length of the element of part 2 and its axial stress.
+fn bolt(e: &Engine) -> (f64, f64) {
+    let [a, b] = [2, 3].map(|n| e.nodes.x[n]);
+    let length = (0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt();
+    (length, axial_stress(e, 2))
+}
+
+/// Returns the axial stress of the element of a part of beams along x.
+fn axial_stress(e: &Engine, part: u32) -> f64 {
+    let part_of = |first: usize| e.blocks.elements[first].record.part as usize;
+    let mut blocks = e.blocks.blocks.iter();
+    let block = blocks.find(|b| e.settings.parts[part_of(b.first)].id == part).expect("its block");
+    block.element.fields(block.state(0), &[[0.0; 3], [1.0, 0.0, 0.0]]).stress[0]
 }

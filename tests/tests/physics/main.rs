@@ -16,6 +16,7 @@ mod shocks;
 mod solids;
 mod spring_laws;
 mod springs;
+mod stops;
 mod switches;
 mod ties;
 mod trusses;

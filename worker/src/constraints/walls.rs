@@ -38,6 +38,8 @@ pub struct Wall {
     /// Velocities at the last and the next mid-step [length/time].
     last: V3,
     next: V3,
+    /// True if it stops nodes in this step.
+    acts: bool,
     /// True for each node here that the wall acts on; empty if it acts on all.
     meets: Vec<bool>,
 }
@@ -131,8 +133,8 @@ impl Walls {
             mail: _,
         } = self;
         let of = |wall: &Wall| {
-            // Friction and mass are those of the job; `meets` is by local node.
-            let Wall { job: _, surface, friction: _, drive, last, next, meets: _ } = wall;
+            // Friction and mass are those of the job; `meets` is by local node, `acts` by time.
+            let Wall { job: _, surface, friction: _, drive, last, next, acts: _, meets: _ } = wall;
             let to = if let Drive::Led(_, to) = drive { Some(*to) } else { None };
             WallState { surface: surface.clone(), last: *last, next: *next, to }
         };
@@ -193,10 +195,11 @@ impl Walls {
         self.pushed
     }
 
-    /// Prepares a step: sets the velocities of walls with prescribed motion and stores the last
-    /// velocities of all.
+    /// Prepares a step: finds the walls that act, sets the velocities of walls with prescribed
+    /// motion and stores the last velocities of all.
     pub fn start_step(&mut self, time: f64, dt: f64) {
         for w in &mut self.walls {
+            w.acts = w.job.acts_at(time);
             w.last = w.next;
             if let Drive::Led(course, to) = &mut w.drive {
                 *to = V3::from(w.job.point) + course.amount(time + dt);
@@ -403,6 +406,7 @@ impl Wall {
             drive,
             last: velocity,
             next: velocity,
+            acts: job.acts_at(0.0),
             meets: Vec::new(),
         }
     }
@@ -428,6 +432,11 @@ impl Wall {
         self.surface.direction * (self.surface.direction.dot(impulse) * self.softness())
     }
 
+    /// Returns true if the wall stops nodes in this step.
+    pub fn acts(&self) -> bool {
+        self.acts
+    }
+
     /// Returns true if the wall acts on the node.
     pub fn admits(&self, node: NodeId) -> bool {
         self.job.allows(node)
@@ -437,7 +446,8 @@ impl Wall {
     /// most nodes do.
     #[inline(always)]
     fn misses(&self, x: &Row, v: &Row, dt: f64) -> bool {
-        self.surface.cannot_reach(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
+        !self.acts
+            || self.surface.cannot_reach(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
     }
 
     /// Returns the change of the velocity `v` that keeps local node `i` in front of the wall,
@@ -461,7 +471,7 @@ impl Wall {
     /// Returns owned node `i` with velocity `v` as a candidate for a wall with a mass, if it
     /// may touch the wall in this step.
     fn near(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<RecoilCandidate> {
-        if self.meets.get(i) == Some(&false) {
+        if !self.acts || self.meets.get(i) == Some(&false) {
             return None;
         }
         let normal = self.surface.direction;

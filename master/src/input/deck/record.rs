@@ -223,10 +223,11 @@ impl CardRecord {
     /// Sets a number by the name of its field, if its card is there.
     pub fn put(&mut self, name: &str, x: f64) {
         for line in &mut self.lines {
-            if let Some(index) = line.card.index(name)
-                && let Some(value) = line.values_mut().get_mut(index)
-            {
-                value.given = Given::Real(x);
+            if let Some(index) = line.card.index(name) {
+                // Copies of the line share its values.
+                let mut own = line.values.to_vec();
+                own.iter_mut().skip(index).take(1).for_each(|value| value.given = Given::Real(x));
+                line.values = own.into();
                 return;
             }
         }

@@ -265,9 +265,12 @@ const ROLES: &[(&str, &str)] = &[
     ("SET_SHELL*", "id=#e"),
     ("SET_SOLID*", "id=#e"),
     ("SET_DISCRETE*", "id=#e"),
+    ("SET_BEAM*", "id=#e"),
+    ("INITIAL_AXIAL_FORCE_BEAM", "bsid=#s lcid=#f:t:p scale=1 kbend=1"),
     ("DEFINE_CURVE", "sidr=1 sfa=1 sfo=1 offa=1 offo=1 dattyp=1 lcint=1 a=1 o=1"),
     ("DEFINE_BOX", "xmn=1 xmx=1 ymn=1 ymx=1 zmn=1 zmx=1"),
     ("DEFINE_SD_ORIENTATION", "iop=1 xt=@d"),
+    ("DEFINE_VECTOR", "xt=@x xh=@x"),
     ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
     ("DEFINE_COORDINATE_NODES", "flag=1"),
     ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1"),
@@ -346,6 +349,12 @@ const IDS_ONLY: &[(&str, &str)] = &[
     ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1"),
     ("DAMPING_GLOBAL", ""),
     ("DATABASE_*", ""),
+    // The dimension of a critical value is that of its sensor.
+    (
+        "SENSOR_*",
+        "cntlid=#r switid=#r sensid=#r typeid=#r nrep=1 timeoff=1 swit1=#r swit2=#r swit3=#r \
+         swit4=#r swit5=#r swit6=#r swit7=#r",
+    ),
 ];
 
 /// Roles of one keyword by field.

@@ -10,6 +10,9 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use std::collections::HashMap;
 
+/// Keyword of bounds of the motion of rigid bodies.
+const STOPPERS: &str = "CONSTRAINED_RIGID_BODY_STOPPERS";
+
 /// Offsets of ids by kind, in the order of [`OffsetKind`].
 pub type IdOffsets = [i64; 8];
 
@@ -151,7 +154,8 @@ impl Submodel {
                     Some(FieldRole::Curve(x, y)) => {
                         self.integer(&mut values[index].given, OffsetKind::Function);
                         if let Given::Integer(id) = values[index].given {
-                            curves.note(id, [x, y], values[index].place);
+                            // A negative id selects another meaning of the values.
+                            curves.note(id.saturating_abs(), [x, y], values[index].place);
                         }
                     }
                     Some(FieldRole::Number(dimension)) => {
@@ -186,6 +190,7 @@ impl Submodel {
             "MAT_RIGID",
             "CONSTRAINED_INTERPOLATION",
             "CONSTRAINED_NODE_SET",
+            STOPPERS,
         ];
         let is_rotation = keyword.starts_with("BOUNDARY_PRESCRIBED_MOTION")
             && record.integer("dof").unsigned_abs() >= 9;
@@ -197,7 +202,18 @@ impl Submodel {
             );
             let help = "move the keyword to a file that is not moved, with the new offsets";
             trouble.error(record.place("dof"), message, help);
-        } else if !self.map.turns() {
+        } else if keyword == STOPPERS
+            && ["lcmax", "lcmin"].iter().any(|field| record.integer(field) > 0)
+            && self.map != Affine::default()
+        {
+            let message = format!(
+                "{}: bounds of a coordinate, in a file that *INCLUDE_TRANSFORM moves",
+                record.name()
+            );
+            let help = "give negative ids, for bounds of the displacement, or move the keyword to \
+                        a file that is not moved, with the new coordinates";
+            trouble.error(record.head, message, help);
+        } else if !self.map.turns() || keyword == STOPPERS && record.integer("dir") == 4 {
             // Directions stay as they are.
         } else if keyword != "MAT_RIGID" && along_axes.iter().any(|k| keyword.starts_with(k))
             || keyword == "MAT_RIGID" && record.real("cmo") != 0.0

@@ -147,6 +147,12 @@ impl<'j> Curves<'j> {
         Self::quietly(job)
     }
 
+    /// Returns the value at time 0 of a curve, if there is one with this name.
+    pub fn start(&self, name: &str) -> Option<f64> {
+        let at = self.names.iter().position(|known| *known == name)?;
+        self.starts[at]
+    }
+
     /// Collects the curves without checks.
     pub fn quietly(job: &'j Job) -> Self {
         let start = |points: &[[f64; 2]]| {

@@ -53,6 +53,7 @@ pub fn add(job: &mut Job, findings: &mut JobProblems) {
         inertia: None,
         from: 0.0,
         until: None,
+        stop: Vec::new(),
     };
     let bodies: Vec<Rigid> = restart.rigid.iter().map(body).collect();
     job.rigid.extend(bodies);

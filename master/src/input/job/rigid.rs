@@ -4,13 +4,14 @@ use super::loads::{Curves, DOFS, dof_bits, motion_form};
 use super::state::{NodeSets, NodeStart, are_apart};
 use super::turning_nodes;
 use super::validate::{JobProblems, nearest};
+use super::walls::unit;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Job, Rigid};
+use crumple_proto::job::{Job, Rigid, RigidStop};
 use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
-use crumple_proto::rigid::RigidBody;
+use crumple_proto::rigid::{BodyStop, RigidBody};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// All degrees of freedom of a node.
@@ -76,13 +77,14 @@ pub fn resolve(
             .filter(|(_, p)| rigid.parts.contains(&p.id))
             .map(|(k, _)| k)
             .collect();
-        let (inertia, motions) = (rigid.inertia, Vec::new());
-        bodies.push(RigidBody { nodes, parts, fixed, inertia, motions, window });
+        let (inertia, motions, stops) = (rigid.inertia, Vec::new(), Vec::new());
+        bodies.push(RigidBody { nodes, parts, fixed, inertia, motions, window, stops });
     }
     for body in bodies.iter().filter(|body| body.window.is_none()) {
         body.nodes.iter().filter_map(|&id| sets.place(id)).for_each(|n| start.fixed[n] |= ALL);
     }
     motions(job, &mut bodies, findings);
+    stops(job, &mut bodies, findings);
     bodies
 }
 
@@ -115,6 +117,10 @@ fn window(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) -> Opt
     if job.motion.iter().any(|motion| motion.rigid.as_ref().is_some_and(joined)) {
         let help = "move a node set, or make the body rigid for the whole run";
         refuse("from", "becomes rigid in the run and has a prescribed motion", help);
+    }
+    if !rigid.stop.is_empty() {
+        let help = "remove it, or make the body rigid for the whole run";
+        refuse("stop", "becomes rigid in the run and has a stop", help);
     }
     if job.time.subcycles > 1 {
         refuse("from", "becomes rigid in a run with subcycles", "remove `time.subcycles`");
@@ -304,4 +310,62 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
         }
         body.motions.push(PrescribedMotion { dofs, ..motion });
     }
+}
+
+/// Resolves the stops of bodies. The motions of the bodies are known.
+fn stops(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
+    let curves = Curves::quietly(job);
+    for (i, (rigid, body)) in job.rigid.iter().zip(bodies).enumerate() {
+        for (k, stop) in rigid.stop.iter().enumerate() {
+            let path = format!("rigid.{i}.stop.{k}");
+            let mut refuse = |key: &str, message: &str, help: &str| {
+                let message = format!("a stop of rigid body `{}` {message}", rigid.name);
+                let path = if key.is_empty() { path.clone() } else { format!("{path}.{key}") };
+                findings.add(Problem::error(path, message, help));
+            };
+            let Some(direction) = unit(stop.direction) else {
+                let help = "give a vector that is not zero, such as [1, 0, 0]";
+                refuse("direction", "has no direction", help);
+                continue;
+            };
+            if stop.lower.is_none() && stop.upper.is_none() {
+                refuse("", "has no bound", "give `lower`, `upper`, or both: names of curves");
+            }
+            if stop.birth < 0.0 || stop.death.is_some_and(|death| death <= stop.birth) {
+                let message = format!("begins at {:?} and ends at {:?}", stop.birth, stop.death);
+                let help = "give a `birth` of 0 or above, and a `death` above it";
+                refuse("birth", &message, help);
+            }
+            let held = body.motions.iter().fold(body.fixed, |bits, m| bits | m.dofs);
+            if (0..3).all(|c| direction[c] == 0.0 || held >> c & 1 == 1) {
+                let help = "remove the stop, or free its direction in `fixed` and in [[motion]]";
+                refuse("direction", "acts along a direction in which the body cannot move", help);
+            }
+            if let Some((key, value)) = beyond_at_start(stop, &curves) {
+                let message =
+                    format!("does not admit the place at the start: `{key}` is {value:?}");
+                let help = "a displacement is 0 at the start: give a lower bound of 0 or below, an \
+                            upper one of 0 or above, or `position = true` for coordinates";
+                refuse(key, &message, help);
+            }
+            let mut find = |key: &str, name: &Option<String>| {
+                curves.find(name, &format!("{path}.{key}"), findings)
+            };
+            let (lower, upper) = (find("lower", &stop.lower), find("upper", &stop.upper));
+            let is_whole = stop.birth <= 0.0 && stop.death.is_none();
+            let window = (!is_whole).then_some([stop.birth, stop.death.unwrap_or(f64::MAX)]);
+            let of_position = stop.position;
+            body.stops.push(BodyStop { direction, lower, upper, of_position, window });
+        }
+    }
+}
+
+/// Returns the bound of a displacement that does not contain 0 at the start, and its value.
+fn beyond_at_start(stop: &RigidStop, curves: &Curves<'_>) -> Option<(&'static str, f64)> {
+    if stop.position || stop.birth > 0.0 {
+        return None;
+    }
+    let start = |name: &Option<String>| curves.start(name.as_ref()?);
+    let lower = start(&stop.lower).filter(|&value| value > 0.0).map(|value| ("lower", value));
+    lower.or(start(&stop.upper).filter(|&value| value < 0.0).map(|value| ("upper", value)))
 }

@@ -53,6 +53,9 @@ fn faults(wall: &WallInput) -> Vec<WallFault> {
     shape_faults(wall, &mut say);
     rectangle_faults(wall, &mut say);
     motion_faults(wall, &mut say);
+    let message = format!("a wall begins at {:?} and ends at {:?}", wall.birth, wall.death);
+    let no_time = wall.birth < 0.0 || wall.death.is_some_and(|death| death <= wall.birth);
+    say(no_time, "birth", &message, "give a `birth` of 0 or above, and a `death` above it");
     found
 }
 
@@ -194,6 +197,10 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Ve
             }
             (_, Some(radius)) if any.is_some() => WallForm::Sphere { radius },
             (_, Some(radius)) => WallForm::Cylinder { radius, length: spec.length },
+            // An unlimited rectangle ignores nodes behind it; a plane would throw them out.
+            _ if spec.birth > 0.0 => {
+                WallForm::Rectangle { edge: across(&direction), lengths: [0.0; 2] }
+            }
             _ => WallForm::Plane,
         };
         let given =
@@ -219,7 +226,19 @@ pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut JobProblems) -> Ve
             (None, None) => WallMotion::Still,
         };
         let (name, point, friction) = (spec.name.clone(), spec.point, spec.friction);
-        walls.push(ResolvedWall { name, point, direction, form, friction, nodes, except, motion });
+        let is_whole = spec.birth <= 0.0 && spec.death.is_none();
+        let window = (!is_whole).then_some([spec.birth, spec.death.unwrap_or(f64::MAX)]);
+        walls.push(ResolvedWall {
+            name,
+            point,
+            direction,
+            form,
+            friction,
+            nodes,
+            except,
+            motion,
+            window,
+        });
     }
     walls
 }
@@ -240,6 +259,14 @@ pub(super) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let scaled = v.map(|c| c / largest);
     let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
     (largest > 0.0 && length.is_finite()).then(|| scaled.map(|c| c / length))
+}
+
+/// Returns a unit vector perpendicular to a unit vector.
+fn across(n: &[f64; 3]) -> [f64; 3] {
+    // A unit vector has a component of 0.57 or more off the z axis, or along it.
+    let flat = n[0].abs().max(n[1].abs()) > 0.5;
+    let v = if flat { [n[1], -n[0], 0.0] } else { [0.0, n[2], -n[1]] };
+    unit(v).unwrap_or([0.0, 0.0, 1.0])
 }
 
 /// Returns the edge of a rectangle, made perpendicular to its unit normal.

@@ -22,6 +22,10 @@
 //! (phi d theta + (m_1 + m_2)/(L G A_s) - gamma)/(1 + phi)`. This is exact while the fibres are
 //! elastic, and follows their remaining moments when they yield.
 //!
+//! A beam with a preload, such as a bolt, has a prescribed axial stress until the end of its curve:
+//! the stresses of all fibres, or their mean in each section, are set to it after the law, so that
+//! the axial force is the stress times the area. Its work is internal energy.
+//!
 //! Forces follow from virtual work, and shear forces from the moments, so that they conserve
 //! momentum and angular momentum: `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
 //!
@@ -30,10 +34,12 @@
 //! opposite rotations, and twist `w^2 = 2 G J_t/(L J)`; with the length at the start, or the
 //! present one if that is shorter.
 
+mod preload;
 mod section;
 #[cfg(test)]
 mod tests;
 
+use self::preload::Preload;
 use self::section::FibreSection;
 use super::fibre::FibreMaterial;
 use super::section::label;
@@ -64,7 +70,7 @@ type Rotation = UnitQuaternion<f64>;
 
 /// Columns of an element: 1 if it has started, else 0; length then [length]; triads as quaternions
 /// (before the start a vector towards the second axis); deformation; forces at its corners; 1 if it
-/// is broken, else 0; shear; then those of its fibres.
+/// is broken, else 0; shear; time since its start; then those of its fibres.
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const TRIADS: usize = 2;
@@ -75,7 +81,9 @@ const BROKEN: usize = 25;
 /// moments.
 const SHEARED: usize = 26;
 const SUMS: usize = 28;
-const FIBRES: usize = 30;
+/// Time since the start [time], for a preload.
+const TIME: usize = 30;
+const FIBRES: usize = 31;
 /// Number of ends.
 const ENDS: usize = 2;
 /// Weights of Lobatto's rule at s = 0, 1/2, 1, and the factors of the rotations of the ends in the
@@ -96,6 +104,7 @@ pub struct Beam {
     /// deformation.
     shear_areas: [f64; 2],
     weld: Option<Weld>,
+    preload: Option<Preload>,
 }
 
 fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
@@ -114,6 +123,9 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResul
     if let Some(weld) = &beam.weld {
         check_weld(weld, &mut say);
     }
+    if let Some(fault) = Preload::fault(beam) {
+        say("beam.preload", fault, "give points in ascending time with stresses of one sign");
+    }
     let material = FibreMaterial::new(law);
     if material.is_none() {
         say("material", "beams cannot store the history of its law".into(), "use another law");
@@ -122,6 +134,7 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResul
     let section = FibreSection::new(beam);
     Ok(Box::new(Beam {
         weld: beam.weld.clone(),
+        preload: Preload::new(beam),
         material,
         moments: section.moments(),
         // A force along the third axis bends about the second one.
@@ -277,6 +290,7 @@ impl Beam {
         }
 
         // 2. Fibres at the sections, and what they give to the ends.
+        let preload = self.preload.as_ref().and_then(|p| p.stress(&mut state[TIME], dt));
         let [du, y1, y2, z1, z2, twist] = step.map(|d| d / start);
         let (mut axial, mut torque, mut bending, mut largest) = (0.0, 0.0, [0.0; 4], 0.0f64);
         for (number, (weight, of_first, of_last)) in SECTIONS.into_iter().enumerate() {
@@ -291,6 +305,14 @@ impl Beam {
                 }
                 let fibre_states = &mut state[from..from + fibres.len() * self.material.stride];
                 self.material.strain(fibre_states, &mut strain[..fibres.len()], dt);
+            }
+            if let Some(stress) = preload {
+                let to = from + self.section.fibres.len() * self.material.stride;
+                self.tighten(&mut state[from..to], stress);
+            }
+            for (batch, fibres) in self.section.fibres.chunks(MAX_POINTS).enumerate() {
+                let from = from + batch * MAX_POINTS * self.material.stride;
+                let fibre_states = &state[from..from + fibres.len() * self.material.stride];
                 for (state, f) in fibre_states.chunks_exact(self.material.stride).zip(fibres) {
                     let along = weight * f.area * state[0];
                     axial += along;
@@ -321,6 +343,18 @@ impl Beam {
         }
         let sum = force.abs().sum() + moments[0].abs().sum() + moments[1].abs().sum();
         BeamResponse { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
+    }
+
+    /// Gives the fibres of a section the stress of a preload, or this mean stress if they keep
+    /// their differences.
+    fn tighten(&self, fibres: &mut [f64], stress: f64) {
+        let stride = self.material.stride;
+        if !self.preload.as_ref().is_some_and(|p| p.bending) {
+            return fibres.chunks_exact_mut(stride).for_each(|state| state[0] = stress);
+        }
+        let own = fibres.chunks_exact(stride).zip(&self.section.fibres);
+        let mean = own.map(|(state, f)| f.area * state[0]).sum::<f64>() / self.moments[0];
+        fibres.chunks_exact_mut(stride).for_each(|state| state[0] += stress - mean);
     }
 
     /// Returns the part of an increment of the mean rotation of the ends about the second (0) or
@@ -380,7 +414,8 @@ impl Element for Beam {
             .chain(several("force", BROKEN - FORCES))
             .chain(one("broken"))
             .chain(several("shear rotation", SUMS - SHEARED))
-            .chain(several("moment sum", FIBRES - SUMS));
+            .chain(several("moment sum", TIME - SUMS))
+            .chain(one("time"));
         let fibres = (0..SECTIONS.len() * self.section.fibres.len()).flat_map(|fibre| {
             self.material.names().map(move |name| format!("fibre {fibre} {name}"))
         });

@@ -9,10 +9,11 @@
 //! rotation is exact.
 
 use crate::constraints::prescribed::MotionCurve;
+use crate::curve::Curve;
 use crate::math::row::V3;
 use crate::work::Work;
 use crumple_proto::loads::{MotionForm, PrescribedMotion};
-use crumple_proto::rigid::RigidBody;
+use crumple_proto::rigid::{BodyStop, RigidBody};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +21,8 @@ use serde::{Deserialize, Serialize};
 /// quadratically, the fixed-point iteration by a factor of the angle per step.
 const NEWTON: usize = 12;
 const FIXED_POINT: usize = 40;
+/// Distance beyond a bound due to round-off, over the sizes of both coordinates.
+const ROUNDING: f64 = 1e-9;
 
 /// Rigid body.
 #[derive(Debug, Serialize, Deserialize)]
@@ -41,6 +44,13 @@ pub struct Body {
     /// Prescribed motions; not part of a checkpoint.
     #[serde(skip)]
     courses: Vec<(u64, MotionCurve)>,
+    /// Bounds of the centre; not part of a checkpoint.
+    #[serde(skip)]
+    bounds: Vec<Bound>,
+    /// Inward normal of each bound that acts in the step, and the distance from the centre to the
+    /// bound at the end of the step [length].
+    #[serde(skip)]
+    pub limits: Vec<(V3, f64)>,
     start: V3,
     /// Rotational velocities at the last and next mid-step [1/time].
     pub last_spin: V3,
@@ -92,6 +102,54 @@ impl Momentum {
     }
 }
 
+/// A bound of the motion of the centre.
+#[derive(Debug)]
+struct Bound {
+    /// Unit vector towards the side on which the centre may be.
+    inward: V3,
+    /// Factor on the curve: its values are along the direction of the stop.
+    sign: f64,
+    curve: Curve,
+    of_position: bool,
+    window: Option<[f64; 2]>,
+}
+
+impl Bound {
+    /// Returns its coordinate along the inward normal [length].
+    fn at(&self, time: f64) -> f64 {
+        self.sign * self.curve.value(time)
+    }
+
+    /// Returns the distance from the centre, which started at `start`, to the bound at the end of
+    /// the step [length]. A centre that is beyond the bound is not moved back, but by a bound that
+    /// moves against it.
+    fn gap(&self, centre: &V3, start: &V3, (time, dt): (f64, f64)) -> f64 {
+        let from = if self.of_position { V3::zeros() } else { *start };
+        let (place, bound) = (self.inward.dot(&(centre - from)), self.at(time + dt));
+        let against = (self.at(time) - bound).min(0.0);
+        let rounding = ROUNDING * (self.inward.dot(centre).abs() + bound.abs());
+        let gap = place - bound;
+        if gap < against - rounding { against } else { gap }
+    }
+}
+
+/// Returns the bounds of a body.
+fn bounds(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<Bound> {
+    let of = |stop: &BodyStop| {
+        let along = V3::from(stop.direction);
+        let bound = |curve: usize, sign: f64| Bound {
+            inward: along * sign,
+            sign,
+            curve: Curve::new(&curves[curve]),
+            of_position: stop.of_position,
+            window: stop.window,
+        };
+        let lower = stop.lower.map(|curve| bound(curve, 1.0));
+        lower.into_iter().chain(stop.upper.map(|curve| bound(curve, -1.0))).collect::<Vec<_>>()
+    };
+    job.stops.iter().flat_map(of).collect()
+}
+
 /// Returns the prescribed motions of a body with their degrees of freedom.
 fn courses(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)> {
     job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect()
@@ -124,6 +182,7 @@ impl Body {
     /// Sets the prescribed motions of a body from a checkpoint.
     pub fn restore(&mut self, job: &RigidBody, given: &[Vec<[f64; 2]>]) {
         self.courses = courses(job, given);
+        self.bounds = bounds(job, given);
         self.fixed = held(job, |_| false);
     }
 
@@ -155,6 +214,8 @@ impl Body {
             held: held(job, |m| m.acts_at(0.0)),
             fixed: held(job, |_| false),
             courses: courses(job, curves),
+            bounds: bounds(job, curves),
+            limits: Vec::new(),
             start: centre,
             centre,
             turn: UnitQuaternion::identity(),
@@ -189,6 +250,9 @@ impl Body {
             self.next.velocity[c] = velocity[c];
         }
         (self.mobility, self.base) = self.answer(&self.turn, &spin);
+        let acts = |b: &&Bound| b.window.is_none_or(|[from, until]| from <= time && time < until);
+        let limit = |b: &Bound| (b.inward, b.gap(&self.centre, &self.start, (time, dt)));
+        self.limits = self.bounds.iter().filter(acts).map(limit).collect();
     }
 
     /// Returns the velocity and rotational velocity of fixed and prescribed degrees of freedom

@@ -107,7 +107,7 @@ pub struct Bodies {
     coupled: bool,
     /// Damping impulses on each body in this step: without contact, and on its contact forces.
     damped: Vec<[(V3, V3); 2]>,
-    /// Impulses of walls in this step.
+    /// Impulses of walls and bounds in this step.
     #[serde(skip)]
     pushes: Vec<WallImpulse>,
     /// Velocities of walls after the impulses of bodies.
@@ -394,7 +394,8 @@ impl Bodies {
     }
 
     fn push_walls(&self, walls: &mut Walls) {
-        self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
+        let of_walls = self.pushes.iter().filter_map(|p| Some((p.wall?, &p.impulse)));
+        of_walls.for_each(|(wall, impulse)| walls.give_way(wall, impulse));
     }
 
     /// Computes the motion of bodies in the step, once all forces are known, and the velocities
@@ -436,7 +437,7 @@ impl Bodies {
         }
     }
 
-    /// Records the impulses of walls and the work of walls, damping and constraints.
+    /// Records the impulses of walls and the work of walls, stops, damping and constraints.
     fn book(&self, walls: &mut Walls, steps: StepSizes, ledger: &mut Ledger) {
         // Impulse of a wall, without the part that damping takes.
         let given = steps.given();
@@ -445,7 +446,9 @@ impl Bodies {
             let felt = body.work(&p.impulse, &p.arm.cross(&p.impulse));
             ledger.wall.add(felt * given);
             ledger.external.add(felt * (1.0 - given));
-            (0..3).for_each(|c| walls.impulses[p.wall][c].add(p.impulse[c] * given));
+            if let Some(wall) = p.wall {
+                (0..3).for_each(|c| walls.impulses[wall][c].add(p.impulse[c] * given));
+            }
         }
         if !self.joints.is_empty() {
             let of_joints = self.joints.impulses(self.bodies.len());
@@ -527,10 +530,10 @@ impl Bodies {
         Ok(any)
     }
 
-    /// Keeps members in front of walls.
+    /// Keeps members in front of walls, and centres within their bounds.
     fn keep_out(&mut self, walls: &Walls, dt: f64) {
         self.pushes.clear();
-        if walls.is_empty() {
+        if walls.is_empty() && self.bodies.iter().all(|body| body.limits.is_empty()) {
             return;
         }
         self.wall_velocities.clear();

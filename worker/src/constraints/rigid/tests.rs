@@ -14,6 +14,7 @@ fn job() -> RigidBody {
         inertia: None,
         motions: Vec::new(),
         window: None,
+        stops: Vec::new(),
     }
 }
 

@@ -1,5 +1,5 @@
 //! Contact of rigid bodies with rigid walls: no member may end a step behind a wall. Coulomb
-//! friction.
+//! friction. The bounds of the centre of a body (`stop`) act in the same sweeps, without friction.
 //!
 //! The impulses on members are found by projected Gauss-Seidel (Moreau 1988; Jean 1999), in
 //! ascending (wall, node). All workers have the positions of all members, so all compute the
@@ -17,22 +17,23 @@ const SETTLED: f64 = 1e-10;
 /// Least compliance of a member with joints, as a fraction of that without: joints may hold it.
 const REDUCED: f64 = 1e-9;
 
-/// Impulse of a wall on a member.
+/// Impulse of a wall on a member, or of a bound on the centre.
 #[derive(Clone, Copy, Debug)]
 pub struct WallImpulse {
     /// Index of the body.
     pub body: usize,
-    /// Index of the wall.
-    pub wall: usize,
+    /// Index of the wall; `None` for a bound of the centre.
+    pub wall: Option<usize>,
     /// Position of the member relative to the centre [length].
     pub arm: V3,
     /// Impulse [force time].
     pub impulse: V3,
 }
 
-/// Member near a wall.
+/// Member near a wall, or a bound of the centre.
 pub struct WallCandidate {
-    wall: usize,
+    /// Index of the wall; `None` for a bound.
+    wall: Option<usize>,
     arm: V3,
     normal: V3,
     gap: f64,
@@ -103,15 +104,16 @@ impl WallContact<'_> {
 
     /// Updates the impulse on a member; returns the size of its change [force time].
     fn touch(&mut self, body: &mut Body, n: &mut WallCandidate) -> f64 {
-        let wall = &self.walls.each()[n.wall];
-        let velocity = &mut self.velocity[n.wall];
-        let opening = n.gap / self.dt + n.normal.dot(&(body.velocity_at(&n.arm) - *velocity));
+        let wall = n.wall.map(|w| (&self.walls.each()[w], &mut self.velocity[w]));
+        let moving = wall.as_ref().map_or_else(V3::zeros, |(_, velocity)| **velocity);
+        let opening = n.gap / self.dt + n.normal.dot(&(body.velocity_at(&n.arm) - moving));
         let pressed = (n.pressed - opening / n.soft).max(0.0);
         let by = n.normal * (pressed - n.pressed);
         n.pressed = pressed;
         body.add_impulse(&by, &n.arm.cross(&by));
-        *velocity -= wall.recoil(&by);
         let mut moved = by.norm();
+        let Some((wall, velocity)) = wall else { return moved };
+        *velocity -= wall.recoil(&by);
         if wall.friction > 0.0 && (pressed > 0.0 || n.sheared != V3::zeros()) {
             let v = body.velocity_at(&n.arm) - *velocity;
             let sliding = v - n.normal * n.normal.dot(&v);
@@ -150,6 +152,9 @@ impl WallContact<'_> {
         for ((number, wall), velocity) in
             self.walls.each().iter().enumerate().zip(self.velocity.iter())
         {
+            if !wall.acts() {
+                continue;
+            }
             let own = body.next.velocity - velocity;
             let speed = (own.norm() + far * body.spin(&body.next.angular).norm())
                 .max(fastest + velocity.norm() * f64::from(fastest > 0.0));
@@ -168,7 +173,7 @@ impl WallContact<'_> {
                 let soft = body.compliance(&arm, &normal) + wall.softness();
                 if gap <= reach && soft > 0.0 && wall.admits(id) {
                     near.push(WallCandidate {
-                        wall: number,
+                        wall: Some(number),
                         arm,
                         normal,
                         gap,
@@ -179,6 +184,12 @@ impl WallContact<'_> {
                 }
             }
         }
+        near.extend(body.limits.iter().filter_map(|&(normal, gap)| {
+            let (arm, soft) = (V3::zeros(), body.compliance(&V3::zeros(), &normal));
+            let (pressed, sheared) = (0.0, V3::zeros());
+            let bound = WallCandidate { wall: None, arm, normal, gap, soft, pressed, sheared };
+            (soft > 0.0).then_some(bound)
+        }));
         near
     }
 }

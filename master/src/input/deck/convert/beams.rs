@@ -151,6 +151,13 @@ impl DeckConverter {
             beam.put("weld", place, weld);
             used += "; breaks as a weld";
         }
+        if let Some(preload) = self.preloads.remove(&pid) {
+            beam.put("preload", preload.place, preload.points);
+            if preload.bending {
+                beam.put("preload_bending", preload.place, true);
+            }
+            used += "; starts with a preload";
+        }
         let name = match elform {
             2 => "Belytschko-Schwer",
             4 | 5 => "Belytschko-Schwer, integrated",

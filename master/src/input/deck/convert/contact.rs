@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Contacts that include the thickness of beams (LS-DYNA support, contact types 13 and 26).
 const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
 
-const KEYWORDS: [(&str, bool); 11] = [
+pub(super) const KEYWORDS: [(&str, bool); 11] = [
     ("CONTACT_AUTOMATIC_SINGLE_SURFACE", true),
     ("CONTACT_AUTOMATIC_GENERAL", true),
     ("CONTACT_SINGLE_SURFACE", true),

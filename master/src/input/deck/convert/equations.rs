@@ -83,13 +83,49 @@ impl DeckConverter {
             };
             if let Some(table) = &mut material.table {
                 table.put(key, card.place(fields[0]), fields.map(|field| card.real(field)));
-                if let Some((pressure, at)) = material.least_pressure {
-                    table.put("eos_min_pressure", at, pressure);
-                }
                 let used = format!("{key} of material {}", material.name);
                 self.map(format!("part {part}"), format!("eosid {eosid}"), used);
+                if let Some((pressure, at)) = material.least_pressure.take() {
+                    table.put("eos_min_pressure", at, pressure);
+                    let used = format!("eos_min_pressure of material {}", material.name);
+                    self.map(format!("part {part}"), format!("spall 1, pc {pressure:?}"), used);
+                }
             }
         }
+        let uncut = materials.iter().filter_map(|(mid, m)| Some((*mid, m.least_pressure?)));
+        let uncut: BTreeMap<i64, (f64, Place)> = uncut.collect();
+        for (mid, (pressure, at)) in uncut {
+            let message = format!(
+                "*MAT_JOHNSON_COOK: `pc` = {pressure:?} of material {mid} is ignored: no part of \
+                 solids gives it an equation of state"
+            );
+            let help = "its tension has no limit; give its parts an eosid for a cut-off";
+            self.trouble.warning(at, message, help);
+        }
+    }
+
+    /// Returns the cut-off of pressure that a material asks for by spall 1, and its place. Reports
+    /// a `pc` that is none: with other kinds of spall, or above 0.
+    pub(super) fn least_pressure(&mut self, record: &CardRecord) -> Option<(f64, Place)> {
+        let (pc, spall, place) = (record.real("pc"), record.real("spall"), record.place("pc"));
+        if pc == 0.0 {
+            if spall != 0.0 {
+                let why = "not used: pc is 0, which is no limit of tension";
+                self.map(record.name(), format!("spall {spall}"), why);
+            }
+            return None;
+        }
+        let help = match (spall == 1.0, pc < 0.0) {
+            (true, true) => return Some((pc, place)),
+            (true, false) => "a cut-off of tension is below 0; tension has no limit here",
+            (false, _) => {
+                "tension has no limit here, and no element spalls; spall 1 with an equation of \
+                 state cuts off tension at pc"
+            }
+        };
+        let message = format!("{}: `pc` = {pc:?} with `spall` = {spall} is ignored", record.name());
+        self.trouble.warning(place, message, help);
+        None
     }
 
     /// Refuses a pressure and a volume at the start.

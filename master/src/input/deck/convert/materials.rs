@@ -131,7 +131,7 @@ impl DeckConverter {
                     density,
                     youngs_modulus: e,
                     takes_equation: keyword == "MAT_JOHNSON_COOK",
-                    least_pressure: least_pressure(&record),
+                    least_pressure: self.least_pressure(&record),
                     place,
                 };
                 if materials.insert(id, material).is_some() {
@@ -411,12 +411,6 @@ impl DeckConverter {
             }
         }
     }
-}
-
-/// Returns the cut-off of pressure of a material with spall 1; other kinds of spall are ignored.
-fn least_pressure(record: &CardRecord) -> Option<(f64, Place)> {
-    let cuts = record.real("spall") == 1.0 && record.real("pc") < 0.0;
-    cuts.then(|| (record.real("pc"), record.place("pc")))
 }
 
 /// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].

@@ -371,6 +371,12 @@ impl Rows {
         }
     }
 
+    /// Returns the ids of beams as the deck has them, and their parts.
+    pub fn beams_of_deck(&self) -> Vec<(i64, u32)> {
+        let written = |id: ElemId| id.0.saturating_sub(self.raised[2]) as i64;
+        self.beams.iter().map(|e| (written(e.id), e.part)).collect()
+    }
+
     /// Adds a spring, which is written at `place`.
     pub fn spring(&mut self, id: ElemId, part: u32, ends: [NodeId; 2], place: Place) {
         let Place::Deck { file, start, end } = place else { return };

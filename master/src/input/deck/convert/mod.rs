@@ -26,16 +26,19 @@ mod motion;
 mod names;
 pub(in crate::input::deck) mod particles;
 mod parts;
+mod preloads;
 pub mod radioss;
 mod rigid;
 mod sections;
 mod segments;
+mod sensors;
 mod sets;
 mod shells;
 mod soft_materials;
 pub(in crate::input::deck) mod space;
 mod spring_laws;
 mod springs;
+mod stops;
 mod switches;
 mod tables;
 mod tiebreaks;
@@ -103,6 +106,8 @@ pub struct DeckConverter {
     discrete_beam_laws: BTreeMap<i64, CardRecord>,
     /// Parts of discrete beams; true if their section has a coordinate system.
     discrete_beam_parts: BTreeMap<u32, bool>,
+    /// Preloads of parts of beams.
+    preloads: BTreeMap<i64, preloads::DeckPreload>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
     /// Parts of beams that are trusses.
@@ -158,13 +163,16 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.particles();
     b.control();
     b.implicit();
+    b.sensors();
     b.curves();
     b.tables();
     b.space();
     let mut materials = b.materials();
     let sections = b.sections();
     b.read_equations();
+    b.read_preloads();
     b.parts(&materials, &sections);
+    b.preloads_without_fibres();
     b.sets();
     b.node_transforms();
     b.welds();
@@ -186,6 +194,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.pressures();
     b.airbags();
     b.walls();
+    b.interior_contacts();
     b.tiebreaks();
     b.contacts(sections.defaults.shifted);
     b.ties();
@@ -241,6 +250,7 @@ impl DeckConverter {
             spring_laws: BTreeMap::new(),
             discrete_beam_laws: BTreeMap::new(),
             discrete_beam_parts: BTreeMap::new(),
+            preloads: BTreeMap::new(),
             round_parts: BTreeSet::new(),
             truss_parts: BTreeSet::new(),
             spring_directions: BTreeMap::new(),

@@ -3,6 +3,7 @@
 
 use super::DeckConverter;
 use super::sets::id;
+use super::stops::DeckStops;
 use super::tree::JobTable;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
@@ -20,6 +21,7 @@ struct DeckBody {
 
 impl DeckConverter {
     pub(super) fn rigid(&mut self) {
+        let mut stops = self.stops();
         let mut lead: BTreeMap<i64, i64> = BTreeMap::new();
         for (&id, part) in &self.parts {
             if part.rigid.is_some() {
@@ -71,12 +73,14 @@ impl DeckConverter {
             if !body.fixed.is_empty() {
                 table.put("fixed", place, body.fixed.into_iter().collect::<Vec<_>>());
             }
+            stops.put(&mut table, |pid| lead.contains_key(&pid) && root(&lead, pid) == id);
             self.add("rigid", table);
         }
         for &part in lead.keys() {
             self.bodies.insert(part, format!("part-{}", root(&lead, part)));
         }
-        self.nodal_bodies();
+        self.nodal_bodies(&mut stops);
+        self.stops_without_body(stops);
     }
 
     /// Fixes what constraints of all nodes of a body fix.
@@ -181,7 +185,7 @@ impl DeckConverter {
     }
 
     /// Converts `*CONSTRAINED_NODAL_RIGID_BODY`.
-    fn nodal_bodies(&mut self) {
+    fn nodal_bodies(&mut self, stops: &mut DeckStops) {
         for record in self.take_records("CONSTRAINED_NODAL_RIGID_BODY") {
             let pid = record.integer("pid");
             // Without a set number, it is the set with the body's id.
@@ -199,14 +203,13 @@ impl DeckConverter {
             let name = format!("body-{pid}");
             let members = self.node_sets[&nsid].0.iter().copied();
             self.node_bodies.extend(members.map(|node| (node, name.clone())));
-            self.add(
-                "rigid",
-                JobTable::new(place).with("name", place, name.as_str()).with(
-                    "nodes",
-                    record.place(field),
-                    set,
-                ),
+            let mut table = JobTable::new(place).with("name", place, name.as_str()).with(
+                "nodes",
+                record.place(field),
+                set,
             );
+            stops.put(&mut table, |of| of == pid);
+            self.add("rigid", table);
             self.bodies.entry(pid).or_insert(name);
         }
     }

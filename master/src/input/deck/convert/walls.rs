@@ -11,7 +11,7 @@ use std::collections::HashSet;
 /// Names of the faces of a box, the first one last.
 const FACES: [&str; 5] = ["back", "low edge", "high edge", "low side", "high side"];
 
-const KEYWORDS: [&str; 5] = [
+pub(super) const KEYWORDS: [&str; 5] = [
     "RIGIDWALL_PLANAR",
     "RIGIDWALL_GEOMETRIC_FLAT",
     "RIGIDWALL_GEOMETRIC_PRISM",
@@ -41,15 +41,6 @@ impl DeckConverter {
                 "codes for sliding; give a coefficient from 0 to 1",
             );
         }
-        let (birth, death) = (record.real("birth"), record.real("death"));
-        if birth > 0.0 || (death > 0.0 && death < self.end_time) {
-            let field = if birth > 0.0 { "birth" } else { "death" };
-            self.unsupported_value(
-                record,
-                field,
-                "walls with a birth or death time within the run",
-            );
-        }
         if record.real("soft") != 0.0 {
             let asked =
                 format!("soft {}: nodes are stopped within some cycles", record.real("soft"));
@@ -76,6 +67,13 @@ impl DeckConverter {
                     "its ends are open",
                 );
             }
+        }
+        let (birth, death) = (record.real("birth"), record.real("death"));
+        if birth != 0.0 {
+            table.put("birth", record.place("birth"), birth);
+        }
+        if death > 0.0 && death < self.end_time {
+            table.put("death", record.place("death"), death);
         }
         if record.line("lenl").is_some() {
             table.put(

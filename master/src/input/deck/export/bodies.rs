@@ -5,7 +5,7 @@ use super::{
     Blank, CardValue, DeckWriter, Id, LeftReason, Number, TimeCurves, line, list, named, switches,
 };
 use crate::input::job::Model;
-use crumple_proto::job::{CurveInput, Job, MotionInput, Rigid};
+use crumple_proto::job::{CurveInput, Job, MotionInput, Rigid, RigidStop};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -124,6 +124,7 @@ pub fn write(
             }
             let added = nodes.get(&body.name).map_or(&[][..], Vec::as_slice);
             join(deck, (model, body), bodies, added, &set);
+            body.stop.iter().for_each(|own| stop(deck, own, bodies.parts[&body.name], curves));
         }
         let renamed = job.rigid.iter().filter(|body| bodies.name(&body.name) != body.name).count();
         if renamed > 0 {
@@ -225,6 +226,34 @@ fn join(
     if own.len() > 1 {
         deck.entry("rigid", own);
     }
+}
+
+/// Writes a stop of the body of a part.
+fn stop(deck: &mut DeckWriter, stop: &RigidStop, part: u64, curves: &mut TimeCurves<'_>) {
+    const SPACE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // A negative id is for a displacement.
+    let mut bound = |deck: &mut DeckWriter, name: &Option<String>| match name {
+        None => Blank,
+        Some(name) => match curves.id(deck, Some(name)) {
+            id if stop.position => Id(id),
+            id => Number(-(id as f64)),
+        },
+    };
+    let [upper, lower] = [&stop.upper, &stop.lower].map(|name| bound(deck, name));
+    let (dir, vid) = match SPACE.iter().zip(1..).find(|(axis, _)| **axis == stop.direction) {
+        Some((_, dir)) => (dir, Blank),
+        None => {
+            deck.systems += 1;
+            deck.keyword("DEFINE_VECTOR");
+            let tail = [Number(0.0); 3];
+            let head = stop.direction.map(Number);
+            deck.card(&[&[Id(deck.systems)][..], &tail, &head].concat());
+            (4, Id(deck.systems))
+        }
+    };
+    deck.keyword("CONSTRAINED_RIGID_BODY_STOPPERS");
+    deck.card(&[Id(part), upper, lower, Blank, Blank, Blank, Id(dir), vid]);
+    deck.card(&[Number(stop.birth), stop.death.map_or(Blank, Number)]);
 }
 
 /// A motion of one degree of freedom.

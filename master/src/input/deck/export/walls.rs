@@ -92,7 +92,13 @@ fn one(
     deck.keyword(&format!("{keyword}{}_ID", options.concat()));
     deck.named_card(number, name);
     let chosen = |of: &Option<String>| of.as_deref().map_or(Blank, &set);
-    deck.card(&[chosen(&wall.nodes), chosen(&wall.except)]);
+    let mut head = vec![chosen(&wall.nodes), chosen(&wall.except)];
+    if wall.birth > 0.0 || wall.death.is_some() {
+        // A plane has an offset before its birth.
+        head.extend(vec![Blank; if kind == WallCard::Plane { 2 } else { 1 }]);
+        head.extend([Number(wall.birth), wall.death.map_or(Blank, Number)]);
+    }
+    deck.card(&head);
     deck.card(&[wall.point.map(Number).as_slice(), &direction, &[Number(wall.friction)]].concat());
     if kind == WallCard::Cylinder {
         deck.card(&[Number(wall.radius.unwrap_or(0.0)), Number(wall.length)]);

@@ -45,6 +45,29 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[ignored("iflag", "the mass of the body is that of both parts")]),
     Keyword::new(
+        "CONSTRAINED_RIGID_BODY_STOPPERS",
+        &[
+            ("pid:i! lcmax:i lcmin:i psidmx:i psidmn:i lcvmnx:i dir:i=1 vid:i", Once),
+            ("tb:r td:r=1e21 unused:r stiff:r", Maybe),
+        ],
+        "`stop` of the body along x, y, z (dir 1 to 3) or a DEFINE_VECTOR (dir 4): lcmax is its \
+         curve `upper`, lcmin `lower`; a positive id is for the coordinate of the centre \
+         (`position`), a negative one for its displacement. tb and td are `birth` and `death`. \
+         A body that is beyond a bound when it begins to act is not moved back. Stops of \
+         rotations (dir 5 to 8) are not supported",
+    )
+    .unused(&[
+        refused(
+            "psidmx psidmn",
+            "bodies that stop when this one stops: give each a card of its own, or join them by \
+             CONSTRAINED_RIGID_BODIES",
+        ),
+        refused("lcvmnx", "a limit of the velocity; a DAMPING or a spring can slow the body"),
+        no_effect("unused", "no field of the format"),
+        no_effect("stiff", "it is for implicit analysis"),
+    ])
+    .repeats(),
+    Keyword::new(
         "DEFORMABLE_TO_RIGID",
         &[("pid:i! lrb:i ptype:a", Rest)],
         "the part (with ptype PSET, each part of the set) is rigid for the whole run; lrb joins it \

@@ -219,11 +219,18 @@ pub const KEYWORDS: &[Keyword] = &[
     tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),
     tied("CONTACT_SPOTWELD", TURNED),
     Keyword::new(
+        "CONTACT_INTERIOR",
+        &[("psid:i!", Rest)],
+        "**not supported**: a contact inside of solids that are crushed. The report names the \
+         parts of psid",
+    ),
+    Keyword::new(
         "RIGIDWALL_PLANAR",
         WALL,
         "`[[wall]]` through the tail, with its normal towards the head; fric is the friction. \
          nsid, boxid and offset select `nodes`, nsidex selects `except`. FINITE: a rectangle with \
-         `edge` and `lengths`; MOVING: `mass` and `speed`. soft is not used",
+         `edge` and `lengths`; MOVING: `mass` and `speed`. birth and death are those of the wall: \
+         a plane with a birth ignores nodes that are behind it then. soft is not used",
     )
     .options(&["ID", "FINITE", "MOVING", "FORCES", "DISPLAY"])
     .unused(WALL_UNUSED)
@@ -233,7 +240,7 @@ pub const KEYWORDS: &[Keyword] = &[
         CYLINDER,
         "`[[wall]]` with `axis` from the tail to the head, `radius`, `length` and open ends. \
          MOTION prescribes its velocity (opt 0) or displacement (opt 1) along vx, vy, vz by a \
-         curve",
+         curve. birth and death are those of the wall, which moves at all times",
     ),
     geometric(
         "RIGIDWALL_GEOMETRIC_SPHERE",

@@ -81,12 +81,14 @@ pub const KEYWORDS: &[Keyword] = &[
     ranges("SET_SOLID_GENERATE", &["SET_SOLID_LIST_GENERATE"]),
     elements("SET_DISCRETE", &["SET_DISCRETE_LIST"]),
     ranges("SET_DISCRETE_GENERATE", &["SET_DISCRETE_LIST_GENERATE"]),
+    elements("SET_BEAM", &["SET_BEAM_LIST"]),
+    ranges("SET_BEAM_GENERATE", &["SET_BEAM_LIST_GENERATE"]),
     Keyword::new(
         "SET_SHELL_GENERAL",
         &[("card:l", Rest)],
         "not used: no supported keyword refers to it",
     )
-    .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM"])
+    .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM_GENERAL"])
     .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])
     .effect(Harmless),
 ];

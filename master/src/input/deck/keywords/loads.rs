@@ -141,6 +141,14 @@ pub const KEYWORDS: &[Keyword] = &[
         "use LOAD_BODY_X, _Y or _Z with LOAD_BODY_PARTS, or LOAD_GRAVITY_PART",
     ),
     Keyword::new(
+        "INITIAL_AXIAL_FORCE_BEAM",
+        &[("bsid:i! lcid:i! scale:r=1 kbend:i", Rest)],
+        "`beam.preload` of the parts of these beams: the axial stress over time, the curve times \
+         scale. It ends with the curve, or when the stress is 0 again. kbend 1 and 2 are \
+         `preload_bending`. A set has all beams of its parts; trusses and discrete beams (elform 3 \
+         and 6) have no preload",
+    ),
+    Keyword::new(
         "LOAD_NODE_SET",
         &[("nsid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
         "`[[load]]` on each node of the set: dof 1 to 3 force, 5 to 7 moment",

@@ -76,11 +76,12 @@ pub const KEYWORDS: &[Keyword] = &[
             ("d5:r c2:r erod:r efmin:r numint:r", Maybe),
         ],
         "law `johnson_cook`; the volumetric response is elastic with e and pr (or g), or that of \
-         the equation of state of the part (eosid), with pc as `eos_min_pressure` if spall is 1",
+         the equation of state of the part (eosid), with pc as `eos_min_pressure` if spall is 1; \
+         pc is ignored with a warning without an equation of state, and with other values of \
+         spall: tension has no limit then, and no element spalls",
     )
     .unused(&[
         RATE_OF_STRAIN,
-        ignored("pc spall", "only spall 1, with an equation of state, cuts off tension"),
         no_effect("it", "plasticity is iterated until it converges"),
         ignored("c2 erod efmin numint", "rates act by c alone; elements fail by d1 to d5 as given"),
     ])

@@ -14,6 +14,7 @@ mod materials;
 mod mesh;
 mod particles;
 mod parts;
+mod sensors;
 mod sets;
 mod soft_materials;
 
@@ -37,6 +38,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Rigid bodies and constraints", constraints::KEYWORDS),
     ("Joints", joints::KEYWORDS),
     ("Contact and rigid walls", contact::KEYWORDS),
+    ("Sensors", sensors::KEYWORDS),
     ("Control", control::KEYWORDS),
     ("Histories", histories::KEYWORDS),
 ];

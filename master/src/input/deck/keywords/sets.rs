@@ -143,6 +143,13 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[no_effect("nid1 nid2", "they are for other values of iop")]),
     Keyword::new(
+        "DEFINE_VECTOR",
+        &[("heading:l", Count(title)), ("vid:i! xt:r yt:r zt:r xh:r yh:r zh:r cid:i", Rest)],
+        "direction from the tail to the head, in the axes of cid, for \
+         CONSTRAINED_RIGID_BODY_STOPPERS",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
         "DEFINE_COORDINATE_SYSTEM",
         &[
             ("heading:l", Count(title)),

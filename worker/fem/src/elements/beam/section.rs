@@ -147,6 +147,8 @@ mod tests {
             shear_areas: [0.0; 2],
             weld: None,
             contact_radius: None,
+            preload: Vec::new(),
+            preload_bending: false,
         }
     }
 

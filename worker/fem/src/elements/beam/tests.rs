@@ -23,6 +23,8 @@ fn rectangle() -> BeamInput {
         shear_areas: [0.0; 2],
         weld: None,
         contact_radius: None,
+        preload: Vec::new(),
+        preload_bending: false,
     }
 }
 

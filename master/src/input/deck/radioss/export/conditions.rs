@@ -61,6 +61,10 @@ impl StarterWriter<'_> {
                 own.insert("from".into(), body.from.into());
                 own.extend(body.until.map(|until| ("until".into(), until.into())));
             }
+            if let (false, Ok(stops)) = (body.stop.is_empty(), Value::try_from(&body.stop)) {
+                self.lose(format!("rigid body {}: it has no stops", body.name));
+                own.insert("stop".into(), stops);
+            }
             if own.len() > 1 {
                 self.rest("rigid", own);
             }
@@ -280,6 +284,11 @@ impl StarterWriter<'_> {
         }
         if wall.length != 0.0 {
             exact.insert("length".into(), wall.length.into());
+        }
+        if wall.birth > 0.0 || wall.death.is_some() {
+            self.lose(format!("wall {name}: it stops nodes in the whole run, not in a part"));
+            exact.insert("birth".into(), wall.birth.into());
+            exact.extend(wall.death.map(|death| ("death".into(), death.into())));
         }
         let node = self.wall_motion(wall, &mut exact);
         let group = |w: &Self, set: &Option<String>| set.as_deref().map_or(0, |s| w.group(s));

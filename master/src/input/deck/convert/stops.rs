@@ -1,0 +1,114 @@
+//! Converts `*CONSTRAINED_RIGID_BODY_STOPPERS`: bounds of the motion of rigid bodies.
+
+use super::DeckConverter;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
+use crate::input::job::tree::Place;
+use std::collections::BTreeMap;
+
+/// Stops of the bodies of a deck, by the part on their cards.
+#[derive(Debug, Default)]
+pub struct DeckStops(BTreeMap<i64, (Place, Vec<JobTable>)>);
+
+impl DeckStops {
+    /// Puts the stops of all parts that `belong` to a body into its table.
+    pub(super) fn put(&mut self, table: &mut JobTable, belong: impl Fn(i64) -> bool) {
+        let own: Vec<i64> = self.0.keys().copied().filter(|&pid| belong(pid)).collect();
+        let found: Vec<(Place, Vec<JobTable>)> =
+            own.iter().filter_map(|pid| self.0.remove(pid)).collect();
+        if let Some(&(place, _)) = found.first() {
+            let all: Vec<JobTable> = found.into_iter().flat_map(|(_, stops)| stops).collect();
+            table.put("stop", place, all);
+        }
+    }
+}
+
+impl DeckConverter {
+    /// Reads all stops.
+    pub(super) fn stops(&mut self) -> DeckStops {
+        let vectors = self.vectors();
+        let mut all = DeckStops::default();
+        for record in self.take_records("CONSTRAINED_RIGID_BODY_STOPPERS") {
+            let stops = self.stop(&record, &vectors);
+            let place = record.place("pid");
+            all.0.entry(record.integer("pid")).or_insert((place, Vec::new())).1.extend(stops);
+        }
+        all
+    }
+
+    /// Reports stops of parts that are no rigid bodies.
+    pub(super) fn stops_without_body(&mut self, stops: DeckStops) {
+        let known: Vec<String> = self.bodies.keys().map(i64::to_string).collect();
+        for (pid, (place, _)) in stops.0 {
+            self.missing(place, "rigid part", pid, &known);
+        }
+    }
+
+    /// Returns the entries of a card: one, or two if one bound is for the coordinate of the centre
+    /// and the other for its displacement.
+    fn stop(&mut self, record: &CardRecord, vectors: &BTreeMap<i64, [f64; 3]>) -> Vec<JobTable> {
+        let direction = match record.integer("dir") {
+            axis @ 1..=3 => [1, 2, 3].map(|c| if c == axis { 1.0 } else { 0.0 }),
+            4 => {
+                let vid = record.integer("vid");
+                let Some(&along) = vectors.get(&vid) else {
+                    let known: Vec<String> = vectors.keys().map(i64::to_string).collect();
+                    self.missing(record.place("vid"), "*DEFINE_VECTOR", vid, &known);
+                    return Vec::new();
+                };
+                along
+            }
+            _ => {
+                let why = "a stop of a rotation; use x, y, z or a vector (1 to 4), or the stop \
+                           angles of a *CONSTRAINED_JOINT_STIFFNESS_GENERALIZED";
+                self.unsupported_card(record, "dir", why);
+                return Vec::new();
+            }
+        };
+        let (birth, death) = (record.real("tb"), record.real("td"));
+        let mut bounds: BTreeMap<bool, JobTable> = BTreeMap::new();
+        for (field, key) in [("lcmin", "lower"), ("lcmax", "upper")] {
+            let id = record.integer(field);
+            if id == 0 {
+                continue;
+            }
+            let place = record.place(field);
+            let Some(curve) = self.time_curve(id.abs(), place) else { continue };
+            let entry = bounds.entry(id > 0).or_insert_with(|| {
+                let way = record.place("dir");
+                let mut table = JobTable::new(record.head).with("direction", way, direction);
+                if id > 0 {
+                    table.put("position", place, true);
+                }
+                if birth > 0.0 {
+                    table.put("birth", record.place("tb"), birth);
+                }
+                if death > 0.0 && death < self.end_time {
+                    table.put("death", record.place("td"), death);
+                }
+                table
+            });
+            entry.put(key, place, curve);
+        }
+        if record.integer("lcmin") == 0 && record.integer("lcmax") == 0 {
+            let message = format!("{}: it has no bound", record.name());
+            let help = "it has no effect; give lcmax, lcmin, or both";
+            self.trouble.warning(record.place("lcmax"), message, help);
+        }
+        bounds.into_values().collect()
+    }
+
+    /// Returns the vectors of `*DEFINE_VECTOR` by id.
+    fn vectors(&mut self) -> BTreeMap<i64, [f64; 3]> {
+        let mut found = BTreeMap::new();
+        for record in self.take_records("DEFINE_VECTOR") {
+            for line in record.lines("vid") {
+                let tail = ["xt", "yt", "zt"].map(|c| line.real(c));
+                let head = ["xh", "yh", "zh"].map(|c| line.real(c));
+                let along = self.turned([0, 1, 2].map(|c| head[c] - tail[c]), line, "cid");
+                found.insert(line.integer("vid"), along);
+            }
+        }
+        found
+    }
+}
