@@ -68,6 +68,12 @@ fn other_stoppers_are_refused() {
         "{BOUNDS}*CONSTRAINED_RIGID_BODY_STOPPERS\n1,-5,0,0,0,0,1\n4.0,3.0\n"
     )));
     assert!(report.contains("begins at 4.0 and ends at Some(3.0)"), "{report}");
+    let none = format!("{}*DEFINE_VECTOR\n7,1,1,1,1,1,1\n", card("1,-5,0,0,0,0,4,7"));
+    let report = super::base::report_of(&rigid(&none));
+    assert!(report.contains("has no direction") && report.contains("deck.k"), "{report}");
+    let held = rigid(&card("1,-5,0,0,0,0,3")).replace("0.3\n*INITIAL", "0.3\n1,3,0\n*INITIAL");
+    let report = super::base::report_of(&held);
+    assert!(report.contains("a direction in which the body cannot move"), "{report}");
     let model = model_of(&rigid(&card("1,0,0,0,0,0,1")));
     assert!(model.warnings.iter().any(|w| w.message.contains("it has no bound")));
 }

@@ -46,7 +46,7 @@ pub struct Body {
     courses: Vec<(u64, MotionCurve)>,
     /// Bounds of the centre; not part of a checkpoint.
     #[serde(skip)]
-    bounds: Vec<Bound>,
+    bounds: Vec<StopBound>,
     /// Inward normal of each bound that acts in the step, and the distance from the centre to the
     /// bound at the end of the step [length].
     #[serde(skip)]
@@ -104,7 +104,7 @@ impl Momentum {
 
 /// A bound of the motion of the centre.
 #[derive(Debug)]
-struct Bound {
+struct StopBound {
     /// Unit vector towards the side on which the centre may be.
     inward: V3,
     /// Factor on the curve: its values are along the direction of the stop.
@@ -114,7 +114,7 @@ struct Bound {
     window: Option<[f64; 2]>,
 }
 
-impl Bound {
+impl StopBound {
     /// Returns its coordinate along the inward normal [length].
     fn at(&self, time: f64) -> f64 {
         self.sign * self.curve.value(time)
@@ -134,10 +134,10 @@ impl Bound {
 }
 
 /// Returns the bounds of a body.
-fn bounds(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<Bound> {
+fn bounds(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<StopBound> {
     let of = |stop: &BodyStop| {
         let along = V3::from(stop.direction);
-        let bound = |curve: usize, sign: f64| Bound {
+        let bound = |curve: usize, sign: f64| StopBound {
             inward: along * sign,
             sign,
             curve: Curve::new(&curves[curve]),
@@ -250,8 +250,9 @@ impl Body {
             self.next.velocity[c] = velocity[c];
         }
         (self.mobility, self.base) = self.answer(&self.turn, &spin);
-        let acts = |b: &&Bound| b.window.is_none_or(|[from, until]| from <= time && time < until);
-        let limit = |b: &Bound| (b.inward, b.gap(&self.centre, &self.start, (time, dt)));
+        let acts =
+            |b: &&StopBound| b.window.is_none_or(|[from, until]| from <= time && time < until);
+        let limit = |b: &StopBound| (b.inward, b.gap(&self.centre, &self.start, (time, dt)));
         self.limits = self.bounds.iter().filter(acts).map(limit).collect();
     }
 
