@@ -35,6 +35,7 @@ fn a_spinning_accelerometer_measures_constant_values() {
     assert_eq!(files[0], files[1]);
     let rows: Vec<Vec<&str>> = files[0].lines().skip(1).map(|l| l.split(',').collect()).collect();
     let radius = 50.0f64.sqrt();
+    let last = rows.last().unwrap()[0];
     let (mut seen, mut turned) = (0, 0.0f64);
     for row in &rows {
         let numbers: Vec<f64> = row[3..].iter().map(|n| n.parse().unwrap()).collect();
@@ -49,12 +50,12 @@ fn a_spinning_accelerometer_measures_constant_values() {
         let near = |value: f64, wanted: f64, tolerance: f64| {
             assert!((value - wanted).abs() < tolerance * radius, "{row:?}");
         };
-        if row[0].parse::<f64>().unwrap() > 0.0 {
-            near(a[0], radius, 1e-6);
-            near(a[1], 0.0, 1e-6);
-        }
-        near(v[0], 0.0, 1e-6);
-        near(v[1], radius, 1e-6);
+        // At the ends of the run there is no step on one side: these rows are half a step off.
+        let tolerance = if ["0.000000000e0", last].contains(&row[0]) { 2e-3 } else { 1e-6 };
+        near(a[0], radius, tolerance);
+        near(a[1], 0.0, tolerance);
+        near(v[0], 0.0, tolerance);
+        near(v[1], radius, tolerance);
         near(v[2], 0.0, 1e-12);
     }
     assert!(seen > 100 && turned > radius, "{seen} {turned}");
