@@ -46,11 +46,17 @@ const SHELL_BYTES: usize = 4096;
 impl Gpu {
     /// Loads the kernels and builds the shells.
     pub fn new(path: &str) -> Result<Self, Box<dyn Error>> {
-        result::init()?;
-        let device = result::device::get(0)?;
         // PTX is text with a zero at its end; a zero after a binary does no harm.
         let mut image = std::fs::read(path)?;
         image.push(0);
+        // SAFETY: it loads a library and looks at nothing in it.
+        if !unsafe { sys::is_culib_present() } {
+            return Err(
+                "there is no NVIDIA driver here (libcuda): run on a machine with one".into()
+            );
+        }
+        result::init()?;
+        let device = result::device::get(0)?;
         // SAFETY: calls of the driver with valid arguments.
         unsafe {
             result::ctx::set_current(result::primary_ctx::retain(device)?)?;
