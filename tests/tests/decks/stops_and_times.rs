@@ -1,7 +1,9 @@
 //! Stops of rigid bodies, walls with birth and death, preloads of beams, sensors, and contact
 //! inside of solids.
 
-use super::base::{BASE, MOVES, STEEL, assert_same_when_written, model_of, refused, with};
+use super::base::{
+    BASE, MOVES, STEEL, assert_same_when_written, model_of, refused, report_of, with,
+};
 use crumple::input::check::describe;
 
 /// The plate of the base as a rigid body, part 1.
@@ -67,7 +69,7 @@ fn other_stoppers_are_refused() {
     let report = super::base::report_of(&rigid(&format!(
         "{BOUNDS}*CONSTRAINED_RIGID_BODY_STOPPERS\n1,-5,0,0,0,0,1\n4.0,3.0\n"
     )));
-    assert!(report.contains("begins at 4.0 and ends at Some(3.0)"), "{report}");
+    assert!(report.contains("begins at 4.0 and ends at 3.0"), "{report}");
     let none = format!("{}*DEFINE_VECTOR\n7,1,1,1,1,1,1\n", card("1,-5,0,0,0,0,4,7"));
     let report = super::base::report_of(&rigid(&none));
     assert!(report.contains("has no direction") && report.contains("deck.k"), "{report}");
@@ -121,7 +123,7 @@ fn walls_have_birth_and_death() {
     let model = with("*RIGIDWALL_PLANAR\n0,0,0,0,0,99.0\n50,0,0,9,0,0\n");
     assert_eq!(model.settings.walls[0].window, None);
     let report = refused("*RIGIDWALL_PLANAR\n0,0,0,0,5.0,3.0\n50,0,0,9,0,0\n");
-    assert!(report.contains("a wall begins at 5.0 and ends at Some(3.0)"), "{report}");
+    assert!(report.contains("a wall begins at 5.0 and ends at 3.0"), "{report}");
     assert!(report.contains("deck.k"), "{report}");
 }
 
@@ -166,6 +168,9 @@ fn axial_forces_become_preloads_of_parts() {
     let both = card(list, "0").replace("1,0.1\n", "1,-0.1\n");
     let report = refused(&both);
     assert!(report.contains("its preload goes from -0.2 to 0.2"), "{report}");
+    let plastic = "*MAT_PLASTIC_KINEMATIC\n1,7.85e-6,207.0,0.3,0.15\n";
+    let report = report_of(&format!("{BASE}{plastic}{MOVES}{}", card(list, "0")));
+    assert!(report.contains("reaches 0.2, and its material yields at 0.15"), "{report}");
 }
 
 #[test]

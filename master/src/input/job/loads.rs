@@ -399,7 +399,11 @@ pub fn motion_form(
 /// Returns the times of begin and end of a motion that does not act in the whole run.
 fn window(m: &MotionInput, path: &str, findings: &mut JobProblems) -> Option<[f64; 2]> {
     if m.birth < 0.0 || m.death.is_some_and(|death| death <= m.birth) {
-        let message = format!("a motion begins at {:?} and ends at {:?}", m.birth, m.death);
+        let message = format!(
+            "a motion begins at {:?} and ends at {:?}",
+            m.birth,
+            m.death.unwrap_or(f64::INFINITY)
+        );
         let help = "give a `birth` of 0 or above, and a `death` above it";
         findings.add(Problem::error(format!("{path}.birth"), message, help));
     }

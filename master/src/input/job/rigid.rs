@@ -332,7 +332,11 @@ fn stops(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
                 refuse("", "has no bound", "give `lower`, `upper`, or both: names of curves");
             }
             if stop.birth < 0.0 || stop.death.is_some_and(|death| death <= stop.birth) {
-                let message = format!("begins at {:?} and ends at {:?}", stop.birth, stop.death);
+                let message = format!(
+                    "begins at {:?} and ends at {:?}",
+                    stop.birth,
+                    stop.death.unwrap_or(f64::INFINITY)
+                );
                 let help = "give a `birth` of 0 or above, and a `death` above it";
                 refuse("birth", &message, help);
             }

@@ -53,7 +53,11 @@ fn faults(wall: &WallInput) -> Vec<WallFault> {
     shape_faults(wall, &mut say);
     rectangle_faults(wall, &mut say);
     motion_faults(wall, &mut say);
-    let message = format!("a wall begins at {:?} and ends at {:?}", wall.birth, wall.death);
+    let message = format!(
+        "a wall begins at {:?} and ends at {:?}",
+        wall.birth,
+        wall.death.unwrap_or(f64::INFINITY)
+    );
     let no_time = wall.birth < 0.0 || wall.death.is_some_and(|death| death <= wall.birth);
     say(no_time, "birth", &message, "give a `birth` of 0 or above, and a `death` above it");
     found

@@ -126,6 +126,12 @@ fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResul
     if let Some(fault) = Preload::fault(beam) {
         say("beam.preload", fault, "give points in ascending time with stresses of one sign");
     }
+    let (most, yields) = (Preload::largest(beam), law.initial_yield_stress());
+    if most >= yields {
+        // The return of the law to its yield surface would be undone in every step.
+        let what = format!("its preload reaches {most}, and its material yields at {yields}");
+        say("beam.preload", what, "keep all stresses below the yield stress");
+    }
     let material = FibreMaterial::new(law);
     if material.is_none() {
         say("material", "beams cannot store the history of its law".into(), "use another law");

@@ -26,6 +26,11 @@ impl Preload {
         })
     }
 
+    /// Returns the largest size of a stress, 0 without a preload [force/length^2].
+    pub fn largest(beam: &BeamInput) -> f64 {
+        beam.preload.iter().fold(0.0, |most: f64, point| most.max(point[1].abs()))
+    }
+
     /// Returns the fault of the points of a section, if any.
     pub fn fault(beam: &BeamInput) -> Option<String> {
         let points = &beam.preload;
