@@ -503,12 +503,10 @@ fn elasticity(settings: &Settings) -> Elasticity {
         let names = part.materials();
         let materials = settings.materials.iter().filter(|m| names.contains(&m.name.as_str()));
         let elastic = materials
-            .filter_map(|m| crate::fem::materials::elastic_of(m).ok().flatten())
-            .reduce(|a, b| if b.youngs_modulus > a.youngs_modulus { b } else { a });
+            .filter_map(crate::fem::materials::contact_constants)
+            .reduce(|a, b| if b.0 > a.0 { b } else { a });
         let fluid = part.particles.as_ref().map(|p| (p.bulk_modulus(), p.sound_speed));
-        elastic.map_or(fluid.unwrap_or_default(), |elastic| {
-            (elastic.youngs_modulus, elastic.plate_wave_speed())
-        })
+        elastic.or(fluid).unwrap_or_default()
     };
     let (moduli, speeds) = settings.parts.iter().map(of).unzip();
     Elasticity {

@@ -83,8 +83,9 @@ fn dimension(letter: &str) -> Option<UnitPowers> {
         // Force per length and per velocity.
         "k" => [1, 0, -2],
         "c" => [1, 0, -1],
-        // Moment per rotational velocity.
+        // Moment per rotational velocity, viscosity.
         "s" => [1, 2, -1],
+        "y" => [1, -1, -1],
         // Area, volume, moments of an area.
         "l2" => [0, 2, 0],
         "l3" => [0, 3, 0],
@@ -199,8 +200,13 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("EOS_GRUNEISEN", "c=v s1=1 s2=1 s3=1 gamao=1 a=1 e0=p v0=1 lcid=#f:t:1"),
     ("EOS_MURNAGHAN", "gamma=1 k0=p v0=1"),
+    ("EOS_TABULATED", "gama=1 e0=p v0=1 lcc=#f:1:p lct=#f:1:1 ev=1 c=p t=1"),
+    (
+        "MAT_ELASTIC_PLASTIC_HYDRO",
+        "ro=d g=p sigy=p eh=p pc=p fs=1 charl=l a1=1 a2=1 spall=1 eps=1 es=p",
+    ),
     ("EOS_LINEAR_POLYNOMIAL", "c0=p c1=p c2=p c3=p c4=1 c5=1 c6=1 e0=p v0=1"),
-    ("MAT_NULL", "ro=d pc=p mu=1 terod=1 cerod=1 ym=p pr=1"),
+    ("MAT_NULL", "ro=d pc=p mu=y terod=1 cerod=1 ym=p pr=1"),
     (
         "MAT_RIGID",
         "ro=d e=p pr=1 n=1 couple=1 m=1 alias=1 cmo=1 con1=1 con2=1 a1=1 a2=1 a3=1 v1=1 v2=1 v3=1",

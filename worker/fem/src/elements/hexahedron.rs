@@ -38,6 +38,7 @@ mod modes;
 
 use self::hourglass::{Hourglass, HourglassStep, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, HexahedronModes, gather, modes_of_corners, scatter};
+use super::section::label;
 use super::solid::{
     SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, increment, viscous, work_and_size,
 };
@@ -46,12 +47,13 @@ use super::{
     GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, zero_failed,
 };
 use crate::columns::ElementState;
-use crate::materials::{PointLanes, PointReal, Solid};
+use crate::materials::{Elastic, PointLanes, PointReal, Solid};
 use crate::nodes::NodeView;
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::Real;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::problem::Problem;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -103,12 +105,28 @@ pub struct Hexahedron {
     hourglass: Hourglass,
 }
 
-fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
+    let fluid = law.viscosity().is_some();
+    let asked = HourglassForm::from_word(&values.word("hourglass"));
+    if fluid && values.is_given("hourglass") && asked != HourglassForm::Viscous {
+        let message = format!("part {}: hourglass = \"{}\" of a fluid", label(part), asked.word());
+        let help = "a fluid has no stiffness against a change of shape: use \"viscous\", which is \
+                    its default";
+        return Err(vec![Problem::error("hourglass", message, help)]);
+    }
+    let material = SolidMaterial::new(values, law);
+    let elastic = material.elastic;
+    // Waves of a fluid damp its modes as those of a solid do.
+    let modes = match fluid {
+        true => Elastic { youngs_modulus: elastic.bulk_modulus(), poisson: 0.0, ..elastic },
+        false => elastic,
+    };
     Ok(Box::new(Hexahedron {
-        material: SolidMaterial::new(values, law),
+        material,
         hourglass: Hourglass {
-            form: HourglassForm::from_word(&values.word("hourglass")),
+            form: if fluid { HourglassForm::Viscous } else { asked },
             coefficient: values.number("hourglass_coefficient"),
+            elastic: modes,
         },
     }))
 }
@@ -207,7 +225,7 @@ impl Hexahedron {
             per_time,
         };
         let (resistance, resisted) =
-            self.hourglass.update(&self.material.elastic, &step, hourglass);
+            self.hourglass.update(&step, hourglass);
 
         // 6. Forces of the modes: all factors of B are one tensor.
         let mut force = [[R::zero(); 3]; 7];

@@ -289,9 +289,10 @@ fn every_lane_is_what_it_would_be_alone() {
             let law = materials::build_solid(steel).map_err(|p| format!("{p:?}")).unwrap();
             let defaults = BTreeMap::new();
             let values = Values::new(ROW.parameters, &defaults);
+            let elastic = law.elastic();
             let element = Hexahedron {
                 material: SolidMaterial::new(&values, law),
-                hourglass: Hourglass { form, coefficient: 0.05 },
+                hourglass: Hourglass { form, coefficient: 0.05, elastic },
             };
             let columns = element.columns();
             let mut wide = vec![Lane::splat(0.0); columns];

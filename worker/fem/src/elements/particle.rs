@@ -4,7 +4,7 @@
 //! the pressure from its density, and the forces between two particles from their pressures:
 //! ```text
 //! d rho_i/dt = sum_j m_j (v_i - v_j) . grad W_ij
-//! p_i = (rho_0 c_0^2 / n) ((rho_i / rho_0)^n - 1),  p_i >= -tension
+//! p_i = (rho_0 c_0^2 / n) ((rho_i / rho_0)^n - 1), or that of an isentrope,  p_i >= -tension
 //! f_ij = -m_i m_j (p_i / rho_i^2 + p_j / rho_j^2 + Pi_ij) grad W_ij
 //! Pi_ij = (-alpha c mu + beta mu^2) / rho,  mu = min(h v_ij . x_ij / (x_ij^2 + h^2/100), 0)
 //! ```
@@ -31,6 +31,7 @@ use super::{
     SingleElement,
 };
 use crate::columns::ElementState;
+use crate::materials::{Equation, Isentrope};
 use crumple_math::row::xyz;
 use crumple_proto::job::{Part, ParticlesInput};
 use crumple_proto::mesh::{OwnSection, Shape};
@@ -59,7 +60,7 @@ pub const FORCE: usize = 2;
 const BEFORE: usize = 5;
 
 /// Numbers of the particles of a part.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Fluid {
     /// Mass of a particle [mass].
     pub mass: f64,
@@ -69,6 +70,8 @@ pub struct Fluid {
     pub density: f64,
     sound_speed: f64,
     exponent: f64,
+    /// Pressure by the equation of Mie and Gruneisen, in place of the exponent.
+    isentrope: Option<Isentrope>,
     tension: f64,
     /// Coefficients alpha and beta of the artificial viscosity.
     pub viscosity: [f64; 2],
@@ -82,7 +85,10 @@ impl Fluid {
             smoothing: job.smoothing * job.spacing,
             density: job.density,
             sound_speed: job.sound_speed,
-            exponent: job.exponent,
+            exponent: job.exponent(),
+            isentrope: job.hugoniot.map(|constants| {
+                Isentrope::new(Equation::gruneisen(job.density, job.sound_speed, constants))
+            }),
             tension: job.tension,
             viscosity: job.viscosity,
         }
@@ -90,6 +96,9 @@ impl Fluid {
 
     /// Returns the pressure at a density [force/length^2].
     pub fn pressure(&self, density: f64) -> f64 {
+        if let Some(isentrope) = &self.isentrope {
+            return isentrope.at(density / self.density - 1.0).pressure.max(-self.tension);
+        }
         let modulus = self.density * self.sound_speed * self.sound_speed;
         let over = (density / self.density).powf(self.exponent) - 1.0;
         (modulus / self.exponent * over).max(-self.tension)
@@ -97,6 +106,9 @@ impl Fluid {
 
     /// Returns the speed of sound at a density [length/time].
     pub fn sound_speed(&self, density: f64) -> f64 {
+        if let Some(isentrope) = &self.isentrope {
+            return (isentrope.at(density / self.density - 1.0).slope / self.density).sqrt();
+        }
         self.sound_speed * (density / self.density).powf(0.5 * (self.exponent - 1.0))
     }
 
@@ -149,13 +161,21 @@ fn build(part: &Part) -> ElementResult {
         ("spacing", Some(job.spacing)),
         ("density", Some(job.density)),
         ("sound_speed", Some(job.sound_speed)),
-        ("exponent", Some(job.exponent)),
+        ("exponent", job.exponent),
         ("contact_radius", job.contact_radius),
     ];
     for (key, value) in above_zero.into_iter().filter_map(|(key, value)| Some((key, value?))) {
         if !(value > 0.0 && value.is_finite()) {
             say(&format!("particles.{key}"), format!("{key} is {value}"), "it has to be above 0");
         }
+    }
+    if job.hugoniot.is_some_and(|all| all.iter().any(|x| !x.is_finite())) {
+        let help = "give [s1, s2, s3, gamma, a]; water has about [1.92, 0, 0, 0, 0]";
+        say("particles.hugoniot", "hugoniot is not five numbers".into(), help);
+    }
+    if job.hugoniot.is_some() && job.exponent.is_some() {
+        let what = "exponent is given next to hugoniot".into();
+        say("particles.exponent", what, "remove one of them");
     }
     let [alpha, beta] = job.viscosity;
     let from_zero = [("tension", job.tension), ("viscosity.0", alpha), ("viscosity.1", beta)];
@@ -259,11 +279,18 @@ mod tests {
 
     #[test]
     fn the_pressure_rises_with_the_square_of_the_speed_of_sound() {
+        for hugoniot in [None, Some([1.9, 0.0, 0.0, 0.4, 0.0])] {
+            check_speed_of_sound(hugoniot);
+        }
+    }
+
+    fn check_speed_of_sound(hugoniot: Option<[f64; 5]>) {
         let job = ParticlesInput {
             spacing: 1.0,
             density: 2.0,
             sound_speed: 3.0,
-            exponent: 7.0,
+            exponent: None,
+            hugoniot,
             tension: 0.5,
             viscosity: [1.0, 2.0],
             smoothing: 1.2,

@@ -25,6 +25,7 @@
 //! largest frequencies of the terms of the stiffness.
 
 use super::pass::GroupCorners;
+use super::section::label;
 use super::solid::{
     SOLID_KEYS, STRAIN_LIMIT, STRESS, SolidMaterial, StressStep, each, gather, increment, relative,
     scatter, viscous, work_and_size,
@@ -40,6 +41,7 @@ use crate::parameter::Values;
 use crumple_math::lanes::{Real, cross, dot};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
+use crumple_proto::problem::Problem;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
@@ -67,7 +69,12 @@ pub struct Wedge {
     material: SolidMaterial,
 }
 
-fn build(_: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
+fn build(part: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
+    if law.viscosity().is_some() {
+        let message = format!("part {}: wedges cannot be a fluid: nothing resists their twist", label(part));
+        let help = "mesh the fluid with hexahedra or tetrahedra, or use particles";
+        return Err(vec![Problem::error("element", message, help)]);
+    }
     Ok(Box::new(Wedge { material: SolidMaterial::new(values, law) }))
 }
 

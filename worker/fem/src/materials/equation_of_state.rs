@@ -9,6 +9,8 @@
 //!   D = 1 - (s1 - 1) mu - s2 mu^2/(1 + mu) - s3 mu^3/(1 + mu)^2,   B = gamma + a mu
 //! Polynomial:
 //!   A = c1 mu + c2 mu^2 + c3 mu^3,   B = c4 + c5 mu + c6 mu^2   (c2 and c6 for mu > 0 only)
+//! Tabulated:
+//!   A = C(-ln V),   B = gamma T(-ln V), linear between the points and beyond their ends
 //! ```
 //! E is the work of the stress, and that of the bulk viscosity, which the element adds; heat is not
 //! conducted. The equation of p and E over a step is linear and solved exactly:
@@ -17,6 +19,7 @@
 //! The step follows the adiabatic bulk modulus `(1 + mu) dp/dmu + V p B`. Where D has no positive
 //! value the pressure is infinite, and the run stops.
 
+use super::polyline::AnchoredCurve;
 use super::tensor::{deviator, inner, trace};
 use super::{
     DefaultValue, Elastic, Form, HEAT_COLUMN, MaterialAxes, ParameterRow, PointReal, Solid,
@@ -28,9 +31,13 @@ use crumple_proto::problem::Problem;
 
 const GRUNEISEN: &str = "eos_gruneisen";
 const POLYNOMIAL: &str = "eos_polynomial";
+const TABLE: &str = "eos_table";
 const CUTOFF: &str = "eos_min_pressure";
-/// Number of constants of either form.
+/// Number of constants of the first two forms.
 const CONSTANTS: usize = 6;
+/// Shear modulus of a fluid over its bulk modulus, in its elastic constants: they cannot be without
+/// any. No force follows from it.
+const FLUID_SHEAR: f64 = 1e-6;
 
 /// Keys of all laws.
 pub const EQUATION_OF_STATE: &[ParameterRow] = &[
@@ -51,25 +58,36 @@ pub const EQUATION_OF_STATE: &[ParameterRow] = &[
                   c3 mu^3 + (c4 + c5 mu + c6 mu^2) E`; c1 to c3 in force/length^2.",
     },
     ParameterRow {
+        key: TABLE,
+        form: Form::Table("[-ln V, C, gamma T]"),
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Pressure of solids by a table: `C + gamma T E` with V the volume over that at \
+                  the start, linear between its rows and beyond the first and the last; -ln V \
+                  ascends, and C ascends through 0 at 0.",
+    },
+    ParameterRow {
         key: CUTOFF,
         form: Form::Number,
         otherwise: DefaultValue::Absent,
         range: None,
-        meaning: "Least pressure of the equation of state, negative in tension: spall \
-                  [force/length^2].",
+        meaning: "Least pressure of the equation of state, negative in tension: spall; 0 is no \
+                  tension at all [force/length^2].",
     },
 ];
 
 /// A pressure by compression and energy.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum PressureForm {
     /// See above; with `rho c^2` [force/length^2] in place of c.
     Gruneisen([f64; CONSTANTS]),
     Polynomial([f64; CONSTANTS]),
+    /// C [force/length^2] and gamma T.
+    Table([AnchoredCurve; 2]),
 }
 
 /// The equation of a material.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Equation {
     form: PressureForm,
     /// Least pressure [force/length^2]; minus infinity if there is none.
@@ -98,36 +116,62 @@ pub fn split(material: &Material) -> Result<(Material, Option<Equation>), Vec<Pr
         }
         fits
     };
+    let given = [GRUNEISEN, POLYNOMIAL, TABLE].map(|key| material.parameters.contains_key(key));
     let gruneisen = list(GRUNEISEN, "[c, s1, s2, s3, gamma, a]");
     let polynomial = list(POLYNOMIAL, "[c1, c2, c3, c4, c5, c6]");
-    if gruneisen.is_some() && polynomial.is_some() {
-        wrong(POLYNOMIAL, "is given together with eos_gruneisen", "give only one of them");
+    let table = rest.parameters.remove(TABLE).map(|table| curves(&table));
+    if let Some(Err(help)) = &table {
+        wrong(TABLE, "is not valid", help);
+    }
+    if given.iter().filter(|given| **given).count() > 1 {
+        let what = "is given together with another equation of state";
+        let last = if given[2] { TABLE } else { POLYNOMIAL };
+        wrong(last, what, "give only one of them");
     }
     let cutoff = match rest.parameters.remove(CUTOFF) {
         None => f64::NEG_INFINITY,
-        Some(Param::Number(p)) if p.is_finite() && p < 0.0 => p,
+        Some(Param::Number(p)) if p.is_finite() && p <= 0.0 => p,
         Some(_) => {
-            wrong(CUTOFF, "is not valid", "it has to be below 0");
+            wrong(CUTOFF, "is not valid", "it has to be 0 or below");
             f64::NEG_INFINITY
         }
     };
-    let form = match (gruneisen, polynomial) {
-        (Some([c, rest @ ..]), _) => {
-            let [s1, s2, s3, gamma, a] = rest;
-            Some(PressureForm::Gruneisen([material.density * c * c, s1, s2, s3, gamma, a]))
-        }
-        (None, Some(constants)) => Some(PressureForm::Polynomial(constants)),
-        (None, None) => None,
+    let form = match (gruneisen, polynomial, table) {
+        (Some([c, rest @ ..]), ..) => Some(Equation::gruneisen(material.density, c, rest).form),
+        (None, Some(constants), _) => Some(PressureForm::Polynomial(constants)),
+        (None, None, Some(Ok(curves))) => Some(PressureForm::Table(curves)),
+        (None, None, _) => None,
     };
     if form.is_none() && cutoff > f64::NEG_INFINITY && problems.is_empty() {
         let message = format!("material '{name}': {CUTOFF} is given without an equation of state");
-        let help = "give eos_gruneisen or eos_polynomial, or use erosion_min_pressure";
+        let help = "give eos_gruneisen, eos_polynomial or eos_table, or use erosion_min_pressure";
         problems.push(Problem::error(CUTOFF, message, help));
     }
     if !problems.is_empty() {
         return Err(problems);
     }
     Ok((rest, form.map(|form| Equation { form, cutoff })))
+}
+
+/// Returns the curves C and gamma T of a table, or what it has to be.
+fn curves(table: &Param) -> Result<[AnchoredCurve; 2], &'static str> {
+    let Param::Table(rows) = table else { return Err("give rows [-ln V, C, gamma T]") };
+    let rows: Option<Vec<[f64; 3]>> = rows.iter().map(|row| row.as_slice().try_into().ok()).collect();
+    let Some(rows) = rows.filter(|rows| rows.as_flattened().iter().all(|x| x.is_finite())) else {
+        return Err("give rows of three numbers, [-ln V, C, gamma T]");
+    };
+    if rows.len() < 2 || rows.windows(2).any(|two| two[1][0] <= two[0][0]) {
+        return Err("give two rows or more, whose -ln V ascends");
+    }
+    let of = |at: usize| AnchoredCurve::new(rows.iter().map(|row| [row[0], row[at]]));
+    let [cold, thermal] = [of(1), of(2)];
+    let ascends = rows.windows(2).all(|two| two[1][1] >= two[0][1]);
+    // A pressure that is zero but for rounding is that of a state without stress.
+    let most = rows.iter().fold(0.0, |most: f64, row| most.max(row[1].abs()));
+    if cold.at_zero().abs() > 1e-9 * most || !ascends || cold.steepest_at_zero() <= 0.0 {
+        return Err("C has to be 0 at -ln V = 0, and may not descend; it ascends next to 0");
+    }
+    Ok([cold.through_zero(), thermal])
 }
 
 /// Pressure at a state: `A`, `B`, and their derivatives by mu.
@@ -139,20 +183,40 @@ struct Terms<R> {
 }
 
 impl Equation {
+    /// Creates the equation of Mie and Gruneisen with the constants s1, s2, s3, gamma and a.
+    pub fn gruneisen(density: f64, c: f64, [s1, s2, s3, gamma, a]: [f64; 5]) -> Self {
+        let form = PressureForm::Gruneisen([density * c * c, s1, s2, s3, gamma, a]);
+        Self { form, cutoff: f64::NEG_INFINITY }
+    }
+
+    /// Returns the pressure [force/length^2] at the compression `mu` with the energy E per volume at
+    /// the start, and its derivatives by `mu` and by E.
+    pub fn pressure(&self, mu: f64, energy: f64) -> [f64; 3] {
+        let Terms { a, b, d_a, d_b } = self.terms(mu, -mu.ln_1p());
+        [a + b * energy, d_a + d_b * energy, b]
+    }
+
     /// Returns the bulk modulus at the start [force/length^2].
     fn bulk_modulus(&self) -> f64 {
-        match self.form {
+        match &self.form {
             PressureForm::Gruneisen(c) | PressureForm::Polynomial(c) => c[0],
+            PressureForm::Table([cold, _]) => cold.steepest_at_zero(),
         }
     }
 
+    /// Computes the terms at the compression `mu` with the logarithm of the ratio of volumes.
     #[inline(always)]
-    fn terms<R: Real>(&self, mu: R) -> Terms<R> {
+    fn terms<R: Real>(&self, mu: R, volume_strain: R) -> Terms<R> {
         let (zero, one) = (R::zero(), R::splat(1.0));
         let compressed = mu.gt(zero);
         let in_compression = |x: R| R::select(compressed, x, zero);
-        match self.form {
-            PressureForm::Gruneisen([bulk, s1, s2, s3, gamma, a]) => {
+        match &self.form {
+            PressureForm::Table([cold, thermal]) => {
+                let per_mu = one / (one + mu);
+                let [[a, d_a], [b, d_b]] = [cold, thermal].map(|curve| curve.at(-volume_strain));
+                Terms { a, b, d_a: d_a * per_mu, d_b: d_b * per_mu }
+            }
+            &PressureForm::Gruneisen([bulk, s1, s2, s3, gamma, a]) => {
                 let [bulk, gamma, a] = [bulk, gamma, a].map(R::splat);
                 let half = R::splat(0.5);
                 let mu_c = in_compression(mu);
@@ -176,7 +240,7 @@ impl Equation {
                     d_b: a,
                 }
             }
-            PressureForm::Polynomial(constants) => {
+            &PressureForm::Polynomial(constants) => {
                 let [c1, c2, c3, c4, c5, c6] = constants.map(R::splat);
                 let (c2, c6) = (in_compression(c2), in_compression(c6));
                 let square = mu * mu;
@@ -204,6 +268,8 @@ struct WithEquation {
     energy: usize,
     stiffening: usize,
     failed: Option<usize>,
+    /// `8 eta/(3 M)` of a fluid [time], M its bulk modulus; see `fluid.rs`.
+    viscous: Option<f64>,
 }
 
 /// Gives a law of solids an equation of state, if there is one.
@@ -212,7 +278,16 @@ pub fn solid(
     law: Box<dyn Solid>,
     equation: Option<Equation>,
 ) -> Result<Box<dyn Solid>, Vec<Problem>> {
-    let Some(equation) = equation else { return Ok(law) };
+    let Some(equation) = equation else {
+        return match law.viscosity() {
+            None => Ok(law),
+            Some(_) => {
+                let message = format!("material '{}': a fluid has no pressure", material.name);
+                let help = "give it eos_gruneisen, eos_polynomial or eos_table";
+                Err(vec![Problem::error("law", message, help)])
+            }
+        };
+    };
     let mut names = law.history().to_vec();
     if names.contains(&"stiffening") {
         let Material { name, law, .. } = material;
@@ -223,7 +298,12 @@ pub fn solid(
     names.extend(["volume strain", HEAT_COLUMN, "stiffening"]);
     let failed = names.iter().position(|name| *name == "failed").map(|at| 6 + at);
     // Moduli of small strain: the bulk modulus of the equation, the shear modulus of the law.
-    let (bulk, shear) = (equation.bulk_modulus(), law.elastic().shear_modulus());
+    let bulk = equation.bulk_modulus();
+    let shear = match law.viscosity() {
+        None => law.elastic().shear_modulus(),
+        Some(_) => FLUID_SHEAR * bulk,
+    };
+    let viscous = law.viscosity().map(|eta| 8.0 / 3.0 * eta / bulk);
     let elastic = Elastic {
         youngs_modulus: 9.0 * bulk * shear / (3.0 * bulk + shear),
         poisson: 0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear),
@@ -240,6 +320,7 @@ pub fn solid(
         energy,
         stiffening,
         failed,
+        viscous,
     }))
 }
 
@@ -276,7 +357,7 @@ impl WithEquation {
 
         // 3. Pressure.
         let mu = one / volume - one;
-        let Terms { a, b, d_a, d_b } = self.equation.terms(mu);
+        let Terms { a, b, d_a, d_b } = self.equation.terms(mu, state[self.volume]);
         let below = (half * b).mul_add(d_v, one);
         let valid = below.gt(zero);
         // Too large a step has no solution either.
@@ -293,7 +374,15 @@ impl WithEquation {
         // 4. Stiffening.
         let bulk = (one + mu).mul_add(d_b.mul_add(energy, d_a), volume * pressure * b);
         let modulus = self.elastic.lame() + 2.0 * self.elastic.shear_modulus();
-        let more = (bulk - R::splat(self.elastic.bulk_modulus())) * R::splat(1.0 / modulus);
+        let more = (bulk - R::splat(self.equation.bulk_modulus())) * R::splat(1.0 / modulus);
+        let more = match self.viscous {
+            // A state without strain stays zero.
+            Some(viscous) if dt > 0.0 => {
+                let moved = strain.iter().fold(zero, |sum, e| sum + e.abs()).gt(zero);
+                more + R::select(moved, R::splat(viscous / dt), zero)
+            }
+            _ => more,
+        };
         state[self.stiffening] = R::select(alive, Real::max(more, zero), zero);
         left
     }
@@ -314,6 +403,9 @@ impl Solid for WithEquation {
     }
     fn averages_volume(&self) -> bool {
         false
+    }
+    fn viscosity(&self) -> Option<f64> {
+        self.law.viscosity()
     }
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
         self.point(point, dt)

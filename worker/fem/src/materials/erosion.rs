@@ -2,12 +2,12 @@
 //! ```text
 //! p >= max_pressure,   p <= min_pressure,   sigma_1 >= principal_stress,
 //! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain,
-//! -eps_z >= thinning,   eps_1 >= major_strain
+//! -eps_z >= thinning,   eps_1 >= major_strain,   -ln V >= compression
 //! ```
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
-//! logarithm of the ratio of volumes; a negative limit of it is one of compression. The last two
-//! are for shells: the strain through the thickness and the larger principal strain in the plane,
-//! both sums of the increments. A point fails as soon as one of them holds; its stress is zero from
+//! logarithm of the ratio of volumes; a negative limit of `volume_strain` is one of compression.
+//! Thinning and major strain are for shells: the strain through the thickness and the larger
+//! principal strain in the plane, both sums of the increments. A point fails as soon as one of them holds; its stress is zero from
 //! then on. Each criterion has the key of its name with `erosion_` before it.
 //!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
@@ -57,6 +57,11 @@ pub const EROSION: &[ParameterRow] = &[
         "erosion_major_strain",
         "Larger principal strain in the plane, logarithmic, from which on a point fails. For \
          shells.",
+    ),
+    row(
+        "erosion_compression",
+        "Logarithm of the volume at the start over the present one from which on a point fails. \
+         For solids.",
     ),
 ];
 
@@ -112,7 +117,7 @@ impl Erosion {
         limits: ErosionLimits,
         columns: &mut PointColumns,
     ) -> Result<Self, Vec<Problem>> {
-        let volume = limits[5].map(|_| columns.add("erosion volume"));
+        let volume = limits[5].or(limits[8]).map(|_| columns.add("erosion volume"));
         let thickness = limits[6].map(|_| columns.add("erosion thickness strain"));
         let plane = limits[7].map(|_| PLANE_STRAIN.map(|name| columns.add(name))[0]);
         let failed = columns.add("failed");
@@ -120,8 +125,8 @@ impl Erosion {
         let of_solid = columns.of_solid();
         let missing = if limits[4].is_some() && plastic_strain.is_none() {
             Some((EROSION[4].key, "the law has no plastic strain"))
-        } else if limits[5].is_some() && !of_solid {
-            Some((EROSION[5].key, "shells have no change of volume of their own"))
+        } else if let Some(at) = [5, 8].into_iter().find(|&at| limits[at].is_some() && !of_solid) {
+            Some((EROSION[at].key, "shells have no change of volume of their own"))
         } else {
             let of_shells = [6, 7].into_iter().find(|&at| limits[at].is_some() && of_solid);
             let why = "it is for shells, and a part of solids has this material";
@@ -159,8 +164,11 @@ impl Erosion {
         if let Some(column) = self.plastic_strain {
             at_least(state[column], self.limits[4]);
         }
-        if let (Some(column), Some(limit)) = (self.volume, self.limits[5]) {
-            at_least(R::splat(limit.signum()) * state[column], Some(limit.abs()));
+        if let Some(column) = self.volume {
+            if let Some(limit) = self.limits[5] {
+                at_least(R::splat(limit.signum()) * state[column], Some(limit.abs()));
+            }
+            at_least(-state[column], self.limits[8]);
         }
         if let Some(column) = self.thickness {
             at_least(-state[column], self.limits[6]);

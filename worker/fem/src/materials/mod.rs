@@ -13,8 +13,10 @@ mod elastic;
 mod equation_of_state;
 mod erosion;
 mod fabric;
+mod fluid;
 mod gissmo;
 mod honeycomb;
+mod isentrope;
 mod j2;
 mod johnson_cook;
 mod layered;
@@ -31,9 +33,10 @@ mod wrapped;
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
 pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
-pub use equation_of_state::EQUATION_OF_STATE;
+pub use equation_of_state::{EQUATION_OF_STATE, Equation};
 pub use erosion::EROSION;
 pub use gissmo::{GISSMO, SIZE_COLUMN};
+pub use isentrope::Isentrope;
 pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};
 pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
@@ -239,6 +242,12 @@ pub trait Solid: Send + Sync {
         true
     }
 
+    /// Returns the viscosity of a fluid [force*time/length^2]; `None` if the law is not one. A fluid
+    /// has no pressure of its own: it needs an equation of state.
+    fn viscosity(&self) -> Option<f64> {
+        None
+    }
+
     /// Updates stress and history over a step `dt` [time] of a group. Returns the norm of the
     /// deviator after plastic flow over that of the elastic trial (of the stress, in laws that
     /// limit all of it); one without plastic flow.
@@ -370,6 +379,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     rubber::polynomial::LAW,
     rubber::ogden::LAW,
     rubber::blatz_ko::LAW,
+    fluid::LAW,
     low_density_foam::LAW,
     crushable_foam::LAW,
     fabric::LAW,
@@ -423,6 +433,19 @@ pub fn elastic_of(material: &Material) -> Result<Option<Elastic>, Vec<Problem>> 
         }
         (None, None) => Err(vec![not_for(material, row, "solids", |law| law.solid.is_some())]),
     }
+}
+
+/// Returns the modulus [force/length^2] and the wave speed [length/time] that contact uses: Young's
+/// modulus and the speed in plates, and of fluids the bulk modulus and its speed. `None` if the
+/// material cannot be built, or is one of cohesive elements.
+pub fn contact_constants(material: &Material) -> Option<(f64, f64)> {
+    let elastic = elastic_of(material).ok().flatten()?;
+    let fluid = || build_solid(material).is_ok_and(|law| law.viscosity().is_some());
+    let sheets = row_of(material).is_ok_and(|row| row.build.is_some());
+    Some(match !sheets && fluid() {
+        true => (elastic.bulk_modulus(), elastic.dilatational_wave_speed()),
+        false => (elastic.youngs_modulus, elastic.plate_wave_speed()),
+    })
 }
 
 /// Builds the law of a solid's material. Returns all problems of the material if there are any,

@@ -62,6 +62,77 @@ impl RampCurve {
     }
 }
 
+/// A curve through its points, which goes on beyond both ends. At zero it has its value there to the
+/// last bit: it is that value, a slope, and changes of the slope on either side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnchoredCurve {
+    at_zero: f64,
+    /// Slope just below zero.
+    slope: f64,
+    /// Abscissas from zero on at which the slope changes, and the change.
+    above: Vec<(f64, f64)>,
+    /// The same below zero: the slope before the point less that after it.
+    below: Vec<(f64, f64)>,
+}
+
+impl AnchoredCurve {
+    /// Creates a curve from two points or more with ascending abscissas.
+    ///
+    /// # Panics
+    /// With fewer points.
+    pub fn new(points: impl Iterator<Item = [f64; 2]>) -> Self {
+        let points: Vec<[f64; 2]> = points.collect();
+        let slopes: Vec<f64> =
+            points.windows(2).map(|two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0])).collect();
+        let inner = &points[1..points.len() - 1];
+        let first = inner.partition_point(|point| point[0] < 0.0);
+        let slope = slopes[first];
+        let on_zero = points.iter().find(|point| point[0] == 0.0);
+        let through = |[x, y]: [f64; 2]| y - slope * x;
+        let at_zero = on_zero.map_or_else(|| through(points[first]), |point| point[1]);
+        let change = |k: usize| slopes[k + 1] - slopes[k];
+        Self {
+            at_zero,
+            slope,
+            above: (first..inner.len()).map(|k| (inner[k][0], change(k))).collect(),
+            below: (0..first).map(|k| (inner[k][0], -change(k))).collect(),
+        }
+    }
+
+    /// Returns the ordinate at zero.
+    pub fn at_zero(&self) -> f64 {
+        self.at_zero
+    }
+
+    /// Returns the curve with the ordinate zero at zero, shifted.
+    pub fn through_zero(self) -> Self {
+        Self { at_zero: 0.0, ..self }
+    }
+
+    /// Returns the larger of the slopes on the two sides of zero.
+    pub fn steepest_at_zero(&self) -> f64 {
+        let kink = self.above.iter().find(|(x, _)| *x == 0.0);
+        self.slope + kink.map_or(0.0, |(_, change)| change.max(0.0))
+    }
+
+    /// Returns the ordinate and the slope at an abscissa; at a point, the slope after it.
+    #[inline(always)]
+    pub fn at<R: Real>(&self, x: R) -> [R; 2] {
+        let (zero, mut slope) = (R::zero(), R::splat(self.slope));
+        let mut value = slope.mul_add(x, R::splat(self.at_zero));
+        for (side, above) in [(&self.above, true), (&self.below, false)] {
+            for &(start, change) in side {
+                let beyond = x - R::splat(start);
+                let counts = if above { beyond.ge(zero) } else { beyond.lt(zero) };
+                let change = R::select(counts, R::splat(change), zero);
+                value = change.mul_add(beyond, value);
+                slope += change;
+            }
+        }
+        [value, slope]
+    }
+}
+
 /// Curves at ascending values, linear between them; constant outside the values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveFamily {

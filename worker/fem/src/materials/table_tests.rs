@@ -43,7 +43,12 @@ fn sample(law: &Law) -> Material {
     let wanted = rows.filter(|r| {
         matches!(r.otherwise, DefaultValue::Needed | DefaultValue::Depends(_)) || r.key == "m"
     });
-    let parameters = wanted.map(|r| (r.key.to_string(), value(r.key))).collect();
+    let mut parameters: BTreeMap<_, _> =
+        wanted.map(|r| (r.key.to_string(), value(r.key))).collect();
+    if law.name == "fluid" {
+        let water = Param::List(vec![2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        parameters.insert("eos_polynomial".into(), water);
+    }
     Material { name: "sample".into(), law: law.name.into(), density: 7.85e-6, parameters }
 }
 

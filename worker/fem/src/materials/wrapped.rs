@@ -180,6 +180,9 @@ impl<A: LawModifier> Solid for Wrapped<dyn Solid, A> {
     fn averages_volume(&self) -> bool {
         self.law.averages_volume()
     }
+    fn viscosity(&self) -> Option<f64> {
+        self.law.viscosity()
+    }
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
         self.point(point, dt)
     }

@@ -38,20 +38,36 @@ pub struct DeckMaterial {
     pub youngs_modulus: f64,
     /// True if it has the pressure of an equation of state.
     pub takes_equation: bool,
+    /// True for a metal whose card has no bulk modulus.
+    pub is_hydro: bool,
     /// Least pressure that it has with an equation of state, if any [force/length^2].
     pub least_pressure: Option<(f64, Place)>,
     /// Place of the keyword.
     pub place: Place,
 }
 
+impl DeckMaterial {
+    /// Returns true if solids of this material have no pressure without an equation of state.
+    pub fn needs_equation(&self) -> bool {
+        self.fluid.is_some() || self.is_hydro
+    }
+}
+
 /// Young's modulus of a material that carries no load and has none, because a law needs one.
 const NO_MODULUS: f64 = 1.0;
 
-const KEYWORDS: [&str; 7] = [
+const HYDRO: &str = "MAT_ELASTIC_PLASTIC_HYDRO";
+
+/// Poisson's ratio of a metal whose bulk modulus is that of its equation of state: only its shear
+/// modulus has an influence.
+const OF_HYDRO: f64 = 0.3;
+
+const KEYWORDS: [&str; 8] = [
     "MAT_ELASTIC",
     "MAT_PLASTIC_KINEMATIC",
     "MAT_PIECEWISE_LINEAR_PLASTICITY",
     "MAT_JOHNSON_COOK",
+    HYDRO,
     "MAT_RIGID",
     "MAT_SPOTWELD",
     "MAT_NULL",
@@ -75,7 +91,8 @@ impl DeckConverter {
                 let is_soft = soft_materials::KEYWORDS.contains(&keyword);
                 let is_ply = composites::KEYWORDS.contains(&keyword);
                 let is_cohesive = cohesive::KEYWORDS.contains(&keyword);
-                let (mut table, mut e) = if is_soft || is_ply || is_cohesive {
+                let is_hydro = keyword == HYDRO;
+                let (mut table, mut e) = if is_soft || is_ply || is_cohesive || is_hydro {
                     (without_constants(&record, &name), 0.0)
                 } else {
                     elastic(&record, &name)
@@ -89,6 +106,7 @@ impl DeckConverter {
                     "MAT_PLASTIC_KINEMATIC" => self.plastic_kinematic(&record, &mut table),
                     "MAT_PIECEWISE_LINEAR_PLASTICITY" => self.piecewise(&record, &mut table),
                     "MAT_JOHNSON_COOK" => e = self.johnson_cook(&record, &mut table),
+                    HYDRO => e = hydro(&record, &mut table),
                     "MAT_RIGID" => rigid = Some(self.rigid_material(&record)),
                     "MAT_NULL" => {
                         let given = record.real("ym");
@@ -130,8 +148,9 @@ impl DeckConverter {
                     weld,
                     density,
                     youngs_modulus: e,
-                    takes_equation: keyword == "MAT_JOHNSON_COOK",
-                    least_pressure: self.least_pressure(&record),
+                    takes_equation: matches!(keyword, "MAT_JOHNSON_COOK" | "MAT_NULL" | HYDRO),
+                    is_hydro,
+                    least_pressure: self.least_pressure(keyword, &record),
                     place,
                 };
                 if materials.insert(id, material).is_some() {
@@ -431,6 +450,30 @@ fn without_constants(record: &CardRecord, name: &str) -> JobTable {
         record.place("ro"),
         record.real("ro"),
     )
+}
+
+/// Converts a metal with the pressure of an equation of state. Returns Young's modulus.
+fn hydro(record: &CardRecord, table: &mut JobTable) -> f64 {
+    let e = 2.0 * record.real("g") * (1.0 + OF_HYDRO);
+    table.put("law", record.head, "j2");
+    table.put("youngs_modulus", record.place("g"), e);
+    table.put("poisson", record.place("g"), OF_HYDRO);
+    let list = |name| record.lines(name).flat_map(|line| line.reals(name)).collect::<Vec<_>>();
+    let mut points: Vec<[f64; 2]> =
+        list("eps").into_iter().zip(list("es")).map(|(e, s)| [e, s]).collect();
+    while points.last() == Some(&[0.0, 0.0]) {
+        points.pop();
+    }
+    if points.is_empty() {
+        table.put("yield_stress", record.place("sigy"), record.real("sigy"));
+        table.put("hardening_modulus", record.place("eh"), record.real("eh"));
+    } else {
+        table.put("hardening", record.place("es"), rows(&starting_at_zero(points)));
+    }
+    if record.real("fs") > 0.0 {
+        table.put("failure_strain", record.place("fs"), record.real("fs"));
+    }
+    e
 }
 
 /// Returns the degrees of freedom that the constraint codes 0 to 7 fix.

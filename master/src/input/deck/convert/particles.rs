@@ -1,7 +1,7 @@
 //! Converts particles: `*ELEMENT_SPH`, parts with a `*SECTION_SPH`, `*CONTROL_SPH`.
 
 use super::DeckConverter;
-use super::equations::MURNAGHAN;
+use super::equations::{GRUNEISEN, MURNAGHAN};
 use super::materials::DeckMaterial;
 use super::sections::{DeckSection, Sections};
 use super::sets::id;
@@ -182,7 +182,7 @@ impl DeckConverter {
                 "part {pid}: particles are a fluid, but material {} is none",
                 record.integer("mid")
             );
-            let help = "give the part a *MAT_NULL and an *EOS_MURNAGHAN";
+            let help = "give the part a *MAT_NULL and an *EOS_MURNAGHAN or *EOS_GRUNEISEN";
             return self.trouble.error(record.place("mid"), message, help);
         };
         let Some(&(size, at)) = self.particle_sizes.get(&pid) else {
@@ -246,22 +246,27 @@ impl DeckConverter {
             (record.integer("pid"), record.integer("eosid"), record.place("eosid"));
         if eosid == 0 {
             let message = format!("part {pid}: particles need an equation of state");
-            self.trouble.error(place, message, "give eosid, the id of an *EOS_MURNAGHAN");
+            self.trouble.error(place, message, "give eosid, the id of an *EOS_MURNAGHAN or *EOS_GRUNEISEN");
             return None;
         }
         let equation = self.equation_card(eosid, place)?;
         let (modulus, gamma) = match equation.row.keyword.name {
+            GRUNEISEN => {
+                fluid.put("sound_speed", equation.place("c"), equation.real("c"));
+                let constants = ["s1", "s2", "s3", "gamao", "a"].map(|field| equation.real(field));
+                fluid.put("hugoniot", equation.place("s1"), constants);
+                return Some(equation.name());
+            }
             MURNAGHAN => ("k0", equation.real("gamma")),
             "EOS_LINEAR_POLYNOMIAL" if NOT_LINEAR.iter().all(|c| equation.real(c) == 0.0) => {
                 ("c1", 1.0)
             }
             _ => {
                 let message = format!(
-                    "part {pid}: {} of particles is not supported: their pressure is a power of \
-                     the density",
+                    "part {pid}: {} of particles is not supported",
                     equation.name()
                 );
-                let help = "use *EOS_MURNAGHAN with k0 = ro c^2 / gamma and the speed of sound c; \
+                let help = "use *EOS_GRUNEISEN, or *EOS_MURNAGHAN with k0 = ro c^2 / gamma and the speed of sound c; \
                             gamma is 7 for water";
                 self.trouble.error(place, message, help);
                 return None;
@@ -282,8 +287,18 @@ impl DeckConverter {
         } else if cutoff < 0.0 {
             fluid.put("tension", null.place("pc"), -cutoff);
         }
+        let mu = null.real("mu");
+        let number = |key| fluid.float(key).unwrap_or(0.0);
+        // About the viscosity of a flow that the artificial one with alpha 1 stands for.
+        let artificial = 0.1 * number("density") * number("sound_speed") * number("spacing");
+        if mu > 0.01 * artificial {
+            let why = "particles have the artificial viscosity only, which has to be far larger";
+            self.unsupported_value(null, "mu", why);
+        } else if mu != 0.0 {
+            let why = format!("not used: the artificial viscosity is {:.0e} times it", artificial / mu);
+            self.map(null.name(), format!("mu {mu:?}"), why);
+        }
         for (field, why) in [
-            ("mu", "particles have no viscosity but the artificial one; use 0"),
             ("terod", "particles are not deleted; use 0"),
             ("cerod", "particles are not deleted; use 0"),
         ] {

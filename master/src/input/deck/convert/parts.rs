@@ -289,10 +289,11 @@ impl DeckConverter {
                     "a skin: it has contact and mass, and carries no load",
                 );
             }
+            // With an equation of state it is a fluid.
+            (true, SectionKind::Solid) => {}
             (true, _) => {
                 let message = format!(
-                    "part {id}: *MAT_NULL is supported for shells and \
-                     particles only"
+                    "part {id}: *MAT_NULL is supported for shells, solids and particles only"
                 );
                 self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
             }

@@ -22,6 +22,11 @@ impl JobTable {
         self.entries.insert(key.into(), Entry { key: place, node });
     }
 
+    /// Removes a value.
+    pub fn remove(&mut self, key: &str) {
+        self.entries.remove(key);
+    }
+
     /// Sets a value and returns the table.
     pub fn with(mut self, key: &str, place: Place, value: impl Into<NodeContent>) -> Self {
         self.put(key, place, value);

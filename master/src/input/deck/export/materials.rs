@@ -43,6 +43,13 @@ const OF_BOTH_SIGNS: [&str; 3] =
 const EQUATIONS: [(&str, &str, usize); 2] =
     [("eos_gruneisen", "EOS_GRUNEISEN", 1), ("eos_polynomial", "EOS_LINEAR_POLYNOMIAL", 2)];
 
+/// Key of an equation of state by a table.
+const TABLE: &str = "eos_table";
+
+/// Law of fluids of solids, and the key of its least pressure.
+const FLUID: &str = "fluid";
+const LEAST_PRESSURE: &str = "eos_min_pressure";
+
 /// A material under construction.
 pub(super) struct MaterialCards<'m> {
     pub material: &'m Material,
@@ -174,7 +181,7 @@ pub fn write<'m>(
         let mut read = law(deck, &cards);
         erosion(deck, &cards, &mut read);
         damage::gissmo(deck, &cards, &mut read);
-        if material.law == "johnson_cook" && of_solids(material) {
+        if ["johnson_cook", FLUID].contains(&&*material.law) && of_solids(material) {
             equations.extend(equation(deck, &cards, &mut read).map(|id| (&*material.name, id)));
         }
         account(deck, material, &read);
@@ -193,6 +200,7 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         }
         "j2" => metals::j2(deck, cards, &mut read),
         "johnson_cook" => metals::johnson_cook(deck, cards, &mut read),
+        FLUID => fluid(deck, cards, &mut read),
         "barlat" => barlat::sheet(deck, cards, &mut read),
         "orthotropic" => {
             composites::ply(deck, cards);
@@ -212,6 +220,18 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         }
     }
     read
+}
+
+/// Writes a fluid of solids. Blank is a fluid without tension.
+fn fluid(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
+    let cutoff = match cards.has(LEAST_PRESSURE) {
+        true => cards.field(LEAST_PRESSURE),
+        false => Number(-1e20),
+    };
+    cards.head(deck, "MAT_NULL");
+    let density = Number(cards.material.density);
+    deck.card(&[Id(cards.mid), density, cutoff, cards.field("viscosity")]);
+    cards.keep(read, &["viscosity", LEAST_PRESSURE]);
 }
 
 /// Writes criteria of failure.
@@ -245,14 +265,27 @@ fn equation(
     cards: &MaterialCards<'_>,
     read: &mut CardParameters,
 ) -> Option<u64> {
-    let &(key, keyword, before) = EQUATIONS.iter().find(|(key, ..)| cards.has(key))?;
-    deck.keyword(keyword);
-    let blanks = vec![Blank; before - 1];
-    let constants: Vec<CardValue> = cards.list(key).iter().map(|&c| Number(c)).collect();
-    deck.card(&[&[Id(cards.mid)][..], &blanks, &constants].concat());
-    cards.keep(read, &[key]);
-    if cards.number("eos_min_pressure") < 0.0 {
-        cards.keep(read, &["eos_min_pressure"]);
+    if cards.has(TABLE) {
+        let rows: Vec<&Vec<f64>> = cards.rows(TABLE).iter().rev().collect();
+        // A curve ascends in ln V.
+        let mut curve = |column: usize| {
+            let curve: Vec<[f64; 2]> = rows.iter().map(|row| [0.0 - row[0], row[column]]).collect();
+            Id(points(deck, &curve))
+        };
+        let [cold, thermal] = [curve(1), curve(2)];
+        deck.keyword("EOS_TABULATED");
+        deck.card(&[Id(cards.mid), Number(1.0), Blank, Blank, cold, thermal]);
+        cards.keep(read, &[TABLE]);
+    } else {
+        let &(key, keyword, before) = EQUATIONS.iter().find(|(key, ..)| cards.has(key))?;
+        deck.keyword(keyword);
+        let blanks = vec![Blank; before - 1];
+        let constants: Vec<CardValue> = cards.list(key).iter().map(|&c| Number(c)).collect();
+        deck.card(&[&[Id(cards.mid)][..], &blanks, &constants].concat());
+        cards.keep(read, &[key]);
+    }
+    if cards.number(LEAST_PRESSURE) < 0.0 {
+        cards.keep(read, &[LEAST_PRESSURE]);
     }
     Some(cards.mid)
 }

@@ -17,13 +17,11 @@ fn mass(fluid: &ParticlesInput) -> f64 {
 pub fn part(deck: &mut DeckWriter, part: &Part, fluid: &ParticlesInput, mid: u64) {
     let id = u64::from(part.id);
     let name = line(&part.name);
-    let modulus = fluid.bulk_modulus() / fluid.exponent;
     deck.keyword("MAT_NULL_TITLE");
     deck.text(&format!("{name}, {id}"));
     let cutoff = if fluid.tension == 0.0 { Blank } else { Number(-fluid.tension) };
     deck.card(&[Id(mid), Number(fluid.density), cutoff]);
-    deck.keyword("EOS_MURNAGHAN");
-    deck.card(&[Id(mid), Number(fluid.exponent), Number(modulus)]);
+    let speed = equation(deck, fluid, mid);
     deck.keyword("SECTION_SPH");
     deck.card(&[Id(id), Number(fluid.smoothing), Number(1.0), Number(1.0)]);
     // Zeros on a card mean the defaults.
@@ -40,7 +38,6 @@ pub fn part(deck: &mut DeckWriter, part: &Part, fluid: &ParticlesInput, mid: u64
 
     let [mut without, mut digits] = [Table::new(), Table::new()];
     let spacing = ParticleSize::Mass(mass(fluid)).spacing(fluid.density);
-    let speed = sound_speed(modulus, fluid.exponent, fluid.density);
     let read = [("spacing", fluid.spacing, spacing), ("sound_speed", fluid.sound_speed, speed)];
     for (key, x, _) in read.iter().filter(|(_, x, back)| x.to_bits() != back.to_bits()) {
         digits.insert(key.to_string(), (*x).into());
@@ -60,6 +57,21 @@ pub fn part(deck: &mut DeckWriter, part: &Part, fluid: &ParticlesInput, mid: u64
     if !digits.is_empty() {
         deck.digits("part", entry(digits));
     }
+}
+
+/// Writes the equation of state of a fluid. Returns the speed of sound that a reader has
+/// [length/time].
+fn equation(deck: &mut DeckWriter, fluid: &ParticlesInput, eosid: u64) -> f64 {
+    if let Some(constants) = fluid.hugoniot {
+        deck.keyword("EOS_GRUNEISEN");
+        let numbers = [fluid.sound_speed].into_iter().chain(constants).map(Number);
+        deck.card(&[Id(eosid)].into_iter().chain(numbers).collect::<Vec<_>>());
+        return fluid.sound_speed;
+    }
+    let (exponent, modulus) = (fluid.exponent(), fluid.bulk_modulus() / fluid.exponent());
+    deck.keyword("EOS_MURNAGHAN");
+    deck.card(&[Id(eosid), Number(exponent), Number(modulus)]);
+    sound_speed(modulus, exponent, fluid.density)
 }
 
 /// Writes the elements in the order of their ids. A reader numbers them from the largest id of

@@ -1,6 +1,7 @@
 //! Materials.
 
 use super::title;
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, *},
@@ -23,6 +24,16 @@ const fn spring(
     note: &'static str,
 ) -> Keyword {
     Keyword::new(name, cards, note).aliases(aliases).options(&["TITLE"])
+}
+
+/// Returns the number of lines of each list of a table without curves: two of five fields.
+fn without_curves(record: &CardRecord) -> usize {
+    if record.integer("lcc") == 0 { 2 } else { 0 }
+}
+
+/// Returns 1, for the line of spall, with the option `SPALL`.
+fn spalls(record: &CardRecord) -> usize {
+    usize::from(record.has("SPALL"))
 }
 
 pub const KEYWORDS: &[Keyword] = &[
@@ -178,8 +189,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eosid:i! c:r! s1:r s2:r s3:r gamao:r a:r e0:r", Once),
             ("v0:r unused:r lcid:i", Maybe),
         ],
-        "`eos_gruneisen` of the MAT_JOHNSON_COOK of parts of solids with this eosid; the volume at \
-         the start is 1, the energy 0",
+        "`eos_gruneisen` of the MAT_JOHNSON_COOK, MAT_ELASTIC_PLASTIC_HYDRO or MAT_NULL of parts of \
+         solids with this eosid; the volume at the start is 1, the energy 0",
     )
     .unused(&[no_effect("unused lcid", "they are for energy that is deposited")])
     .aliases(&["EOS_004", "EOS_4"])
@@ -191,11 +202,45 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eosid:i! c0:r c1:r! c2:r c3:r c4:r c5:r c6:r", Once),
             ("e0:r v0:r", Maybe),
         ],
-        "`eos_polynomial` of the MAT_JOHNSON_COOK of parts of solids with this eosid; pressure and \
-         energy at the start (c0, e0) are 0, the volume is 1",
+        "`eos_polynomial` of the materials of parts of solids with this eosid, as EOS_GRUNEISEN; \
+         pressure and energy at the start (c0, e0) are 0, the volume is 1",
     )
     .aliases(&["EOS_001", "EOS_1"])
     .options(&["TITLE"]),
+    Keyword::new(
+        "EOS_TABULATED",
+        &[
+            ("heading:l", Count(title)),
+            ("eosid:i! gama:r e0:r v0:r lcc:i lct:i", Once),
+            ("ev:r16*5", Count(without_curves)),
+            ("c:r16*5", Count(without_curves)),
+            ("t:r16*5", Count(without_curves)),
+        ],
+        "`eos_table` of the materials of parts of solids with this eosid, as EOS_GRUNEISEN: \
+         pressure and temperature over ln V by ev, c and t, or by the curves lcc and lct; the \
+         volume at the start is 1, the energy 0",
+    )
+    .aliases(&["EOS_009", "EOS_9"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_ELASTIC_PLASTIC_HYDRO",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! g:r! sigy:r eh:r pc:r fs:r charl:r", Once),
+            ("a1:r a2:r spall:r", Count(spalls)),
+            ("eps:r*8", AtMost(|_| 2)),
+            ("es:r*8", AtMost(|_| 2)),
+        ],
+        "law `j2` of solids with the shear modulus g and the pressure of the equation of state of \
+         the part; eps and es, or sigy with the plastic modulus eh; pc is `eos_min_pressure`, fs is \
+         `failure_strain`",
+    )
+    .unused(&[
+        refused("a1 a2", "a yield stress that depends on the pressure"),
+        refused("charl", "a strain that depends on the size of elements"),
+    ])
+    .aliases(&["MAT_010", "MAT_10"])
+    .options(&["SPALL", "TITLE"]),
     Keyword::new(
         "MAT_RIGID",
         &[
@@ -316,9 +361,11 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],
-        "parts of shells are `skin`; those of particles are a fluid, see SECTION_SPH: mu (its \
-         viscosity), terod and cerod (its erosion) are not supported. Solids (fluids) are not \
-         supported. ym and pr are for contact that needs a stiffness",
+        "parts of shells are `skin`; those of particles are a fluid, see SECTION_SPH: terod \
+         and cerod (its erosion) are not supported. Solids have the law `fluid` \
+         with an equation of state: mu is `viscosity`, pc `eos_min_pressure`, terod and cerod \
+         `erosion_volume_strain` and `erosion_compression`. ym and pr are for contact that needs a \
+         stiffness",
     )
     .aliases(&["MAT_009", "MAT_9"])
     .options(&["TITLE"]),

@@ -24,10 +24,12 @@ pub const KEYWORDS: &[Keyword] = &[
             ),
         ],
         "`[part.particles]` of the parts that refer to it, with a MAT_NULL (pc is minus the \
-         `tension`; 0 for none) and an EOS_MURNAGHAN, or an EOS_LINEAR_POLYNOMIAL with c1 alone \
-         (`exponent` 1). cslh is `smoothing`, in spacings; with sphini the smoothing length is \
-         that. It is constant, as with hmin 1 and hmax 1. q2 and q1 of the HOURGLASS of the part, \
-         or of CONTROL_BULK_VISCOSITY, are `viscosity`. Other materials are not supported",
+         `tension`; 0 for none) and an EOS_MURNAGHAN, an EOS_GRUNEISEN (`hugoniot`), or an \
+         EOS_LINEAR_POLYNOMIAL with c1 alone (`exponent` 1). A mu of MAT_NULL far below the \
+         artificial viscosity is not used; a larger one is not supported. cslh is `smoothing`, in \
+         spacings; with sphini the smoothing length is that. It is constant, as with hmin 1 and \
+         hmax 1. q2 and q1 of the HOURGLASS of the part, or of CONTROL_BULK_VISCOSITY, are \
+         `viscosity`. Other materials are not supported",
     )
     .unused(&[
         refused("death start", "particles that act for some time only"),

@@ -46,6 +46,9 @@ pub struct Hourglass {
     pub form: HourglassForm,
     /// kappa or r.
     pub coefficient: f64,
+    /// Elastic constants of the modes: those of the law, or of a fluid those with which M is its bulk
+    /// modulus.
+    pub elastic: Elastic,
 }
 
 /// Data of a step that the hourglass modes use.
@@ -76,27 +79,25 @@ impl Hourglass {
     #[inline(always)]
     pub fn update<R: Real>(
         &self,
-        elastic: &Elastic,
         step: &HourglassStep<'_, R>,
         history: &mut [R],
     ) -> ([[R; 3]; HOURGLASS_MODES], R) {
         match self.form {
-            HourglassForm::AssumedStrain => assumed_strain(elastic, step, history),
-            HourglassForm::Stiffness => self.perturbation(elastic, step, history, false),
-            HourglassForm::Viscous => self.perturbation(elastic, step, history, true),
+            HourglassForm::AssumedStrain => assumed_strain(&self.elastic, step, history),
+            HourglassForm::Stiffness => self.perturbation(step, history, false),
+            HourglassForm::Viscous => self.perturbation(step, history, true),
         }
     }
 
     #[inline(always)]
     fn perturbation<R: Real>(
         &self,
-        elastic: &Elastic,
         step: &HourglassStep<'_, R>,
         history: &mut [R],
         viscous: bool,
     ) -> ([[R; 3]; HOURGLASS_MODES], R) {
-        let shear = elastic.shear_modulus();
-        let modulus = (elastic.lame() + 2.0 * shear).min(3.5 * shear);
+        let shear = self.elastic.shear_modulus();
+        let modulus = (self.elastic.lame() + 2.0 * shear).min(3.5 * shear);
         let volume = step.end_gradient.volume();
         let unit = R::splat(modulus / 16.0) * volume * step.gram_trace;
         let factor = if viscous {

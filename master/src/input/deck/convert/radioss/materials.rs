@@ -63,6 +63,7 @@ impl StarterConverter {
                 density,
                 youngs_modulus,
                 takes_equation: false,
+                is_hydro: false,
                 least_pressure: None,
                 place,
             };
