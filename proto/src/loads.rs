@@ -75,7 +75,8 @@ pub struct PrescribedMotion {
     pub dofs: u64,
     /// Quantity that `amount` is.
     pub form: MotionForm,
-    /// Displacement, velocity, acceleration or rotational velocity, multiplied by the curve.
+    /// Displacement, velocity, acceleration, rotational velocity or rotation, multiplied by the
+    /// curve.
     pub amount: [f64; 3],
     /// Index of its curve; constant if `None`.
     pub curve: Option<usize>,
@@ -105,6 +106,26 @@ pub enum MotionForm {
         /// Point on the axis [length].
         centre: [f64; 3],
     },
+    /// Rotation about an axis through `centre` [rad].
+    Rotation {
+        /// Point on the axis [length].
+        centre: [f64; 3],
+    },
+}
+
+impl MotionForm {
+    /// Returns the point on the axis of a rotation; `None` for a translation.
+    pub fn centre(self) -> Option<[f64; 3]> {
+        match self {
+            Self::Spin { centre } | Self::Rotation { centre } => Some(centre),
+            Self::Displacement | Self::Velocity | Self::Acceleration => None,
+        }
+    }
+
+    /// Returns true if the curve is that of the place, not of its derivatives.
+    pub fn is_place(self) -> bool {
+        matches!(self, Self::Displacement | Self::Rotation { .. })
+    }
 }
 
 impl ResolvedLoads {

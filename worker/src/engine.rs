@@ -84,7 +84,7 @@ pub struct Engine {
     pub timer: Timer,
     /// Number of updates of the contact surface because elements have failed.
     pub erosions: u64,
-    /// Own shells that were inverted and deleted and are not reported yet.
+    /// Own elements that were deleted, see `part.inverted`, and are not reported yet.
     pub inverted: Vec<crumple_proto::ids::ElemId>,
     /// Mean element centre at the last repartition or membership update [length].
     centre: [f64; 3],

@@ -53,7 +53,7 @@ pub struct RunningWorker {
     stopped: bool,
     /// True after a warning that an edge crosses a surface.
     crossed: bool,
-    /// Number of inverted shells named in warnings.
+    /// Number of deleted elements named in warnings.
     named: u64,
     /// True if a checkpoint is ordered, and if a copy in memory is.
     checkpoint_due: bool,

@@ -192,7 +192,8 @@ fn element_forces(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { clock, nodes, blocks, halo, loads, .. } = engine;
+    let Engine { clock, nodes, blocks, halo, loads, settings, .. } = engine;
+    blocks.least_dt = clock.least_dt(settings);
     for portion in Portion::ALL {
         let dt = clock.last_dt;
         cycle.totals.add(&blocks.add_internal_forces(nodes, dt, cycle.set, portion));

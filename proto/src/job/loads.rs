@@ -66,7 +66,7 @@ pub struct PressureInput {
 }
 
 /// Prescribed motion of a node set or a rigid body: exactly one of `velocity`, `displacement`,
-/// `acceleration` and `spin`. Contact and walls do not change it.
+/// `acceleration`, `spin` and `rotation`. Contact and walls do not change it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotionInput {
@@ -77,8 +77,8 @@ pub struct MotionInput {
     #[serde(default)]
     pub rigid: Option<String>,
     /// Prescribed degrees of freedom: any of x, y, z, rx, ry, rz. The others stay free. Default x,
-    /// y, z; with `spin` all six, or rx, ry, rz for a rigid body. Without `spin`, rotations that
-    /// are named here are fixed.
+    /// y, z; with `spin` or `rotation` all six, or rx, ry, rz for a rigid body. Without them,
+    /// rotations that are named here are fixed.
     #[serde(default)]
     pub dofs: Vec<String>,
     /// Velocity [length/time].
@@ -93,6 +93,10 @@ pub struct MotionInput {
     /// Rotational velocity about a fixed axis through `centre` [1/time].
     #[serde(default)]
     pub spin: Option<[f64; 3]>,
+    /// Rotation about a fixed axis through `centre`, as a vector along it [rad]. Its curve must
+    /// start at 0.
+    #[serde(default)]
+    pub rotation: Option<[f64; 3]>,
     /// Point on the axis [length]; not for a rigid body.
     #[serde(default)]
     pub centre: [f64; 3],

@@ -124,6 +124,86 @@ fn shot_sheet(inverted: &str, element: &str) -> Model {
     model_of(&text, &[])
 }
 
+/// Returns a job with a block of solids whose upper middle node is shot into it, above a plate.
+fn shot_block(cut: Cut, inverted: &str) -> Model {
+    const N: usize = 4;
+    let mut scene = Scene::default();
+    scene.cut(cut);
+    let id = |i: usize, j: usize, k: usize| 1 + ((k * (N + 1) + j) * (N + 1) + i) as u32;
+    for k in 0..=N {
+        for j in 0..=N {
+            (0..=N).for_each(|i| _ = scene.node([i, j, k].map(|c| SIDE * c as f64)));
+        }
+    }
+    for k in 0..N {
+        for j in 0..N {
+            for i in 0..N {
+                let face = |k| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
+                let (low, high) = (face(k), face(k + 1));
+                let corner = |c: usize| if c < 4 { low[c] } else { high[c - 4] };
+                scene.solid(1, std::array::from_fn(corner));
+            }
+        }
+    }
+    let plate = |i: usize, j: usize| [SIDE * i as f64, SIDE * j as f64, -30.0];
+    scene.lattice(2, [N, N], plate);
+    scene.set_named("shot", &[id(N / 2, N / 2, N)]);
+    let text = format!(
+        r#"
+        title = "A node that is shot into a block"
+        units = "mm, ms, kg"
+        end_time = 0.01
+        {}
+        [time]
+        dt_min_ratio = 0.3
+        [[material]]
+        name = "steel"
+        law = "j2"
+        density = 7.85e-6
+        youngs_modulus = 210.0
+        poisson = 0.3
+        yield_stress = 0.25
+        [[part]]
+        id = 1
+        material = "steel"
+        inverted = "{inverted}"
+        [[part]]
+        id = 2
+        material = "steel"
+        thickness = 1.0
+        [[initial_velocity]]
+        nodes = "shot"
+        velocity = [300.0, 200.0, -40000.0]
+        [contact]
+        "#,
+        scene.mesh_text(),
+    );
+    model_of(&text, &[])
+}
+
+/// Solids that are inverted, or whose step falls too far, end the run. If their part permits
+/// deletion, the run goes on without them, with the same bits on any number of workers.
+#[test]
+fn collapsed_solids_end_the_run_or_leave_it() {
+    for cut in [Cut::Whole, Cut::Tetrahedra] {
+        let stopped = run_side_by_side(&shot_block(cut, "stop"), 1, 400, 0);
+        assert!(stopped.trouble.is_some(), "{}: the scene must lose a solid", cut.name());
+        let model = shot_block(cut, "delete");
+        let mut named = 0;
+        let end = run_alone(&model, |e| named = e.inverted.len());
+        let all = &end.blocks.elements;
+        let failed: Vec<_> = all.iter().filter(|e| e.record.failed).map(|e| e.record.id).collect();
+        assert!(!failed.is_empty() && 4 * failed.len() < all.len(), "{}", failed.len());
+        assert_eq!(named, failed.len(), "{}: each is named", cut.name());
+        let alone = run_side_by_side(&model, 1, 400, 0);
+        assert_eq!(alone.trouble, None, "{}", cut.name());
+        for (workers, every) in [(2, 0), (3, 7)] {
+            let many = run_side_by_side(&model, workers, 400, every);
+            assert_eq!(many.digest(), alone.digest(), "{}, {workers} workers", cut.name());
+        }
+    }
+}
+
 /// An inverted shell ends the run. If its part permits deletion, it leaves the contact surface
 /// and the sums instead, whichever worker owns it.
 #[test]

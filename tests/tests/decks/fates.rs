@@ -59,7 +59,7 @@ fn no_given_field_is_without_a_word() {
         "dtinit",
         "isdo 1",
         "`tslimt`",
-        "`erode` = 1",
+        "erode 1",
         "ms1st 1",
         "vdc 20",
         "sapr 1",

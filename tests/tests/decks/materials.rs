@@ -151,7 +151,7 @@ fn equations_of_state() {
     let other =
         with(gruneisen, 3).replace("2,2,7,3\n", "2,2,1,3\n").replace("1,1,1\n", "1,1,1,3\n");
     let said = crumple::input::check::describe(&model_of(&other));
-    for words in ["only *MAT_JOHNSON_COOK takes", "only solids have a pressure"] {
+    for words in ["the material has a pressure of its own", "only solids have a pressure"] {
         assert!(said.contains(words), "{words}: {said}");
     }
     let folder = tempfile::tempdir().unwrap();
@@ -431,4 +431,97 @@ fn cubes_of_rubber_and_foam_have_the_energy_of_their_closed_forms() {
     // Stress G_long sin(gamma) of simple shear in axes that turn with the spin.
     let [slow, _] = sheared[7];
     assert!((slow / (0.0005 * (1.0 - 1.0f64.cos())) - 1.0).abs() < 1e-3, "{slow:e}");
+}
+
+/// A null material of solids is a fluid with the pressure of its part; limits of its volume are
+/// criteria of failure. The table of the pressure may be in the card or in curves.
+#[test]
+fn null_solids_are_fluids() {
+    let metal = "*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n";
+    let null = "*MAT_NULL\n7,1.0e-6,-0.25,1e-6,2.0,0.5\n";
+    let listed = "*EOS_TABULATED\n3,0.5\n0.1,0.0,-0.1,-0.2\n\n-5.0,0.0,0.3,1.5\n\n\
+                  0.8,0.8,0.8,1.2\n\n";
+    let curves = "*EOS_TABULATED\n3,0.5,,,21,22\n*DEFINE_CURVE\n21\n-0.2,1.5\n-0.1,0.3\n0.0,0.0\n\
+                  0.1,-5.0\n*DEFINE_CURVE\n22\n-0.2,1.2\n-0.1,0.8\n0.0,0.8\n0.1,0.8\n";
+    let with = |null: &str, eos: &str, eosid: i64| {
+        let deck = format!("{BASE}{MOVES}{metal}{null}{eos}");
+        deck.replace("2,2,1\n", &format!("2,2,7,{eosid}\n"))
+    };
+    for eos in [listed, curves] {
+        let model = model_of(&with(null, eos, 3));
+        let fluid = model.job.material.iter().find(|m| m.name == "mat-7").expect("the fluid");
+        assert_eq!(fluid.law, "fluid");
+        for (key, value) in [
+            ("viscosity", "0.000001"),
+            ("eos_min_pressure", "-0.25"),
+            ("eos_table", "[[-0.1, -5.0, 0.4], [0.0, 0.0, 0.4], [0.1, 0.3, 0.4], [0.2, 1.5, 0.6]]"),
+        ] {
+            let got = fluid.parameters.get(key).map(|value| value.to_string());
+            assert_eq!(got.as_deref(), Some(value), "{key}");
+        }
+        for key in ["erosion_volume_strain", "erosion_compression"] {
+            let limit = fluid.parameters.get(key).and_then(|value| value.as_float());
+            assert_eq!(limit, Some(2.0f64.ln()), "{key}");
+        }
+        assert!(!fluid.parameters.contains_key("youngs_modulus"));
+    }
+    // Without a limit no tension is carried.
+    let model = model_of(&with("*MAT_NULL\n7,1.0e-6\n", listed, 3));
+    let cut = model.job.material.iter().find_map(|m| m.parameters.get("eos_min_pressure"));
+    assert_eq!(cut.and_then(|value| value.as_float()), Some(0.0));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    for (deck, words) in [
+        (with(null, listed, 0), "part 2: its material 7 has no pressure without an equation"),
+        (with(&null.replace("-0.25", "0.25"), listed, 3), "`pc` = 0.25 is above 0"),
+        (with(&null.replace("2.0,0.5", "0.5,0.5"), listed, 3), "`terod` = 0.5 never fails"),
+        (with(null, &curves.replace("-0.1,0.8", "-0.15,0.8"), 3), "`lct` = 22"),
+        (with(null, &listed.replace("0.0,0.3,1.5", "0.2,0.3,1.5"), 3), "C has to be 0"),
+        (
+            with(null, "*EOS_MURNAGHAN\n3,7.0,0.343\n", 3),
+            "part 2: *EOS_MURNAGHAN is for particles only",
+        ),
+    ] {
+        fs::write(&path, format!("{deck}*END\n")).unwrap();
+        let text = crumple::input::job::read(&path, &[]).err().expect(words).to_string();
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+/// A metal without a bulk modulus takes it from the equation of state of its part.
+#[test]
+fn a_hydrodynamic_metal_has_the_shear_modulus_of_its_card() {
+    let metal = "*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n";
+    let eos = "*EOS_GRUNEISEN\n3,3940.0,1.489,,,2.02,0.47\n";
+    let with = |hydro: &str, eosid: i64| {
+        let deck = format!("{BASE}{MOVES}{metal}{hydro}{eos}");
+        deck.replace("2,2,1\n", &format!("2,2,7,{eosid}\n"))
+    };
+    let shear = |hydro: &str| {
+        let model = model_of(&with(hydro, 3));
+        let material = model.job.material.iter().find(|m| m.name == "mat-7").expect("the metal");
+        assert_eq!(material.law, "j2");
+        let number = |key: &str| material.parameters.get(key).and_then(|value| value.as_float());
+        let [e, nu] = ["youngs_modulus", "poisson"].map(|key| number(key).expect(key));
+        assert!((e / (2.0 * (1.0 + nu)) - 46.0).abs() < 1e-12);
+        material.parameters.clone()
+    };
+    let linear = shear("*MAT_ELASTIC_PLASTIC_HYDRO\n7,8.93e-6,46.0,0.3,0.5,-1.5,0.8\n");
+    for (key, value) in [
+        ("yield_stress", 0.3),
+        ("hardening_modulus", 0.5),
+        ("eos_min_pressure", -1.5),
+        ("failure_strain", 0.8),
+    ] {
+        assert_eq!(linear.get(key).and_then(|value| value.as_float()), Some(value), "{key}");
+    }
+    let curve = shear("*MAT_010_SPALL\n7,8.93e-6,46.0\n,,2.0\n0.0,0.1\n\n0.3,0.4\n\n");
+    let hardening = curve.get("hardening").map(|value| value.to_string());
+    assert_eq!(hardening.as_deref(), Some("[[0.0, 0.3], [0.1, 0.4]]"));
+    assert!(!curve.contains_key("eos_min_pressure"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{}*END\n", with("*MAT_010\n7,8.93e-6,46.0,0.3\n", 0))).unwrap();
+    let text = crumple::input::job::read(&path, &[]).err().expect("no pressure").to_string();
+    assert!(text.contains("its material 7 has no pressure"), "{text}");
 }

@@ -132,7 +132,7 @@ fn wrong_cards_are_named() {
         (&[("0.343", "0.343,0.9")], "`v0` = 0.9 is not supported"),
         (&[("1.3,1.0,1.0", "2.5,1.0,1.0")], "smoothing is 2.5"),
         (
-            &[(equation, "*EOS_TABULATED\n3,1.0\n")],
+            &[(equation, "*EOS_TABULATED\n3,1.0,,,5\n")],
             "*EOS_TABULATED of particles is not supported",
         ),
         (
@@ -142,7 +142,6 @@ fn wrong_cards_are_named() {
         (&[("31,3,8.0e-6", "31,1,8.0e-6")], "part 1 (plate): it has particles"),
         (&[(ELEMENTS, "*CONTROL_SPH\n,,,2\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`idim` = 2"),
         (&[(ELEMENTS, "*CONTROL_SPH\n,,,,,7\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`form` = 7"),
-        (&[(ELEMENTS, "*CONTROL_SPH\n,5\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`boxid` = 5"),
         (&[(ELEMENTS, "*CONTROL_SPH\n\n1\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`cont` = 1"),
     ];
     for (changes, what) in cases {
@@ -157,8 +156,8 @@ fn wrong_cards_are_named() {
 #[test]
 fn other_forms_get_a_warning() {
     let wrong = changed(&[("33,3,8.0e-6", "33,3,0.0")]);
-    let said = refused(&format!("{wrong}*CONTROL_SPH\n,,,,,5\n,,,,,,1\n"));
-    for what in ["`form` = 5 is ignored", "`iavis` = 1 is ignored"] {
+    let said = refused(&format!("{wrong}*CONTROL_SPH\n,7,,,,5\n,,,,,,1\n"));
+    for what in ["`form` = 5 is ignored", "`iavis` = 1 is ignored", "`boxid` = 7 is ignored"] {
         assert!(said.contains(what), "no {what} in\n{said}");
     }
 }

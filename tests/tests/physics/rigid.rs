@@ -176,6 +176,35 @@ fn a_prescribed_body_moves_its_nodes() {
     assert!(worst < 1e-11, "63 radians in 100 steps, eps each, on 10 mm: {worst:e}");
 }
 
+/// A prescribed rotation is that of its curve at any time, and gives the same places as the spin
+/// whose integral it is: of a body, and of nodes about an axis.
+#[test]
+fn a_prescribed_rotation_follows_its_curve() {
+    let curve = "[[curve]]\nname = \"turn\"\npoints = [[0.0, 0.0], [0.4, 0.5], [1.0, 2.0]]\n";
+    let of = |form: &str, amount: f64, curve: &str| {
+        format!(
+            "[time]\ndt_max = 0.01\n{curve}[[motion]]\nrigid = \"cube\"\n\
+             {form} = [{:?}, 0.0, {:?}]\ncurve = \"turn\"\n",
+            0.6 * amount,
+            0.8 * amount
+        )
+    };
+    let end = cube(&of("rotation", 1.5, curve), 1.0, |_| {});
+    let turned = end.constraints.bodies.bodies[0].turn.scaled_axis();
+    let off = (turned - nalgebra::Vector3::new(0.6, 0.0, 0.8) * 3.0).norm();
+    assert!(off < 1e-11, "{turned} for 3 radians");
+    // The end of the curve is steeper: 1.5 times 1.5/0.6.
+    let spin = end.constraints.bodies.bodies[0].last_spin.norm();
+    assert!((spin / 3.75 - 1.0).abs() < 1e-9, "{spin}");
+    let rates = "[[curve]]\nname = \"turn\"\npoints = [[0.0, 2.0], [1.0, 2.0]]\n";
+    let spun = cube(&of("spin", 1.5, rates), 1.0, |_| {});
+    let worst = (0..end.nodes.local_count)
+        .flat_map(|i| (0..3).map(move |c| (i, c)))
+        .map(|(i, c)| (end.nodes.x[i][c] - spun.nodes.x[i][c]).abs())
+        .fold(0.0, f64::max);
+    assert!(worst < 1e-11, "{worst:e}");
+}
+
 /// A rigid cube hits a free elastic plate off its middle: linear and angular momentum of both
 /// are conserved to round-off, energy does not grow, and the plate takes its share.
 #[test]

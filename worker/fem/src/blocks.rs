@@ -69,6 +69,8 @@ pub struct Blocks {
     pub all_computed: bool,
     /// True if the CPU time of batches is measured in this cycle, for [`Self::kernel_seconds`].
     pub timed: bool,
+    /// Stable step below which solids of parts that delete inverted ones are deleted [time].
+    pub least_dt: f64,
     /// Number of cycles of an outer step.
     subcycles: u64,
     /// Stable step over all own slow elements at their last computation, per cycle [time].
@@ -143,6 +145,7 @@ impl Blocks {
             mass_scaled: _,
             weak: _,
             subcycles: _,
+            least_dt: _,
             between: _,
             plans: _,
             // Computed in each step before they are used.
@@ -202,6 +205,7 @@ impl Blocks {
             force: Vec::new(),
             moment: Vec::new(),
             subcycles: settings.subcycles,
+            least_dt: 0.0,
             slow_dt: f64::INFINITY,
             between: Vec::new(),
             plans: Default::default(),
@@ -234,7 +238,7 @@ impl Blocks {
         })
     }
 
-    /// Returns true if an own element was deleted because it was inverted.
+    /// Returns true if an own element was deleted because it was inverted, or its step too short.
     pub fn is_deleted(&self, id: ElemId) -> bool {
         let deleting = |b: &&Block| b.element.can_fail();
         self.blocks.iter().filter(deleting).any(|b| {
@@ -413,6 +417,8 @@ impl Blocks {
         let mut plan = std::mem::take(&mut self.plans[set as usize]);
         let mut batches = std::mem::take(&mut plan.batches[portion as usize]);
         let mut clock = self.timed.then(thread_cpu);
+        // The kernels do not know the steps of scaled masses.
+        let least_dt = if self.mass_scaled { 0.0 } else { self.least_dt };
         for batch in &mut batches {
             let b = &mut self.blocks[batch.block];
             let slots = b.base..b.base + b.corner_slots();
@@ -421,7 +427,8 @@ impl Blocks {
             let out = ElementNodalForces { force: &mut self.force[slots], moment };
             let mut pass = if b.slow {
                 let cycles = self.subcycles as f64;
-                let mut pass = b.forces(batch.groups.clone(), nodes.mean_view(), cycles * dt, out);
+                let steps = [cycles * dt, cycles * least_dt];
+                let mut pass = b.forces(batch.groups.clone(), nodes.mean_view(), steps, out);
                 let filled = b.slots_of(&batch.groups);
                 self.force[filled.clone()].as_flattened_mut().iter_mut().for_each(|f| *f *= cycles);
                 if !self.moment.is_empty() {
@@ -431,7 +438,7 @@ impl Blocks {
                 pass.stable_dt = f64::INFINITY;
                 pass
             } else {
-                b.forces(batch.groups.clone(), nodes.view(), dt, out)
+                b.forces(batch.groups.clone(), nodes.view(), [dt, least_dt], out)
             };
             pass.trouble = pass.trouble.map(|i| b.first + i);
             totals.add(&pass);

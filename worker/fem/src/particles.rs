@@ -57,6 +57,12 @@ pub struct Particles {
     densities: Vec<f64>,
 }
 
+/// Pressure over the square of the density, and speed of sound [length/time], of a particle.
+struct PressedParticle {
+    pressure: f64,
+    sound_speed: f64,
+}
+
 /// Relative amount by which the reach is wider than computed, so that round-off loses no candidate.
 const ROUND_OFF: f64 = 1e-6;
 
@@ -136,14 +142,10 @@ impl Particles {
         self.fluids[state.part as usize].as_ref().expect("only parts of particles have particles")
     }
 
-    /// Returns the neighbours of the own particle with the number `k`, ascending: pairs of
-    /// particles, the vector from the neighbour, and the gradient of the kernel over this vector.
+    /// Returns the neighbours of the own particle with the number `k`, ascending: their indices,
+    /// the vector from the neighbour, and the gradient of the kernel over this vector.
     /// Positions are those a time `back` ago, with the velocities of the last mid-step.
-    fn neighbours(
-        &self,
-        k: usize,
-        back: f64,
-    ) -> impl Iterator<Item = (&ParticleState, V3, f64)> + '_ {
+    fn neighbours(&self, k: usize, back: f64) -> impl Iterator<Item = (usize, V3, f64)> + '_ {
         let own = &self.states[self.own[k] as usize];
         let h = self.fluid(own).smoothing;
         let at = move |s: &ParticleState| V3::from(s.x) - V3::from(s.v) * back;
@@ -153,7 +155,7 @@ impl Particles {
             let h = 0.5 * (h + self.fluid(other).smoothing);
             let apart = here - at(other);
             let r = apart.norm();
-            (r > 0.0 && r < 2.0 * h).then(|| (other, apart, slope_over_distance(r, h)))
+            (r > 0.0 && r < 2.0 * h).then(|| (j as usize, apart, slope_over_distance(r, h)))
         })
     }
 
@@ -165,7 +167,8 @@ impl Particles {
         densities.extend(self.own.iter().enumerate().map(|(k, &i)| {
             let own = &self.states[i as usize];
             let mut rate = 0.0;
-            for (other, apart, slope) in self.neighbours(k, 0.5 * dt) {
+            for (j, apart, slope) in self.neighbours(k, 0.5 * dt) {
+                let other = &self.states[j];
                 let v = V3::from(own.v) - V3::from(other.v);
                 rate += self.fluid(other).mass * slope * v.dot(&apart);
             }
@@ -194,26 +197,33 @@ impl Particles {
     /// Returns the sums of the own particles, ascending. The densities of all particles must be
     /// those of now.
     pub fn sums(&self) -> impl Iterator<Item = ParticleSums> + '_ {
-        (0..self.own.len()).map(move |k| self.sums_of(k))
+        // A particle has some sixty neighbours: once for each of them would be much work.
+        let pressed = |s: &ParticleState| {
+            let fluid = self.fluid(s);
+            let pressure = fluid.pressure(s.density) / (s.density * s.density);
+            PressedParticle { pressure, sound_speed: fluid.sound_speed(s.density) }
+        };
+        let all: Vec<PressedParticle> = self.states.iter().map(pressed).collect();
+        (0..self.own.len()).map(move |k| self.sums_of(k, &all))
     }
 
-    fn sums_of(&self, k: usize) -> ParticleSums {
+    /// Returns the sums of the own particle with the number `k`; `all` has the pressures of all.
+    fn sums_of(&self, k: usize, all: &[PressedParticle]) -> ParticleSums {
         let own = &self.states[self.own[k] as usize];
         let fluid = self.fluid(own);
-        let c = fluid.sound_speed(own.density);
-        let over = |s: &ParticleState, f: &Fluid| f.pressure(s.density) / (s.density * s.density);
-        let mine = over(own, fluid);
+        let PressedParticle { pressure: mine, sound_speed: c } = all[self.own[k] as usize];
         let (mut force, mut largest) = (V3::zeros(), 0.0f64);
-        for (other, apart, slope) in self.neighbours(k, 0.0) {
+        for (j, apart, slope) in self.neighbours(k, 0.0) {
+            let (other, its) = (&self.states[j], &all[j]);
             let of_other = self.fluid(other);
             let closing = (V3::from(own.v) - V3::from(other.v)).dot(&apart);
             let h = 0.5 * (fluid.smoothing + of_other.smoothing);
             let mu = (h * closing / (apart.norm_squared() + 0.01 * h * h)).min(0.0);
             let mean = |a: f64, b: f64| 0.5 * (a + b);
-            let speed = mean(c, of_other.sound_speed(other.density));
+            let speed = mean(c, its.sound_speed);
             let [alpha, beta] = [0, 1].map(|i| mean(fluid.viscosity[i], of_other.viscosity[i]));
             let viscous = mu * (beta * mu - alpha * speed) / mean(own.density, other.density);
-            let pressed = mine + over(other, of_other);
+            let pressed = mine + its.pressure;
             force -= apart * (fluid.mass * of_other.mass * (pressed + viscous) * slope);
             largest = largest.max(-mu);
         }

@@ -221,6 +221,11 @@ impl Clock {
         out_of_cycles || self.time >= settings.end_time * (1.0 - SLACK)
     }
 
+    /// Returns the stable step below which the step has collapsed [time], with round-off above it.
+    pub fn least_dt(&self, settings: &Settings) -> f64 {
+        settings.dt_min_ratio * self.first_dt / settings.safety * (1.0 + SLACK)
+    }
+
     /// Returns true if the step has collapsed.
     pub fn has_collapsed(&self, settings: &Settings, stable_dt: f64) -> bool {
         stable_dt.is_nan() || settings.safety * stable_dt < settings.dt_min_ratio * self.first_dt

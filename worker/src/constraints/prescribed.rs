@@ -72,7 +72,7 @@ impl MotionCurve {
     /// Returns the displacement [length] or the rotation vector [rad] from time 0 to `time`.
     pub fn amount(&self, time: f64) -> V3 {
         let factor = match self.form {
-            MotionForm::Displacement => self.curve.value(time),
+            MotionForm::Displacement | MotionForm::Rotation { .. } => self.curve.value(time),
             MotionForm::Velocity | MotionForm::Spin { .. } => self.curve.integral(time),
             MotionForm::Acceleration => self.curve.second_integral(time),
         };
@@ -144,10 +144,7 @@ impl Prescribed {
             let timed = m.course.is_timed();
             let increment = m.course.increment(time, dt);
             let next = if timed { increment } else { m.course.amount(time + dt) };
-            let turns = match m.job.form {
-                MotionForm::Spin { centre } => Some((V3::from(centre), Rotation3::new(next))),
-                _ => None,
-            };
+            let turns = m.job.form.centre().map(|centre| (V3::from(centre), Rotation3::new(next)));
             let spin = if turns.is_some() { increment / dt } else { V3::zeros() };
             for &n in &m.nodes {
                 let i = n as usize;

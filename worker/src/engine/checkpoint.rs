@@ -96,7 +96,7 @@ pub struct WorkerState {
     pub sent: [u64; 2],
     /// True after a warning that an edge crosses a surface.
     pub crossed: bool,
-    /// Number of inverted shells named in warnings.
+    /// Number of deleted elements named in warnings.
     pub named: u64,
 }
 

@@ -5,7 +5,7 @@ use crumple_proto::message::ToMaster;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
 
-/// Largest number of inverted shells that a worker names.
+/// Largest number of deleted elements that a worker names.
 const NAMED: u64 = 20;
 
 impl RunningWorker {
@@ -13,7 +13,7 @@ impl RunningWorker {
         self.engine.contact.as_ref().map_or(0, |c| c.capped_pairs)
     }
 
-    /// Warns of own shells that were inverted and deleted.
+    /// Warns of own elements that were deleted: inverted ones, and solids with too short a step.
     pub(super) fn warn_of_inverted(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let inverted = std::mem::take(&mut self.engine.inverted);
         let clock = &self.engine.clock;
@@ -29,8 +29,8 @@ impl RunningWorker {
             };
             let (cycle, time) = (clock.cycle, clock.time);
             let warning = format!(
-                "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: \
-                 {end} (part.inverted)"
+                "element {elem} was inverted, or its step too short, and is deleted by cycle \
+                 {cycle}, time {time:.6e}: {end} (part.inverted)"
             );
             post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
         }

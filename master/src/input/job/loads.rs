@@ -376,20 +376,18 @@ pub fn motion_form(
         m.displacement.map(|a| (MotionForm::Displacement, a)),
         m.acceleration.map(|a| (MotionForm::Acceleration, a)),
         m.spin.map(|a| (MotionForm::Spin { centre: m.centre }, a)),
+        m.rotation.map(|a| (MotionForm::Rotation { centre: m.centre }, a)),
     ];
     let mut given = forms.into_iter().flatten();
     let (Some((form, amount)), None) = (given.next(), given.next()) else {
-        let help = "give exactly one of velocity, displacement, acceleration and spin";
-        findings.add(Problem::error(
-            path,
-            "a motion has none or several of velocity, displacement, acceleration and spin",
-            help,
-        ));
+        let message = "a motion has none or several of velocity, displacement, acceleration, spin \
+                       and rotation";
+        findings.add(Problem::error(path, message, "give exactly one of them"));
         return None;
     };
     let window = window(m, &path, findings);
     if m.birth <= 0.0 && starts_with_jump(form, curves, &m.curve, curve) {
-        let message = "a prescribed displacement starts with a jump";
+        let message = "a prescribed displacement or rotation starts with a jump";
         findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
     }
     let dofs = (!m.dofs.is_empty()).then(|| dof_bits(&m.dofs, &format!("{path}.dofs"), findings));
@@ -411,7 +409,7 @@ fn window(m: &MotionInput, path: &str, findings: &mut JobProblems) -> Option<[f6
     (!is_whole).then_some([m.birth, m.death.unwrap_or(f64::MAX)])
 }
 
-/// Returns true if a motion is a displacement that is not 0 at time 0. `index` is that of its
+/// Returns true if a motion is a displacement or rotation that is not 0 at time 0. `index` is that of its
 /// curve.
 pub fn starts_with_jump(
     form: MotionForm,
@@ -420,7 +418,7 @@ pub fn starts_with_jump(
     index: Option<usize>,
 ) -> bool {
     let first = if name.is_none() { Some(1.0) } else { index.and_then(|c| curves.starts[c]) };
-    form == MotionForm::Displacement && first.is_some_and(|y| y != 0.0)
+    form.is_place() && first.is_some_and(|y| y != 0.0)
 }
 
 /// Resolves a motion of nodes and marks its degrees of freedom as fixed. None of them may be
@@ -443,7 +441,7 @@ fn motion(
     };
     let nodes = sets.indices(name, format!("{path}.nodes"), findings)?;
     let (motion, dofs) = form?;
-    let all = if matches!(motion.form, MotionForm::Spin { .. }) { 0b11_1111 } else { 0b111 };
+    let all = if motion.form.centre().is_some() { 0b11_1111 } else { 0b111 };
     let dofs = dofs.unwrap_or(all);
     let taken = |n: usize| start.taken(n, dofs, motion.window);
     let clashes: Vec<usize> = nodes.iter().copied().filter(|&n| taken(n) != 0).collect();

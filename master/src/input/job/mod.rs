@@ -20,6 +20,7 @@
 
 mod airbags;
 pub mod axes;
+pub mod centre;
 mod contact;
 mod files;
 mod histories;

@@ -50,6 +50,7 @@ pub fn add(job: &mut Job, findings: &mut JobProblems) {
         nodes: None,
         fixed: Vec::new(),
         mass: None,
+        centre: None,
         inertia: None,
         from: 0.0,
         until: None,

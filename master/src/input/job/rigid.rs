@@ -7,7 +7,7 @@ use super::validate::{JobProblems, nearest};
 use super::walls::unit;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Rigid, RigidStop};
-use crumple_proto::loads::{MotionForm, PrescribedMotion};
+use crumple_proto::loads::PrescribedMotion;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -106,9 +106,9 @@ fn window(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) -> Opt
         let help = "give a `from` above 0; parts that are rigid first need a material that deforms";
         refuse("until", "begins at 0 and ends", help);
     }
-    if rigid.mass.is_some() || rigid.inertia.is_some() {
-        let help = "remove them: its mass and inertia are those of its nodes at that time";
-        refuse("mass", "becomes rigid in the run and has a mass or inertia", help);
+    if rigid.mass.is_some() || rigid.inertia.is_some() || rigid.centre.is_some() {
+        let help = "remove them: they are those of its nodes at that time";
+        refuse("mass", "becomes rigid in the run and has a mass, centre or inertia", help);
     }
     let joined = |name: &String| *name == rigid.name;
     if job.joint.iter().any(|joint| joint.bodies.iter().any(joined)) {
@@ -168,6 +168,10 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) {
                 help,
             ));
         }
+    }
+    if rigid.centre.is_some() && rigid.parts.is_empty() {
+        let message = "`centre` is that of the masses of the body's parts, but the body has none";
+        findings.add(Problem::error(path("centre"), message, "name its `parts`, or remove it"));
     }
     if let Some([xx, yy, zz, xy, yz, zx]) = rigid.inertia {
         // Sylvester's criterion for a positive definite matrix, then the triangle inequality in
@@ -288,7 +292,7 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
             ));
         }
         let Some((motion, dofs)) = motion_form(m, i, &curves, findings) else { continue };
-        let spins = matches!(motion.form, MotionForm::Spin { .. });
+        let spins = motion.form.centre().is_some();
         let dofs = dofs.unwrap_or(if spins { 0b11_1000 } else { 0b111 });
         let body = &mut bodies[body];
         let meets = |m: &&PrescribedMotion| match (m.window, motion.window) {

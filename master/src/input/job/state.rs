@@ -1,6 +1,7 @@
 //! Initial state of nodes and elements: added mass, fixed degrees of freedom, velocities, steps
 //! and masses.
 
+use super::centre;
 use super::laws::{BuiltElements, Used};
 use super::loads::dof_bits;
 use super::node_sets::known_names;
@@ -9,7 +10,7 @@ use super::units;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MaterialSpec};
-use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
@@ -302,6 +303,27 @@ pub fn elements(
         for e in own {
             start.mass[e] *= factor;
             start.mass_factor[e] = factor;
+        }
+    }
+    let middle = |e: &MeshElement| {
+        let corners: Vec<[f64; 3]> = e.corners().iter().map(|id| at[id]).collect();
+        [0, 1, 2].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / corners.len() as f64)
+    };
+    for (b, given) in job.rigid.iter().enumerate().filter_map(|(b, r)| Some((b, r.centre?))) {
+        let own: Vec<usize> = (0..bodies.len()).filter(|&e| bodies[e] == Some(b)).collect();
+        let masses: Vec<f64> = own.iter().map(|&e| start.mass[e]).collect();
+        let points: Vec<[f64; 3]> = own.iter().map(|&e| middle(&mesh.elements[e])).collect();
+        let Some(factors) = centre::factors(&masses, &points, given) else {
+            let name = &job.rigid[b].name;
+            let message =
+                format!("the centre of rigid body `{name}` is not inside of its elements");
+            let help = "correct `centre`, or remove it and add a [[mass]] that moves the centre";
+            findings.add(Problem::error(format!("rigid.{b}.centre"), message, help));
+            continue;
+        };
+        for (e, factor) in own.into_iter().zip(factors) {
+            start.mass[e] *= factor;
+            start.mass_factor[e] *= factor;
         }
     }
     springs::steps(mesh, settings, blocks, nodes, &mut start, findings);

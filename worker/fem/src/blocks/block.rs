@@ -229,12 +229,13 @@ impl Block {
         }
     }
 
-    /// Computes the forces of the groups `range`.
+    /// Computes the forces of the groups `range` after a step `dt`; solids with a stable step below
+    /// `least_dt` may be deleted [time].
     pub(super) fn forces(
         &mut self,
         range: Range<usize>,
         nodes: NodeView<'_>,
-        dt: f64,
+        [dt, least_dt]: [f64; 2],
         out: ElementNodalForces<'_>,
     ) -> PassTotals {
         let (groups, history, unstrained) =
@@ -247,6 +248,7 @@ impl Block {
             unstrained,
             nodes,
             dt,
+            least_dt,
             out,
             energies: &mut self.energies,
         })

@@ -224,8 +224,7 @@ impl Hexahedron {
             left,
             per_time,
         };
-        let (resistance, resisted) =
-            self.hourglass.update(&step, hourglass);
+        let (resistance, resisted) = self.hourglass.update(&step, hourglass);
 
         // 6. Forces of the modes: all factors of B are one tensor.
         let mut force = [[R::zero(); 3]; 7];
@@ -305,6 +304,10 @@ fn per_corner(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
 }
 
 impl SolidGroups<8> for Hexahedron {
+    fn material(&self) -> (&SolidMaterial, usize) {
+        (&self.material, 1)
+    }
+
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
         &self,
@@ -396,6 +399,10 @@ impl Element for Hexahedron {
 
     fn failed(&self, history: ElementState<'_>) -> bool {
         self.material.has_failed(history, 0)
+    }
+
+    fn is_deleted(&self, history: ElementState<'_>) -> bool {
+        self.material.is_deleted(history)
     }
 
     fn can_fail(&self) -> bool {

@@ -237,6 +237,35 @@ fn a_turned_element_has_the_turned_stress() {
     }
 }
 
+/// The strain of a criterion of failure turns with the element: an element that is stretched, turned
+/// by a right angle and stretched along the same line of material fails at the sum, and along
+/// another line at the larger of both.
+#[test]
+fn the_strain_of_failure_turns_with_the_element() {
+    let limit = ("erosion_major_strain", 0.01);
+    let law = material("elastic", 1.0, &[("youngs_modulus", 1.0), ("poisson", 0.3), limit]);
+    let quarter = 0.5 * std::f64::consts::PI / 50.0;
+    for (turns, along, left) in [(50, 1, 4), (50, 0, 10), (0, 0, 4), (0, 1, 10)] {
+        let (nodes, cells) = block([1, 1, 1], [1.0; 3]);
+        let part = solid_part(HourglassForm::Stiffness, None);
+        let mut solids = Solids::new(part, law.clone(), &nodes, &cells);
+        let stretch = |x: [f64; 3], axis: usize| {
+            std::array::from_fn(
+                |c| if c == axis { 1.0f64.mul_add(x[c], 1e-3 * x[c]) } else { x[c] },
+            )
+        };
+        (0..6).for_each(|_| _ = solids.go(|x| stretch(x, 0)));
+        (0..turns).for_each(|_| _ = solids.go(|x| rotate([0.0, 0.0, quarter], x)));
+        assert!(!solids.fields(0).failed);
+        let steps = (1..20).find(|_| {
+            solids.go(|x| stretch(x, along));
+            solids.fields(0).failed
+        });
+        // A logarithmic strain of 0.01 takes 10.005 steps.
+        assert_eq!(steps, Some(left + 1), "{turns} turns, along {along}");
+    }
+}
+
 /// The bulk viscosity of a stiffened element is the fraction of critical damping with the stiffened
 /// modulus.
 #[test]

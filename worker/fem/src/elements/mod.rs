@@ -207,7 +207,7 @@ pub trait Element: Send + Sync {
     /// does not limit the step and is never reported as trouble.
     fn failed(&self, history: ElementState<'_>) -> bool;
 
-    /// Returns true if the element has failed because it was inverted.
+    /// Returns true if the element has failed because it was inverted, or its step too short.
     fn is_deleted(&self, _history: ElementState<'_>) -> bool {
         false
     }

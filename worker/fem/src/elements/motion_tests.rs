@@ -409,6 +409,7 @@ fn padding_adds_nothing_and_ranges_add_up() {
                     unstrained: &mut patch.unstrained,
                     nodes,
                     dt: 1.0,
+                    least_dt: 0.0,
                     out,
                     energies,
                 })

@@ -149,9 +149,9 @@ pub(super) fn idle_in_membrane_triangles(
     }
 }
 
-const DELETE: &str = "delete";
+pub(super) const DELETE: &str = "delete";
 
-/// Returns true if inverted shells fail instead of ending the run.
+/// Returns true if inverted elements fail instead of ending the run.
 pub(super) fn deletes_inverted(values: &Values<'_>) -> bool {
     values.word("inverted") == DELETE
 }

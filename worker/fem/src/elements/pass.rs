@@ -1,10 +1,12 @@
 //! Pass over the elements of a block: groups of elements, the call of the kernel for each, and the
 //! minima over all.
 
+use super::solid::SolidMaterial;
 use crate::columns::{HistoryColumnsMut, HistoryStorage};
 use crate::materials::PointLanes;
 use crate::nodes::NodeView;
 use crumple_math::lanes::{LANES, LANES32, Lane, Real};
+use crumple_math::row::xyz;
 use std::ops::Range;
 
 /// Element nodal forces. The slot is `(group * lanes + lane) * slots + corner`, with
@@ -71,6 +73,8 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     pub nodes: NodeView<'a>,
     /// Last step [time].
     pub dt: f64,
+    /// Stable step below which solids of a part that deletes inverted ones are deleted [time].
+    pub least_dt: f64,
     /// Element nodal forces of the whole block.
     pub out: ElementNodalForces<'a>,
     /// Energies of the whole block so far, to which the pass adds: for each group W internal
@@ -228,6 +232,9 @@ pub(super) trait SolidGroups<const C: usize> {
         nodes: &NodeView<'_>,
         history: &mut [L],
     ) -> Totals<L>;
+
+    /// Returns the material, and the number of points whose columns begin the history.
+    fn material(&self) -> (&SolidMaterial, usize);
 }
 
 impl<'a> ElementPass<'a> {
@@ -235,16 +242,35 @@ impl<'a> ElementPass<'a> {
     /// up the totals.
     #[inline(always)]
     pub(super) fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
+            self;
         match history {
-            HistoryStorage::Double(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
-                    .shells_in::<LANES>(columns, kernel)
+            HistoryStorage::Double(history) => ElementPass {
+                range,
+                count,
+                groups,
+                history,
+                unstrained,
+                nodes,
+                dt,
+                least_dt,
+                out,
+                energies,
             }
-            HistoryStorage::Single(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
-                    .shells_in::<LANES32>(columns, kernel)
+            .shells_in::<LANES>(columns, kernel),
+            HistoryStorage::Single(history) => ElementPass {
+                range,
+                count,
+                groups,
+                history,
+                unstrained,
+                nodes,
+                dt,
+                least_dt,
+                out,
+                energies,
             }
+            .shells_in::<LANES32>(columns, kernel),
         }
     }
 
@@ -255,16 +281,35 @@ impl<'a> ElementPass<'a> {
         columns: usize,
         kernel: &impl SolidGroups<C>,
     ) -> PassTotals {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
+            self;
         match history {
-            HistoryStorage::Double(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
-                    .solids_in::<C, LANES>(columns, kernel)
+            HistoryStorage::Double(history) => ElementPass {
+                range,
+                count,
+                groups,
+                history,
+                unstrained,
+                nodes,
+                dt,
+                least_dt,
+                out,
+                energies,
             }
-            HistoryStorage::Single(history) => {
-                ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
-                    .solids_in::<C, LANES32>(columns, kernel)
+            .solids_in::<C, LANES>(columns, kernel),
+            HistoryStorage::Single(history) => ElementPass {
+                range,
+                count,
+                groups,
+                history,
+                unstrained,
+                nodes,
+                dt,
+                least_dt,
+                out,
+                energies,
             }
+            .solids_in::<C, LANES32>(columns, kernel),
         }
     }
 
@@ -274,11 +319,23 @@ impl<'a> ElementPass<'a> {
     /// # Panics
     /// If the block stores its columns in single precision.
     pub(super) fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
+            self;
         let HistoryStorage::Double(history) = history else {
             panic!("this element exists in double precision only")
         };
-        ElementPass { range, count, groups, history, unstrained, nodes, dt, out, energies }
+        ElementPass {
+            range,
+            count,
+            groups,
+            history,
+            unstrained,
+            nodes,
+            dt,
+            least_dt,
+            out,
+            energies,
+        }
     }
 }
 
@@ -288,7 +345,7 @@ impl<L> ElementPass<'_, &mut [L]> {
     where
         L: PointLanes<W>,
     {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies, .. } = self;
         let corners = range.start * W..range.end * W;
         let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
         let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
@@ -321,7 +378,8 @@ impl<L> ElementPass<'_, &mut [L]> {
     where
         L: PointLanes<W>,
     {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
+            self;
         let force =
             out.force.as_chunks_mut::<C>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
@@ -332,10 +390,48 @@ impl<L> ElementPass<'_, &mut [L]> {
                 *force = [[[0.0; 4]; C]; W];
                 return kernel.forceless(group, &nodes, state);
             }
-            kernel.group(group, &nodes, state, dt, force)
+            let mut totals = kernel.group(group, &nodes, state, dt, force);
+            let (material, points) = kernel.material();
+            if material.deletes {
+                delete_lost(material, points, least_dt, (group, &nodes), state, force, &mut totals);
+            }
+            totals
         };
         total(range, count, energies, each.map(respond))
     }
+}
+
+/// Deletes the solids of a group that are not valid or whose stable step is below `least_dt`: they
+/// keep no state, since their shape gives no valid one. If the coordinates or velocities of an
+/// element are not finite, it is not deleted, and the run must stop.
+#[cold]
+#[inline(never)]
+fn delete_lost<L: PointLanes<W>, const C: usize, const W: usize>(
+    material: &SolidMaterial,
+    points: usize,
+    least_dt: f64,
+    (group, nodes): (&GroupNodes<C, W>, &NodeView<'_>),
+    history: &mut [L],
+    force: &mut GroupCorners<C, W>,
+    totals: &mut Totals<L>,
+) {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let valid = L::both(totals.sound, totals.stable_dt.ge(L::splat(least_dt)));
+    let marks = L::select(valid, zero, one).to_array();
+    if marks.iter().all(|mark| *mark == 0.0) {
+        return;
+    }
+    let finite = |lane: usize| {
+        let corners = group.iter().map(|corner| corner[lane] as usize);
+        let rows = corners.flat_map(|n| [nodes.x[n], nodes.v[n]]);
+        rows.flat_map(|row| xyz(&row)).all(f64::is_finite)
+    };
+    let is_lost = |lane: usize| marks[lane] != 0.0 && finite(lane);
+    let lost = L::from_array(std::array::from_fn(|lane| f64::from(u8::from(is_lost(lane)))));
+    let lost = lost.gt(L::splat(0.5));
+    material.delete(points, history, lost);
+    totals.zero_failed(lost);
+    (0..W).filter(|&lane| is_lost(lane)).for_each(|lane| force[lane] = [[0.0; 4]; C]);
 }
 
 /// Adds the energies of the groups in `range` to those of their elements, and returns the minima.

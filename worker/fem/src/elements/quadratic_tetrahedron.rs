@@ -412,6 +412,10 @@ fn forces<R: Real>(
 }
 
 impl SolidGroups<NODES> for QuadraticTetrahedron {
+    fn material(&self) -> (&SolidMaterial, usize) {
+        (&self.material, POINTS)
+    }
+
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
         &self,
@@ -498,6 +502,10 @@ impl Element for QuadraticTetrahedron {
 
     fn failed(&self, history: ElementState<'_>) -> bool {
         (0..POINTS).all(|p| self.material.has_failed(history, p * self.material.state))
+    }
+
+    fn is_deleted(&self, history: ElementState<'_>) -> bool {
+        self.material.is_deleted(history)
     }
 
     fn can_fail(&self) -> bool {

@@ -3,30 +3,47 @@
 //!
 //! The steps are those of [`hexahedron`](super::hexahedron).
 
+use super::parameters::{self, DELETE};
 use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
 use crate::materials::tensor::rotated;
 use crate::materials::{
-    AXES_COLUMN, Elastic, HEAT_COLUMN, MaterialAxes, PointLanes, PointReal, SIZE_COLUMN,
-    STRETCH_COLUMN, Solid, SolidPoint,
+    self, AXES_COLUMN, Elastic, HEAT_COLUMN, MaterialAxes, PointLanes, PointReal, SIZE_COLUMN,
+    STRAIN_COLUMN, STRETCH_COLUMN, Solid, SolidPoint,
 };
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, cross, dot};
 
 /// Keys of all solids.
-pub const SOLID_KEYS: &[ParameterRow] = &[ParameterRow {
-    key: "bulk_viscosity",
-    form: Form::Numbers(2),
-    otherwise: DefaultValue::Numbers(&[0.06, 1.5]),
-    range: Some(Range {
-        wanted: "[linear, quadratic], each from 0 to 10",
-        fits: |b| (0.0..=10.0).contains(&b),
-    }),
-    meaning: "Bulk viscosity in compression: linear coefficient, as a fraction of \
+pub const SOLID_KEYS: &[ParameterRow] = &[
+    ParameterRow {
+        key: "bulk_viscosity",
+        form: Form::Numbers(2),
+        otherwise: DefaultValue::Numbers(&[0.06, 1.5]),
+        range: Some(Range {
+            wanted: "[linear, quadratic], each from 0 to 10",
+            fits: |b| (0.0..=10.0).contains(&b),
+        }),
+        meaning: "Bulk viscosity in compression: linear coefficient, as a fraction of \
                   critical damping, and quadratic coefficient (`cases/studies/README.md`, \
                   viscosity).",
-}];
+    },
+    ParameterRow {
+        key: "inverted",
+        form: Form::Word(&["stop", DELETE]),
+        otherwise: DefaultValue::Word("stop"),
+        range: None,
+        meaning: "Treatment of an inverted solid, which has no volume or is strained by more than \
+                  a half in one step, and of one whose stable step is below `time.dt_min_ratio` \
+                  times the first step of the run. `stop` ends the run and names it. `delete` lets \
+                  it fail as at a failure strain, as with shells. With scaled masses elements are \
+                  not deleted for their step.",
+    },
+];
+
+/// Mark of a solid that was deleted, in the column of failure.
+const DELETED: f64 = 2.0;
 
 /// Largest strain increment of a valid step.
 pub const STRAIN_LIMIT: f64 = 0.5;
@@ -50,9 +67,12 @@ pub struct SolidMaterial {
     /// First column of the law with the axes of the material, if it has any; see [`AXES_COLUMN`].
     axes: Option<usize>,
     /// Column of the law with the size of the element, if it has one; see [`SIZE_COLUMN`].
+    strain: Option<usize>,
     size: Option<usize>,
     /// Column of the law with its stiffening, if it stiffens; see [`Solid::history`].
     stiffening: Option<usize>,
+    /// True if elements that are inverted, or have too short a step, fail.
+    pub deletes: bool,
     /// Column of the law with its internal energy, if the pressure depends on it; see
     /// [`HEAT_COLUMN`].
     heat: Option<usize>,
@@ -73,6 +93,8 @@ pub struct StressStep<R> {
 impl SolidMaterial {
     /// Creates the law of a part with these values.
     pub fn new(values: &Values<'_>, law: Box<dyn Solid>) -> Self {
+        let deletes = parameters::deletes_inverted(values);
+        let law = if deletes { materials::that_can_fail(law) } else { law };
         let elastic = law.elastic();
         let (history, poisson) = (law.history(), elastic.poisson);
         debug_assert!(poisson < 0.5, "laws of solids require a finite bulk modulus");
@@ -84,9 +106,11 @@ impl SolidMaterial {
             failed: law_column(history, "failed", STRESS),
             tensors: law.tensors(),
             axes: law_column(history, AXES_COLUMN, STRESS),
+            strain: law_column(history, STRAIN_COLUMN, STRESS),
             size: law_column(history, SIZE_COLUMN, STRESS),
             stiffening: law_column(history, "stiffening", STRESS),
             heat: law_column(history, HEAT_COLUMN, STRESS),
+            deletes,
             law,
         }
     }
@@ -112,6 +136,28 @@ impl SolidMaterial {
         StressStep { before, after, stress, left }
     }
 
+    /// Deletes elements with so many points: no column of the law keeps a value but the mark of
+    /// failure. Other columns keep finite ones.
+    pub fn delete<R: Real>(&self, points: usize, history: &mut [R], lost: R::Mask) {
+        let (zero, mark) = (R::zero(), R::splat(DELETED));
+        let (of_law, others) = history.split_at_mut(points * self.state);
+        for point in of_law.chunks_exact_mut(self.state) {
+            for (column, value) in point.iter_mut().enumerate() {
+                let kept = if Some(column) == self.failed { mark } else { zero };
+                *value = R::select(lost, kept, *value);
+            }
+        }
+        for value in others {
+            let kept = R::select(value.abs().le(R::splat(R::LARGEST)), *value, zero);
+            *value = R::select(lost, kept, *value);
+        }
+    }
+
+    /// Returns true if an element was deleted.
+    pub fn is_deleted(&self, history: ElementState<'_>) -> bool {
+        self.failed.is_some_and(|column| history.at(column) > 0.5 * (1.0 + DELETED))
+    }
+
     /// Rotates the tensors and the axes of the history.
     #[inline(always)]
     fn turn_history<R: PointReal>(&self, state: &mut [R], turn: &[[R; 3]; 3]) {
@@ -129,6 +175,10 @@ impl SolidMaterial {
         let (tensors, _) = state.as_chunks_mut::<STRESS>();
         for tensor in tensors.iter_mut().skip(1).take(self.tensors) {
             *tensor = rotated(turn, tensor);
+        }
+        if let Some(at) = self.strain {
+            let turned = rotated(turn, &state[at..at + STRESS]);
+            state[at..at + STRESS].copy_from_slice(&turned);
         }
     }
 

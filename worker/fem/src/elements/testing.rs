@@ -129,6 +129,11 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("youngs_modulus", 80.0), ("poisson", 0.1), ("tension_cutoff", 0.5)],
             &[("compression", table(&curve))],
         ),
+        of(
+            "fluid",
+            &[("viscosity", 1e-3), ("eos_min_pressure", -0.5)],
+            &[("eos_polynomial", Param::List(vec![80.0, 100.0, 50.0, 0.5, 0.2, 0.0]))],
+        ),
         of("honeycomb", &compacted, &honeycomb),
         of("honeycomb", &[&compacted[..], &failure].concat(), &[&honeycomb[..], &more].concat()),
     ];
@@ -277,6 +282,8 @@ pub struct Patch<const C: usize = 4> {
     pub unstrained: Vec<bool>,
     pub force: Vec<[f64; 4]>,
     pub moment: Vec<[f64; 4]>,
+    /// Step below which solids may be deleted.
+    pub least_dt: f64,
 }
 
 /// Result of a pass, with the energies that it added, summed over elements.
@@ -347,6 +354,8 @@ impl<const C: usize> Patch<C> {
         // Tests that name no formulation use the simplest one.
         let part = match (&part.element, shape) {
             (None, Shape::Quad4) => Part { element: Some("belytschko_tsay".into()), ..part },
+            // A fluid has this form only.
+            (None, Shape::Hex8) if material.law == "fluid" => part.with("hourglass", "viscous"),
             _ => part,
         };
         let element =
@@ -372,6 +381,7 @@ impl<const C: usize> Patch<C> {
             history,
             moment: if shape.is_solid() { Vec::new() } else { corners.clone() },
             force: corners,
+            least_dt: 0.0,
         };
         if shape.is_solid() {
             patch.forces(0.0); // the first pass stores the volume at the start
@@ -401,6 +411,7 @@ impl<const C: usize> Patch<C> {
                 unstrained: &mut self.unstrained,
                 nodes,
                 dt,
+                least_dt: self.least_dt,
                 out,
                 energies,
             })

@@ -285,6 +285,10 @@ fn edges(x: &[[f64; 3]]) -> [[f64; 3]; 3] {
 }
 
 impl SolidGroups<NODES> for Tetrahedron {
+    fn material(&self) -> (&SolidMaterial, usize) {
+        (&self.material, 1)
+    }
+
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
         &self,
@@ -375,6 +379,10 @@ impl Element for Tetrahedron {
 
     fn failed(&self, history: ElementState<'_>) -> bool {
         self.material.has_failed(history, 0)
+    }
+
+    fn is_deleted(&self, history: ElementState<'_>) -> bool {
+        self.material.is_deleted(history)
     }
 
     fn can_fail(&self) -> bool {

@@ -71,7 +71,8 @@ pub struct Wedge {
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
     if law.viscosity().is_some() {
-        let message = format!("part {}: wedges cannot be a fluid: nothing resists their twist", label(part));
+        let message =
+            format!("part {}: wedges cannot be a fluid: nothing resists their twist", label(part));
         let help = "mesh the fluid with hexahedra or tetrahedra, or use particles";
         return Err(vec![Problem::error("element", message, help)]);
     }
@@ -424,6 +425,10 @@ impl Wedge {
 }
 
 impl SolidGroups<NODES> for Wedge {
+    fn material(&self) -> (&SolidMaterial, usize) {
+        (&self.material, POINTS)
+    }
+
     #[inline(always)]
     fn group<L: PointLanes<W>, const W: usize>(
         &self,
@@ -512,6 +517,10 @@ impl Element for Wedge {
 
     fn failed(&self, history: ElementState<'_>) -> bool {
         (0..POINTS).all(|p| self.material.has_failed(history, p * self.material.state))
+    }
+
+    fn is_deleted(&self, history: ElementState<'_>) -> bool {
+        self.material.is_deleted(history)
     }
 
     fn can_fail(&self) -> bool {

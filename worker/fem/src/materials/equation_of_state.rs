@@ -59,7 +59,7 @@ pub const EQUATION_OF_STATE: &[ParameterRow] = &[
     },
     ParameterRow {
         key: TABLE,
-        form: Form::Table("[-ln V, C, gamma T]"),
+        form: Form::List("[[-ln V, C, gamma T], ...]"),
         otherwise: DefaultValue::Absent,
         range: None,
         meaning: "Pressure of solids by a table: `C + gamma T E` with V the volume over that at \
@@ -156,7 +156,8 @@ pub fn split(material: &Material) -> Result<(Material, Option<Equation>), Vec<Pr
 /// Returns the curves C and gamma T of a table, or what it has to be.
 fn curves(table: &Param) -> Result<[AnchoredCurve; 2], &'static str> {
     let Param::Table(rows) = table else { return Err("give rows [-ln V, C, gamma T]") };
-    let rows: Option<Vec<[f64; 3]>> = rows.iter().map(|row| row.as_slice().try_into().ok()).collect();
+    let rows: Option<Vec<[f64; 3]>> =
+        rows.iter().map(|row| row.as_slice().try_into().ok()).collect();
     let Some(rows) = rows.filter(|rows| rows.as_flattened().iter().all(|x| x.is_finite())) else {
         return Err("give rows of three numbers, [-ln V, C, gamma T]");
     };

@@ -164,7 +164,7 @@ fn wrong_constants_are_refused() {
         (vec![("eos_polynomial", list(&[0.0; 6]))], "the first above 0"),
         (vec![("eos_gruneisen", list(&all)), ("eos_polynomial", list(&all))], "only one of them"),
         (vec![("eos_min_pressure", Param::Number(-1.0))], "without an equation of state"),
-        (vec![("eos_gruneisen", list(&all)), ("eos_min_pressure", Param::Number(1.0))], "below 0"),
+        (vec![("eos_gruneisen", list(&all)), ("eos_min_pressure", Param::Number(1.0))], "or below"),
         (vec![("eos_gruneisen", list(&all))], "for solids"),
     ] {
         let numbers = [("youngs_modulus", 1.0), ("poisson", 0.3), ("yield_stress", 1.0)];

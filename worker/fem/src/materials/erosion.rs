@@ -6,18 +6,22 @@
 //! ```
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
 //! logarithm of the ratio of volumes; a negative limit of `volume_strain` is one of compression.
-//! Thinning and major strain are for shells: the strain through the thickness and the larger
-//! principal strain in the plane, both sums of the increments. A point fails as soon as one of them holds; its stress is zero from
+//! Thinning, of shells, is the strain through the thickness; the major strain is the largest
+//! principal strain, in shells in the plane. Both are of sums of the increments, in axes that turn
+//! with the material. A point fails as soon as one of them holds; its stress is zero from
 //! then on. Each criterion has the key of its name with `erosion_` before it.
 //!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
 use super::tensor::{Principal, deviator, inner, trace};
 use super::wrapped::{self, LawModifier, PointColumns, full_stress};
-use super::{DefaultValue, Form, LawResult, ParameterRow, PlaneStress, Solid, SolidLawResult};
+use super::{
+    DefaultValue, Form, LawResult, ParameterRow, PlaneStress, STRAIN_COLUMN, Solid, SolidLawResult,
+};
 use crumple_math::lanes::Real;
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
+use std::convert::Infallible;
 
 /// Creates a row of a criterion.
 const fn row(key: &'static str, meaning: &'static str) -> ParameterRow {
@@ -55,8 +59,8 @@ pub const EROSION: &[ParameterRow] = &[
     ),
     row(
         "erosion_major_strain",
-        "Larger principal strain in the plane, logarithmic, from which on a point fails. For \
-         shells.",
+        "Largest principal strain, logarithmic, from which on a point fails; in shells that in the \
+         plane.",
     ),
     row(
         "erosion_compression",
@@ -65,8 +69,21 @@ pub const EROSION: &[ParameterRow] = &[
     ),
 ];
 
+/// Column that marks failure.
+const FAILED: &str = "failed";
+
 /// Columns of the strain in the plane: xx, yy, and twice xy.
-const PLANE_STRAIN: [&str; 3] = ["erosion strain xx", "erosion strain yy", "erosion strain xy"];
+const PLANE_STRAIN: [&str; 3] = [STRAIN_COLUMN, "erosion strain yy", "erosion strain xy"];
+
+/// Columns of the strain of solids, which the element rotates: its components as a tensor.
+const STRAIN: [&str; 6] = [
+    STRAIN_COLUMN,
+    "erosion strain yy",
+    "erosion strain zz",
+    "erosion strain xy",
+    "erosion strain yz",
+    "erosion strain zx",
+];
 
 /// ErosionLimits in the order of [`EROSION`].
 type ErosionLimits = [Option<f64>; EROSION.len()];
@@ -109,6 +126,8 @@ struct Erosion {
     volume: Option<usize>,
     thickness: Option<usize>,
     plane: Option<usize>,
+    /// First column of the strain of solids.
+    strain: Option<usize>,
 }
 
 impl Erosion {
@@ -119,24 +138,25 @@ impl Erosion {
     ) -> Result<Self, Vec<Problem>> {
         let volume = limits[5].or(limits[8]).map(|_| columns.add("erosion volume"));
         let thickness = limits[6].map(|_| columns.add("erosion thickness strain"));
-        let plane = limits[7].map(|_| PLANE_STRAIN.map(|name| columns.add(name))[0]);
-        let failed = columns.add("failed");
-        let plastic_strain = columns.find("plastic_strain");
         let of_solid = columns.of_solid();
+        let major = limits[7].is_some();
+        let plane = (major && !of_solid).then(|| PLANE_STRAIN.map(|name| columns.add(name))[0]);
+        let strain = (major && of_solid).then(|| STRAIN.map(|name| columns.add(name))[0]);
+        let failed = columns.add(FAILED);
+        let plastic_strain = columns.find("plastic_strain");
         let missing = if limits[4].is_some() && plastic_strain.is_none() {
             Some((EROSION[4].key, "the law has no plastic strain"))
         } else if let Some(at) = [5, 8].into_iter().find(|&at| limits[at].is_some() && !of_solid) {
             Some((EROSION[at].key, "shells have no change of volume of their own"))
         } else {
-            let of_shells = [6, 7].into_iter().find(|&at| limits[at].is_some() && of_solid);
             let why = "it is for shells, and a part of solids has this material";
-            of_shells.map(|at| (EROSION[at].key, why))
+            (limits[6].is_some() && of_solid).then_some((EROSION[6].key, why))
         };
         if let Some((key, why)) = missing {
             let message = format!("material '{}': {key} is given, but {why}", material.name);
             return Err(vec![Problem::error(key, message, "remove it")]);
         }
-        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane })
+        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane, strain })
     }
 
     /// Marks failure by the stress (xx, yy, zz, xy, yz, zx) and the columns; removes the stress of
@@ -179,6 +199,10 @@ impl Erosion {
             let radius = apart.mul_add(apart, xy * xy).sqrt();
             at_least(half * (x + y + radius), self.limits[7]);
         }
+        if let Some(column) = self.strain {
+            let [a, b, c] = Principal::new(&std::array::from_fn(|c| state[column + c])).values;
+            at_least(Real::max(Real::max(a, b), c), self.limits[7]);
+        }
         let failed = R::select(fails, one, state[self.failed]);
         state[self.failed] = failed;
         let alive = failed.lt(R::splat(0.5));
@@ -195,6 +219,12 @@ impl LawModifier for Erosion {
         }
         if let Some(column) = self.plane {
             (0..3).for_each(|c| state[column + c] += strain[c]);
+        }
+        if let Some(column) = self.strain {
+            let half = R::splat(0.5);
+            for (c, &increment) in strain.iter().enumerate() {
+                state[column + c] += if c < 3 { increment } else { half * increment };
+            }
         }
         if let Some(column) = self.volume {
             state[column] += strain[0] + strain[1] + strain[2];
@@ -224,6 +254,27 @@ pub fn solid(material: &Material, law: Box<dyn Solid>, limits: ErosionLimits) ->
         return Ok(law);
     }
     wrapped::solid(law, |columns| Erosion::new(material, limits, columns))
+}
+
+/// Gives a law of solids a column of failure, if it has none.
+pub fn that_can_fail(law: Box<dyn Solid>) -> Box<dyn Solid> {
+    if law.history().contains(&FAILED) {
+        return law;
+    }
+    let none = |columns: &mut PointColumns| -> Result<_, Infallible> {
+        Ok(Erosion {
+            limits: [None; EROSION.len()],
+            failed: columns.add(FAILED),
+            plastic_strain: None,
+            volume: None,
+            thickness: None,
+            plane: None,
+            strain: None,
+        })
+    };
+    match wrapped::solid(law, none) {
+        Ok(law) => law,
+    }
 }
 
 #[cfg(test)]
@@ -267,6 +318,9 @@ mod tests {
             ("erosion_von_mises", 0.4, shear, 0.4 / (2.0 * g * 3.0f64.sqrt())),
             ("erosion_volume_strain", 0.01, all, 0.01 / 3.0),
             ("erosion_volume_strain", -0.01, all.map(|e: f64| -e), 0.01 / 3.0),
+            ("erosion_compression", 0.01, all.map(|e: f64| -e), 0.01 / 3.0),
+            ("erosion_major_strain", 0.004, shear, 0.004),
+            ("erosion_major_strain", 0.004, [0.5, -1.0, 1.0, 0.0, 0.0, 0.0], 0.004),
         ] {
             let got = fails_at(&glass(&[(key, limit)]), path);
             assert!((got - exact).abs() < 1.5e-6, "{key} {limit}: {got} for {exact}");
@@ -336,9 +390,9 @@ mod tests {
         let moduli = [("youngs_modulus", E), ("poisson", 0.25), ("erosion_thinning", 0.1)];
         let text = problems(&material("fabric", &moduli, &[]));
         assert!(text.contains("no change of thickness"), "{text}");
-        for key in ["erosion_thinning", "erosion_major_strain"] {
-            let text = problems(&glass(&[(key, 0.1)]));
-            assert!(text.contains("it is for shells") && text.contains(key), "{text}");
-        }
+        let text = problems(&glass(&[("erosion_thinning", 0.1)]));
+        assert!(text.contains("it is for shells") && text.contains("erosion_thinning"), "{text}");
+        let text = problems(&glass(&[("erosion_compression", 0.1)]));
+        assert!(text.contains("erosion_compression") && text.contains("shells have no"), "{text}");
     }
 }

@@ -53,9 +53,9 @@ impl Fluid {
         let (twice, half) = (R::splat(twice), R::splat(0.5));
         let eps = point.strain;
         let mean = R::splat(1.0 / 3.0) * (eps[0] + eps[1] + eps[2]);
-        for c in 0..6 {
-            let deviator = if c < 3 { eps[c] - mean } else { half * eps[c] };
-            point.state[c] = twice * deviator;
+        for (c, (stress, &eps)) in point.state.iter_mut().zip(eps).enumerate() {
+            let deviator = if c < 3 { eps - mean } else { half * eps };
+            *stress = twice * deviator;
         }
         R::splat(1.0)
     }

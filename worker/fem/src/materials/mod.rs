@@ -34,7 +34,7 @@ pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
 pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
 pub use equation_of_state::{EQUATION_OF_STATE, Equation};
-pub use erosion::EROSION;
+pub use erosion::{EROSION, that_can_fail};
 pub use gissmo::{GISSMO, SIZE_COLUMN};
 pub use isentrope::Isentrope;
 pub use layered::{LayerPoint, MAX_LAYER_POINTS, layered};
@@ -194,6 +194,10 @@ pub const STRETCH_COLUMN: &str = "B-1 xx";
 /// Column of the internal energy per volume at the start of laws with an equation of state. The
 /// element adds the work of its bulk viscosity.
 pub const HEAT_COLUMN: &str = "eos energy";
+
+/// First column of the strain of solids, as a symmetric tensor in the order of the stress, of laws
+/// that keep it. The element rotates it with the stress.
+pub const STRAIN_COLUMN: &str = "erosion strain xx";
 
 /// First column of the axes of the material in laws with [`Solid::axes`]: the unit vectors a and b,
 /// each less the one that it is in a material without a rotation, x and y. So zeros are the global

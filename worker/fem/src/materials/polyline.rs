@@ -82,8 +82,10 @@ impl AnchoredCurve {
     /// With fewer points.
     pub fn new(points: impl Iterator<Item = [f64; 2]>) -> Self {
         let points: Vec<[f64; 2]> = points.collect();
-        let slopes: Vec<f64> =
-            points.windows(2).map(|two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0])).collect();
+        let slopes: Vec<f64> = points
+            .windows(2)
+            .map(|two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]))
+            .collect();
         let inner = &points[1..points.len() - 1];
         let first = inner.partition_point(|point| point[0] < 0.0);
         let slope = slopes[first];

@@ -12,7 +12,7 @@ use crate::constraints::prescribed::MotionCurve;
 use crate::curve::Curve;
 use crate::math::row::V3;
 use crate::work::Work;
-use crumple_proto::loads::{MotionForm, PrescribedMotion};
+use crumple_proto::loads::PrescribedMotion;
 use crumple_proto::rigid::{BodyStop, RigidBody};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -262,7 +262,7 @@ impl Body {
         let (mut velocity, mut spin) = (V3::zeros(), V3::zeros());
         for (dofs, course) in self.courses.iter().filter(|(_, course)| course.acts_at(time)) {
             let (next, increment) = (course.amount(time + dt), course.increment(time, dt));
-            let turns = matches!(course.form, MotionForm::Spin { .. });
+            let turns = course.form.centre().is_some();
             for c in 0..3 {
                 if dofs >> c & 1 == 1 && !turns {
                     velocity[c] = match course.is_timed() {

@@ -6,6 +6,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::job::ContactInput;
+use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Contacts that include the thickness of beams (LS-DYNA support, contact types 13 and 26).
@@ -278,7 +279,9 @@ impl DeckConverter {
             .rows
             .elements()
             .filter(|e| {
-                !e.shape.faces().is_empty() && e.corners().iter().any(|n| nodes.contains(n))
+                // Particles touch others as nodes.
+                let touches = !e.shape.faces().is_empty() || e.shape == Shape::Point1;
+                touches && e.corners().iter().any(|n| nodes.contains(n))
             })
             .map(|e| i64::from(e.part))
             .collect();

@@ -49,6 +49,11 @@ impl DeckConverter {
                 };
                 self.map("time step", format!("dt2ms {scaled}"), used);
             }
+            if record.integer("erode") == 1 {
+                self.eroding = Some(record.place("erode"));
+                let used = "inverted = \"delete\" of all parts of solids; shells end the run";
+                self.map("time step", "erode 1", used);
+            }
             if record.integer("lctm") != 0 {
                 self.unsupported_value(&record, "lctm", "a curve that limits the time step");
             }

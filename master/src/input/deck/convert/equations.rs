@@ -151,12 +151,12 @@ impl DeckConverter {
                 .map(|name| card.lines(name).flat_map(|l| l.reals(name)).collect::<Vec<_>>());
             ev.into_iter().zip(c).zip(t).map(|((ev, c), t)| [ev, c, t]).collect()
         };
-        // Blank points at the end are no points.
-        while rows.len() > 1 && rows[..rows.len() - 1].contains(&[0.0; 3]) {
-            match rows.last() {
-                Some(&[0.0, 0.0, 0.0]) => _ = rows.pop(),
-                _ => break,
-            }
+        // Blank points at the end are no points; the origin may be the last one.
+        let has_origin = |rows: &[[f64; 3]]| rows.iter().any(|row| row[0] == 0.0);
+        while let [before @ .., [0.0, 0.0, 0.0]] = &rows[..]
+            && has_origin(before)
+        {
+            rows.pop();
         }
         let mut rows: Vec<Vec<f64>> =
             rows.into_iter().map(|[ev, c, t]| vec![0.0 - ev, c, gamma * t]).collect();

@@ -3,6 +3,7 @@
 use super::DeckConverter;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use crate::input::job::centre;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 
@@ -49,12 +50,27 @@ impl DeckConverter {
         })
     }
 
-    /// Adds the inertia of a part to its body, if it is the only part of that body.
-    pub(super) fn put_inertia(&mut self, part: i64, alone: bool, table: &mut JobTable) {
+    /// Adds the inertia of a part to its body, if it is the only part of that body. `extra` is the
+    /// number of nodes of other parts in the body.
+    pub(super) fn put_inertia(
+        &mut self,
+        part: i64,
+        alone: bool,
+        extra: usize,
+        table: &mut JobTable,
+    ) {
         let Some(given) = self.parts.get(&part).and_then(|p| p.inertia) else { return };
         if !alone {
             let message = format!("part {part}: *PART_INERTIA of a part that is joined to others");
             return self.unsupported(given.place, message, "*PART_INERTIA".into());
+        }
+        if extra > 0 {
+            let message = format!(
+                "part {part}: the masses of {extra} nodes of other parts in the body are added to tm"
+            );
+            let help = "the original counts tm for all of them; a body whose motion is prescribed \
+                        does not depend on it";
+            self.trouble.warning(given.place, message, help);
         }
         table.put("mass", given.place, given.mass);
         table.put("inertia", given.place, given.tensor);
@@ -62,10 +78,14 @@ impl DeckConverter {
         let away = (0..3).map(|c| (centre[c] - given.centre[c]).powi(2)).sum::<f64>().sqrt();
         let [xx, yy, zz, ..] = given.tensor;
         let radius = (0.5 * (xx + yy + zz) / given.mass).sqrt();
-        if given.mass > 0.0 && away > SAME_CENTRE * radius {
+        let moves = given.mass > 0.0 && away > SAME_CENTRE * radius;
+        let can_move = moves && self.holds_centre(part, given.centre);
+        if can_move {
+            table.put("centre", given.place, given.centre);
+        } else if moves {
             let message = format!(
-                "part {part}: its centre of mass is {:?} in the deck, but that of its elements is \
-                 {centre:?}",
+                "part {part}: its centre of mass is {:?} in the deck, which is not inside of its \
+                 elements; that of the elements is {centre:?}",
                 given.centre
             );
             let help = "the body has the centre of its elements: add masses that move it";
@@ -74,13 +94,41 @@ impl DeckConverter {
         self.map(
             format!("part {part}"),
             format!("inertia: mass {}", given.mass),
-            "mass and inertia of the rigid body",
+            if can_move {
+                "mass, centre and inertia of the rigid body"
+            } else {
+                "mass and inertia of the rigid body"
+            },
         );
         let [v, w] = given.motion;
         if given.motion != [[0.0; 3]; 2] {
             let set = self.nodes_of_parts(&[part]);
-            let spin = (w != [0.0; 3]).then_some((w, centre));
+            let spin = (w != [0.0; 3]).then_some((w, if can_move { given.centre } else { centre }));
             self.initial(given.place, Some(set), v, spin);
         }
+    }
+
+    /// Gives the nodes of other parts, in a set, the motion of a part without elements, whose mass
+    /// and inertia have no carrier.
+    pub(super) fn bare_inertia(&mut self, part: i64, set: &str) {
+        let Some(given) = self.parts.get(&part).and_then(|p| p.inertia) else { return };
+        let message = format!(
+            "part {part} has no elements: its body has the mass, centre and inertia of its nodes, \
+             not those of *PART_INERTIA"
+        );
+        let help = "a body whose motion is prescribed does not depend on them; else give the part \
+                    elements, or its nodes masses by *ELEMENT_MASS";
+        self.trouble.warning(given.place, message, help);
+        let [v, w] = given.motion;
+        if given.motion != [[0.0; 3]; 2] {
+            let spin = (w != [0.0; 3]).then_some((w, given.centre));
+            self.initial(given.place, Some(set.to_string()), v, spin);
+        }
+    }
+
+    /// Returns true if masses of the elements of a part can have this centre.
+    fn holds_centre(&mut self, part: i64, centre: [f64; 3]) -> bool {
+        let (masses, points) = self.middles_of(part);
+        centre::factors(&masses, &points, centre).is_some()
     }
 }

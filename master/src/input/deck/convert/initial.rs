@@ -184,18 +184,22 @@ impl DeckConverter {
     /// Returns the centre of a part: the mean of its elements' centres, weighted by area or
     /// volume.
     pub(super) fn centre_of(&mut self, part: i64) -> [f64; 3] {
+        let (sizes, middles) = self.middles_of(part);
+        let total: f64 = sizes.iter().sum();
+        let along = |c: usize| sizes.iter().zip(&middles).map(|(size, x)| size * x[c]).sum::<f64>();
+        if total > 0.0 { [0, 1, 2].map(|c| along(c) / total) } else { [0.0; 3] }
+    }
+
+    /// Returns the areas of the shells or volumes of the solids of a part, and their middles.
+    pub(super) fn middles_of(&mut self, part: i64) -> (Vec<f64>, Vec<[f64; 3]>) {
         let of_part = |e: &&MeshElement| i64::from(e.part) == part && !e.shape.faces().is_empty();
         let elements: Vec<_> = self.rows.elements().filter(of_part).copied().collect();
-        let (mut sum, mut total) = ([0.0; 3], 0.0);
-        for element in elements {
-            let x = self.corners_of(&element);
-            let size = size(element.shape, &x);
-            for c in 0..3 {
-                sum[c] += size * x.iter().map(|x| x[c]).sum::<f64>() / x.len().max(1) as f64;
-            }
-            total += size;
-        }
-        if total > 0.0 { sum.map(|s| s / total) } else { sum }
+        let middle = |element: &MeshElement| {
+            let x = self.corners_of(element);
+            let mean = |c: usize| x.iter().map(|x| x[c]).sum::<f64>() / x.len().max(1) as f64;
+            (size(element.shape, &x), [0, 1, 2].map(mean))
+        };
+        elements.iter().map(middle).unzip()
     }
 
     /// Returns the coordinates of the corners of an element; none if one has no node.

@@ -125,6 +125,8 @@ pub struct DeckConverter {
     /// Names of rigid bodies by node, for joints.
     node_bodies: HashMap<NodeId, String>,
     end_time: f64,
+    /// Place of the field that lets solids erode by their step, if it is set.
+    eroding: Option<Place>,
     /// Materials and sections of unsupported keywords.
     left_out: left_out::LeftOutCards,
     /// Degrees of freedom that the deck fixes, in its order.
@@ -260,6 +262,7 @@ impl DeckConverter {
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),
             end_time: 0.0,
+            eroding: None,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),
             transformations: BTreeMap::new(),

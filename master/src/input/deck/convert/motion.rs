@@ -193,11 +193,13 @@ impl DeckConverter {
             (1, false) => "acceleration",
             (2, false) => "displacement",
             (0, true) => "spin",
+            (2, true) if key == "rigid" => "rotation",
             _ => {
                 return self.unsupported_card(
                     record,
                     "vad",
-                    "use velocity (0), or for translations acceleration (1) or displacement (2)",
+                    "use velocity (0), for translations acceleration (1) or displacement (2), or for \
+                     rotations of rigid parts the rotation (2)",
                 );
             }
         };
@@ -232,7 +234,8 @@ impl DeckConverter {
             .with("curve", record.place("lcid"), curve);
         if birth > 0.0 {
             table.put("birth", record.place("birth"), birth);
-            let from = if form == "displacement" { ", and counts from the place then" } else { "" };
+            let counts = ["displacement", "rotation"].contains(&form);
+            let from = if counts { ", and counts from the place then" } else { "" };
             self.map(
                 record.name(),
                 format!("{form} with birth {birth}"),

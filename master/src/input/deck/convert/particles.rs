@@ -246,7 +246,11 @@ impl DeckConverter {
             (record.integer("pid"), record.integer("eosid"), record.place("eosid"));
         if eosid == 0 {
             let message = format!("part {pid}: particles need an equation of state");
-            self.trouble.error(place, message, "give eosid, the id of an *EOS_MURNAGHAN or *EOS_GRUNEISEN");
+            self.trouble.error(
+                place,
+                message,
+                "give eosid, the id of an *EOS_MURNAGHAN or *EOS_GRUNEISEN",
+            );
             return None;
         }
         let equation = self.equation_card(eosid, place)?;
@@ -262,10 +266,8 @@ impl DeckConverter {
                 ("c1", 1.0)
             }
             _ => {
-                let message = format!(
-                    "part {pid}: {} of particles is not supported",
-                    equation.name()
-                );
+                let message =
+                    format!("part {pid}: {} of particles is not supported", equation.name());
                 let help = "use *EOS_GRUNEISEN, or *EOS_MURNAGHAN with k0 = ro c^2 / gamma and the speed of sound c; \
                             gamma is 7 for water";
                 self.trouble.error(place, message, help);
@@ -295,7 +297,8 @@ impl DeckConverter {
             let why = "particles have the artificial viscosity only, which has to be far larger";
             self.unsupported_value(null, "mu", why);
         } else if mu != 0.0 {
-            let why = format!("not used: the artificial viscosity is {:.0e} times it", artificial / mu);
+            let why =
+                format!("not used: the artificial viscosity is {:.0e} times it", artificial / mu);
             self.map(null.name(), format!("mu {mu:?}"), why);
         }
         for (field, why) in [

@@ -290,7 +290,13 @@ impl DeckConverter {
                 );
             }
             // With an equation of state it is a fluid.
-            (true, SectionKind::Solid) => {}
+            (true, SectionKind::Solid) => {
+                if table.has("hourglass") {
+                    table.put("hourglass", record.place("mid"), "viscous");
+                    let why = "viscous: a fluid has no stiffness against a change of shape";
+                    self.map(format!("part {id}"), "hourglass control of *MAT_NULL", why);
+                }
+            }
             (true, _) => {
                 let message = format!(
                     "part {id}: *MAT_NULL is supported for shells, solids and particles only"
@@ -387,6 +393,9 @@ impl DeckConverter {
         };
         if let Some((bulk, place)) = sections.bulk_viscosity(record.integer("hgid")) {
             table.put("bulk_viscosity", place, bulk);
+        }
+        if let Some(place) = self.eroding {
+            table.put("inverted", place, "delete");
         }
         self.map(format!("part {id}"), format!("solids, elform {elform}"), became);
     }

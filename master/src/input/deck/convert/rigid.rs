@@ -58,17 +58,23 @@ impl DeckConverter {
             let mut table = JobTable::new(place).with("name", place, name.as_str());
             let parts: Vec<i64> = body.parts.into_iter().collect();
             let of_parts = self.rows.nodes_of(|part| parts.contains(&i64::from(part)));
+            let bare = of_parts.is_empty() && !body.nodes.is_empty();
             let members = of_parts.into_iter().chain(body.nodes.iter().copied());
             self.node_bodies.extend(members.map(|node| (node, name.clone())));
             // Nodes without elements have no mass; joints only need their positions.
             body.nodes.retain(|node| connected.binary_search(node).is_ok());
-            let alone = parts.len() == 1 && body.nodes.is_empty();
-            parts.iter().for_each(|&part| self.put_inertia(part, alone, &mut table));
-            table.put("parts", place, parts);
-            if !body.nodes.is_empty() {
-                let set = format!("body-{id}-nodes");
+            let set = format!("body-{id}-nodes");
+            let extra = body.nodes.len();
+            if extra > 0 {
                 self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);
-                table.put("nodes", place, set);
+                table.put("nodes", place, set.as_str());
+            }
+            if bare {
+                parts.iter().for_each(|&part| self.bare_inertia(part, &set));
+            } else {
+                let alone = parts.len() == 1;
+                parts.iter().for_each(|&part| self.put_inertia(part, alone, extra, &mut table));
+                table.put("parts", place, parts);
             }
             if !body.fixed.is_empty() {
                 table.put("fixed", place, body.fixed.into_iter().collect::<Vec<_>>());

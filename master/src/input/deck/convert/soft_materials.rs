@@ -22,11 +22,12 @@ pub const KEYWORDS: [&str; 11] = [
 ];
 
 /// Criteria of failure: field, key, and sign of the field.
-const CRITERIA: [(&str, &str, f64); 6] = [
+const CRITERIA: [(&str, &str, f64); 7] = [
     ("mxpres", "erosion_max_pressure", 1.0),
     ("mnpres", "erosion_min_pressure", 1.0),
     ("sigp1", "erosion_principal_stress", 1.0),
     ("sigvm", "erosion_von_mises", 1.0),
+    ("mxeps", "erosion_major_strain", 1.0),
     ("effeps", "erosion_plastic_strain", -1.0),
     ("voleps", "erosion_volume_strain", 1.0),
 ];
@@ -82,14 +83,13 @@ impl DeckConverter {
             let (id, place) = (record.integer("mid"), record.place("mid"));
             let excluded = record.real("excl");
             let given = |field: &str| ![0.0, excluded].contains(&record.real(field));
-            for field in [
-                "mneps", "mxeps", "epssh", "sigth", "impulse", "failtm", "epsthin", "engcrt",
-                "radcrt",
-            ]
-            .iter()
-            .filter(|field| given(field))
+            for field in
+                ["mneps", "epssh", "sigth", "impulse", "failtm", "epsthin", "engcrt", "radcrt"]
+                    .iter()
+                    .filter(|field| given(field))
             {
-                let why = "this criterion; use mxpres, mnpres, sigp1, sigvm, voleps or effeps";
+                let why =
+                    "this criterion; use mxpres, mnpres, sigp1, sigvm, mxeps, voleps or effeps";
                 self.unsupported_value(&record, field, why);
             }
             if record.integer("lcfld") != 0 {
@@ -105,7 +105,8 @@ impl DeckConverter {
                 let why = "a total strain; give the plastic strain with a negative sign";
                 self.unsupported_value(&record, "effeps", why);
             }
-            for field in ["sigp1", "sigvm"].iter().filter(|field| record.real(field) < 0.0) {
+            for field in ["sigp1", "sigvm", "mxeps"].iter().filter(|field| record.real(field) < 0.0)
+            {
                 self.unsupported_value(&record, field, "a curve over the strain rate");
             }
             let Some(material) = materials.get_mut(&id) else {

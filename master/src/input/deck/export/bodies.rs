@@ -275,14 +275,14 @@ fn cards_of(motion: &MotionInput, job: &Job, bodies: &DeckBodies) -> Option<Vec<
     if motion.rigid.as_ref().is_some_and(|name| bodies.part(name).is_none()) {
         return None;
     }
-    let (vad, v, first) =
-        match (motion.velocity, motion.acceleration, motion.displacement, motion.spin) {
-            (Some(v), None, None, None) => (0, v, 0),
-            (None, Some(a), None, None) => (1, a, 0),
-            (None, None, Some(u), None) => (2, u, 0),
-            (None, None, None, Some(w)) if motion.rigid.is_some() => (0, w, 3),
-            _ => return None,
-        };
+    let MotionInput { velocity, acceleration, displacement, spin, rotation, .. } = motion;
+    let [v, a, u, w, turn] = [velocity, acceleration, displacement, spin, rotation];
+    let forms = [(0, v, 0), (1, a, 0), (2, u, 0), (0, w, 3), (2, turn, 3)];
+    let mut given = forms.into_iter().filter_map(|(vad, v, first)| Some((vad, (*v)?, first)));
+    let (Some((vad, v, first)), None) = (given.next(), given.next()) else { return None };
+    if first == 3 && motion.rigid.is_none() {
+        return None;
+    }
     let default: Vec<String> = DOFS[first..first + 3].iter().map(|d| d.to_string()).collect();
     let dofs = if motion.dofs.is_empty() { &default } else { &motion.dofs };
     let card = |dof: &String| {

@@ -29,7 +29,7 @@ const EROSION: [[(&str, f64); 8]; 2] = [
         ("erosion_min_pressure", 1.0),
         ("erosion_principal_stress", 1.0),
         ("erosion_von_mises", 1.0),
-        ("", 0.0),
+        ("erosion_major_strain", 1.0),
         ("", 0.0),
         ("", 0.0),
         ("", 0.0),
@@ -238,7 +238,9 @@ fn fluid(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParame
 fn erosion(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
     let given = |key: &str| {
         let x = cards.number(key);
-        x > 0.0 || (x < 0.0 && OF_BOTH_SIGNS.contains(&key))
+        let is_limit = x > 0.0 || (x < 0.0 && OF_BOTH_SIGNS.contains(&key));
+        // The card of the law may have it.
+        is_limit && !read.contains_key(key)
     };
     let keys: Vec<&str> =
         EROSION.as_flattened().iter().map(|f| f.0).filter(|key| given(key)).collect();

@@ -53,7 +53,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("dtinit:r tssfac:r isdo:i tslimt:r dt2ms:r lctm:i erode:i ms1st:i", Maybe),
             ("dt2msf:r dt2mslc:i imscl:i unused:r*2 rmscl:r", Maybe),
         ],
-        "tssfac is `time.safety` (0.9 if blank). The absolute value of dt2ms is \
+        "tssfac is `time.safety` (0.9 if blank). erode 1 is `inverted = \"delete\"` of all parts of \
+         solids: those whose step falls below dtmin are deleted, too. The absolute value of dt2ms is \
          `time.mass_scaling_dt`; added mass has no limit, and the run warns of its fraction. lctm \
          is not supported",
     )
@@ -61,7 +62,6 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("dtinit", "the first step is the stable one times tssfac"),
         no_effect("isdo", "each element has its own bound of the stable step"),
         ignored("tslimt", "the stiffness of shells is not reduced to keep the step"),
-        ignored("erode", "a step below dtmin ends the run: no element is deleted for its step"),
         no_effect("ms1st", "mass is added at the start only in any case"),
         refused("dt2msf dt2mslc", "another measure of mass scaling: give dt2ms"),
         refused("imscl", "selective mass scaling"),

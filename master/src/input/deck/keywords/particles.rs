@@ -58,7 +58,7 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[
         no_effect("ncbs", "neighbours are those of each step"),
-        refused("boxid", "particles that stop outside of a box"),
+        ignored("boxid", "particles outside of the box go on"),
         refused("dt start", "particles that act for some time only"),
         no_effect("nmneigh isymp", "memory is found as needed"),
         refused("maxv", "particles that are deleted at a speed"),

@@ -202,10 +202,11 @@ impl PlacedModel<'_> {
             MotionForm::Velocity => "prescribed velocity",
             MotionForm::Acceleration => "prescribed acceleration",
             MotionForm::Spin { .. } => "prescribed spin",
+            MotionForm::Rotation { .. } => "prescribed rotation",
         };
-        let about = match motion.form {
-            MotionForm::Spin { centre } => format!(" about {}", vector(centre)),
-            _ => String::new(),
+        let about = match motion.form.centre() {
+            Some(centre) => format!(" about {}", vector(centre)),
+            None => String::new(),
         };
         let curve = self.curve(motion.curve);
         let until = |[begin, end]: [f64; 2]| match end == f64::MAX {
@@ -221,14 +222,14 @@ impl PlacedModel<'_> {
     /// Returns the direction of a motion at a place.
     fn motion_at(motion: &PrescribedMotion, x: SpaceVector) -> SpaceVector {
         let amount = motion.amount;
-        let moved = match motion.form {
-            MotionForm::Spin { centre } => {
+        let moved = match motion.form.centre() {
+            Some(centre) => {
                 let r = [0, 1, 2].map(|c| x[c] - centre[c]);
                 [0, 1, 2].map(|c| {
                     amount[(c + 1) % 3] * r[(c + 2) % 3] - amount[(c + 2) % 3] * r[(c + 1) % 3]
                 })
             }
-            _ => amount,
+            None => amount,
         };
         [0, 1, 2].map(|c| if motion.dofs >> c & 1 == 1 { moved[c] } else { 0.0 })
     }
@@ -264,9 +265,9 @@ impl PlacedModel<'_> {
             out.push(condition);
             for motion in &body.motions {
                 let (what, words) = self.motion_words(motion);
-                let arrow = match motion.form {
-                    MotionForm::Spin { .. } => [middle, motion.amount],
-                    _ => [middle, Self::motion_at(motion, middle)],
+                let arrow = match motion.form.centre() {
+                    Some(_) => [middle, motion.amount],
+                    None => [middle, Self::motion_at(motion, middle)],
                 };
                 let title = format!("{what} of rigid body {name}");
                 out.push(Condition::new(title, words, count, Marks::Arrows(vec![arrow])));

@@ -63,6 +63,7 @@ fn led(section: BeamInput, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
                 unstrained: &mut [],
                 nodes,
                 dt,
+                least_dt: 0.0,
                 out,
                 energies,
             })

@@ -416,7 +416,7 @@ fn rectangle(wall: &WallInput) -> Option<[[f64; 3]; 2]> {
 
 /// Returns the card of a motion; `None` if it has none.
 fn row(motion: &MotionInput) -> Option<MotionRow> {
-    if motion.birth > 0.0 || motion.death.is_some() {
+    if motion.birth > 0.0 || motion.death.is_some() || motion.rotation.is_some() {
         return None;
     }
     let [dof] = motion.dofs.as_slice() else { return None };
