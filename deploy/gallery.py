@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The gallery of public LS-DYNA decks: runs them as they are, and writes cases/decks/README.md with
+"""The gallery of public LS-DYNA decks: runs them as they are, and writes docs/guide/gallery.md with
 their results and pictures.
 
     deploy/gallery.py                   all decks of cases/decks/gallery.toml
@@ -25,6 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 GALLERY = ROOT / "cases" / "decks"
+PAGE = ROOT / "docs" / "guide" / "gallery.md"
 WORK = ROOT / "out" / "gallery"
 
 
@@ -144,14 +145,14 @@ def picture(deck, out, units):
 
 
 def page(decks):
-    """Write the page of the gallery."""
+    """Write the page of the manual."""
     lines = [
         "# Gallery of public decks",
         "",
         "Each deck runs as it is, without `--allow-unsupported`. `deploy/gallery.py` runs them again",
-        "and writes this page, with the results in `results/`; a run of all takes minutes.",
-        "[gallery.toml](gallery.toml) has the sources. A deck whose licence does not allow a copy",
-        "here is downloaded by the script.",
+        "and writes this page, with the results in `cases/decks/results/`; a run of all takes minutes.",
+        "`cases/decks/gallery.toml` has the sources. A deck whose licence does not allow a copy in the",
+        "project is downloaded by the script.",
         "",
     ]
     for deck in decks:
@@ -167,10 +168,10 @@ def page(decks):
                 rows = list(csv.reader(file))
             lines += ["| result | value | unit |", "|---|---|---|"]
             lines += [f"| {name} | {value} | {unit} |" for name, unit, value in rows[1:]]
-            lines += ["", f"![{deck['title']}](results/{deck['name']}.png)", ""]
+            lines += ["", f"![{deck['title']}](../../cases/decks/results/{deck['name']}.png)", ""]
         else:
             lines += ["Not run yet.", ""]
-    (GALLERY / "README.md").write_text("\n".join(lines).rstrip() + "\n")
+    PAGE.write_text("\n".join(lines).rstrip() + "\n")
 
 
 def main():

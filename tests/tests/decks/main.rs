@@ -27,6 +27,7 @@ mod odd_files;
 mod particles;
 mod radioss;
 mod rigid_joints;
+mod rigid_parts;
 mod runs;
 mod spring_laws;
 mod stops_and_times;

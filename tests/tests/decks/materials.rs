@@ -488,6 +488,20 @@ fn null_solids_are_fluids() {
     }
 }
 
+/// A limit of the principal strain holds for solids too, and solids whose step falls are deleted
+/// where the deck says so; shells are not.
+#[test]
+fn solids_erode_by_their_strain_and_step() {
+    let lines = "*MAT_ADD_EROSION\n1\n,,,0.3\n*CONTROL_TIMESTEP\n0.0,0.9,0,0.0,0.0,0,1\n";
+    let model = model_of(&format!("{BASE}{MOVES}*MAT_003\n1,7.85e-6,200.0,0.3,0.25\n{lines}"));
+    assert_eq!(parameter(&model, "erosion_major_strain"), "0.3");
+    let inverted = |id: u32| {
+        let part = model.settings.parts.iter().find(|p| p.id == id).expect("a part");
+        format!("{:?}", part.parameters.get("inverted"))
+    };
+    assert!(inverted(2).contains("delete") && !inverted(1).contains("delete"));
+}
+
 /// A metal without a bulk modulus takes it from the equation of state of its part.
 #[test]
 fn a_hydrodynamic_metal_has_the_shear_modulus_of_its_card() {

@@ -483,6 +483,29 @@ fn beams_without_moments_are_trusses() {
     assert_eq!(model.job.part[2].truss.as_ref().unwrap().area, 2.5);
 }
 
+/// Beams with the parts that they join are beams, and a mass of a part is spread over its nodes.
+#[test]
+fn beams_of_welds_and_masses_of_parts() {
+    let model = with(
+        "*PART\nweld\n3,3,1\n*SECTION_BEAM\n3,3\n2.5\n*ELEMENT_BEAM_PID\n31,3,5,11,6\n1,2\n\
+         32,3,6,12\n1,2\n*ELEMENT_MASS_PART\n1,0.6\n",
+    );
+    let welds = model.mesh.elements.iter().filter(|e| e.part == 3);
+    assert_eq!(welds.map(|e| e.nodes[0].0).collect::<Vec<_>>(), [5, 6]);
+    let mass = &model.job.mass[0];
+    assert_eq!((mass.mass, model.job.mass.len()), (0.6, 1));
+    for (node, mass) in model.mesh.nodes.iter().zip(&model.nodes.added_mass) {
+        let share = if (11..=16).contains(&node.id.0) { 0.1 } else { 0.0 };
+        assert!((mass - share).abs() < 1e-12, "node {}: {mass}", node.id);
+    }
+    for (card, words) in
+        [("1,0.6,0.9", "`finmass` = 0.9"), ("1,0.6,0.0,4", "`lcid` = 4"), ("9,0.6", "no part 9")]
+    {
+        let said = crate::base::refused(&format!("*ELEMENT_MASS_PART\n{card}\n"));
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
+
 /// dof 9 to 11 turn nodes about an axis through both offsets, which are in cyclic order.
 #[test]
 fn nodes_turn_about_an_axis_through_their_offsets() {

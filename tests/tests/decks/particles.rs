@@ -107,6 +107,16 @@ fn sizes_in_other_units_are_converted() {
     }
 }
 
+/// A contact by a set of their nodes is one of their part.
+#[test]
+fn contact_of_a_set_of_particles_is_that_of_their_part() {
+    let contact = "*CONTACT_AUTOMATIC_NODES_TO_SURFACE\n5,1,4,3\n\n\n*SET_NODE_LIST\n5\n31,32,33\n";
+    let model = with(&format!("{}{contact}", changed(&[])));
+    let contact = model.job.contact.as_ref().expect("a contact");
+    let [only] = &contact.interface[..] else { panic!("{contact:?}") };
+    assert_eq!((&only.parts[..], &only.against[..]), (&[3][..], &[1][..]));
+}
+
 /// Each card that particles cannot have is named with its value.
 #[test]
 fn wrong_cards_are_named() {

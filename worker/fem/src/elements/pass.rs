@@ -418,7 +418,8 @@ fn delete_lost<L: PointLanes<W>, const C: usize, const W: usize>(
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let valid = L::both(totals.sound, totals.stable_dt.ge(L::splat(least_dt)));
     let marks = L::select(valid, zero, one).to_array();
-    if marks.iter().all(|mark| *mark == 0.0) {
+    let gone = material.deleted(history);
+    if !L::any(gone) && marks.iter().all(|mark| *mark == 0.0) {
         return;
     }
     let finite = |lane: usize| {
@@ -429,7 +430,8 @@ fn delete_lost<L: PointLanes<W>, const C: usize, const W: usize>(
     let is_lost = |lane: usize| marks[lane] != 0.0 && finite(lane);
     let lost = L::from_array(std::array::from_fn(|lane| f64::from(u8::from(is_lost(lane)))));
     let lost = lost.gt(L::splat(0.5));
-    material.delete(points, history, lost);
+    // The shape of an element that has gone may give no finite stress.
+    material.delete(points, history, L::either(lost, gone));
     totals.zero_failed(lost);
     (0..W).filter(|&lane| is_lost(lane)).for_each(|lane| force[lane] = [[0.0; 4]; C]);
 }

@@ -44,6 +44,8 @@ pub const SOLID_KEYS: &[ParameterRow] = &[
 
 /// Mark of a solid that was deleted, in the column of failure.
 const DELETED: f64 = 2.0;
+/// The law marks failure by 1.
+const DELETED_FROM: f64 = 1.5;
 
 /// Largest strain increment of a valid step.
 pub const STRAIN_LIMIT: f64 = 0.5;
@@ -155,7 +157,13 @@ impl SolidMaterial {
 
     /// Returns true if an element was deleted.
     pub fn is_deleted(&self, history: ElementState<'_>) -> bool {
-        self.failed.is_some_and(|column| history.at(column) > 0.5 * (1.0 + DELETED))
+        self.failed.is_some_and(|column| history.at(column) > DELETED_FROM)
+    }
+
+    /// Returns the lanes with elements that were deleted.
+    pub fn deleted<R: Real>(&self, history: &[R]) -> R::Mask {
+        let mark = self.failed.map_or(R::zero(), |column| history[column]);
+        mark.gt(R::splat(DELETED_FROM))
     }
 
     /// Rotates the tensors and the axes of the history.

@@ -350,14 +350,14 @@ fn lose<const C: usize>(make: impl Fn(Part) -> Patch<C>, part: &Part) {
     patch.go(|x| [1.001 * x[0], x[1], x[2]]);
     assert!(patch.largest().0 > 0.0 && !patch.fields(0).failed);
     let checks = |patch: &mut Patch<C>, totals: Passed| {
-        let all = (0..patch.cells.len()).all(|e| {
-            let history = patch.history.element(e).to_vec();
+        let name = part.element.as_deref().expect("a formulation");
+        for e in 0..patch.cells.len() {
             let state = patch.history.element(e);
-            patch.fields(e).failed
-                && patch.element.is_deleted(state)
-                && history.iter().all(|value| value.is_finite())
-        });
-        assert!(all && patch.largest().0 == 0.0);
+            assert!(patch.fields(e).failed && patch.element.is_deleted(state), "{name} {e}");
+            let kept = state.to_vec();
+            assert!(kept.iter().all(|value| value.is_finite()), "{name} {e}: {kept:?}");
+        }
+        assert_eq!(patch.largest().0, 0.0, "{name}");
         assert_eq!((totals.internal, totals.trouble), (0.0, None));
         assert_eq!(totals.stable_dt, f64::INFINITY);
     };
@@ -365,15 +365,15 @@ fn lose<const C: usize>(make: impl Fn(Part) -> Patch<C>, part: &Part) {
         let totals = patch.go(mirrored);
         checks(&mut patch, totals);
     }
-    // Half the step of the start is reached by compression.
+    // This step is reached by compression.
     let mut patch = make(deleting.clone());
     let start = patch.go(|x| x).stable_dt;
-    patch.least_dt = 0.5 * start;
+    patch.least_dt = 0.7 * start;
     let mut steps = 0;
     while !patch.fields(0).failed {
         patch.go(|x| [x[0], x[1], 0.95 * x[2]]);
         steps += 1;
-        assert!(steps < 60, "it must be deleted");
+        assert!(steps < 100, "{:?} must be deleted", part.element);
     }
     assert!(steps > 5, "not before its step is short");
     let mut patch = make(deleting);

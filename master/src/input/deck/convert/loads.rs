@@ -31,6 +31,24 @@ impl DeckConverter {
                 JobTable::new(place).with("nodes", place, name).with("mass", place, total),
             );
         }
+        for record in self.take_records("ELEMENT_MASS_PART") {
+            let lines: Vec<CardLine> = record.lines("pid").cloned().collect();
+            for line in lines.iter().filter(|line| line.real("addmass") != 0.0) {
+                let (pid, place) = (line.integer("pid"), line.place("pid"));
+                if !self.has_part(pid, place) {
+                    continue;
+                }
+                let set = self.nodes_of_parts(&[pid]);
+                let mass = line.real("addmass");
+                self.map(
+                    format!("part {pid}"),
+                    format!("a mass of {mass} by area or volume"),
+                    "the same mass on each of its nodes",
+                );
+                let table = JobTable::new(line.place).with("nodes", place, set);
+                self.add("mass", table.with("mass", line.place("addmass"), mass));
+            }
+        }
         for record in self.take_records("ELEMENT_MASS_NODE_SET") {
             for line in record.lines("nsid") {
                 let Some(set) = self.node_set(line.integer("nsid"), line.place("nsid")) else {

@@ -1,7 +1,7 @@
 //! Nodes and elements.
 
 use crate::input::deck::record::CardRecord;
-use crate::input::deck::table::{Keyword, Times::*, no_effect};
+use crate::input::deck::table::{Keyword, Times::*, ignored, no_effect, refused};
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -42,16 +42,30 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[no_effect("eid", "masses have no numbers")]),
     Keyword::new(
+        "ELEMENT_MASS_PART",
+        &[("pid:i8! addmass:r16 finmass:r16 lcid:i8 mwd:i8", Rest)],
+        "`[[mass]]` of the nodes of the part, the same on each of them",
+    )
+    .unused(&[
+        refused("finmass", "the mass that the part has in the end: give addmass"),
+        refused("lcid", "a mass that grows with the time"),
+        ignored("mwd", "the mass is the same on all nodes of the part"),
+    ]),
+    Keyword::new(
         "ELEMENT_BEAM",
         &[
             ("eid:i8! pid:i8! n1:i8! n2:i8! n3:i8 rt1:i8 rr1:i8 rt2:i8 rr2:i8 local:i8", Once),
+            ("pid1:i8 pid2:i8", Count(joined_parts)),
             ("vx:r vy:r vz:r", Count(orientation)),
         ],
         "beams. n3, or with ORIENTATION a vector, gives the direction of the second axis (s); it \
          is optional for round sections and trusses. Releases (rt, rr) are not supported",
     )
-    .unused(&[no_effect("local", "it is for releases")])
-    .options(&["ORIENTATION"])
+    .unused(&[
+        no_effect("local", "it is for releases"),
+        no_effect("pid1 pid2", "a tied contact finds the nearest face"),
+    ])
+    .options(&["ORIENTATION", "PID"])
     .repeats(),
     Keyword::new(
         "ELEMENT_DISCRETE",
@@ -62,6 +76,11 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[no_effect("pf", "the print flag of other programs")]),
 ];
+
+/// Returns 1, for the line with the parts that a beam joins, with the option `PID`.
+fn joined_parts(record: &CardRecord) -> usize {
+    usize::from(record.has("PID"))
+}
 
 fn orientation(record: &CardRecord) -> usize {
     usize::from(record.has("ORIENTATION"))

@@ -1,0 +1,86 @@
+//! Rigid parts of decks: mass properties of their own, and prescribed rotations. The cube of the
+//! base is rigid: nodes 1 to 8, its centre at (5, 5, 5). Units mm, ms, kg.
+
+use crate::base::{BASE, MOVES, STEEL, model_of, report_of};
+use crumple::input::job::Model;
+
+/// Returns the base with the cube as a rigid part with these mass properties, and more lines.
+fn with_inertia(inertia: &str, lines: &str) -> String {
+    let base = BASE.replace("cube\n2,2,1\n", "");
+    format!(
+        "{base}{STEEL}{MOVES}*MAT_RIGID\n2,7.85e-6,207.0,0.3\n*PART_INERTIA\ncube\n2,2,2\n\
+         {inertia}{lines}"
+    )
+}
+
+/// Returns the masses of the solids of the rigid part.
+fn masses(model: &Model) -> Vec<f64> {
+    let all = model.mesh.elements.iter().zip(&model.elements.mass);
+    all.filter(|(e, _)| e.part == 2).map(|(_, mass)| *mass).collect()
+}
+
+/// The centre of a body of one solid cannot move: its middle is the only place inside of it. With a
+/// second solid of the part it can, and the masses of the elements follow.
+#[test]
+fn the_centre_of_mass_is_that_of_the_card() {
+    let numbers = "0.5,0.0,0.0,0.5,0.0,0.5\n0.0,0.0,0.0\n";
+    let one = model_of(&with_inertia(&format!("5.0,5.0,6.0,0.02\n{numbers}"), ""));
+    assert_eq!(one.job.rigid[0].centre, None);
+    let words = "is not inside of its elements";
+    assert!(one.warnings.iter().any(|w| w.message.contains(words)), "{:?}", one.warnings);
+
+    let second = "*NODE\n21,0,0,20\n22,10,0,20\n23,10,10,20\n24,0,10,20\n\
+                  25,0,0,30\n26,10,0,30\n27,10,10,30\n28,0,10,30\n\
+                  *ELEMENT_SOLID\n9,2,21,22,23,24,25,26,27,28\n";
+    // The middles of the solids are at 5 and 25.
+    let two = model_of(&with_inertia(&format!("5.0,5.0,10.0,0.02\n{numbers}"), second));
+    assert_eq!(two.job.rigid[0].centre, Some([5.0, 5.0, 10.0]));
+    let [lower, upper] = masses(&two)[..] else { panic!("two solids") };
+    assert!((lower - 0.015).abs() < 1e-12 && (upper - 0.005).abs() < 1e-12, "{lower} {upper}");
+}
+
+/// A part with nodes of other parts keeps its mass properties, with a warning; one without elements
+/// has those of these nodes.
+#[test]
+fn parts_with_extra_nodes_keep_their_inertia() {
+    let extra = "*CONSTRAINED_EXTRA_NODES_NODE\n2,11\n";
+    let inertia = "5.0,5.0,5.0,0.02\n0.5,0.0,0.0,0.5,0.0,0.5\n1.0,0.0,0.0\n";
+    let joined = model_of(&with_inertia(inertia, extra));
+    assert_eq!(joined.job.rigid[0].mass, Some(0.02));
+    let said = |model: &Model, words: &str| {
+        assert!(model.warnings.iter().any(|w| w.message.contains(words)), "{:?}", model.warnings);
+    };
+    said(&joined, "the masses of 1 nodes of other parts");
+
+    let three = "*CONSTRAINED_EXTRA_NODES_SET\n2,7\n*SET_NODE_LIST\n7\n11,12,14\n";
+    let text = with_inertia(inertia, three).replace("*ELEMENT_SOLID\n1,2,1,2,3,4,5,6,7,8\n", "");
+    let bare = model_of(&text);
+    said(&bare, "part 2 has no elements");
+    let body = &bare.job.rigid[0];
+    assert!(body.mass.is_none() && body.parts.is_empty() && body.nodes.is_some());
+    let moving = |id: u64| {
+        let n = bare.mesh.nodes.iter().position(|n| n.id.0 == id).expect("a node");
+        bare.nodes.velocity[n][0]
+    };
+    assert_eq!([11, 12, 14].map(moving), [1.0; 3]);
+}
+
+/// vad 2 of a rotation is an angle over the time.
+#[test]
+fn rotations_may_be_given_as_angles() {
+    let rigid = BASE.replace("cube\n2,2,1\n", "cube\n2,2,2\n");
+    let turn = |vad: i32, key: &str| {
+        format!(
+            "{rigid}{STEEL}{MOVES}*MAT_RIGID\n2,7.85e-6,207.0,0.3\n\
+             *BOUNDARY_PRESCRIBED_MOTION_{key},6,{vad},9,0.5\n\
+             *DEFINE_CURVE\n9\n0.0,0.0\n10.0,3.0\n*SET_NODE_LIST\n4\n11,12\n"
+        )
+    };
+    let model = model_of(&turn(2, "RIGID\n2"));
+    let motion = &model.job.motion[0];
+    assert_eq!(motion.rotation, Some([0.0, 0.5, 0.0]));
+    assert_eq!((motion.spin, &motion.dofs[..]), (None, &["ry".to_string()][..]));
+    // Nodes have rotations by velocities only.
+    assert!(report_of(&turn(2, "SET\n4")).contains("`vad` = 2 is not supported"));
+    assert!(report_of(&turn(1, "RIGID\n2")).contains("`vad` = 1 is not supported"));
+}
