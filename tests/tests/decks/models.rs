@@ -498,9 +498,11 @@ fn beams_of_welds_and_masses_of_parts() {
         let share = if (11..=16).contains(&node.id.0) { 0.1 } else { 0.0 };
         assert!((mass - share).abs() < 1e-12, "node {}: {mass}", node.id);
     }
-    for (card, words) in
-        [("1,0.6,0.9", "`finmass` = 0.9"), ("1,0.6,0.0,4", "`lcid` = 4"), ("9,0.6", "no part 9")]
-    {
+    for (card, words) in [
+        ("1,0.6,0.9", "`finmass` = 0.9"),
+        ("1,0.6,0.0,4", "`lcid` = 4"),
+        ("9,0.6", "no *PART with the id 9"),
+    ] {
         let said = crate::base::refused(&format!("*ELEMENT_MASS_PART\n{card}\n"));
         assert!(said.contains(words), "{words}: {said}");
     }

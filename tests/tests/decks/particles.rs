@@ -78,6 +78,10 @@ fn other_fields_become_keys() {
     let linear = fluid(&with(&changed(&[("*EOS_MURNAGHAN\n3,7.0,0.343\n", linear)])));
     assert_eq!(linear.exponent(), 1.0);
     assert_near(linear.sound_speed, 1500.0);
+    // A viscosity far below the artificial one is not used.
+    let thin = with(&changed(&[("-0.25", "-0.25,1e-9")]));
+    assert_eq!(fluid(&thin), fluid(&with(&changed(&[]))));
+    assert!(crumple::input::check::describe(&thin).contains("mu 1e-9"));
     let shocks = "*EOS_GRUNEISEN\n3,1647.0,1.92,-0.1,0.2,0.5,0.3\n";
     let shocks = fluid(&with(&changed(&[("*EOS_MURNAGHAN\n3,7.0,0.343\n", shocks)])));
     assert_eq!(shocks.hugoniot, Some([1.92, -0.1, 0.2, 0.5, 0.3]));
@@ -113,8 +117,7 @@ fn contact_of_a_set_of_particles_is_that_of_their_part() {
     let contact = "*CONTACT_AUTOMATIC_NODES_TO_SURFACE\n5,1,4,3\n\n\n*SET_NODE_LIST\n5\n31,32,33\n";
     let model = with(&format!("{}{contact}", changed(&[])));
     let contact = model.job.contact.as_ref().expect("a contact");
-    let [only] = &contact.interface[..] else { panic!("{contact:?}") };
-    assert_eq!((&only.parts[..], &only.against[..]), (&[3][..], &[1][..]));
+    assert_eq!((&contact.parts[..], &contact.against[..]), (&[3][..], &[1][..]));
 }
 
 /// Each card that particles cannot have is named with its value.

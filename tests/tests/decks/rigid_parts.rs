@@ -50,7 +50,7 @@ fn parts_with_extra_nodes_keep_their_inertia() {
     let said = |model: &Model, words: &str| {
         assert!(model.warnings.iter().any(|w| w.message.contains(words)), "{:?}", model.warnings);
     };
-    said(&joined, "the masses of 1 nodes of other parts");
+    said(&joined, "masses of nodes of other parts in the body (1)");
 
     let three = "*CONSTRAINED_EXTRA_NODES_SET\n2,7\n*SET_NODE_LIST\n7\n11,12,14\n";
     let text = with_inertia(inertia, three).replace("*ELEMENT_SOLID\n1,2,1,2,3,4,5,6,7,8\n", "");

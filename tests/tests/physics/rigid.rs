@@ -177,7 +177,7 @@ fn a_prescribed_body_moves_its_nodes() {
 }
 
 /// A prescribed rotation is that of its curve at any time, and gives the same places as the spin
-/// whose integral it is: of a body, and of nodes about an axis.
+/// whose integral it is.
 #[test]
 fn a_prescribed_rotation_follows_its_curve() {
     let curve = "[[curve]]\nname = \"turn\"\npoints = [[0.0, 0.0], [0.4, 0.5], [1.0, 2.0]]\n";

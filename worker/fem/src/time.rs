@@ -221,9 +221,10 @@ impl Clock {
         out_of_cycles || self.time >= settings.end_time * (1.0 - SLACK)
     }
 
-    /// Returns the stable step below which the step has collapsed [time], with round-off above it.
+    /// Returns the stable step below which the step has collapsed [time], with the round-off of
+    /// single precision above it.
     pub fn least_dt(&self, settings: &Settings) -> f64 {
-        settings.dt_min_ratio * self.first_dt / settings.safety * (1.0 + SLACK)
+        settings.dt_min_ratio * self.first_dt / settings.safety * (1.0 + 1e-6)
     }
 
     /// Returns true if the step has collapsed.

@@ -279,10 +279,14 @@ mod tests {
         let centre = [1.0, -1.0, 0.0];
         let rate = 10.0 * std::f64::consts::TAU / 2.0;
         let axis = V3::new(1.0, 2.0, -2.0) / 3.0;
-        let (nodes, _) =
-            moved(MotionForm::Spin { centre }, (axis * rate).into(), &[[0.0, 1.0]], 95);
-        let off = (0..3).map(|c| (nodes.x[0][c] - nodes.x0[0][c]).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-13, "round-off: 63 radians times eps times a radius of 3: {off}");
-        assert!((V3::from(xyz(&nodes.w[0])) - axis * rate).norm() < 1e-12);
+        for (form, curve) in [
+            (MotionForm::Spin { centre }, &[[0.0, 1.0]][..]),
+            (MotionForm::Rotation { centre }, &[[0.0, 0.0], [2.0, 2.0]]),
+        ] {
+            let (nodes, _) = moved(form, (axis * rate).into(), curve, 95);
+            let off = (0..3).map(|c| (nodes.x[0][c] - nodes.x0[0][c]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-13, "round-off: 63 radians times eps times a radius of 3: {off}");
+            assert!((V3::from(xyz(&nodes.w[0])) - axis * rate).norm() < 1e-11, "{form:?}");
+        }
     }
 }

@@ -10,6 +10,22 @@ const LARGEST: f64 = 25.0;
 /// Largest number of steps of Newton's method.
 const STEPS: usize = 200;
 
+/// Spread below which a body is flat or straight, over its size.
+const FLAT: f64 = 1e-9;
+/// Largest distance of the centre from a flat body that is the rounding of a file, over its size.
+const ACROSS: f64 = 1e-6;
+
+/// Masses with factors, and the function that is minimised.
+struct TiltedMasses {
+    value: f64,
+    /// Their centre.
+    mean: Vector3<f64>,
+    /// Factors up to a scale, masses with them, and the sum of these.
+    shares: Vec<f64>,
+    weights: Vec<f64>,
+    sum: f64,
+}
+
 /// Returns factors of masses, all above zero and with the sum of the masses kept, that move the
 /// centre of the masses at `points` to `centre`; `None` if it is not inside of them.
 ///
@@ -23,23 +39,37 @@ pub fn factors(masses: &[f64], points: &[[f64; 3]], centre: [f64; 3]) -> Option<
     if size == 0.0 {
         return Some(vec![1.0; masses.len()]);
     }
-    let away: Vec<Vector3<f64>> = away.iter().map(|d| d / size).collect();
+    let mut away: Vec<Vector3<f64>> = away.iter().map(|d| d / size).collect();
+    // Across a flat or straight body nothing can move, and nothing has to but for rounding.
+    let middle = away.iter().sum::<Vector3<f64>>() / away.len() as f64;
+    let spread = away.iter().fold(Matrix3::zeros(), |sums, d| {
+        let off = d - middle;
+        sums + off * off.transpose() / away.len() as f64
+    });
+    let axes = spread.symmetric_eigen();
+    for (axis, value) in axes.eigenvectors.column_iter().zip(axes.eigenvalues.iter()) {
+        if *value < FLAT * FLAT {
+            if away.iter().any(|d| d.dot(&axis).abs() > ACROSS) {
+                return None;
+            }
+            away.iter_mut().for_each(|d| *d -= axis * axis.dot(d));
+        }
+    }
     let state = |l: &Vector3<f64>| {
         let logs: Vec<f64> = away.iter().map(|d| l.dot(d)).collect();
         let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let weights: Vec<f64> =
-            masses.iter().zip(&logs).map(|(m, log)| m * (log - most).exp()).collect();
+        let shares: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
+        let weights: Vec<f64> = masses.iter().zip(&shares).map(|(m, share)| m * share).collect();
         let sum: f64 = weights.iter().sum();
         let mean = away.iter().zip(&weights).map(|(d, w)| d * (w / sum)).sum::<Vector3<f64>>();
-        (most + sum.ln(), mean, weights, sum)
+        TiltedMasses { value: most + sum.ln(), mean, shares, weights, sum }
     };
     let mut l = Vector3::zeros();
     for _ in 0..STEPS {
-        let (value, mean, weights, sum) = state(&l);
+        let TiltedMasses { value, mean, shares, weights, sum } = state(&l);
         if mean.norm() <= REACHED {
             let whole: f64 = masses.iter().sum();
-            let scale = whole / sum;
-            return Some(weights.iter().zip(masses).map(|(w, m)| scale * w / m).collect());
+            return Some(shares.iter().map(|share| whole / sum * share).collect());
         }
         let spread = |l: &Vector3<f64>| {
             let logs = away.iter().map(|d| l.dot(d));
@@ -52,12 +82,12 @@ pub fn factors(masses: &[f64], points: &[[f64; 3]], centre: [f64; 3]) -> Option<
             let off = d - mean;
             sums + off * off.transpose() * (w / sum)
         });
-        // A flat body has no spread across it, and none is needed there.
+        // A flat body has no spread across it.
         let regular = covariance + Matrix3::identity() * (1e-14 * covariance.trace());
         let step = regular.cholesky()?.solve(&mean);
         let slope = mean.dot(&step);
         let mut share = 1.0;
-        while share > 1e-9 && state(&(l - step * share)).0 > value - 0.25 * share * slope {
+        while share > 1e-9 && state(&(l - step * share)).value > value - 0.25 * share * slope {
             share *= 0.5;
         }
         l -= step * share;
@@ -83,11 +113,12 @@ mod tests {
         ((0..60).map(|k| 1.0 + f64::from(k % 7)).collect(), points.collect())
     }
 
-    /// The masses have the given centre, and their sum is kept; also in a plane.
+    /// The masses have the given centre, and their sum is kept, but for the round-off of sums; also
+    /// in a plane, from which the centre may be off by the rounding of a file.
     #[test]
     fn the_centre_moves_to_its_place() {
         for (flat, centre) in
-            [(false, [1.2, -0.3, 0.2]), (false, [-2.0, 0.2, 0.1]), (true, [1.5, 0.4, 0.5])]
+            [(false, [1.2, -0.3, 0.2]), (false, [-2.0, 0.2, 0.1]), (true, [1.5, 0.4, 0.5 + 1e-7])]
         {
             let (masses, points) = cloud(flat);
             let factors = factors(&masses, &points, centre).expect("inside");
@@ -97,7 +128,8 @@ mod tests {
                 (centre_of(&moved, &points), centre_of(&masses, &points).1);
             assert!((whole / before - 1.0).abs() < 1e-12);
             for c in 0..3 {
-                assert!((got[c] - centre[c]).abs() < 1e-10, "{got:?} for {centre:?}");
+                let bound = if flat && c == 2 { 2e-7 } else { 1e-10 };
+                assert!((got[c] - centre[c]).abs() < bound, "{got:?} for {centre:?}");
             }
         }
         // Where it is already, nothing changes.

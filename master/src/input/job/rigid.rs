@@ -169,6 +169,9 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) {
             ));
         }
     }
+    if rigid.centre.is_some_and(|centre| centre.iter().any(|x| !x.is_finite())) {
+        findings.add(Problem::error(path("centre"), "`centre` is not finite", "give [x, y, z]"));
+    }
     if rigid.centre.is_some() && rigid.parts.is_empty() {
         let message = "`centre` is that of the masses of the body's parts, but the body has none";
         findings.add(Problem::error(path("centre"), message, "name its `parts`, or remove it"));

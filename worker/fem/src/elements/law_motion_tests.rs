@@ -237,6 +237,17 @@ fn a_turned_element_has_the_turned_stress() {
     }
 }
 
+/// A fluid is stable at its step also where its viscosity takes most of it: random velocities decay.
+#[test]
+fn a_viscous_fluid_is_stable_at_its_step() {
+    let mut law = material("fluid", 1.0, &[("viscosity", 0.5)]);
+    let constants = Param::List(vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    law.parameters.insert("eos_polynomial".into(), constants);
+    // 2 c/dt is above one: without the viscosity a cube of side 1 has a step of about one.
+    let most = gains(&law, [true; 3], 1e-4, 2000);
+    assert!(most <= 1.001, "{most}");
+}
+
 /// The strain of a criterion of failure turns with the element: an element that is stretched, turned
 /// by a right angle and stretched along the same line of material fails at the sum, and along
 /// another line at the larger of both.

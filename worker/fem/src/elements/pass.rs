@@ -390,10 +390,17 @@ impl<L> ElementPass<'_, &mut [L]> {
                 *force = [[[0.0; 4]; C]; W];
                 return kernel.forceless(group, &nodes, state);
             }
-            let mut totals = kernel.group(group, &nodes, state, dt, force);
             let (material, points) = kernel.material();
-            if material.deletes {
-                delete_lost(material, points, least_dt, (group, &nodes), state, force, &mut totals);
+            // Laws may mark a deleted element as one that has failed by itself.
+            let gone = material.deletes.then(|| material.deleted(state));
+            let mut totals: Totals<L> = kernel.group(group, &nodes, state, dt, force);
+            if let Some(gone) = gone {
+                let long = totals.stable_dt.ge(L::splat(least_dt));
+                let marks = L::select(L::both(totals.sound, long), L::zero(), L::splat(1.0));
+                if L::any(gone) || L::any(marks.gt(L::zero())) {
+                    let of = (material, points);
+                    delete_lost(of, (gone, marks), (group, &nodes), state, force, &mut totals);
+                }
             }
             totals
         };
@@ -401,27 +408,21 @@ impl<L> ElementPass<'_, &mut [L]> {
     }
 }
 
-/// Deletes the solids of a group that are not valid or whose stable step is below `least_dt`: they
-/// keep no state, since their shape gives no valid one. If the coordinates or velocities of an
-/// element are not finite, it is not deleted, and the run must stop.
+/// Deletes the solids of a group that are marked, since they are not valid or their stable step is
+/// too short, and again those that have gone before: they keep no state, since their shape gives no
+/// valid one. If the coordinates or velocities of an element are not finite, it is not deleted, and
+/// the run must stop.
 #[cold]
 #[inline(never)]
 fn delete_lost<L: PointLanes<W>, const C: usize, const W: usize>(
-    material: &SolidMaterial,
-    points: usize,
-    least_dt: f64,
+    (material, points): (&SolidMaterial, usize),
+    (gone, marks): (L::Mask, L),
     (group, nodes): (&GroupNodes<C, W>, &NodeView<'_>),
     history: &mut [L],
     force: &mut GroupCorners<C, W>,
     totals: &mut Totals<L>,
 ) {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let valid = L::both(totals.sound, totals.stable_dt.ge(L::splat(least_dt)));
-    let marks = L::select(valid, zero, one).to_array();
-    let gone = material.deleted(history);
-    if !L::any(gone) && marks.iter().all(|mark| *mark == 0.0) {
-        return;
-    }
+    let marks = marks.to_array();
     let finite = |lane: usize| {
         let corners = group.iter().map(|corner| corner[lane] as usize);
         let rows = corners.flat_map(|n| [nodes.x[n], nodes.v[n]]);

@@ -37,8 +37,8 @@ pub const SOLID_KEYS: &[ParameterRow] = &[
         meaning: "Treatment of an inverted solid, which has no volume or is strained by more than \
                   a half in one step, and of one whose stable step is below `time.dt_min_ratio` \
                   times the first step of the run. `stop` ends the run and names it. `delete` lets \
-                  it fail as at a failure strain, as with shells. With scaled masses elements are \
-                  not deleted for their step.",
+                  it fail as at a failure strain, as with shells. Elements with scaled masses, or \
+                  that share the masses of nodes, are not deleted for their step.",
     },
 ];
 
@@ -68,8 +68,9 @@ pub struct SolidMaterial {
     tensors: usize,
     /// First column of the law with the axes of the material, if it has any; see [`AXES_COLUMN`].
     axes: Option<usize>,
-    /// Column of the law with the size of the element, if it has one; see [`SIZE_COLUMN`].
+    /// First column of the law with its strain, if it keeps it; see [`STRAIN_COLUMN`].
     strain: Option<usize>,
+    /// Column of the law with the size of the element, if it has one; see [`SIZE_COLUMN`].
     size: Option<usize>,
     /// Column of the law with its stiffening, if it stiffens; see [`Solid::history`].
     stiffening: Option<usize>,

@@ -198,7 +198,7 @@ impl Equation {
     }
 
     /// Returns the bulk modulus at the start [force/length^2].
-    fn bulk_modulus(&self) -> f64 {
+    pub fn bulk_modulus(&self) -> f64 {
         match &self.form {
             PressureForm::Gruneisen(c) | PressureForm::Polynomial(c) => c[0],
             PressureForm::Table([cold, _]) => cold.steepest_at_zero(),

@@ -8,7 +8,8 @@
 //!
 //! The step falls with the viscosity: with `c = 4 eta / (3 M)`, M the modulus of the pressure, the
 //! viscous forces are half a step old, which is stable for `(w dt/2)^2 + c w^2 dt/2 <= 1`; so M
-//! counts `1 + 2 c/dt` times.
+//! counts `1 + 2 c/dt` times. The linear bulk viscosity, a fraction of critical damping, grows with
+//! it.
 
 use super::parameters::Parameters;
 use super::{DefaultValue, Elastic, Form, Law, ParameterRow, Solid, SolidLawResult, SolidPoint};

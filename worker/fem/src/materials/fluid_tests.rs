@@ -42,7 +42,8 @@ fn stress_is_viscous_and_pressure_is_that_of_the_volume() {
     }
 }
 
-/// A closed path of strain costs the work of the viscosity, never less than nothing.
+/// A closed path of strain costs the work of the viscosity. The mean of two stresses loses that of
+/// one step at each of the three reversals, of 800; the volume differs by up to 4 %, in both ways.
 #[test]
 fn a_closed_path_gives_no_energy() {
     let mut cube = Cube::new(&water(&[]));
@@ -54,7 +55,7 @@ fn a_closed_path_gives_no_energy() {
         exact += VISCOSITY * (4.0 / 3.0 * 2e-4 * 2e-4 + 1e-3 * 1e-3) / 0.01;
     }
     assert!(cube.strain[0].abs() < 1e-12, "the path is closed: {}", cube.strain[0]);
-    assert!((cube.work / exact - 1.0).abs() < 0.05, "{} for {exact}", cube.work);
+    assert!((cube.work / exact - 1.0).abs() < 0.01, "{} for {exact}", cube.work);
 }
 
 /// The modulus that the step counts has `2 (4 eta/3)/dt` more than that of the pressure.

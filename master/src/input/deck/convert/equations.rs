@@ -88,7 +88,7 @@ impl DeckConverter {
             }
             let Some(card) = self.equation_card(eosid, place) else { continue };
             let Some((key, value)) = self.pressure_key(&card, part, place) else { continue };
-            self.fluid_of_solids(part, material);
+            self.fluid_of_solids([part, mid], material);
             if let Some(table) = &mut material.table {
                 table.put(key, card.head, value);
                 let used = format!("{key} of material {}", material.name);
@@ -137,6 +137,10 @@ impl DeckConverter {
         let gamma = card.real("gama");
         let mut rows: Vec<[f64; 3]> = if card.integer("lcc") != 0 {
             let cold = self.curve(card.integer("lcc"), card.place("lcc"))?.points;
+            if gamma != 0.0 && card.integer("lct") == 0 {
+                let why = "not used: there is no lct";
+                self.map(card.name(), format!("gama {gamma}"), why);
+            }
             let thermal = match card.integer("lct") {
                 lct if lct != 0 && gamma != 0.0 => self.curve(lct, card.place("lct"))?.points,
                 _ => cold.iter().map(|point| [point[0], 0.0]).collect(),
@@ -147,16 +151,19 @@ impl DeckConverter {
             }
             cold.iter().zip(thermal).map(|(c, t)| [c[0], c[1], t[1]]).collect()
         } else {
+            if card.integer("lct") != 0 {
+                let why = "a curve of temperatures without one of pressures, lcc";
+                self.unsupported_value(card, "lct", why);
+            }
             let [ev, c, t] = ["ev", "c", "t"]
                 .map(|name| card.lines(name).flat_map(|l| l.reals(name)).collect::<Vec<_>>());
             ev.into_iter().zip(c).zip(t).map(|((ev, c), t)| [ev, c, t]).collect()
         };
-        // Blank points at the end are no points; the origin may be the last one.
-        let has_origin = |rows: &[[f64; 3]]| rows.iter().any(|row| row[0] == 0.0);
-        while let [before @ .., [0.0, 0.0, 0.0]] = &rows[..]
-            && has_origin(before)
-        {
-            rows.pop();
+        // Blank points at the end are no points, but the origin may be the last one.
+        let blank = rows.iter().rev().take_while(|row| **row == [0.0; 3]).count();
+        rows.truncate(rows.len() - blank);
+        if blank > 0 && rows.iter().all(|[ev, _, t]| *ev != 0.0 && *t == 0.0) {
+            rows.push([0.0; 3]);
         }
         let mut rows: Vec<Vec<f64>> =
             rows.into_iter().map(|[ev, c, t]| vec![0.0 - ev, c, gamma * t]).collect();
@@ -165,8 +172,17 @@ impl DeckConverter {
     }
 
     /// Makes the material of a part of solids a fluid if it is an `*MAT_NULL`.
-    fn fluid_of_solids(&mut self, part: i64, material: &mut DeckMaterial) {
+    fn fluid_of_solids(&mut self, [part, mid]: [i64; 2], material: &mut DeckMaterial) {
         let (Some(null), Some(table)) = (&material.fluid, &mut material.table) else { return };
+        if let Some(skin) = self.skins.get(&mid) {
+            let message = format!(
+                "{}: material {mid} is a skin of the shells of part {skin} and a fluid of the \
+                 solids of part {part}",
+                null.name()
+            );
+            let help = "give the solids a material of their own";
+            return self.trouble.error(null.place("mid"), message, help);
+        }
         for key in ["youngs_modulus", "poisson"] {
             table.remove(key);
         }
@@ -185,7 +201,10 @@ impl DeckConverter {
             let ratio = null.real(field);
             let strain = sign * ratio.ln();
             if ratio > 0.0 && strain > 0.0 {
-                table.put(key, null.place(field), strain);
+                match table.place_of(key) {
+                    Some(first) => self.second_card(null, field, [first, null.place(field)]),
+                    None => table.put(key, null.place(field), strain),
+                }
             } else if ratio != 0.0 {
                 let message = format!("{}: `{field}` = {ratio:?} never fails", null.name());
                 let help = "it is a ratio of volumes: terod is above 1, cerod from 0 to 1";
@@ -207,8 +226,8 @@ impl DeckConverter {
         let (pc, place) = (record.real("pc"), record.place("pc"));
         let spall = match keyword {
             "MAT_JOHNSON_COOK" => record.real("spall"),
-            // Without the option SPALL the pressure is cut off.
-            "MAT_ELASTIC_PLASTIC_HYDRO" if record.has("SPALL") => record.real("spall"),
+            // By default the pressure is cut off.
+            "MAT_ELASTIC_PLASTIC_HYDRO" if record.real("spall") != 0.0 => record.real("spall"),
             "MAT_ELASTIC_PLASTIC_HYDRO" => 1.0,
             _ => return None,
         };

@@ -66,7 +66,7 @@ impl DeckConverter {
         }
         if extra > 0 {
             let message = format!(
-                "part {part}: the masses of {extra} nodes of other parts in the body are added to tm"
+                "part {part}: masses of nodes of other parts in the body ({extra}) are added to tm"
             );
             let help = "the original counts tm for all of them; a body whose motion is prescribed \
                         does not depend on it";

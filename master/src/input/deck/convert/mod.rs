@@ -125,6 +125,8 @@ pub struct DeckConverter {
     /// Names of rigid bodies by node, for joints.
     node_bodies: HashMap<NodeId, String>,
     end_time: f64,
+    /// Parts of shells by the null material that makes them a skin.
+    skins: BTreeMap<i64, i64>,
     /// Place of the field that lets solids erode by their step, if it is set.
     eroding: Option<Place>,
     /// Materials and sections of unsupported keywords.
@@ -262,6 +264,7 @@ impl DeckConverter {
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),
             end_time: 0.0,
+            skins: BTreeMap::new(),
             eroding: None,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),

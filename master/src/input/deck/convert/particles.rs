@@ -198,7 +198,6 @@ impl DeckConverter {
             density,
         );
         let Some(asked) = self.fluid_pressure(record, density, &mut fluid) else { return };
-        self.fluid_tension(null, &mut fluid);
         if let Some(table) = &material.table
             && table.has_start("erosion")
         {
@@ -221,6 +220,7 @@ impl DeckConverter {
         if let Some((bulk, place)) = viscosity {
             fluid.put("viscosity", place, bulk);
         }
+        self.fluid_tension(null, viscosity.map_or(1.0, |(bulk, _)| bulk[0]), &mut fluid);
         let mut used = format!("particles with a spacing of {spacing}");
         if viscosity.is_none() {
             used += "; the default viscosity of a job, since the deck has none";
@@ -281,8 +281,9 @@ impl DeckConverter {
         Some(equation.name())
     }
 
-    /// Sets the tension of a fluid, and refuses what particles do not have.
-    fn fluid_tension(&mut self, null: &CardRecord, fluid: &mut JobTable) {
+    /// Sets the tension of a fluid, and refuses what particles do not have. `alpha` is the linear
+    /// coefficient of their viscosity.
+    fn fluid_tension(&mut self, null: &CardRecord, alpha: f64, fluid: &mut JobTable) {
         let cutoff = null.real("pc");
         if cutoff > 0.0 {
             self.unsupported_value(null, "pc", "a cutoff above 0; use minus the largest tension");
@@ -291,8 +292,9 @@ impl DeckConverter {
         }
         let mu = null.real("mu");
         let number = |key| fluid.float(key).unwrap_or(0.0);
-        // About the viscosity of a flow that the artificial one with alpha 1 stands for.
-        let artificial = 0.1 * number("density") * number("sound_speed") * number("spacing");
+        // About the viscosity of a flow that the artificial one stands for.
+        let artificial =
+            0.1 * alpha * number("density") * number("sound_speed") * number("spacing");
         if mu > 0.01 * artificial {
             let why = "particles have the artificial viscosity only, which has to be far larger";
             self.unsupported_value(null, "mu", why);

@@ -271,9 +271,15 @@ impl DeckConverter {
         table: &mut JobTable,
     ) {
         let id = record.integer("pid");
+        if material.is_hydro && kind != SectionKind::Solid {
+            let message =
+                format!("part {id}: *MAT_ELASTIC_PLASTIC_HYDRO is supported for solids only");
+            self.unsupported(record.place("mid"), message, "*MAT_ELASTIC_PLASTIC_HYDRO".into());
+        }
         match (material.skin, kind) {
             (false, _) => {}
             (true, SectionKind::Shell) => {
+                self.skins.entry(record.integer("mid")).or_insert(id);
                 table.put("skin", record.place("mid"), true);
                 for field in ["pc", "mu", "terod", "cerod"] {
                     if let Some(given) = material.fluid.as_ref().map(|card| card.real(field))

@@ -58,7 +58,7 @@ impl DeckConverter {
             let mut table = JobTable::new(place).with("name", place, name.as_str());
             let parts: Vec<i64> = body.parts.into_iter().collect();
             let of_parts = self.rows.nodes_of(|part| parts.contains(&i64::from(part)));
-            let bare = of_parts.is_empty() && !body.nodes.is_empty();
+            let has_elements = !of_parts.is_empty();
             let members = of_parts.into_iter().chain(body.nodes.iter().copied());
             self.node_bodies.extend(members.map(|node| (node, name.clone())));
             // Nodes without elements have no mass; joints only need their positions.
@@ -69,7 +69,7 @@ impl DeckConverter {
                 self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);
                 table.put("nodes", place, set.as_str());
             }
-            if bare {
+            if !has_elements && extra > 0 {
                 parts.iter().for_each(|&part| self.bare_inertia(part, &set));
             } else {
                 let alone = parts.len() == 1;

@@ -220,8 +220,10 @@ fn join(
     if let Some(mass) = body.mass {
         own.insert("mass".into(), mass.into());
     }
-    if let Some(inertia) = body.inertia {
-        own.insert("inertia".into(), Value::from(inertia.to_vec()));
+    for (key, numbers) in
+        [("centre", body.centre.map(|c| c.to_vec())), ("inertia", body.inertia.map(|i| i.to_vec()))]
+    {
+        own.extend(numbers.map(|numbers| (key.to_string(), Value::from(numbers))));
     }
     if own.len() > 1 {
         deck.entry("rigid", own);

@@ -46,9 +46,11 @@ const EQUATIONS: [(&str, &str, usize); 2] =
 /// Key of an equation of state by a table.
 const TABLE: &str = "eos_table";
 
-/// Law of fluids of solids, and the key of its least pressure.
+/// Law of fluids of solids, and the key of their least pressure.
 const FLUID: &str = "fluid";
 const LEAST_PRESSURE: &str = "eos_min_pressure";
+/// Key of the limit of compression.
+const COMPRESSION: &str = "erosion_compression";
 
 /// A material under construction.
 pub(super) struct MaterialCards<'m> {
@@ -230,7 +232,13 @@ fn fluid(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParame
     };
     cards.head(deck, "MAT_NULL");
     let density = Number(cards.material.density);
-    deck.card(&[Id(cards.mid), density, cutoff, cards.field("viscosity")]);
+    let mut card = vec![Id(cards.mid), density, cutoff, cards.field("viscosity")];
+    if cards.has(COMPRESSION) {
+        let ratio = (-cards.number(COMPRESSION)).exp();
+        card.extend([Blank, Number(ratio)]);
+        read.insert(COMPRESSION.into(), Param::Number(-ratio.ln()));
+    }
+    deck.card(&card);
     cards.keep(read, &["viscosity", LEAST_PRESSURE]);
 }
 

@@ -50,8 +50,11 @@ impl StarterWriter<'_> {
             if let Some(mass) = body.mass {
                 own.insert("mass".into(), mass.into());
             }
-            if let Some(inertia) = body.inertia {
-                own.insert("inertia".into(), Value::from(inertia.to_vec()));
+            for (key, numbers) in [
+                ("centre", body.centre.map(|c| c.to_vec())),
+                ("inertia", body.inertia.map(|i| i.to_vec())),
+            ] {
+                own.extend(numbers.map(|numbers| (key.to_string(), Value::from(numbers))));
             }
             if body.from > 0.0 || body.until.is_some() {
                 let name = &body.name;
