@@ -19,6 +19,7 @@ import hashlib
 import json
 import subprocess
 import sys
+import textwrap
 import tomllib
 import zipfile
 from pathlib import Path
@@ -80,8 +81,9 @@ def run(deck, args):
     words = ["run", path_of(deck), "--out", out, "--overwrite", "--no-report"]
     if args.workers:
         words += ["--workers", str(args.workers)]
-    interval = deck["picture"]["time"] / 20
-    words += ["--set", f"output.field_interval={interval!r}"]
+    if "picture" in deck:
+        interval = deck["picture"]["time"] / 20
+        words += ["--set", f"output.field_interval={interval!r}"]
     log = WORK / f"{deck['name']}.log"
     with open(log, "w") as file:
         done = subprocess.run([args.crumple, *words], stdout=file, stderr=subprocess.STDOUT)
@@ -99,7 +101,7 @@ def run(deck, args):
         ("state digest", "", summary["state_digest"][:16]),
     ]
     good = True
-    for result in deck["results"]:
+    for result in deck["result"]:
         value = number(out, result)
         rows.append((result["name"], result["unit"], value))
         if "reference" in result:
@@ -110,7 +112,7 @@ def run(deck, args):
             label = f"{result['name']}: reference, {source} ({verdict} within {tolerance:.0%})"
             rows.append((label, result["unit"], reference))
     write_results(deck, rows)
-    if not args.no_pictures:
+    if "picture" in deck and not args.no_pictures:
         picture(deck, out, summary["units"])
     print(f"{deck['name']}: {'done' if good else 'MISSES A REFERENCE'}", flush=True)
     return good
@@ -146,31 +148,41 @@ def picture(deck, out, units):
     newest.replace(GALLERY / "results" / f"{deck['name']}.png")
 
 
+def wrapped(text, indent=""):
+    """Lines of a paragraph."""
+    return textwrap.wrap(text, 100, subsequent_indent=indent, break_on_hyphens=False)
+
+
 def page(decks):
     """Write the page of the manual."""
     lines = [
         "# Gallery of public decks",
         "",
-        "Each deck runs as it is, without `--allow-unsupported`. `deploy/gallery.py` runs them again",
-        "and writes this page, with the results in `cases/decks/results/`; a run of all takes minutes.",
-        "`cases/decks/gallery.toml` has the sources. A deck whose licence does not allow a copy in the",
-        "project is downloaded by the script.",
+        *wrapped(
+            "Each deck runs as it is, without `--allow-unsupported`. `deploy/gallery.py` runs them"
+            " again and writes this page, with the results in `cases/decks/results/`; a run of all"
+            " takes minutes. `cases/decks/gallery.toml` has the sources. A deck whose licence does"
+            " not allow a copy in the project is downloaded by the script."
+        ),
         "",
     ]
     for deck in decks:
         results = GALLERY / "results" / f"{deck['name']}.csv"
-        lines += [f"## {deck['title']}", "", deck["shows"], ""]
-        lines += [f"- From {deck['from']}. {deck.get('changes', 'Unchanged.')}"]
+        lines += [f"## {deck['title']}", "", *wrapped(deck["shows"]), ""]
+        source = f"- From {deck['from']}. {deck.get('changes', 'Unchanged.')}"
+        lines += wrapped(source, "  ")
         lines += [f"- Units {deck['units']}."]
-        if not any("reference" in result for result in deck["results"]):
+        if not any("reference" in result for result in deck["result"]):
             lines += ["- No published numbers are known."]
         lines += [""]
         if results.is_file():
             with open(results, newline="") as file:
                 rows = list(csv.reader(file))
-            lines += ["| result | value | unit |", "|---|---|---|"]
-            lines += [f"| {name} | {value} | {unit} |" for name, unit, value in rows[1:]]
-            lines += ["", f"![{deck['title']}](../../cases/decks/results/{deck['name']}.png)", ""]
+            lines += ["| result | | |", "|---|---|---|"]
+            lines += [f"| {name} | {value} | {unit or '-'} |" for name, unit, value in rows[1:]]
+            lines += [""]
+            if "picture" in deck:
+                lines += [f"![{deck['title']}](../../cases/decks/results/{deck['name']}.png)", ""]
         else:
             lines += ["Not run yet.", ""]
     PAGE.write_text("\n".join(lines).rstrip() + "\n")

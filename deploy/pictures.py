@@ -50,6 +50,8 @@ JEEP_WALL = [-0.5, 0.0, 0.0, 1.0, 0.0, 0.0]
 # Margin around the model, and share of the window's height for the colour bar at the bottom.
 MARGIN = 1.06
 BAR = 0.14
+# Largest number of digits of all labels of a colour bar, which overlap otherwise.
+LABELS = 60
 # Largest share of shells above the range of the colours, so that a few creases do not set it.
 ABOVE = 0.01
 
@@ -145,6 +147,23 @@ def colour_limits(meshes, array, given):
         most = max(float(np.quantile(v, 1.0 - ABOVE)) for v in values)
         limits = [0.0, round_up(max(most, 1e-3 * high))]
     return limits, high > limits[1] * (1.0 + 1e-9)
+
+
+def number_anew(meshes, names):
+    """Replace whole numbers that are far apart, such as ids of parts, by 0, 1, 2 and so on.
+
+    `names` gets the numbers of an array, in this order.
+    """
+    import numpy as np
+
+    for array in WHOLE:
+        if not all(array in mesh.cell_data for mesh in meshes):
+            continue
+        known = np.unique(np.concatenate([mesh.cell_data[array] for mesh in meshes]))
+        if known[-1] - known[0] >= 2 * len(known):
+            names[array] = known
+            for mesh in meshes:
+                mesh.cell_data[array] = np.searchsorted(known, mesh.cell_data[array])
 
 
 def corners(box):
@@ -272,6 +291,7 @@ def panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, ba
         shown = mesh.extract_cells(chosen.nonzero()[0])
     whole = array in WHOLE
     count = int(limits[1] - limits[0]) + 1
+    numbers = args.names.get(array, range(int(limits[0]), int(limits[0]) + count))
     if colours is STRAIN:
         colours = LinearSegmentedColormap.from_list("strain", colours)
     elif whole:
@@ -288,7 +308,9 @@ def panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, ba
         clim=[limits[0] - 0.5, limits[0] + count - 0.5] if whole else limits,
         n_colors=count if whole else 256,
         annotations=(
-            {float(limits[0] + i): f"{limits[0] + i:.0f}" for i in range(count)} if whole else None
+            {float(limits[0] + i): f"{numbers[i]:.0f}" for i in range(count)}
+            if whole and sum(len(str(number)) for number in numbers) <= LABELS
+            else None
         ),
         show_edges=args.edges == "yes"
         or (args.edges == "auto" and (close or mesh.n_cells < 30000)),
@@ -413,6 +435,9 @@ def main():
         for _, mesh in chosen:
             mesh.points = undeformed(mesh)
             mesh.point_data.pop("displacement", None)
+    args.names = {}
+    if not args.limits:
+        number_anew([mesh for _, mesh in chosen], args.names)
     out = args.out or args.run / "pictures"
     out.mkdir(parents=True, exist_ok=True)
     written = []

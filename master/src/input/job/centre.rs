@@ -29,7 +29,7 @@ struct TiltedMasses {
 /// Returns factors of masses, all above zero and with the sum of the masses kept, that move the
 /// centre of the masses at `points` to `centre`; `None` if it is not inside of them.
 ///
-/// Of all such factors these have the largest entropy: `f = exp(l . (x - centre))` up to a scale,
+/// These factors have the largest entropy of all: `f = exp(l . (x - centre))` up to a scale,
 /// where l minimises the convex function `log sum m exp(l . (x - centre))`. Its gradient is the
 /// distance of the centre.
 pub fn factors(masses: &[f64], points: &[[f64; 3]], centre: [f64; 3]) -> Option<Vec<f64>> {
@@ -40,7 +40,7 @@ pub fn factors(masses: &[f64], points: &[[f64; 3]], centre: [f64; 3]) -> Option<
         return Some(vec![1.0; masses.len()]);
     }
     let mut away: Vec<Vector3<f64>> = away.iter().map(|d| d / size).collect();
-    // Across a flat or straight body nothing can move, and nothing has to but for rounding.
+    // Across a flat or straight body nothing can move; only rounding is off it.
     let middle = away.iter().sum::<Vector3<f64>>() / away.len() as f64;
     let spread = away.iter().fold(Matrix3::zeros(), |sums, d| {
         let off = d - middle;
@@ -113,7 +113,7 @@ mod tests {
         ((0..60).map(|k| 1.0 + f64::from(k % 7)).collect(), points.collect())
     }
 
-    /// The masses have the given centre, and their sum is kept, but for the round-off of sums; also
+    /// The masses have the given centre, and their sum is kept, up to the round-off of sums; also
     /// in a plane, from which the centre may be off by the rounding of a file.
     #[test]
     fn the_centre_moves_to_its_place() {

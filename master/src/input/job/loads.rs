@@ -409,8 +409,8 @@ fn window(m: &MotionInput, path: &str, findings: &mut JobProblems) -> Option<[f6
     (!is_whole).then_some([m.birth, m.death.unwrap_or(f64::MAX)])
 }
 
-/// Returns true if a motion is a displacement or rotation that is not 0 at time 0. `index` is that of its
-/// curve.
+/// Returns true if a motion is a displacement or rotation that is not 0 at time 0. `index` is that
+/// of its curve.
 pub fn starts_with_jump(
     form: MotionForm,
     curves: &Curves<'_>,

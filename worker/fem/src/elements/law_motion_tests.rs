@@ -237,7 +237,8 @@ fn a_turned_element_has_the_turned_stress() {
     }
 }
 
-/// A fluid is stable at its step also where its viscosity takes most of it: random velocities decay.
+/// A fluid is stable at its step also where its viscosity takes most of it: random velocities
+/// decay.
 #[test]
 fn a_viscous_fluid_is_stable_at_its_step() {
     let mut law = material("fluid", 1.0, &[("viscosity", 0.5)]);
@@ -248,9 +249,9 @@ fn a_viscous_fluid_is_stable_at_its_step() {
     assert!(most <= 1.001, "{most}");
 }
 
-/// The strain of a criterion of failure turns with the element: an element that is stretched, turned
-/// by a right angle and stretched along the same line of material fails at the sum, and along
-/// another line at the larger of both.
+/// The strain of a criterion of failure turns with the element: an element that is stretched,
+/// turned by a right angle and stretched along the same line of material fails at the sum, and
+/// along another line at the larger of both.
 #[test]
 fn the_strain_of_failure_turns_with_the_element() {
     let limit = ("erosion_major_strain", 0.01);

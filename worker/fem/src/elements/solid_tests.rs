@@ -340,7 +340,7 @@ fn pull<const C: usize>(mut patch: Patch<C>) {
     assert_eq!(totals.stable_dt, f64::INFINITY);
 }
 
-/// Checks that an inverted element of a part that deletes them lets go, also one whose step is too
+/// Checks that an inverted element of a part that deletes them fails, also one whose step is too
 /// short, and that one with coordinates that are not finite does not.
 fn lose<const C: usize>(make: impl Fn(Part) -> Patch<C>, part: &Part, law: &str) {
     let mirrored = |x: [f64; 3]| [x[0], x[1], -x[2]];

@@ -167,7 +167,7 @@ fn curves(table: &Param) -> Result<[AnchoredCurve; 2], &'static str> {
     let of = |at: usize| AnchoredCurve::new(rows.iter().map(|row| [row[0], row[at]]));
     let [cold, thermal] = [of(1), of(2)];
     let ascends = rows.windows(2).all(|two| two[1][1] >= two[0][1]);
-    // A pressure that is zero but for rounding is that of a state without stress.
+    // A pressure of the size of rounding is that of a state without stress.
     let most = rows.iter().fold(0.0, |most: f64, row| most.max(row[1].abs()));
     if cold.at_zero().abs() > 1e-9 * most || !ascends || cold.steepest_at_zero() <= 0.0 {
         return Err("C has to be 0 at -ln V = 0, and may not descend; it ascends next to 0");
@@ -190,8 +190,8 @@ impl Equation {
         Self { form, cutoff: f64::NEG_INFINITY }
     }
 
-    /// Returns the pressure [force/length^2] at the compression `mu` with the energy E per volume at
-    /// the start, and its derivatives by `mu` and by E.
+    /// Returns the pressure [force/length^2] at the compression `mu` with the energy E per volume
+    /// at the start, and its derivatives by `mu` and by E.
     pub fn pressure(&self, mu: f64, energy: f64) -> [f64; 3] {
         let Terms { a, b, d_a, d_b } = self.terms(mu, -mu.ln_1p());
         [a + b * energy, d_a + d_b * energy, b]

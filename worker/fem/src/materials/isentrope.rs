@@ -1,11 +1,11 @@
-//! Pressure of a fluid without shocks and heat, as a function of its density alone: the isentrope of
-//! an equation of state through the state at the start. Particles have it, whose internal energies
-//! have a meaning only as a sum.
+//! Pressure of a fluid without shocks and heat, as a function of its density alone: the isentrope
+//! of an equation of state through the state at the start. Particles have it, whose internal
+//! energies have a meaning only as a sum.
 //!
-//! With `mu = rho/rho_0 - 1` and the energy E per volume at the start, `dE/dmu = p(mu, E)/(1+mu)^2`.
-//! This equation is integrated once, by Runge and Kutta's rule of fourth order, and E is
-//! interpolated between its nodes by cubics with the slopes there. Without Gruneisen's coefficient
-//! the pressure is that of the equation, exactly.
+//! With `mu = rho/rho_0 - 1` and the energy E per volume at the start,
+//! `dE/dmu = p(mu, E)/(1+mu)^2`. This equation is integrated once, by Runge and Kutta's rule of
+//! fourth order, and E is interpolated between its nodes by cubics with the slopes there. Without
+//! Gruneisen's coefficient the pressure is that of the equation, exactly.
 
 use super::equation_of_state::Equation;
 
@@ -14,7 +14,8 @@ const STEP: f64 = 1.0 / 256.0;
 /// Range of the nodes, from expansion to compression. Beyond it the energy is that of its end.
 const RANGE: [f64; 2] = [-0.5, 1.5];
 
-/// Least slope over the bulk modulus: the speed of sound of a spray is a tenth of that of the fluid.
+/// Least slope over the bulk modulus: the speed of sound of a spray is a tenth of that of the
+/// fluid.
 const LEAST_SLOPE: f64 = 0.01;
 
 /// The isentrope of an equation.

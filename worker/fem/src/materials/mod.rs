@@ -246,8 +246,8 @@ pub trait Solid: Send + Sync {
         true
     }
 
-    /// Returns the viscosity of a fluid [force*time/length^2]; `None` if the law is not one. A fluid
-    /// has no pressure of its own: it needs an equation of state.
+    /// Returns the viscosity of a fluid [force*time/length^2]; `None` if the law is not one. A
+    /// fluid has no pressure of its own: it needs an equation of state.
     fn viscosity(&self) -> Option<f64> {
         None
     }

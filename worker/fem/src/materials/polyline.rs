@@ -62,8 +62,8 @@ impl RampCurve {
     }
 }
 
-/// A curve through its points, which goes on beyond both ends. At zero it has its value there to the
-/// last bit: it is that value, a slope, and changes of the slope on either side.
+/// A curve through its points, which goes on beyond both ends. At zero it has its value there to
+/// the last bit: it is that value, a slope, and changes of the slope on either side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnchoredCurve {
     at_zero: f64,

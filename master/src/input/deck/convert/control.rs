@@ -51,8 +51,8 @@ impl DeckConverter {
             }
             if record.integer("erode") == 1 {
                 self.eroding = Some(record.place("erode"));
-                let used = "inverted = \"delete\" of all parts of solids, by dtmin, or 0.001 if it is \
-                            blank; shells end the run";
+                let used = "inverted = \"delete\" of all parts of solids, by dtmin, or 0.001 if it \
+                            is blank; shells end the run";
                 self.map("time step", "erode 1", used);
             }
             if record.integer("lctm") != 0 {

@@ -198,8 +198,8 @@ impl DeckConverter {
                 return self.unsupported_card(
                     record,
                     "vad",
-                    "use velocity (0), for translations acceleration (1) or displacement (2), or for \
-                     rotations of rigid parts the rotation (2)",
+                    "use velocity (0), for translations acceleration (1) or displacement (2), or \
+                     for rotations of rigid parts the rotation (2)",
                 );
             }
         };

@@ -268,8 +268,8 @@ impl DeckConverter {
             _ => {
                 let message =
                     format!("part {pid}: {} of particles is not supported", equation.name());
-                let help = "use *EOS_GRUNEISEN, or *EOS_MURNAGHAN with k0 = ro c^2 / gamma and the speed of sound c; \
-                            gamma is 7 for water";
+                let help = "use *EOS_GRUNEISEN, or *EOS_MURNAGHAN with k0 = ro c^2 / gamma and the \
+                            speed of sound c; gamma is 7 for water";
                 self.trouble.error(place, message, help);
                 return None;
             }

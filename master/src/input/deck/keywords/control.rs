@@ -53,10 +53,10 @@ pub const KEYWORDS: &[Keyword] = &[
             ("dtinit:r tssfac:r isdo:i tslimt:r dt2ms:r lctm:i erode:i ms1st:i", Maybe),
             ("dt2msf:r dt2mslc:i imscl:i unused:r*2 rmscl:r", Maybe),
         ],
-        "tssfac is `time.safety` (0.9 if blank). erode 1 is `inverted = \"delete\"` of all parts of \
-         solids: those whose step falls below dtmin are deleted, too. The absolute value of dt2ms is \
-         `time.mass_scaling_dt`; added mass has no limit, and the run warns of its fraction. lctm \
-         is not supported",
+        "tssfac is `time.safety` (0.9 if blank). erode 1 is `inverted = \"delete\"` of all parts \
+         of solids: those whose step falls below dtmin are deleted, too. The absolute value of \
+         dt2ms is `time.mass_scaling_dt`; added mass has no limit, and the run warns of its \
+         fraction. lctm is not supported",
     )
     .unused(&[
         no_effect("dtinit", "the first step is the stable one times tssfac"),

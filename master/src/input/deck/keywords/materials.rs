@@ -189,8 +189,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("eosid:i! c:r! s1:r s2:r s3:r gamao:r a:r e0:r", Once),
             ("v0:r unused:r lcid:i", Maybe),
         ],
-        "`eos_gruneisen` of the MAT_JOHNSON_COOK, MAT_ELASTIC_PLASTIC_HYDRO or MAT_NULL of parts of \
-         solids with this eosid; the volume at the start is 1, the energy 0",
+        "`eos_gruneisen` of the MAT_JOHNSON_COOK, MAT_ELASTIC_PLASTIC_HYDRO or MAT_NULL of parts \
+         of solids with this eosid; the volume at the start is 1, the energy 0",
     )
     .unused(&[no_effect("unused lcid", "they are for energy that is deposited")])
     .aliases(&["EOS_004", "EOS_4"])
@@ -232,8 +232,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("es:r*8", AtMost(|_| 2)),
         ],
         "law `j2` of solids with the shear modulus g and the pressure of the equation of state of \
-         the part; eps and es, or sigy with the plastic modulus eh; pc is `eos_min_pressure`, fs is \
-         `failure_strain`",
+         the part; eps and es, or sigy with the plastic modulus eh; pc is `eos_min_pressure`, fs \
+         is `failure_strain`",
     )
     .unused(&[
         refused("a1 a2", "a yield stress that depends on the pressure"),

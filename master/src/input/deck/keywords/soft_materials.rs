@@ -42,8 +42,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
         ],
         "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, mxeps, voleps, and \
-         effeps below 0 (plastic strain); idam 1 with dmgtyp 1 is damage as in MAT_ADD_DAMAGE_GISSMO; \
-         the other criteria are not supported",
+         effeps below 0 (plastic strain); idam 1 with dmgtyp 1 is damage as in \
+         MAT_ADD_DAMAGE_GISSMO; the other criteria are not supported",
     )
     .unused(&[
         refused("sizflg", "sizes that change with the element: use 0, its size at the start"),

@@ -46,8 +46,8 @@ pub struct Hourglass {
     pub form: HourglassForm,
     /// kappa or r.
     pub coefficient: f64,
-    /// Elastic constants of the modes: those of the law, or of a fluid those with which M is its bulk
-    /// modulus.
+    /// Elastic constants of the modes: those of the law, or of a fluid those with which M is its
+    /// bulk modulus.
     pub elastic: Elastic,
 }
 
