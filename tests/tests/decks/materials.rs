@@ -483,7 +483,7 @@ fn null_solids_are_fluids() {
         ),
         (
             with(null, &format!("{listed}*MAT_ADD_EROSION\n7,,,,,0.5\n\n"), 3),
-            "erosion_volume_strain",
+            "`terod` next to *MAT_ADD_EROSION voleps",
         ),
         (
             with(null, "*EOS_MURNAGHAN\n3,7.0,0.343\n", 3),

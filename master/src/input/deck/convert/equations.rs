@@ -201,9 +201,12 @@ impl DeckConverter {
             let ratio = null.real(field);
             let strain = sign * ratio.ln();
             if ratio > 0.0 && strain > 0.0 {
-                match table.place_of(key) {
-                    Some(first) => self.second_card(null, field, [first, null.place(field)]),
-                    None => table.put(key, null.place(field), strain),
+                if table.has(key) {
+                    let message =
+                        format!("{}: `{field}` next to *MAT_ADD_EROSION voleps", null.name());
+                    self.trouble.error(null.place(field), message, "keep one of them");
+                } else {
+                    table.put(key, null.place(field), strain);
                 }
             } else if ratio != 0.0 {
                 let message = format!("{}: `{field}` = {ratio:?} never fails", null.name());
