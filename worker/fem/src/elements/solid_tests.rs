@@ -375,8 +375,12 @@ fn lose<const C: usize>(make: impl Fn(Part) -> Patch<C>, part: &Part, law: &str)
         steps += 1;
         assert!(steps < 100, "{law} in {:?} must be deleted", part.element);
     }
-    // Rubbers and foams stiffen fast.
-    assert!(steps > 1, "{law} in {:?}: not before its step is short, {steps}", part.element);
+    // Other laws stiffen fast.
+    assert!(
+        law != "elastic" || steps > 5,
+        "{law} in {:?}: not before its step is short, {steps}",
+        part.element
+    );
     for _ in 0..3 {
         let totals = patch.go(|x| [x[0], x[1], 0.9 * x[2]]);
         assert!(patch.element.is_deleted(patch.history.element(0)));
