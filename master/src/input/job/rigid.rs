@@ -108,7 +108,7 @@ fn window(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) -> Opt
     }
     if rigid.mass.is_some() || rigid.inertia.is_some() || rigid.centre.is_some() {
         let help = "remove them: they are those of its nodes at that time";
-        refuse("mass", "becomes rigid in the run and has a mass, centre or inertia", help);
+        refuse("mass", "becomes rigid in the run and has a mass or inertia, or a centre", help);
     }
     let joined = |name: &String| *name == rigid.name;
     if job.joint.iter().any(|joint| joint.bodies.iter().any(joined)) {

@@ -33,7 +33,7 @@ pub const LAW: Law = Law {
     cohesive: None,
 };
 
-struct Fluid {
+struct ViscousFluid {
     density: f64,
     viscosity: f64,
 }
@@ -43,10 +43,10 @@ fn solid(material: &Material) -> SolidLawResult {
     let density = parameters.density();
     let viscosity = parameters.optional("viscosity", "0 or above", |eta| eta >= 0.0);
     parameters.finish()?;
-    Ok(Box::new(Fluid { density, viscosity: viscosity.unwrap_or(0.0) }))
+    Ok(Box::new(ViscousFluid { density, viscosity: viscosity.unwrap_or(0.0) }))
 }
 
-impl Fluid {
+impl ViscousFluid {
     #[inline(always)]
     fn point<R: Real>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
         // Twice the viscosity per step; an element that has not moved may have a step of zero.
@@ -62,7 +62,7 @@ impl Fluid {
     }
 }
 
-impl Solid for Fluid {
+impl Solid for ViscousFluid {
     fn history(&self) -> &'static [&'static str] {
         &[]
     }
