@@ -237,40 +237,41 @@ pub(super) trait SolidGroups<const C: usize> {
     fn material(&self) -> (&SolidMaterial, usize);
 }
 
+impl<'a, H> ElementPass<'a, H> {
+    /// Returns the history of the pass, and the pass with another one.
+    #[inline(always)]
+    fn exchange<T>(self, other: T) -> (H, ElementPass<'a, T>) {
+        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
+            self;
+        let pass = ElementPass {
+            range,
+            count,
+            groups,
+            history: other,
+            unstrained,
+            nodes,
+            dt,
+            least_dt,
+            out,
+            energies,
+        };
+        (history, pass)
+    }
+}
+
 impl<'a> ElementPass<'a> {
     /// Calls `kernel` for each group of shells with `columns` history columns per element, and sums
     /// up the totals.
     #[inline(always)]
     pub(super) fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
-        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
-            self;
+        let (history, pass) = self.exchange(());
         match history {
-            HistoryStorage::Double(history) => ElementPass {
-                range,
-                count,
-                groups,
-                history,
-                unstrained,
-                nodes,
-                dt,
-                least_dt,
-                out,
-                energies,
+            HistoryStorage::Double(history) => {
+                pass.exchange(history).1.shells_in::<LANES>(columns, kernel)
             }
-            .shells_in::<LANES>(columns, kernel),
-            HistoryStorage::Single(history) => ElementPass {
-                range,
-                count,
-                groups,
-                history,
-                unstrained,
-                nodes,
-                dt,
-                least_dt,
-                out,
-                energies,
+            HistoryStorage::Single(history) => {
+                pass.exchange(history).1.shells_in::<LANES32>(columns, kernel)
             }
-            .shells_in::<LANES32>(columns, kernel),
         }
     }
 
@@ -281,35 +282,14 @@ impl<'a> ElementPass<'a> {
         columns: usize,
         kernel: &impl SolidGroups<C>,
     ) -> PassTotals {
-        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
-            self;
+        let (history, pass) = self.exchange(());
         match history {
-            HistoryStorage::Double(history) => ElementPass {
-                range,
-                count,
-                groups,
-                history,
-                unstrained,
-                nodes,
-                dt,
-                least_dt,
-                out,
-                energies,
+            HistoryStorage::Double(history) => {
+                pass.exchange(history).1.solids_in::<C, LANES>(columns, kernel)
             }
-            .solids_in::<C, LANES>(columns, kernel),
-            HistoryStorage::Single(history) => ElementPass {
-                range,
-                count,
-                groups,
-                history,
-                unstrained,
-                nodes,
-                dt,
-                least_dt,
-                out,
-                energies,
+            HistoryStorage::Single(history) => {
+                pass.exchange(history).1.solids_in::<C, LANES32>(columns, kernel)
             }
-            .solids_in::<C, LANES32>(columns, kernel),
         }
     }
 
@@ -319,23 +299,11 @@ impl<'a> ElementPass<'a> {
     /// # Panics
     /// If the block stores its columns in single precision.
     pub(super) fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
-        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
-            self;
+        let (history, pass) = self.exchange(());
         let HistoryStorage::Double(history) = history else {
             panic!("this element exists in double precision only")
         };
-        ElementPass {
-            range,
-            count,
-            groups,
-            history,
-            unstrained,
-            nodes,
-            dt,
-            least_dt,
-            out,
-            energies,
-        }
+        pass.exchange(history).1
     }
 }
 
